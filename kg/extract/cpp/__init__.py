@@ -1,0 +1,1 @@
+"""What C++ code declares: nodes, their interfaces and parameters."""

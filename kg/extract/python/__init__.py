@@ -1,0 +1,1 @@
+"""What Python code declares: nodes, their interfaces and parameters."""

@@ -1,0 +1,303 @@
+"""The facts that extractors yield; nothing else passes from reading to the graph.
+
+All are frozen and slotted. Paths are relative to the root of their source, with `/` between parts;
+lines count from one. A fact never holds an IRI: `kg.graph` makes those.
+
+Two levels are never mixed (see `docs/names.md`): a `NodeType` is what code declares, names as
+written; instances of nodes, with the names a launch configuration gives them, are facts of their own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+__all__ = [
+    "Access",
+    "Dependency",
+    "Field",
+    "FileKind",
+    "Interface",
+    "InterfaceDefinition",
+    "Location",
+    "NodeKind",
+    "NodeType",
+    "Package",
+    "PackageFacts",
+    "Parameter",
+    "Person",
+    "Problem",
+    "Qos",
+    "Repository",
+    "Resolution",
+    "Role",
+    "SourceFile",
+]
+
+
+class Resolution(StrEnum):
+    """How the name of an interface became known, from best to worst."""
+
+    LITERAL = "literal"
+    CONSTANT = "constant"
+    PARAMETER_DEFAULT = "parameter-default"
+    LAUNCH_ARGUMENT = "launch-argument"
+    PARTIAL = "partial"
+    UNRESOLVED = "unresolved"
+
+
+class Role(StrEnum):
+    """What a node does at an interface; the value is the key in `kg nodes --json`."""
+
+    PUBLISHES = "publishes"
+    SUBSCRIBES = "subscribes"
+    SERVICES = "services"
+    CLIENTS = "clients"
+    ACTION_SERVERS = "action_servers"
+    ACTION_CLIENTS = "action_clients"
+
+
+class NodeKind(StrEnum):
+    """How a node is started."""
+
+    EXECUTABLE = "executable"
+    SCRIPT = "script"
+    NODELET = "nodelet"
+    COMPONENT = "component"
+    PLUGIN = "plugin"
+    CLASS = "class"
+
+
+class Access(StrEnum):
+    """What code does with a parameter."""
+
+    READ = "read"
+    WRITE = "write"
+    DECLARE = "declare"
+
+
+class FileKind(StrEnum):
+    """The sorting of files of RNKG section 3.2.1: code by what it is, and text."""
+
+    CPP = "cpp"
+    PYTHON = "python"
+    MESSAGE = "msg"
+    SERVICE = "srv"
+    ACTION = "action"
+    LAUNCH = "launch"
+    MANIFEST = "manifest"
+    BUILD = "build"
+    PLUGIN = "plugin"
+    CONFIG = "config"
+    TEXT = "text"
+
+
+@dataclass(frozen=True, slots=True)
+class Location:
+    """A line of a file, relative to the root of its source.
+
+    `repository` is None for the source that the fact belongs to, else the name of the other source of the
+    build that the file stands in (a base class, say).
+    """
+
+    path: str
+    line: int
+    repository: str | None = None
+
+    def __str__(self) -> str:
+        return f"{self.path}:{self.line}"
+
+
+@dataclass(frozen=True, slots=True)
+class Qos:
+    """Quality of service of one end of a ROS 2 interface; None where the code leaves it to a default not known."""
+
+    reliability: str | None = None
+    durability: str | None = None
+    history: str | None = None
+    depth: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Interface:
+    """One end of a topic, service or action that a node declares.
+
+    `name` is the name as the node gives it to ROS: relative (`scan`), private (`~/scan`) or absolute
+    (`/scan`), with the namespace of its node handle in front; a part that is not known stands as `{}`
+    (resolution `partial`); None when nothing of it is known (`unresolved`). `resolved` is the same name
+    for a node started alone, under its own name, in the root namespace and without remapping.
+    `written` is the expression in the code. `type` is `package/Type`. `parameter` names the parameter
+    whose value the name is (its default is then in `name`). `origin` says through which framework or
+    table the fact came when it is `implicit`. `reason` tells why something stayed unresolved.
+    """
+
+    role: Role
+    name: str | None
+    type: str | None
+    resolution: Resolution
+    location: Location
+    resolved: str | None = None
+    written: str | None = None
+    parameter: str | None = None
+    implicit: bool = False
+    origin: str | None = None
+    qos: Qos | None = None
+    reason: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A parameter that a node reads, writes or declares; `name` follows the rules of `Interface.name`.
+
+    `type` is a ROS parameter type (`bool`, `int`, `double`, `string`, `double_array`, ...); `default` is
+    written as YAML. None where the code does not tell.
+    """
+
+    name: str | None
+    type: str | None
+    default: str | None
+    access: Access
+    location: Location
+    resolution: Resolution = Resolution.LITERAL
+    implicit: bool = False
+    origin: str | None = None
+    reason: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class NodeType:
+    """What an executable, script, nodelet, component, plugin or node class declares in code (RNKG's node)."""
+
+    name: str
+    kind: NodeKind
+    language: str
+    ros: int
+    location: Location
+    executable: str | None = None
+    plugin: str | None = None
+    node_name: str | None = None
+    """The name it gives itself (`ros::init`, `Node("...")`), before any remapping."""
+    base_class: str | None = None
+    """For plugins and nodelets the class they are loaded as (`nodelet::Nodelet`, `nav2_core::Controller`)."""
+    sources: tuple[str, ...] = ()
+    interfaces: tuple[Interface, ...] = ()
+    parameters: tuple[Parameter, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """A field or constant of an interface definition.
+
+    `section` is message, request, response, goal, result or feedback.
+    """
+
+    section: str
+    name: str
+    type: str
+    line: int
+    default: str | None = None
+    constant: str | None = None
+    comment: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class InterfaceDefinition:
+    """A message, service or action type with its fields; `kind` is msg, srv or action."""
+
+    kind: str
+    package: str
+    name: str
+    fields: tuple[Field, ...]
+    location: Location
+
+
+@dataclass(frozen=True, slots=True)
+class Person:
+    """A maintainer or author of a package."""
+
+    name: str
+    email: str | None = None
+    role: str = "maintainer"
+
+
+@dataclass(frozen=True, slots=True)
+class Dependency:
+    """What a package depends on; `kind` is the element of package.xml (`depend`, `exec_depend`, ...)."""
+
+    name: str
+    kind: str
+    line: int
+
+
+@dataclass(frozen=True, slots=True)
+class Package:
+    """A ROS package as its package.xml and build files describe it."""
+
+    name: str
+    path: str
+    """Folder of the package, relative to the root of the source; `.` for the root itself."""
+    ros: int
+    location: Location
+    version: str | None = None
+    description: str | None = None
+    format: int | None = None
+    build_type: str | None = None
+    licenses: tuple[str, ...] = ()
+    people: tuple[Person, ...] = ()
+    urls: tuple[tuple[str, str], ...] = ()
+    """Pairs of kind (`website`, `repository`, `bugtracker`) and address."""
+    dependencies: tuple[Dependency, ...] = ()
+    deprecated: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class SourceFile:
+    """A file that belongs to a package, sorted as RNKG section 3.2.1 sorts them; `digest` is a BLAKE2b of its bytes."""
+
+    path: str
+    kind: FileKind
+    bytes: int
+    digest: str
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """Something in the sources that could not be read as it should; `code` is a key of `kg.errors.CATALOGUE`."""
+
+    code: str
+    message: str
+    path: str
+    line: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Repository:
+    """A source: a git checkout or a plain folder.
+
+    `name` is `host/owner/name` from the remote (`github.com/husky/husky`), or `local/NAME` for a folder
+    without one. `commit` is None where the folder is no git checkout; `dirty` tells of changes on top of it.
+    """
+
+    name: str
+    root: str
+    commit: str | None = None
+    remote: str | None = None
+    branch: str | None = None
+    dirty: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class PackageFacts:
+    """All that was read of one package: the result of extraction, which is a pure function of the package.
+
+    `inputs` maps every file that was read to its digest, those of other packages too (base classes,
+    message definitions); nothing else can change the result.
+    """
+
+    repository: str
+    package: Package
+    nodes: tuple[NodeType, ...] = ()
+    definitions: tuple[InterfaceDefinition, ...] = ()
+    files: tuple[SourceFile, ...] = ()
+    problems: tuple[Problem, ...] = ()
+    inputs: tuple[tuple[str, str], ...] = ()

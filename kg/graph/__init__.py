@@ -1,0 +1,1 @@
+"""Stage 3: facts become RDF: vocabulary, IRIs, named graphs. Nothing here knows of files."""

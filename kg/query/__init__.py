@@ -1,0 +1,1 @@
+"""The one way a query is run: guards, limits, formats, stored queries."""

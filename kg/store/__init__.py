@@ -1,0 +1,1 @@
+"""The store of quads. Nothing here knows of ROS."""
