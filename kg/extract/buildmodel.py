@@ -8,8 +8,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import TYPE_CHECKING
 
-from kg.facts import Location
+if TYPE_CHECKING:
+    from kg.facts import Location
 
 __all__ = ["BuildModel", "EntryPoint", "PluginClass", "Registration", "Script", "Target", "TargetKind"]
 
@@ -27,8 +29,7 @@ class Target:
     """An executable or library of CMake.
 
     `sources` are paths relative to the root of the source, globs expanded; `links` are the names of targets
-    (and packages) it links, as written after variables were expanded; `parameters` are the YAML files of
-    `generate_parameter_library` whose generated header it links.
+    (and packages) it links, as written after variables were expanded.
     """
 
     name: str
@@ -52,7 +53,7 @@ class PluginClass:
     """A class that is loaded by name: a nodelet, a component or another plugin.
 
     `name` is what a user loads (`package/Class` for pluginlib with a name, else the type), `type` the C++ class,
-    `executable` the stand-alone executable that the build makes for it, `node_name` none until the code is read.
+    `executable` the stand-alone executable that the build makes for it.
     """
 
     name: str
