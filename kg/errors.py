@@ -49,11 +49,15 @@ class Exit(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where something is: a file with an optional line and column, both counted from one."""
+    """Where something is: a file with an optional line and column, both counted from one.
+
+    `excerpt` is the text of that line, for places that no file can be read for (a query typed by hand).
+    """
 
     path: str
     line: int | None = None
     column: int | None = None
+    excerpt: str | None = None
 
     def __str__(self) -> str:
         return ":".join(str(part) for part in (self.path, self.line, self.column) if part is not None)
