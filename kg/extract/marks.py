@@ -1,8 +1,30 @@
-"""What a reader of code hands on beside a node: which frameworks the node uses, and where.
+"""Marks: what the readers of C++ and Python saw of frameworks, before anybody says what the frameworks make of it.
 
-A framework makes interfaces that do not stand in the code (`/rosout`, `/tf`, a bond, `~/set_parameters`).
-The readers of C++ and Python only mark the use; `kg.extract.implicit` turns marks into implicit interfaces
-with the table `ontology/implicit.toml`, whose keys the marks are.
+A reader of code records that a node *uses* a framework; which topics, services and parameters that framework then
+makes by itself stands in `ontology/implicit.toml`, as data, and is added by `kg.extract.implicit`.
+
+The keys (`namespace` and `detail` are empty where a line does not name them; names follow `kg.facts.Interface.name`):
+
+* `ros1.node`, `ros2.node`: every node has this; `kg.extract.implicit` adds it by `NodeType.ros`, readers need not.
+* `ros2.lifecycle`: the node is a lifecycle node.
+* `tf.listener`: `tf` or `tf2_ros` transform listener.
+* `tf.broadcaster`, `tf.static_broadcaster`: transform broadcasters.
+* `tf2.buffer_debug`: a ROS 1 `tf2_ros` buffer made with `debug` (the default of `rospy`'s).
+* `diagnostics.updater`: `diagnostic_updater::Updater`.
+* `diagnostics.self_test`: `self_test::TestRunner`.
+* `bond`: a bond; `detail` is its topic.
+* `dynamic_reconfigure.server`: `namespace` is the one of the handle it was made with (`~` when it was made without,
+  `~/costmap`, ...), `detail` the configuration as `package/Name` (`amcl/AMCL`, without `Config`), or None.
+* `dynamic_reconfigure.client`: `namespace` is the name of the node it configures.
+* `image_transport.publisher`: `detail` is the base topic, with the namespace of its handle in front.
+* `image_transport.subscriber`: `detail` is the base topic, with the namespace of its handle in front.
+* `point_cloud_transport.publisher`: `detail` is the base topic, with the namespace of its handle in front.
+* `interactive_markers.server`: `detail` is its topic namespace.
+* `generate_parameter_library`: `detail` is the name of the CMake target whose header (`TARGET.hpp`,
+  `PACKAGE/TARGET.hpp`) the node includes; `namespace` is the prefix given to its listener, if one is.
+
+The base interface itself (`image` and `camera_info` of a camera publisher, the action of an action server) is an
+ordinary interface of the node and not the business of a mark.
 """
 
 from __future__ import annotations
@@ -18,24 +40,17 @@ __all__ = ["Extracted", "Mark"]
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """One use of a framework by a node.
-
-    `key` is an entry of the table (`ros1.node`, `tf.listener`, `dynamic_reconfigure.server`,
-    `image_transport.publisher`). `name` is the name that the interfaces hang on where the framework derives
-    them from one (the topic of an image publisher, the namespace of a reconfigure server), written like
-    `Interface.name`. `argument` is a further word the table may need: the configuration type of a
-    reconfigure server (`package/Name`), say.
-    """
+    """A use of a framework at a line of code; the module's docstring lists the keys."""
 
     key: str
     location: Location
-    name: str | None = None
-    argument: str | None = None
+    namespace: str = ""
+    detail: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Extracted:
-    """A node as its code declares it, with the marks of the frameworks it uses."""
+    """A node as a reader of code found it, with the frameworks that it uses."""
 
     node: NodeType
     marks: tuple[Mark, ...] = ()
