@@ -1,0 +1,133 @@
+"""The files of a source: what they are, which package owns them, and how a file of the build is named.
+
+The sorting is that of RNKG section 3.2.1: code by the folder or ending that ROS gives it, and text.
+Files of no kind (pictures, meshes, bags) are not listed at all.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from kg.facts import FileKind
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from kg.facts import Problem, Repository
+
+__all__ = ["FileEntry", "FilePath", "PackageFolder", "Source", "sort_file"]
+
+_ENDINGS: Final = {
+    **dict.fromkeys(("cpp", "cc", "cxx", "c", "c++", "h", "hpp", "hh", "hxx", "h++"), FileKind.CPP),
+    **dict.fromkeys(("ipp", "tpp", "txx", "tcc", "inl", "impl", "inc", "cu", "cuh"), FileKind.CPP),
+    "py": FileKind.PYTHON,
+    "msg": FileKind.MESSAGE,
+    "srv": FileKind.SERVICE,
+    "action": FileKind.ACTION,
+    "launch": FileKind.LAUNCH,
+    "test": FileKind.LAUNCH,
+    "cmake": FileKind.BUILD,
+    **dict.fromkeys(("yaml", "yml", "cfg", "json", "xml", "ini", "toml"), FileKind.CONFIG),
+    **dict.fromkeys(("urdf", "xacro", "srdf", "sdf", "world", "rviz"), FileKind.CONFIG),
+    **dict.fromkeys(("md", "rst", "txt", "dox", "adoc", "markdown"), FileKind.TEXT),
+}
+_NAMES: Final = {
+    "package.xml": FileKind.MANIFEST,
+    "manifest.xml": FileKind.MANIFEST,
+    "stack.xml": FileKind.MANIFEST,
+    "CMakeLists.txt": FileKind.BUILD,
+    "setup.py": FileKind.BUILD,
+    "setup.cfg": FileKind.BUILD,
+    "pyproject.toml": FileKind.BUILD,
+    "LICENSE": FileKind.TEXT,
+    "README": FileKind.TEXT,
+    "CHANGELOG": FileKind.TEXT,
+}
+_IDL_FOLDERS: Final = {"msg": FileKind.MESSAGE, "srv": FileKind.SERVICE, "action": FileKind.ACTION}
+_LAUNCH_ENDINGS: Final = tuple(
+    f"{mark}launch.{ending}" for mark in (".", "_") for ending in ("py", "xml", "yaml", "yml")
+)
+
+
+class FilePath(NamedTuple):
+    """A file of the build: the name of its repository and its path relative to the root of that source."""
+
+    repository: str
+    path: str
+
+
+@dataclass(frozen=True, slots=True)
+class FileEntry:
+    """A file as the walk over its source saw it; `path` is relative to the root of the source."""
+
+    path: str
+    kind: FileKind
+    bytes: int
+    mtime_ns: int
+    executable: bool
+
+
+@dataclass(frozen=True, slots=True)
+class PackageFolder:
+    """A folder with a manifest and the files it owns: those below it that no nested package owns.
+
+    `path` is `.` for the root of the source; `manifest` is None for loose code treated as one package.
+    """
+
+    name: str
+    path: str
+    manifest: str | None
+    files: tuple[FileEntry, ...]
+
+    def join(self, relative: str) -> str:
+        """Return the path, relative to the source, of `relative` to this package."""
+        return relative if self.path == "." else f"{self.path}/{relative}"
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """One repository or folder of the build; `loose` are files that no package owns.
+
+    `links` maps folders that are links to the folder of the same source they lead to.
+    """
+
+    repository: Repository
+    root: Path
+    packages: tuple[PackageFolder, ...]
+    loose: tuple[FileEntry, ...] = ()
+    problems: tuple[Problem, ...] = ()
+    links: tuple[tuple[str, str], ...] = ()
+
+
+def sort_file(name: str, folder: str, *, in_module: bool = False) -> FileKind | None:
+    """Return the kind of the file `name` in a folder called `folder`; None for files nothing is read from.
+
+    `in_module` tells that the folder is a Python package, whose modules are code even in a folder `launch`.
+    """
+    named = _NAMES.get(name)
+    if named is not None:
+        return named
+    if name.endswith(_LAUNCH_ENDINGS):
+        return FileKind.LAUNCH
+    stem, dot, ending = name.rpartition(".")
+    if not dot or not stem:
+        return None
+    kind = _ENDINGS.get(ending.lower())
+    if kind is None and ending in {"in", "em"}:
+        return _template(stem)
+    if ending == "idl":
+        return _IDL_FOLDERS.get(folder)
+    if folder == "launch" and not in_module and ending in {"py", "xml"}:
+        return FileKind.LAUNCH
+    if kind is FileKind.CONFIG and ending == "xml" and ("plugin" in stem or "nodelet" in stem):
+        return FileKind.PLUGIN
+    return kind
+
+
+def _template(stem: str) -> FileKind | None:
+    """Return the kind of a template by what it becomes: CMake and C++ headers are worth reading before that."""
+    ending = stem.rpartition(".")[2]
+    if ending == "cmake":
+        return FileKind.BUILD
+    return FileKind.CPP if ending in {"h", "hpp"} else None

@@ -1,0 +1,169 @@
+"""What git knows of a folder: the name of the repository, commit, branch, remote, and whether it was changed.
+
+`git` is run without hooks, monitors, prompts or the caller's `GIT_*` variables; where it is missing, the
+files in `.git` are read instead (then changes on top of the commit are not seen).
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+from typing import TYPE_CHECKING, Final
+
+from kg.facts import Repository
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+__all__ = ["describe", "repository_name", "run_git"]
+
+_SAFE: Final = (
+    "-c",
+    "core.fsmonitor=false",
+    "-c",
+    "core.hooksPath=/dev/null",
+    "-c",
+    "safe.directory=*",
+    "-c",
+    "protocol.ext.allow=never",
+    "-c",
+    "gc.auto=0",
+)
+_QUICK_SECONDS: Final = 20.0
+_SCP: Final = re.compile(r"^(?:[^@/:\s]+@)?(?P<host>[^/:\s]+):(?!//)(?P<path>.+)$")
+_URL: Final = re.compile(
+    r"^(?P<scheme>[a-zA-Z][a-zA-Z0-9+.-]*)://(?:[^@/\s]*@)?(?P<host>[^/:\s]*)(?::\d+)?/(?P<path>.*)$"
+)
+
+
+def describe(folder: Path) -> Repository:
+    """Return the repository that `folder` is the root of or a committed part of, else `local/NAME`."""
+    top = _toplevel(folder)
+    if top is None:
+        return Repository(f"local/{folder.name or 'root'}", str(folder))
+    try:
+        return _ask_git(top)
+    except (OSError, subprocess.SubprocessError):
+        return _read_git_files(top)
+
+
+def run_git(arguments: tuple[str, ...], *, folder: Path | None = None, timeout: float | None = _QUICK_SECONDS) -> str:
+    """Return what `git` prints; raises `OSError` when it is missing and `SubprocessError` when it fails or is late."""
+    environment = {key: value for key, value in os.environ.items() if not key.startswith("GIT_")}
+    environment |= {"GIT_TERMINAL_PROMPT": "0", "GIT_OPTIONAL_LOCKS": "0", "LC_ALL": "C"}
+    command = ("git", *_SAFE, *(("-C", str(folder)) if folder else ()), *arguments)
+    done = subprocess.run(  # noqa: S603  (fixed program; addresses and paths stand behind `--`)
+        command,
+        check=True,
+        capture_output=True,
+        stdin=subprocess.DEVNULL,
+        env=environment,
+        timeout=timeout,
+    )
+    return os.fsdecode(done.stdout)
+
+
+def repository_name(remote: str) -> str | None:
+    """Return `host/owner/name` of a remote's address (https, ssh, scp-like, git); None for one on this machine."""
+    address = remote.strip()
+    match = _URL.match(address) or _SCP.match(address)
+    if match is None or not match["host"] or match.groupdict().get("scheme") == "file":
+        return None
+    path = "/".join(part for part in match["path"].split("/") if part not in {"", ".", "..", "~"})
+    path = path.removesuffix(".git")
+    return f"{match['host'].lower()}/{path}" if path else None
+
+
+def _toplevel(folder: Path) -> Path | None:
+    """Return the root of the checkout: the folder itself, or one above it when the folder is committed there."""
+    if (folder / ".git").exists():
+        return folder
+    above = next((parent for parent in folder.parents if (parent / ".git").exists()), None)
+    if above is None:
+        return None
+    within = folder.relative_to(above).as_posix()
+    try:
+        listed = run_git(("ls-tree", "-d", "--name-only", "HEAD", "--", within), folder=above)
+    except (OSError, subprocess.SubprocessError):
+        return None
+    return above if listed.strip() else None
+
+
+def _ask_git(top: Path) -> Repository:
+    try:
+        commit, branch = run_git(("rev-parse", "HEAD", "--abbrev-ref", "HEAD"), folder=top).splitlines()
+    except subprocess.CalledProcessError:
+        commit, branch = "", "HEAD"
+    changed = run_git(("status", "--porcelain", "--untracked-files=no", "--ignore-submodules=all"), folder=top)
+    remote = _pick_remote(_remotes(top))
+    name = _name(top, remote)
+    return Repository(name, str(top), commit or None, remote, None if branch == "HEAD" else branch, bool(changed))
+
+
+def _remotes(top: Path) -> dict[str, str]:
+    try:
+        listed = run_git(("config", "--get-regexp", r"^remote\..*\.url$"), folder=top)
+    except subprocess.CalledProcessError:
+        return {}
+    pairs = (line.partition(" ")[::2] for line in listed.splitlines())
+    return {key.removeprefix("remote.").removesuffix(".url"): url for key, url in pairs}
+
+
+def _pick_remote(remotes: dict[str, str]) -> str | None:
+    chosen = remotes.get("origin") or next((remotes[name] for name in sorted(remotes)), None)
+    return re.sub(r"(?<=://)[^@/\s]*@", "", chosen) if chosen else None
+
+
+def _name(top: Path, remote: str | None) -> str:
+    return (repository_name(remote) if remote else None) or f"local/{top.name or 'root'}"
+
+
+def _read_git_files(top: Path) -> Repository:
+    folder = _git_folder(top)
+    head = _read(folder / "HEAD")
+    branch = head.removeprefix("ref: refs/heads/") if head.startswith("ref: refs/heads/") else None
+    commit = _resolve_reference(folder, head.removeprefix("ref: ")) if head.startswith("ref: ") else head
+    remote = _pick_remote(_configured_remotes(_common_folder(folder)))
+    return Repository(_name(top, remote), str(top), commit or None, remote, branch)
+
+
+def _git_folder(top: Path) -> Path:
+    """Return the folder that `.git` is or, in a worktree or submodule, names."""
+    marker = top / ".git"
+    text = _read(marker) if marker.is_file() else ""
+    return (top / text.removeprefix("gitdir: ")) if text.startswith("gitdir: ") else marker
+
+
+def _common_folder(folder: Path) -> Path:
+    common = _read(folder / "commondir")
+    return folder / common if common else folder
+
+
+def _resolve_reference(folder: Path, reference: str) -> str:
+    common = _common_folder(folder)
+    loose = _read(folder / reference) or _read(common / reference)
+    if loose:
+        return loose
+    lines = (line.split(" ") for line in _read(common / "packed-refs").splitlines())
+    return next((parts[0] for parts in lines if parts[1:] == [reference]), "")
+
+
+def _configured_remotes(folder: Path) -> dict[str, str]:
+    remotes: dict[str, str] = {}
+    section = None
+    for line in _read(folder / "config").splitlines():
+        header = re.match(r'\s*\[remote "(.*)"\]', line)
+        if header or line.lstrip().startswith("["):
+            section = header[1] if header else None
+        key, _, value = line.partition("=")
+        if section and key.strip() == "url":
+            remotes[section] = value.strip()
+    return remotes
+
+
+def _read(path: Path) -> str:
+    try:
+        return path.read_text("utf-8", "surrogateescape").strip()
+    except OSError:
+        return ""

@@ -1,0 +1,238 @@
+"""The walk over a source: every folder is listed once and every file looked at once.
+
+Skipped are hidden folders, folders with an ignore marker of catkin, colcon or ament, what builds leave
+behind, nested checkouts (sources of their own), and links that lead out of the root or in a loop.
+"""
+
+from __future__ import annotations
+
+import os
+import stat
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final
+
+from kg.corpus.files import FileEntry, PackageFolder, Source, sort_file
+from kg.corpus.git import describe
+from kg.corpus.xml import parse_xml
+from kg.errors import SourceError
+from kg.facts import FileKind, Problem, Repository
+
+__all__ = ["scan", "scan_tree"]
+
+_IGNORE_MARKERS: Final = frozenset({"COLCON_IGNORE", "CATKIN_IGNORE", "AMENT_IGNORE"})
+_BUILD_FOLDERS: Final = frozenset({"build", "install", "devel", "log"})
+_BUILD_TRACES: Final = frozenset({"CMakeCache.txt", "CMakeFiles", ".catkin", ".built_by", "setup.bash"})
+_NEVER_SOURCE: Final = frozenset({"__pycache__", "node_modules", "CMakeFiles", "site-packages"})
+_CODE: Final = frozenset({FileKind.CPP, FileKind.PYTHON, FileKind.LAUNCH, FileKind.MESSAGE})
+_SHEBANG_BYTES: Final = 64
+_MANIFEST_BYTES: Final = 1 << 20
+
+
+@dataclass(slots=True)
+class _Folder:
+    """A package while its files are being collected."""
+
+    path: str
+    manifest: str | None
+    files: list[FileEntry] = field(default_factory=list)
+
+
+@dataclass(slots=True)
+class _Walk:
+    """The state of one walk: what is left to list and what was found."""
+
+    root: str
+    real_root: str
+    pending: list[tuple[str, _Folder]]
+    loose: _Folder
+    packages: list[_Folder] = field(default_factory=list)
+    problems: list[Problem] = field(default_factory=list)
+    links: list[tuple[str, str]] = field(default_factory=list)
+    nested: list[str] = field(default_factory=list)
+
+    def problem(self, path: str, message: str, code: str = "KG110") -> None:
+        """Note that something at `path` was not read."""
+        printable = os.fsencode(path).decode("utf-8", "backslashreplace")
+        self.problems.append(Problem(code, message, printable))
+
+
+def scan(root: Path, repository: Repository | None = None) -> Source:
+    """Walk one source; `repository` overrides what git says of the folder.
+
+    A folder inside a checkout is read as that part of the checkout, paths relative to the checkout's root.
+    Raises `SourceError` (KG101) when the folder cannot be listed; everything else is a problem in the source.
+    """
+    return _scan(root, repository)[0]
+
+
+def scan_tree(root: Path) -> tuple[Source, ...]:
+    """Walk a folder and the checkouts nested in it (repositories of a workspace, submodules), each a source."""
+    source, nested = _scan(root, None)
+    inner = tuple(found for path in nested for found in scan_tree(Path(path)))
+    return (source, *inner) if source.packages or not inner else inner
+
+
+def _scan(root: Path, repository: Repository | None) -> tuple[Source, list[str]]:
+    start = os.path.abspath(root)  # noqa: PTH100  (links on the way to the root are the user's own)
+    if not os.path.isdir(start):  # noqa: PTH112  (as fast as the rest of the walk)
+        raise SourceError("KG101", f"there is no folder {root}", hint="Check the path.")
+    known = repository or describe(Path(start))
+    base = known.root
+    loose = _Folder(".", None)
+    within = os.path.relpath(start, base)
+    walk = _Walk(base, os.path.realpath(base), [("" if within == "." else within, loose)], loose)
+    _walk(walk)
+    packages = _name_packages(walk, known.name.rpartition("/")[2])
+    problems = tuple(sorted(walk.problems, key=lambda problem: (problem.path, problem.code)))
+    links = tuple(sorted(walk.links))
+    left = () if packages and packages[0].manifest is None else tuple(_by_path(loose.files))
+    return Source(known, Path(base), packages, left, problems, links), [f"{base}/{path}" for path in walk.nested]
+
+
+def _walk(walk: _Walk) -> None:
+    first = True
+    while walk.pending:
+        folder, owner = walk.pending.pop()
+        try:
+            with os.scandir(f"{walk.root}/{folder}") as listing:
+                entries = list(listing)
+        except OSError as error:
+            if first:
+                raise SourceError("KG101", f"the folder {walk.root} cannot be listed: {error.strerror}") from error
+            walk.problem(folder, f"the folder cannot be listed: {error.strerror}")
+            continue
+        _list_folder(walk, folder, owner, entries, top=first)
+        first = False
+
+
+def _list_folder(walk: _Walk, folder: str, owner: _Folder, entries: list[os.DirEntry[str]], *, top: bool) -> None:
+    names = {entry.name for entry in entries}
+    base = folder.rpartition("/")[2]
+    if not top and (names & _IGNORE_MARKERS or "pyvenv.cfg" in names):
+        return
+    if not top and ".git" in names:
+        walk.nested.append(folder)
+        return
+    generated = owner.manifest is None or names & _BUILD_TRACES
+    if base in _BUILD_FOLDERS and not top and generated and "package.xml" not in names:
+        return
+    manifest = next((name for name in ("package.xml", "manifest.xml") if name in names), None)
+    if manifest and not (manifest == "manifest.xml" and owner.manifest):
+        owner = _Folder(folder or ".", f"{folder}/{manifest}" if folder else manifest)
+        walk.packages.append(owner)
+    in_module = "__init__.py" in names
+    for entry in entries:
+        _take(walk, entry, f"{folder}/{entry.name}" if folder else entry.name, owner, in_module=in_module)
+
+
+def _take(walk: _Walk, entry: os.DirEntry[str], path: str, owner: _Folder, *, in_module: bool) -> None:
+    name = entry.name
+    if not name.isascii() and not _is_text(name):
+        walk.problem(path, "the name is not UTF-8; it was left out")
+        return
+    if entry.is_symlink() and not _follow(walk, entry, path):
+        return
+    if entry.is_dir():
+        if not name.startswith(".") and name not in _NEVER_SOURCE and not name.endswith(".egg-info"):
+            walk.pending.append((path, owner))
+        return
+    folder = path[: -len(name) - 1].rpartition("/")[2]
+    kind = sort_file(name, folder, in_module=in_module)
+    if kind is None and ("." in name or name == "Makefile"):
+        return
+    try:
+        status = entry.stat()
+    except OSError as error:
+        walk.problem(path, f"the file cannot be read: {error.strerror}")
+        return
+    executable = bool(status.st_mode & stat.S_IXUSR)
+    if not stat.S_ISREG(status.st_mode):
+        return
+    if kind is None:
+        kind = _kind_by_shebang(entry.path)
+    if kind is not None:
+        owner.files.append(FileEntry(path, kind, status.st_size, status.st_mtime_ns, executable))
+
+
+def _is_text(name: str) -> bool:
+    try:
+        name.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+def _follow(walk: _Walk, entry: os.DirEntry[str], path: str) -> bool:
+    """Tell whether a link is to be taken as a file; links to folders are noted, the folder is read where it stands."""
+    try:
+        target = os.path.realpath(entry.path, strict=True)
+    except OSError as error:
+        walk.problem(path, f"the link leads nowhere: {error.strerror}")
+        return False
+    inside = target == walk.real_root or target.startswith(walk.real_root + "/")
+    if not inside:
+        if entry.name != "CMakeLists.txt":
+            walk.problem(path, f"the link leads out of the source, to {target}; name that folder as a source too")
+        return False
+    if not entry.is_dir():
+        return True
+    walk.links.append((path, os.path.relpath(target, walk.real_root)))
+    return False
+
+
+def _kind_by_shebang(path: str) -> FileKind | None:
+    """Return `PYTHON` for a program without an ending whose first line names python."""
+    try:
+        with open(path, "rb") as file:  # noqa: PTH123  (a Path for each file would cost more than the reading)
+            first = file.read(_SHEBANG_BYTES)
+    except OSError:
+        return None
+    return FileKind.PYTHON if first.startswith(b"#!") and b"python" in first.split(b"\n", 1)[0] else None
+
+
+def _by_path(files: list[FileEntry]) -> list[FileEntry]:
+    return sorted(files, key=lambda entry: entry.path)
+
+
+def _name_packages(walk: _Walk, folder_name: str) -> tuple[PackageFolder, ...]:
+    """Return the packages with their names, sorted by path; a name that is taken gives way to the folder."""
+    if not walk.packages:
+        return _whole_root(walk, folder_name)
+    taken: dict[str, str] = {}
+    named = []
+    for folder in sorted(walk.packages, key=lambda package: (package.path.count("/"), package.path)):
+        fallback = folder_name if folder.path == "." else folder.path.rpartition("/")[2]
+        name = _manifest_name(walk, folder) or fallback
+        if name in taken:
+            message = f"a package {name} stands in {taken[name]} already; this one is kept as {folder.path}"
+            walk.problem(folder.manifest or folder.path, message, "KG120")
+            name = folder.path
+        taken[name] = folder.path
+        named.append(PackageFolder(name, folder.path, folder.manifest, tuple(_by_path(folder.files))))
+    return tuple(sorted(named, key=lambda package: package.path))
+
+
+def _whole_root(walk: _Walk, name: str) -> tuple[PackageFolder, ...]:
+    files = walk.loose.files
+    if walk.nested and not files:
+        return ()
+    if not any(entry.kind in _CODE for entry in files):
+        walk.problem(".", "there is no package.xml and no code", "KG102")
+        return ()
+    walk.problem(".", f"there is no package.xml; the whole folder is read as one package {name}", "KG102")
+    return (PackageFolder(name, ".", None, tuple(_by_path(files))),)
+
+
+def _manifest_name(walk: _Walk, folder: _Folder) -> str | None:
+    """Return the name in a package.xml; None for a rosbuild manifest, which has none, and where it is missing."""
+    if folder.manifest is None or folder.manifest.endswith("manifest.xml"):
+        return None
+    try:
+        with open(f"{walk.root}/{folder.manifest}", "rb") as file:  # noqa: PTH123  (as above)
+            text = file.read(_MANIFEST_BYTES)
+    except OSError:
+        return None
+    root = parse_xml(text).root
+    name = root.findtext("name") if root is not None else None
+    return "".join(name.split()) or None if name else None

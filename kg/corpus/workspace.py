@@ -1,0 +1,188 @@
+"""All sources of a build, and the look-ups that readers of code make in them.
+
+Every index is made when it is first asked for, so that a worker pays only for what it uses.
+"""
+
+from __future__ import annotations
+
+import posixpath
+from functools import cached_property
+from typing import TYPE_CHECKING, Final
+
+from kg.corpus.files import FileEntry, FilePath, PackageFolder, Source
+from kg.corpus.scanning import scan, scan_tree
+from kg.facts import FileKind
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["FileEntry", "FilePath", "PackageFolder", "Source", "Workspace", "scan", "scan_tree"]
+
+_MODULE_ROOTS: Final = ("", "src/", "scripts/", "nodes/", "python/", "script/")
+_INCLUDE_ROOTS: Final = ("include/", "src/", "")
+
+
+class Workspace:
+    """The sources of a build with their packages, headers, modules and interface definitions."""
+
+    def __init__(self, sources: Iterable[Source]) -> None:
+        self.sources = tuple(sources)
+        self._includes: dict[tuple[str, str, str], FilePath | None] = {}
+        self._modules: dict[tuple[str, str, str], FilePath | None] = {}
+
+    def source(self, repository: str) -> Source | None:
+        """Return the source of that repository name."""
+        return self._by_name.get(repository)
+
+    def package(self, name: str) -> tuple[Source, PackageFolder] | None:
+        """Return the package of that name and its source, the first if several sources have one."""
+        return self._packages.get(name)
+
+    def entry(self, file: FilePath) -> FileEntry | None:
+        """Return the entry of a file of the build; None when it is not in the build."""
+        owned = self._owners.get(file)
+        return owned[0] if owned else None
+
+    def owner(self, file: FilePath) -> PackageFolder | None:
+        """Return the package that owns a file; None for loose files and files not in the build."""
+        owned = self._owners.get(file)
+        return owned[1] if owned else None
+
+    def include(self, path: str, *, near: FilePath) -> FilePath | None:
+        """Return the file that `#include "path"` in the file `near` means; None when it is not in the build.
+
+        Searched are the folder of `near`, `include/` and `src/` of its package and anything else in it that
+        ends in the path, then the other packages of the build (of the same source first).
+        """
+        folder = posixpath.dirname(near.path)
+        key = (near.repository, folder, path)
+        if key not in self._includes:
+            self._includes[key] = self._find_include(path, near, folder)
+        return self._includes[key]
+
+    def module(self, dotted: str, *, near: FilePath) -> FilePath | None:
+        """Return the file of the Python module `dotted` (leading dots: relative) as imported in the file `near`."""
+        folder = posixpath.dirname(near.path)
+        key = (near.repository, folder, dotted)
+        if key not in self._modules:
+            self._modules[key] = self._find_module(dotted, near, folder)
+        return self._modules[key]
+
+    def definition(self, package: str, name: str, kind: str) -> FilePath | None:
+        """Return the file that defines the interface `package/name`; `kind` is msg, srv or action."""
+        return self._definitions.get((package, name, kind))
+
+    @cached_property
+    def _by_name(self) -> dict[str, Source]:
+        return {source.repository.name: source for source in reversed(self.sources)}
+
+    @cached_property
+    def _packages(self) -> dict[str, tuple[Source, PackageFolder]]:
+        found: dict[str, tuple[Source, PackageFolder]] = {}
+        for source in self.sources:
+            for package in source.packages:
+                found.setdefault(package.name, (source, package))
+        return found
+
+    @cached_property
+    def _owners(self) -> dict[FilePath, tuple[FileEntry, PackageFolder | None]]:
+        owners: dict[FilePath, tuple[FileEntry, PackageFolder | None]] = {}
+        for source in self.sources:
+            name = source.repository.name
+            owners.update((FilePath(name, entry.path), (entry, None)) for entry in source.loose)
+            for package in source.packages:
+                owners.update((FilePath(name, entry.path), (entry, package)) for entry in package.files)
+        return owners
+
+    @cached_property
+    def _definitions(self) -> dict[tuple[str, str, str], FilePath]:
+        kinds = {FileKind.MESSAGE, FileKind.SERVICE, FileKind.ACTION}
+        found: dict[tuple[str, str, str], FilePath] = {}
+        for file, (entry, package) in self._owners.items():
+            if entry.kind in kinds and package:
+                stem = posixpath.basename(file.path).rpartition(".")[0]
+                found.setdefault((package.name, stem, entry.kind.value), file)
+        return found
+
+    @cached_property
+    def _headers(self) -> dict[str, list[FilePath]]:
+        return self._by_last_part(FileKind.CPP)
+
+    @cached_property
+    def _python(self) -> dict[str, list[FilePath]]:
+        return self._by_last_part(FileKind.PYTHON)
+
+    def _by_last_part(self, kind: FileKind) -> dict[str, list[FilePath]]:
+        """Return the files of a kind by their name; a Python package stands under the name of its folder."""
+        found: dict[str, list[FilePath]] = {}
+        for file, (entry, _) in self._owners.items():
+            if entry.kind is kind:
+                found.setdefault(_last_part(file.path), []).append(file)
+        return found
+
+    def _find_include(self, path: str, near: FilePath, folder: str) -> FilePath | None:
+        candidates = self._headers.get(posixpath.basename(path))
+        if not candidates:
+            return None
+        beside = FilePath(near.repository, posixpath.normpath(posixpath.join(folder, path)))
+        if beside in self._owners:
+            return beside
+        wanted = posixpath.normpath(path).lstrip("./")
+        home = self.owner(near)
+        for root in _INCLUDE_ROOTS if home else ():
+            inside = FilePath(near.repository, home.join(root + wanted)) if home else beside
+            if inside in self._owners:
+                return inside
+        fits = [file for file in candidates if file.path == wanted or file.path.endswith("/" + wanted)]
+        return min(fits, key=lambda file: self._distance(file, near, home, "include/" + wanted), default=None)
+
+    def _distance(self, file: FilePath, near: FilePath, home: PackageFolder | None, tail: str) -> tuple[object, ...]:
+        """Order candidates: own package, own source, public headers, short paths, then by name."""
+        own = home is not None and file.repository == near.repository and self.owner(file) is home
+        public = file.path.endswith(tail)
+        return (not own, not public, file.repository != near.repository, len(file.path), file)
+
+    def _find_module(self, dotted: str, near: FilePath, folder: str) -> FilePath | None:
+        name = dotted.lstrip(".")
+        parts = name.replace(".", "/")
+        if dotted.startswith("."):
+            base = folder
+            for _ in range(len(dotted) - len(name) - 1):
+                base = posixpath.dirname(base)
+            return self._module_at(near.repository, posixpath.join(base, parts))
+        if not self._python.get(parts.rpartition("/")[2]):
+            return None
+        home = self.owner(near)
+        roots = [folder, *(home.join(root) for root in _MODULE_ROOTS)] if home else [folder]
+        for root in roots:
+            found = self._module_at(near.repository, posixpath.join(root, parts))
+            if found:
+                return found
+        return self._module_anywhere(parts, near, home)
+
+    def _module_at(self, repository: str, stem: str) -> FilePath | None:
+        stem = posixpath.normpath(stem)
+        for path in (f"{stem}.py", f"{stem}/__init__.py"):
+            if FilePath(repository, path) in self._owners:
+                return FilePath(repository, path)
+        return None
+
+    def _module_anywhere(self, parts: str, near: FilePath, home: PackageFolder | None) -> FilePath | None:
+        """Return a module whose folder is a possible root of imports, that is, no Python package itself."""
+        fits = []
+        for file in self._python[parts.rpartition("/")[2]]:
+            stem = _module_stem(file.path)
+            root = stem[: -len(parts)].rstrip("/")
+            whole = stem == parts or stem.endswith("/" + parts)
+            if whole and FilePath(file.repository, posixpath.join(root, "__init__.py")) not in self._owners:
+                fits.append(file)
+        return min(fits, key=lambda file: self._distance(file, near, home, ""), default=None)
+
+
+def _module_stem(path: str) -> str:
+    return path.removesuffix("/__init__.py") if path.endswith("/__init__.py") else path.rpartition(".")[0] or path
+
+
+def _last_part(path: str) -> str:
+    """Return the name of a file or, for a Python file, of its module."""
+    return posixpath.basename(_module_stem(path) if path.endswith(".py") else path)
