@@ -1,0 +1,1 @@
+"""One module per command group; what they do lives below `kg.cli`."""

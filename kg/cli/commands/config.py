@@ -1,0 +1,60 @@
+"""`kg config`: the settings in force and where each comes from."""
+
+import os
+
+import typer
+
+from kg.cli.options import Json
+from kg.cli.output import Column, json_lines, print_table
+from kg.cli.session import session
+
+__all__ = ["config", "setting_rows", "show"]
+
+
+def config(context: typer.Context) -> None:
+    """Settings: their values and where they come from."""
+    if context.invoked_subcommand is None:
+        show(context)
+
+
+def setting_rows(context: typer.Context) -> list[dict[str, object]]:
+    """Return each setting with its value, origin and sentence, as `kg config show --json` writes them."""
+    rows: list[dict[str, object]] = []
+    for declaration, value, origin in session(context).settings().values():
+        plain = [str(path) for path in value] if isinstance(value, tuple) else value
+        plain = plain if isinstance(plain, int | float | str | list | None) else str(plain)
+        rows.append(
+            {
+                "setting": declaration.name,
+                "value": plain,
+                "origin": str(origin),
+                "flag": declaration.flag,
+                "variable": declaration.variable,
+                "about": declaration.sentence,
+            }
+        )
+    return rows
+
+
+def show(context: typer.Context, *, json: Json = False) -> None:
+    """Show every setting with its value and where the value comes from.
+
+    A flag wins over the environment variable, that over the nearest kg.toml in this folder or above,
+    that over the default:
+
+        # kg.toml
+        store = "/data/kg"
+        jobs = 8
+    """
+    rows = setting_rows(context)
+    if json:
+        json_lines(rows)
+        return
+    columns = (Column("setting", "name"), Column("value"), Column("origin"), Column("about", "dim"))
+    print_table(columns, [(row["setting"], _text(row["value"]), row["origin"], row["about"]) for row in rows])
+
+
+def _text(value: object) -> str:
+    if value is None or value == []:
+        return "-"
+    return os.pathsep.join(value) if isinstance(value, list) else str(value)

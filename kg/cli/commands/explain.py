@@ -1,0 +1,36 @@
+"""`kg explain`: what an error code means."""
+
+from typing import Annotated
+
+import typer
+
+from kg.cli.options import Json
+from kg.cli.output import json_lines, write
+from kg.cli.usage import did_you_mean
+from kg.errors import CATALOGUE, UsageError
+
+__all__ = ["explain"]
+
+Code = Annotated[str | None, typer.Argument(metavar="CODE", help="A code such as KG101; without one all are listed.")]
+
+
+def explain(code: Code = None, *, json: Json = False) -> None:
+    """Say what an error code means and what to do about it.
+
+    kg explain KG301
+    """
+    chosen = {code.upper(): CATALOGUE[code.upper()]} if code and code.upper() in CATALOGUE else CATALOGUE
+    if code and len(chosen) != 1:
+        near = did_you_mean(code.upper(), CATALOGUE)
+        raise UsageError("KG001", f"there is no code `{code}`", hint=near or "`kg explain` lists the codes")
+    if json:
+        json_lines(
+            {"code": key, "title": one.title, "explanation": one.explanation, "way_out": one.way_out}
+            for key, one in chosen.items()
+        )
+    elif code:
+        for key, one in chosen.items():
+            write(f"{key}: {one.title}\n\n{one.explanation}\n\nWay out: {one.way_out}")
+    else:
+        for key, one in chosen.items():
+            write(f"{key}  {one.title}")

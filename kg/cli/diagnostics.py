@@ -1,0 +1,145 @@
+"""Words on standard error: errors, warnings, notes. No other module of the command line writes there.
+
+An error is shown as its code and message, the place, the line of source with a caret when the place has one,
+and the way out:
+
+    error[KG501]: expected a variable
+     --> query.rq:3:8
+      |
+    3 | SELECT WHERE { ?s ?p ?o }
+      |        ^
+    help: correct the query there
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import traceback
+from contextvars import ContextVar
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Final
+
+from kg.cli.text import printable, width
+from kg.errors import CATALOGUE, KgError
+
+if TYPE_CHECKING:
+    from kg.errors import Place
+
+__all__ = ["MODE", "Mode", "colored", "defect", "note", "problem", "render", "report", "say", "warn"]
+
+REPORT_ADDRESS: Final = "the issue tracker named on the project's page"
+_LONGEST: Final = 160
+_STYLES: Final = {"error": "1;31", "warning": "1;33", "note": "1;36", "help": "1;32", "dim": "2", "bold": "1"}
+
+
+@dataclass(frozen=True, slots=True)
+class Mode:
+    """How this run speaks: `color` as the setting, and whether errors come with Python's traceback."""
+
+    color: str = "auto"
+    traceback: bool = False
+
+
+_AS_USUAL: Final = Mode()
+MODE: ContextVar[Mode] = ContextVar("MODE", default=_AS_USUAL)
+
+
+def colored(stream: IO[str]) -> bool:
+    """Tell whether to colour what goes to `stream` (https://no-color.org)."""
+    color = MODE.get().color
+    if color == "auto":
+        return stream.isatty() and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
+    return color == "always"
+
+
+def _paint(style: str, text: str, *, on: bool) -> str:
+    return f"\x1b[{_STYLES[style]}m{text}\x1b[0m" if on else text
+
+
+def say(text: str = "") -> None:
+    """Write a line of words."""
+    sys.stderr.write(text + "\n")
+    sys.stderr.flush()
+
+
+def note(text: str) -> None:
+    """Tell something the user should know about the answer, a cut or a choice made."""
+    say(f"{_paint('note', 'note', on=colored(sys.stderr))}: {text}")
+
+
+def warn(text: str) -> None:
+    """Tell of something that will probably not be what the user wanted."""
+    say(f"{_paint('warning', 'warning', on=colored(sys.stderr))}: {text}")
+
+
+def problem(code: str, message: str, place: str) -> None:
+    """Tell of something wrong in a source, on one line."""
+    on = colored(sys.stderr)
+    say(f"{printable(place)}: {_paint('warning', code, on=on)} {printable(message)}")
+
+
+def report(error: KgError) -> None:
+    """Show an error."""
+    if MODE.get().traceback:
+        say("".join(traceback.format_exception(error)).rstrip())
+    say(render(error, color=colored(sys.stderr)))
+
+
+def defect(error: BaseException) -> None:
+    """Show an error that `kg` did not raise on purpose, as KG900."""
+    tail = traceback.extract_tb(error.__traceback__)[-1:]
+    where = f" ({Path(tail[0].filename).name}:{tail[0].lineno})" if tail else ""
+    first_line = str(error).partition("\n")[0]
+    hint = f"please report it to {REPORT_ADDRESS}, with the command and what it says with KG_DEBUG=1"
+    wrapped = KgError("KG900", f"{type(error).__name__}: {first_line}{where}", hint=hint)
+    wrapped.__cause__ = error
+    report(wrapped)
+
+
+def render(error: KgError, *, color: bool = False) -> str:
+    """Return the lines that show an error."""
+    lines = [_paint("error", f"error[{error.code}]", on=color) + ": " + printable(error.message)]
+    if error.place:
+        lines += _excerpt(error.place, color=color)
+    help_text = error.hint or CATALOGUE[error.code].way_out
+    lines += [f"{_paint('help', 'help', on=color)}: {printable(line)}" for line in help_text.splitlines()]
+    return "\n".join(lines)
+
+
+def _excerpt(place: Place, *, color: bool) -> list[str]:
+    line = _line(place)
+    number = str(place.line or "")
+    gutter = " " * len(number)
+    arrow = _paint("dim", "-->", on=color)
+    lines = [f"{gutter} {arrow} {printable(str(place))}"]
+    if line is None or not line.strip():
+        return lines
+    bar = _paint("dim", "|", on=color)
+    shown, before = _window(line, place.column)
+    lines += [f"{gutter} {bar}", f"{_paint('dim', number, on=color)} {bar} {shown}"]
+    if place.column:
+        lines.append(f"{gutter} {bar} {' ' * before}{_paint('error', '^', on=color)}")
+    return lines
+
+
+def _line(place: Place) -> str | None:
+    """Return the line of source at `place`, if there is one to be had."""
+    if place.excerpt is not None or place.line is None:
+        return place.excerpt
+    try:
+        with Path(place.path).open(encoding="utf-8", errors="replace") as file:
+            return next((line.rstrip("\n") for number, line in enumerate(file, 1) if number == place.line), None)
+    except (OSError, ValueError):
+        return None
+
+
+def _window(line: str, column: int | None) -> tuple[str, int]:
+    """Return the part of `line` around `column` that fits, and the columns before the caret."""
+    position = (column or 1) - 1
+    start = max(0, min(position - _LONGEST // 2, len(line) - _LONGEST))
+    mark = "..." if start else ""
+    end = "..." if len(line) > start + _LONGEST else ""
+    before = mark + printable(line[start:position].ljust(position - start))
+    return mark + printable(line[start : start + _LONGEST]) + end, width(before)

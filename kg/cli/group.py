@@ -1,0 +1,51 @@
+"""The classes of typer's commands that `kg` uses: help from `kg.cli.manual`, endings from `kg.cli.guard`."""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+from typer.core import TyperCommand, TyperGroup
+
+from kg.cli.guard import guarded, hang_up
+from kg.cli.manual import page, plain
+from kg.cli.usage import did_you_mean
+from kg.errors import UsageError
+
+__all__ = ["KgCommand", "KgGroup"]
+
+
+class KgCommand(TyperCommand):
+    """A command."""
+
+    def get_help(self, ctx: Any) -> str:
+        """Return the text of `--help`."""
+        return plain(page(self, ctx))
+
+
+class KgGroup(TyperGroup):
+    """A group of commands, and `kg` itself."""
+
+    def get_help(self, ctx: Any) -> str:
+        """Return the text of `--help`."""
+        return plain(page(self, ctx))
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command; typer would end a broken pipe with a failure."""
+        try:
+            return super().invoke(ctx)
+        except BrokenPipeError:
+            return hang_up()
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Find the command, or name the nearest."""
+        if args and not args[0].startswith("-") and self.get_command(ctx, args[0]) is None:
+            near = did_you_mean(args[0], self.commands)
+            hint = "\n".join(filter(None, (near, f"`{ctx.command_path} --help` lists the commands")))
+            raise UsageError("KG003", f"there is no command `{ctx.command_path} {args[0]}`", hint=hint)
+        return super().resolve_command(ctx, args)
+
+    def main(self, *args: Any, **kwargs: Any) -> Any:
+        """Run and leave the process with an exit code of `kg.errors.Exit`."""
+        kwargs["standalone_mode"] = False
+        sys.exit(guarded(lambda: super(KgGroup, self).main(*args, **kwargs)))

@@ -1,0 +1,54 @@
+"""The boundary between commands and the shell: every ending becomes an exit code and at most a few lines of words."""
+
+from __future__ import annotations
+
+import errno
+import os
+import sys
+from typing import TYPE_CHECKING
+
+from typer import Abort
+from typer.exceptions import TyperException
+
+from kg.cli.diagnostics import defect, report, say
+from kg.cli.usage import as_usage_error
+from kg.errors import Exit, KgError, StoreError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+__all__ = ["guarded", "hang_up"]
+
+
+def guarded(work: Callable[[], object]) -> int:
+    """Run a command and return what the process shall return (`kg.errors.Exit`)."""
+    try:
+        result = work()
+        sys.stdout.flush()
+    except BrokenPipeError:
+        return hang_up()
+    except (KeyboardInterrupt, Abort):
+        result = Exit.INTERRUPTED
+    except Exception as error:  # noqa: BLE001 - the one place where everything ends
+        return _show(error)
+    if result == Exit.INTERRUPTED:
+        say("\ninterrupted")
+    return int(result) if isinstance(result, int) else Exit.OK
+
+
+def hang_up() -> int:
+    """End quietly when the reader of standard output has gone: it has what it wanted."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    return Exit.OK
+
+
+def _show(error: Exception) -> int:
+    if isinstance(error, TyperException):
+        error = as_usage_error(error)
+    elif isinstance(error, OSError) and error.errno == errno.ENOSPC:
+        error = StoreError("KG304", f"no space left on the device ({error.filename or 'output'})")
+    if isinstance(error, KgError):
+        report(error)
+        return error.exit_code
+    defect(error)
+    return Exit.INTERNAL

@@ -1,0 +1,107 @@
+"""What `--help` and docs/cli.md say of a command, taken from its function once and laid out for both.
+
+A command's docstring is its text: paragraphs are filled, indented blocks stay as they are (examples).
+"""
+
+from __future__ import annotations
+
+import inspect
+import shutil
+import textwrap
+from dataclasses import dataclass
+from typing import Any, Final
+
+__all__ = ["Entry", "Page", "page", "plain"]
+
+_WIDEST: Final = 100
+_INDENT: Final = "  "
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """An argument, option or command with the sentence about it."""
+
+    name: str
+    sentence: str
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """The manual of one command; `sections` are titled lists of arguments, options and commands."""
+
+    path: str
+    usage: str
+    text: str
+    sections: tuple[tuple[str, tuple[Entry, ...]], ...]
+    epilogue: str
+
+
+def page(command: Any, context: Any) -> Page:
+    """Return the manual of a typer command in its context."""
+    arguments = [param for param in command.params if param.param_type_name == "argument" and not param.hidden]
+    options = [param for param in command.get_params(context) if param.param_type_name == "option" and not param.hidden]
+    sections = [
+        ("Arguments", tuple(Entry(_argument(param), param.help or "") for param in arguments)),
+        *_command_sections(command),
+        ("Options", tuple(Entry(_option(param), param.help or "") for param in options)),
+    ]
+    usage = " ".join([context.command_path, "[OPTIONS]", *(_argument(param) for param in arguments)])
+    if getattr(command, "commands", None):
+        usage += " COMMAND ..."
+    return Page(
+        context.command_path,
+        usage,
+        inspect.cleandoc(command.help or ""),
+        tuple(section for section in sections if section[1]),
+        inspect.cleandoc(command.epilog or ""),
+    )
+
+
+def _argument(param: Any) -> str:
+    name = param.metavar or param.name.upper()
+    dots = "..." if param.nargs == -1 else ""
+    return f"{name}{dots}" if param.required else f"[{name}{dots}]"
+
+
+def _option(param: Any) -> str:
+    names = ", ".join(sorted(param.opts, key=len)) + "".join(f" / {name}" for name in param.secondary_opts)
+    return names if param.is_flag else f"{names} {param.metavar or param.name.upper()}"
+
+
+def _command_sections(group: Any) -> list[tuple[str, tuple[Entry, ...]]]:
+    sections: dict[str, list[Entry]] = {}
+    for name, command in getattr(group, "commands", {}).items():
+        if not command.hidden:
+            title = getattr(command, "rich_help_panel", None) or "Commands"
+            first = inspect.cleandoc(command.help or "").split("\n\n")[0]
+            sections.setdefault(title, []).append(Entry(name, " ".join(first.split())))
+    return [(title, tuple(entries)) for title, entries in sections.items()]
+
+
+def plain(manual: Page, columns: int | None = None) -> str:
+    """Return a manual as text of at most `columns` columns (default: the terminal's, up to 100)."""
+    columns = columns or min(shutil.get_terminal_size().columns, _WIDEST)
+    parts = [_fill(f"Usage: {manual.usage}", columns, later="         "), *_paragraphs(manual.text, columns)]
+    names = [entry.name for _, entries in manual.sections for entry in entries]
+    longest = min(max(map(len, names), default=0), columns // 3)
+    for title, entries in manual.sections:
+        parts.append("\n".join([f"{title}:", *(_row(entry, longest, columns) for entry in entries)]))
+    return "\n\n".join([*parts, *_paragraphs(manual.epilogue, columns)])
+
+
+def _paragraphs(text: str, columns: int) -> list[str]:
+    return [part if part.startswith("    ") else _fill(part, columns) for part in text.split("\n\n") if part.strip()]
+
+
+def _fill(text: str, columns: int, *, later: str = "") -> str:
+    return textwrap.fill(" ".join(text.split()), columns, subsequent_indent=later, break_on_hyphens=False)
+
+
+def _row(entry: Entry, longest: int, columns: int) -> str:
+    indent = " " * (longest + 2 * len(_INDENT))
+    if len(entry.name) <= longest:
+        lead = f"{_INDENT}{entry.name:<{longest}}{_INDENT}"
+    else:
+        lead = f"{_INDENT}{entry.name}\n{indent}"
+    first, *rest = textwrap.wrap(entry.sentence, columns - len(indent), break_on_hyphens=False) or [""]
+    return (lead + first).rstrip() + "".join(f"\n{indent}{line}" for line in rest)

@@ -1,0 +1,49 @@
+"""The options that come from settings, and those that several commands share."""
+
+from typing import Annotated, Any
+
+import typer
+
+from kg.settings import DECLARED
+
+__all__ = [
+    "Base",
+    "Color",
+    "Format",
+    "Jobs",
+    "Json",
+    "Limit",
+    "MaxFileBytes",
+    "PackageName",
+    "Queries",
+    "Store",
+    "Timeout",
+    "from_setting",
+]
+
+
+def from_setting(name: str, *short: str) -> Any:
+    """Return the option of a setting; its value stays text until `kg.settings.load` reads it."""
+    declaration = DECLARED[name]
+    return typer.Option(
+        declaration.flag,
+        *short,
+        metavar=declaration.metavar,
+        help=f"{declaration.sentence} [{declaration.variable}]",
+        show_default=False,
+    )
+
+
+Store = Annotated[str | None, from_setting("store", "-s")]
+Base = Annotated[str | None, from_setting("base")]
+Jobs = Annotated[str | None, from_setting("jobs", "-j")]
+MaxFileBytes = Annotated[str | None, from_setting("max_file_bytes")]
+Timeout = Annotated[str | None, from_setting("timeout")]
+Limit = Annotated[str | None, from_setting("limit", "-n")]
+Format = Annotated[str | None, from_setting("format")]
+Queries = Annotated[str | None, from_setting("queries")]
+Color = Annotated[str | None, from_setting("color")]
+Json = Annotated[bool, typer.Option("--json", help="Write JSON Lines: one object a line.")]
+PackageName = Annotated[
+    str | None, typer.Option("--package", "-p", metavar="NAME", help="Only this package (`name` or `repository:name`).")
+]

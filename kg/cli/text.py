@@ -1,0 +1,29 @@
+"""Text for terminals: nothing from a source file or a query result may steer the terminal."""
+
+from __future__ import annotations
+
+from unicodedata import category, east_asian_width
+
+__all__ = ["count", "printable", "width"]
+
+_SPACES = str.maketrans({"\n": " ", "\r": " ", "\t": " "})
+
+
+def printable(text: str) -> str:
+    """Return `text` on one line, with control and direction characters shown as escapes instead of sent out."""
+    if text.isascii() and text.isprintable():
+        return text
+    return "".join(
+        sign if category(sign) not in {"Cc", "Cf", "Cs", "Zl", "Zp"} else sign.encode("unicode_escape").decode()
+        for sign in text.translate(_SPACES)
+    )
+
+
+def width(text: str) -> int:
+    """Return how many columns `text` takes in a terminal."""
+    return len(text) + sum(east_asian_width(sign) in "WF" for sign in text if not sign.isascii())
+
+
+def count(number: int, noun: str, plural: str | None = None) -> str:
+    """Return "1 node", "2,000 nodes" or "3 entities" (with `plural`)."""
+    return f"{number:,} {noun if number == 1 else plural or noun + 's'}"
