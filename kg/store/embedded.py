@@ -1,0 +1,71 @@
+"""The store on this machine: generations of a RocksDB database, of which a pointer names the one in force.
+
+    store = EmbeddedStore.find(Path.cwd())
+    with store.read() as snapshot: ...
+    with store.write("kg build src") as transaction: ...
+
+Readers never wait and never see half a change: they hold the generation that was in force when they began. A
+writer works on a new generation; killed at any moment it leaves a folder that nothing points to, which the next
+writer removes.
+"""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from kg.store import layout as layouts
+from kg.store.locks import remove_unused, writer
+from kg.store.snapshot import EmbeddedSnapshot
+from kg.store.transaction import EmbeddedTransaction
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from kg.store.layout import Layout
+
+__all__ = ["EmbeddedStore"]
+
+
+class EmbeddedStore:
+    """A store in a folder of this machine; see `kg.store.interface.QuadStore`."""
+
+    def __init__(self, layout: Layout) -> None:
+        self.layout = layout
+
+    @classmethod
+    def find(cls, start: Path) -> EmbeddedStore:
+        """Return the store of `start` or of the nearest folder above it; StoreError KG301 when there is none."""
+        return cls(layouts.find(start))
+
+    @classmethod
+    def create(cls, root: Path) -> EmbeddedStore:
+        """Return the store whose folder (`.kg`) is `root`, made when it does not exist."""
+        return cls(layouts.create(root))
+
+    def read(self) -> EmbeddedSnapshot:
+        """Return the content in force; a context manager, closed at the end of its `with` statement.
+
+        Raises:
+            StoreError: KG301 without data, KG303 damaged, KG305 of another layout.
+        """
+        return EmbeddedSnapshot(self.layout)
+
+    @contextmanager
+    def write(self, command: str) -> Iterator[EmbeddedTransaction]:
+        """Begin a transaction; `command` is what another writer is told is running.
+
+        Raises:
+            StoreError: KG302 while another process writes, KG304 when the disk fills up, KG303 and KG305 as `read`.
+        """
+        with writer(self.layout, command):
+            remove_unused(self.layout)
+            transaction = EmbeddedTransaction(self.layout)
+            try:
+                yield transaction
+                transaction.commit()
+            except BaseException:
+                transaction.roll_back()
+                raise
+            remove_unused(self.layout)

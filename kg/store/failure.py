@@ -1,0 +1,39 @@
+"""Failures of the disk and of the engine, told as errors of `kg`.
+
+The engine (RocksDB under Oxigraph) reports through `OSError` and `RuntimeError` with a text; the text is the only
+place where it says that the disk is full or that a file is damaged.
+"""
+
+from __future__ import annotations
+
+import errno
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from kg.errors import Place, StoreError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = ["store_error", "translated"]
+
+_FULL = frozenset({errno.ENOSPC, errno.EDQUOT})
+_FULL_TEXTS = ("No space left on device", "Disk quota exceeded", "NoSpace")
+
+
+def store_error(error: OSError | RuntimeError, path: str) -> StoreError:
+    """Return the error of `kg` for a failure at the store `path`: KG304 for a full disk, else KG303."""
+    text = str(error)
+    number = error.errno if isinstance(error, OSError) else None
+    if number in _FULL or any(part in text for part in _FULL_TEXTS):
+        return StoreError("KG304", "the disk is full; the store is as it was before", place=Place(path))
+    return StoreError("KG303", text, place=Place(path), hint="Run `kg doctor`, or build the store again.")
+
+
+@contextmanager
+def translated(path: str) -> Iterator[None]:
+    """Raise what the disk or the engine reports in the body as `StoreError` about `path`."""
+    try:
+        yield
+    except (OSError, RuntimeError) as error:
+        raise store_error(error, path) from error

@@ -1,0 +1,152 @@
+"""The folder of a store: what stands where in it, how it is found, and the pointer to the generation in force.
+
+    .kg/current          pointer: {"layout": 1, "generation": 12}; replaced atomically, never edited
+    .kg/store/12/        one generation: a RocksDB database that does not change any more
+    .kg/writer.lock      held by the one process that writes
+    .kg/cache/           results of extraction (`kg.pipeline.cache`)
+    .kg/checkouts/       clones of git addresses
+
+The number of a generation is the identity of a snapshot: it never stands for two contents.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from kg.errors import Place, StoreError
+from kg.store.failure import translated
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+__all__ = ["FOLDER", "LAYOUT", "Layout", "create", "find", "write_atomically"]
+
+FOLDER: Final = ".kg"
+"""Name of the folder of a store."""
+
+LAYOUT: Final = 1
+"""Version of what this module describes; a store of another version is refused (KG305)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """The paths of one store; `root` is the `.kg` folder itself."""
+
+    root: Path
+
+    @property
+    def pointer(self) -> Path:
+        """The file that names the generation in force."""
+        return self.root / "current"
+
+    @property
+    def generations(self) -> Path:
+        """The folder of the generations."""
+        return self.root / "store"
+
+    @property
+    def lock(self) -> Path:
+        """The file that the writer holds locked."""
+        return self.root / "writer.lock"
+
+    @property
+    def cache(self) -> Path:
+        """The folder of the results of extraction."""
+        return self.root / "cache"
+
+    @property
+    def checkouts(self) -> Path:
+        """The folder of clones of git addresses."""
+        return self.root / "checkouts"
+
+    def generation(self, number: int) -> Path:
+        """Return the folder of one generation."""
+        return self.generations / str(number)
+
+    def numbers(self) -> list[int]:
+        """Return the numbers of all generations that have a folder, in force or not."""
+        if not self.generations.is_dir():
+            return []
+        return sorted(int(entry.name) for entry in self.generations.iterdir() if entry.name.isdigit())
+
+    def current(self) -> int | None:
+        """Return the generation in force, None before the first one.
+
+        Raises:
+            StoreError: KG303 when the pointer cannot be read, KG305 when another layout wrote it.
+        """
+        place = Place(str(self.pointer))
+        try:
+            pointer = json.loads(self.pointer.read_bytes())
+            layout, generation = pointer["layout"], pointer["generation"]
+        except FileNotFoundError:
+            return None
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            raise StoreError("KG303", f"the pointer to the data cannot be read: {error}", place=place) from error
+        if layout != LAYOUT:
+            message = f"the store has layout {layout}; this kg reads layout {LAYOUT}"
+            raise StoreError("KG305", message, place=place)
+        if not isinstance(generation, int):
+            raise StoreError("KG303", f"the pointer names no generation: {generation!r}", place=place)
+        return generation
+
+    def switch(self, generation: int) -> None:
+        """Put `generation` in force, durably and in one step."""
+        content = json.dumps({"layout": LAYOUT, "generation": generation}).encode()
+        write_atomically(self.pointer, content + b"\n")
+
+
+def write_atomically(path: Path, content: bytes) -> None:
+    """Replace `path` by `content` so that any reader, and any crash, finds the old bytes or the new ones.
+
+    Raises:
+        OSError: the temporary file could not be written; `path` is as it was.
+    """
+    temporary = path.with_name(f"{path.name}.{os.getpid()}.tmp")
+    try:
+        with temporary.open("wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        temporary.replace(path)
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
+    folder = os.open(path.parent, os.O_RDONLY)
+    try:
+        os.fsync(folder)
+    finally:
+        os.close(folder)
+
+
+def find(start: Path) -> Layout:
+    """Return the store of the folder `start` or of the nearest folder above it.
+
+    Raises:
+        StoreError: KG301 with the folders that were searched.
+    """
+    start = start.absolute()
+    searched = [start, *start.parents]
+    for folder in searched:
+        if (folder / FOLDER).is_dir():
+            return Layout(folder / FOLDER)
+    folders = ", ".join(str(folder) for folder in searched)
+    raise StoreError("KG301", f"no {FOLDER} folder in {folders}", hint="Run `kg build FOLDER` or `kg demo` first.")
+
+
+def create(root: Path) -> Layout:
+    """Return the store whose folder is `root`, made when it does not exist; version control is told to leave it out.
+
+    Raises:
+        StoreError: KG304 when the disk is full, KG303 when the folder cannot be made for another reason.
+    """
+    layout = Layout(root.absolute())
+    with translated(str(layout.root)):
+        layout.generations.mkdir(parents=True, exist_ok=True)
+        ignore = layout.root / ".gitignore"
+        if not ignore.exists():
+            ignore.write_text("*\n")
+    return layout

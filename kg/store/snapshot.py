@@ -1,0 +1,98 @@
+"""Reading the embedded store: one generation, opened read-only and held until it is closed."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, cast
+
+from pyoxigraph import DefaultGraph, NamedNode, RdfFormat, Store, serialize
+
+from kg.store.failure import translated
+from kg.store.locks import hold_generation
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from types import TracebackType
+    from typing import Self
+
+    from pyoxigraph import QueryBoolean, QuerySolutions, QueryTriples
+
+    from kg.store.layout import Layout
+
+__all__ = ["EmbeddedSnapshot"]
+
+
+class EmbeddedSnapshot:
+    """The generation that was in force when it was opened; a build that ends meanwhile does not change it.
+
+    Raises on opening:
+        StoreError: KG301 for a store without data, KG303 for a damaged one, KG305 for another layout.
+    """
+
+    def __init__(self, layout: Layout) -> None:
+        self.generation, self._handle = hold_generation(layout)
+        folder = str(layout.generation(self.generation))
+        try:
+            with translated(folder):
+                self._db = Store.read_only(folder)
+        except BaseException:
+            os.close(self._handle)
+            raise
+
+    @property
+    def identity(self) -> str:
+        """The number of the generation."""
+        return str(self.generation)
+
+    def query(
+        self, text: str, *, prefixes: Mapping[str, str] | None = None, union: bool = True
+    ) -> QuerySolutions | QueryBoolean | QueryTriples:
+        """Run a SPARQL query on the engine as it is; `kg.query.run` is the way with guards."""
+        return self._db.query(text, prefixes=dict(prefixes or {}), use_default_graph_as_union=union)
+
+    def graphs(self) -> list[NamedNode]:
+        """Return the names of all named graphs, sorted."""
+        named = (graph for graph in self._db.named_graphs() if isinstance(graph, NamedNode))
+        return sorted(named, key=lambda graph: graph.value)
+
+    def count(self, graph: NamedNode | None = None) -> int:
+        """Return how many quads `graph` holds, or the whole store."""
+        if graph is None:
+            return len(self._db)
+        return sum(1 for _ in self._db.quads_for_pattern(None, None, None, graph))
+
+    def dump(self, rdf_format: RdfFormat, *, graph: NamedNode | None = None, prefixes: Mapping[str, str] = {}) -> bytes:
+        """Serialise `graph`, or everything; a format without graphs gets the union of all graphs, each triple once."""
+        if graph is None and rdf_format.supports_datasets:
+            return self._db.dump(format=rdf_format, prefixes=dict(prefixes)) or b""
+        if graph is None:
+            # CONSTRUCT gives a triple once, however many graphs hold it.
+            triples = self._db.query("CONSTRUCT { ?s ?p ?o } WHERE { ?s ?p ?o }", use_default_graph_as_union=True)
+            return serialize(cast("QueryTriples", triples), format=rdf_format, prefixes=dict(prefixes)) or b""
+        if rdf_format.supports_datasets:
+            quads = self._db.quads_for_pattern(None, None, None, graph)
+            return serialize(quads, format=rdf_format, prefixes=dict(prefixes)) or b""
+        return self._db.dump(format=rdf_format, from_graph=graph, prefixes=dict(prefixes)) or b""
+
+    def dump_default_graph(self) -> bytes:
+        """Return the triples that stand in no named graph, as N-Triples."""
+        return self._db.dump(format=RdfFormat.N_TRIPLES, from_graph=DefaultGraph()) or b""
+
+    def backup(self, folder: str) -> None:
+        """Write a copy of the generation to `folder`; its large files are hard links, so this takes milliseconds."""
+        self._db.backup(folder)
+
+    def close(self) -> None:
+        """Close the database and let go of the generation; closing twice is allowed."""
+        if self._handle >= 0:
+            del self._db
+            os.close(self._handle)
+            self._handle = -1
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()

@@ -1,0 +1,176 @@
+"""Writing the embedded store: changes go into a new generation, which comes into force at the end or not at all.
+
+The new generation begins as a checkpoint of the one in force (hard links, milliseconds) or empty, with the graphs
+that stay copied over. Which is cheaper was measured with 750,000 quads of RNKG's kind on one machine: deleting
+costs about 23 microseconds a quad, loading in bulk 6, and copying 17 (serialising and loading). So a transaction
+that replaces more than about two fifths of the store starts empty.
+"""
+
+from __future__ import annotations
+
+import shutil
+from typing import TYPE_CHECKING
+
+from pyoxigraph import DefaultGraph, NamedNode, Quad, RdfFormat, Store, parse
+
+from kg.errors import GraphError, Place, SourceError
+from kg.store.failure import translated
+from kg.store.snapshot import EmbeddedSnapshot
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+    from pathlib import Path
+
+    from kg.store.layout import Layout
+
+__all__ = ["EmbeddedTransaction"]
+
+_DELETE_COST = 23
+_COPY_COST = 17
+_BATCH_BYTES = 8 << 20
+
+
+class EmbeddedTransaction:
+    """One new generation in the making; made by `EmbeddedStore.write`, which also ends it.
+
+    Nothing is written before the first change, and a transaction without changes leaves the store as it is.
+    """
+
+    def __init__(self, layout: Layout) -> None:
+        self._layout = layout
+        numbers = layout.numbers()
+        self._base = layout.current()
+        self._number = max([self._base or 0, *numbers]) + 1
+        self._db: Store | None = None
+
+    @property
+    def changed(self) -> bool:
+        """Whether anything was written."""
+        return self._db is not None
+
+    def replace_graphs(self, graphs: Mapping[NamedNode, Iterable[bytes]]) -> None:
+        """Give each named graph a new content, as chunks of N-Triples that end at ends of lines."""
+        with translated(str(self._layout.root)):
+            db = self._open(frozenset(graphs))
+            for graph, chunks in graphs.items():
+                if len(db) and db.contains_named_graph(graph):
+                    db.clear_graph(graph)
+                db.add_graph(graph)
+                for batch in _batches(chunks):
+                    db.bulk_load(batch, RdfFormat.N_TRIPLES, to_graph=graph)
+
+    def patch_graph(self, graph: NamedNode, removed: bytes, added: bytes) -> None:
+        """Take the N-Triples `removed` out of a graph and put `added` in: for changes small beside the graph."""
+        with translated(str(self._layout.root)):
+            db = self._open(frozenset())
+            if removed.strip():
+                db.update(f"DELETE DATA {{ GRAPH {graph} {{\n{removed.decode()}}} }}")
+            db.load(added, RdfFormat.N_TRIPLES, to_graph=graph)
+
+    def append(self, graph: NamedNode, triples: bytes) -> None:
+        """Add N-Triples to a graph."""
+        with translated(str(self._layout.root)):
+            self._open(frozenset()).load(triples, RdfFormat.N_TRIPLES, to_graph=graph)
+
+    def drop_graph(self, graph: NamedNode) -> None:
+        """Remove a graph with all it holds; nothing happens when there is none of that name."""
+        with translated(str(self._layout.root)):
+            self._open(frozenset([graph])).remove_graph(graph)
+
+    def load_file(self, path: Path, rdf_format: RdfFormat | None = None, *, graph: NamedNode | None = None) -> None:
+        """Add the content of a file of RDF: into `graph`, or into the graphs that the file names.
+
+        The format is told from the name of the file when it is not given.
+
+        Raises:
+            GraphError: KG601 with the line when the file is not valid, or when its format cannot be told.
+            SourceError: KG101 when the file cannot be opened.
+        """
+        try:
+            path.open("rb").close()
+        except OSError as error:
+            raise SourceError("KG101", f"cannot be opened: {error.strerror}", place=Place(str(path))) from error
+        try:
+            rdf_format = rdf_format or RdfFormat.from_extension(path.suffix.lstrip("."))
+            if rdf_format is None:
+                hint = "Name the format with `--format`."
+                raise GraphError(
+                    "KG601", f"the format of `{path.name}` is not known", place=Place(str(path)), hint=hint
+                )
+            quads = parse(path=path, format=rdf_format, base_iri=path.absolute().as_uri())
+            target = graph or DefaultGraph()
+            with translated(str(self._layout.root)):
+                db = self._open(frozenset())
+                db.bulk_extend(_into(target, quad) for quad in quads)
+        except SyntaxError as error:
+            raise GraphError("KG601", error.msg, place=Place(str(path), error.lineno, error.offset)) from error
+
+    def update(self, text: str, *, prefixes: Mapping[str, str] | None = None) -> None:
+        """Run a SPARQL update on the engine as it is."""
+        with translated(str(self._layout.root)):
+            self._open(frozenset()).update(text, prefixes=dict(prefixes or {}))
+
+    def commit(self) -> int | None:
+        """Put the new generation in force and return its number; None when nothing changed."""
+        if self._db is None:
+            return None
+        with translated(str(self._layout.root)):
+            self._db.flush()
+            self._db = None
+            self._layout.switch(self._number)
+        return self._number
+
+    def roll_back(self) -> None:
+        """Remove what was written unless it came into force; the store stays as it was."""
+        self._db = None
+        if self._layout.current() == self._number:
+            return
+        shutil.rmtree(self._layout.generation(self._number), ignore_errors=True)
+
+    def _open(self, leaving: frozenset[NamedNode]) -> Store:
+        """Return the new generation, made at the first change, whose graphs `leaving` are about to go."""
+        if self._db is None:
+            folder = self._layout.generation(self._number)
+            if self._base is None:
+                self._db = Store(str(folder))
+            else:
+                with EmbeddedSnapshot(self._layout) as base:
+                    self._db = _begin(base, str(folder), leaving)
+        return self._db
+
+
+def _begin(base: EmbeddedSnapshot, folder: str, leaving: frozenset[NamedNode]) -> Store:
+    """Return a new database in `folder` with the content of `base`; graphs of `leaving` may already be gone from it."""
+    going = sum(base.count(graph) for graph in leaving)
+    staying = base.count() - going
+    if going * _DELETE_COST <= staying * _COPY_COST:
+        base.backup(folder)
+        return Store(folder)
+    db = Store(folder)
+    for graph in base.graphs():
+        if graph not in leaving:
+            db.add_graph(graph)
+            db.bulk_load(base.dump(RdfFormat.N_TRIPLES, graph=graph), RdfFormat.N_TRIPLES, to_graph=graph)
+    db.bulk_load(base.dump_default_graph(), RdfFormat.N_TRIPLES)
+    return db
+
+
+def _into(target: NamedNode | DefaultGraph, quad: Quad) -> Quad:
+    """Return `quad` with the graph `target` unless it names one."""
+    if quad.graph_name != DefaultGraph():
+        return quad
+    return Quad(quad.subject, quad.predicate, quad.object, target)
+
+
+def _batches(chunks: Iterable[bytes]) -> Iterator[bytes]:
+    """Join chunks to batches of some megabytes: neither memory nor the time to notice Ctrl-C grows with a graph."""
+    batch: list[bytes] = []
+    size = 0
+    for chunk in chunks:
+        batch.append(chunk)
+        size += len(chunk)
+        if size >= _BATCH_BYTES:
+            yield b"".join(batch)
+            batch, size = [], 0
+    if batch:
+        yield b"".join(batch)

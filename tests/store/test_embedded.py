@@ -1,0 +1,257 @@
+"""Tests of transactions, snapshots and what is left when a transaction fails."""
+
+from __future__ import annotations
+
+import errno
+import os
+import subprocess
+import sys
+from typing import TYPE_CHECKING
+
+import pytest
+from pyoxigraph import NamedNode, RdfFormat
+
+from kg.errors import GraphError, SourceError, StoreError
+from kg.store.embedded import EmbeddedStore
+from kg.store.layout import Layout
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+A, B = NamedNode("https://example.org/a"), NamedNode("https://example.org/b")
+
+
+def triples(count: int, tag: str = "x") -> bytes:
+    """Return `count` N-Triples that belong to `tag`."""
+    lines = (
+        f"<https://example.org/{tag}{i}> <https://example.org/p> <https://example.org/o> .\n" for i in range(count)
+    )
+    return "".join(lines).encode()
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> EmbeddedStore:
+    """A store with three triples in graph A and two in graph B."""
+    store = EmbeddedStore.create(tmp_path / ".kg")
+    with store.write("test") as transaction:
+        transaction.replace_graphs({A: [triples(2), triples(1, "y")], B: [triples(2, "z")]})
+    return store
+
+
+def counts(store: EmbeddedStore) -> dict[str, int]:
+    """Return how many quads each graph of the store holds."""
+    with store.read() as snapshot:
+        return {graph.value[-1]: snapshot.count(graph) for graph in snapshot.graphs()}
+
+
+def test_replace_graphs_loads_all_chunks(store: EmbeddedStore) -> None:
+    """All chunks of a graph are loaded, each graph on its own."""
+    assert counts(store) == {"a": 3, "b": 2}
+
+
+@pytest.mark.parametrize("size", [1, 500])
+def test_replacing_one_graph_keeps_the_others(store: EmbeddedStore, size: int) -> None:
+    """Other graphs and the default graph stay, whether the new generation begins empty or as a checkpoint."""
+    with store.write("test") as transaction:
+        transaction.replace_graphs({B: [triples(size, "b")]})
+        transaction.update("INSERT DATA { <urn:s> <urn:p> <urn:o> }")
+    with store.write("test") as transaction:
+        transaction.replace_graphs({A: [triples(4)]})
+    assert counts(store) == {"a": 4, "b": size}
+    with store.read() as snapshot:
+        assert snapshot.count() == 5 + size
+
+
+def test_each_transaction_gets_its_own_number(store: EmbeddedStore) -> None:
+    """The number of a generation grows with each change, and old generations are removed."""
+    with store.write("test") as transaction:
+        transaction.append(A, triples(1, "n"))
+    with store.read() as snapshot:
+        assert snapshot.identity == "2"
+    assert store.layout.numbers() == [2]
+
+
+def test_no_change_no_generation(store: EmbeddedStore) -> None:
+    """A transaction that changes nothing leaves the generation in force."""
+    with store.write("test"):
+        pass
+    assert store.layout.current() == 1
+
+
+def test_a_snapshot_does_not_change(store: EmbeddedStore) -> None:
+    """A reader keeps what it opened while a writer goes on, and the generation goes when the reader does."""
+    with store.read() as snapshot:
+        with store.write("test") as transaction:
+            transaction.drop_graph(A)
+        assert snapshot.count(A) == 3
+        assert counts(store) == {"b": 2}
+        assert store.layout.numbers() == [1, 2]
+    with store.write("test") as transaction:
+        transaction.append(B, triples(1, "n"))
+    assert store.layout.numbers() == [3]
+
+
+def test_an_exception_leaves_the_store_as_it_was(store: EmbeddedStore) -> None:
+    """When the body of a transaction raises, nothing of it remains."""
+
+    def interrupted() -> Iterator[bytes]:
+        yield triples(10)
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt), store.write("test") as transaction:
+        transaction.replace_graphs({A: interrupted()})
+    assert counts(store) == {"a": 3, "b": 2}
+    assert store.layout.numbers() == [1]
+
+
+def test_interrupted_right_after_the_switch(store: EmbeddedStore, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An interrupt that comes when the new generation is already in force does not remove it."""
+    switch = Layout.switch
+
+    def interrupted(layout: Layout, generation: int) -> None:
+        switch(layout, generation)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Layout, "switch", interrupted)
+    with pytest.raises(KeyboardInterrupt), store.write("test") as transaction:
+        transaction.replace_graphs({A: [triples(10)]})
+    assert counts(store) == {"a": 10, "b": 2}
+
+
+def test_patch_graph_changes_only_the_lines_given(store: EmbeddedStore) -> None:
+    """Removed lines go, added lines come, the rest of the graph stays."""
+    with store.write("test") as transaction:
+        transaction.patch_graph(A, removed=triples(1, "y"), added=triples(3, "n"))
+    assert counts(store) == {"a": 5, "b": 2}
+
+
+def test_a_busy_store_names_its_writer(store: EmbeddedStore) -> None:
+    """A second writer is told the process, the command and since when."""
+    with store.write("kg build src"), pytest.raises(StoreError) as caught, store.write("other"):
+        pass
+    assert caught.value.code == "KG302"
+    assert str(os.getpid()) in caught.value.message
+    assert "kg build src" in caught.value.message
+
+
+def test_damaged_generation(store: EmbeddedStore) -> None:
+    """A generation whose files are damaged is KG303, not an exception of the engine."""
+    (store.layout.generation(1) / "CURRENT").write_text("junk")
+    with pytest.raises(StoreError) as caught:
+        store.read()
+    assert caught.value.code == "KG303"
+
+
+def test_missing_generation(store: EmbeddedStore) -> None:
+    """A pointer to a generation that is not there is KG303."""
+    store.layout.switch(7)
+    with pytest.raises(StoreError) as caught:
+        store.read()
+    assert caught.value.code == "KG303"
+
+
+def test_empty_store(tmp_path: Path) -> None:
+    """Reading a store that nothing was written to is KG301."""
+    with pytest.raises(StoreError) as caught:
+        EmbeddedStore.create(tmp_path / ".kg").read()
+    assert caught.value.code == "KG301"
+
+
+def test_disk_full_at_the_switch(store: EmbeddedStore, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A disk that fills up while the pointer is written is KG304, and the store is as before."""
+
+    def full(_handle: int) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(StoreError) as caught, store.write("test") as transaction:
+        transaction.replace_graphs({A: [triples(10)]})
+    assert caught.value.code == "KG304"
+    assert counts(store) == {"a": 3, "b": 2}
+    assert not list(store.layout.root.glob("*.tmp"))
+
+
+def test_disk_full_in_the_engine(tmp_path: Path) -> None:
+    """A disk that fills up under the engine is KG304, and the store is as before."""
+    mounted = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", "size=3m", "tmpfs", str(tmp_path)],
+        check=False,
+        capture_output=True,
+    )
+    if mounted.returncode:
+        pytest.skip("mounting a small file system needs root")
+    try:
+        store = EmbeddedStore.create(tmp_path / ".kg")
+        with store.write("test") as transaction:
+            transaction.replace_graphs({A: [triples(3)]})
+        with pytest.raises(StoreError) as caught, store.write("test") as transaction:
+            transaction.replace_graphs({B: [triples(200_000, "full")]})
+        assert caught.value.code == "KG304"
+        assert counts(store) == {"a": 3}
+        assert store.layout.numbers() == [1]
+    finally:
+        subprocess.run(["umount", "-l", str(tmp_path)], check=False)
+
+
+WRITER = """
+import sys
+from pathlib import Path
+from pyoxigraph import NamedNode
+from kg.store.embedded import EmbeddedStore
+store = EmbeddedStore.create(Path(sys.argv[1]))
+with store.write("writer") as transaction:
+    lines = (f"<urn:s{i}> <urn:p> <urn:o> .\\n".encode() for i in range(200000))
+    transaction.replace_graphs({NamedNode("https://example.org/a"): lines})
+    print("written", flush=True)
+    sys.stdin.read()
+"""
+
+
+def test_killed_writer_leaves_the_store(store: EmbeddedStore) -> None:
+    """After kill -9 of a writer the store opens as it was, and the next writer is not kept out."""
+    command = [sys.executable, "-c", WRITER, str(store.layout.root)]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == b"written\n"
+        process.kill()
+    assert counts(store) == {"a": 3, "b": 2}
+    with store.write("next") as transaction:
+        transaction.append(A, triples(1, "n"))
+    assert counts(store) == {"a": 4, "b": 2}
+    assert len(store.layout.numbers()) == 1
+
+
+@pytest.mark.parametrize("name", ["N_QUADS", "TRIG", "JSON_LD", "TURTLE", "RDF_XML", "N_TRIPLES"])
+def test_dump_and_load_give_the_same_triples(store: EmbeddedStore, tmp_path: Path, name: str) -> None:
+    """What is dumped in any format loads again as the same triples."""
+    rdf_format = getattr(RdfFormat, name)
+    path = tmp_path / f"dump.{rdf_format.file_extension}"
+    with store.read() as snapshot:
+        path.write_bytes(snapshot.dump(rdf_format, prefixes={"ex": "https://example.org/"}))
+    copy = EmbeddedStore.create(tmp_path / "copy")
+    with copy.write("test") as transaction:
+        transaction.load_file(path, rdf_format)
+    with copy.read() as there, store.read() as here:
+        assert sorted(there.dump(RdfFormat.N_TRIPLES).splitlines()) == sorted(
+            here.dump(RdfFormat.N_TRIPLES).splitlines()
+        )
+        if rdf_format.supports_datasets:
+            assert there.graphs() == here.graphs()
+
+
+def test_load_file_tells_the_line_of_an_error(store: EmbeddedStore, tmp_path: Path) -> None:
+    """A file that is not valid is KG601 with its line, and nothing of it is loaded."""
+    path = tmp_path / "bad.ttl"
+    path.write_text("@prefix a: <urn:a> .\na:b a:c d e .\n")
+    with pytest.raises(GraphError) as caught, store.write("test") as transaction:
+        transaction.load_file(path)
+    assert caught.value.place is not None
+    assert caught.value.place.line == 2
+    assert counts(store) == {"a": 3, "b": 2}
+
+
+def test_load_file_that_is_not_there(store: EmbeddedStore, tmp_path: Path) -> None:
+    """A file that cannot be opened is KG101."""
+    with pytest.raises(SourceError), store.write("test") as transaction:
+        transaction.load_file(tmp_path / "none.ttl")
