@@ -22,7 +22,7 @@ Gimbal::Gimbal(const rclcpp::NodeOptions & options)
     depth_sub_, info_sub_, depth);
   both_->registerCallback(&Gimbal::on_both, this);
 
-  angles_pub_ = create_publisher<geometry_msgs::msg::Vector3Stamped>("~/angles", rclcpp::SystemDefaultsQoS());
+  angles_pub_ = create_publisher<geometry_msgs::msg::Vector3Stamped>("~/angles", rclcpp::QoS(rclcpp::KeepAll()).reliable());
   center_srv_ = create_service<std_srvs::srv::Trigger>(
     "~/center", std::bind(&Gimbal::on_center, this, std::placeholders::_1, std::placeholders::_2));
 }

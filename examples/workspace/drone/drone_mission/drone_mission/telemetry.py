@@ -40,3 +40,4 @@ def main(args=None):
         pass
     finally:
         node.destroy_node()
+        rclpy.try_shutdown()
