@@ -21,8 +21,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Final
 
-from kg.cli.text import printable, width
 from kg.errors import CATALOGUE, KgError
+from kg.render.text import printable, width
 
 if TYPE_CHECKING:
     from kg.errors import Place

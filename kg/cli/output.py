@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import IO, TYPE_CHECKING, Any
 
 from kg.cli.diagnostics import colored
-from kg.cli.text import printable
+from kg.render.text import printable
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

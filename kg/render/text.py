@@ -1,11 +1,13 @@
-"""Text for terminals: nothing from a source file or a query result may steer the terminal."""
+"""Text for people: nothing from a source file or a query result may steer a terminal or break a page."""
 
 from __future__ import annotations
 
+from typing import Final
 from unicodedata import category, east_asian_width
 
 __all__ = ["count", "printable", "width"]
 
+_UNSAFE: Final = frozenset({"Cc", "Cf", "Cn", "Co", "Cs", "Zl", "Zp"})
 _SPACES = str.maketrans({"\n": " ", "\r": " ", "\t": " "})
 
 
@@ -14,7 +16,7 @@ def printable(text: str) -> str:
     if text.isascii() and text.isprintable():
         return text
     return "".join(
-        sign if category(sign) not in {"Cc", "Cf", "Cs", "Zl", "Zp"} else sign.encode("unicode_escape").decode()
+        sign if category(sign) not in _UNSAFE else sign.encode("unicode_escape").decode()
         for sign in text.translate(_SPACES)
     )
 

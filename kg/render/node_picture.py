@@ -1,0 +1,189 @@
+"""The picture of one node as SVG, drawn like a chip: what comes in on the left, what goes out on the right.
+
+Topics have round ends and solid wires, services square ones and dashed wires, actions cut corners and thick wires,
+so that nothing is told by colour alone. The same node always gives the same bytes. Colours follow
+`prefers-color-scheme`; `title` and `desc` say the same in words.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from html import escape
+from typing import TYPE_CHECKING, Final
+
+from kg.render.text import printable, width
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+__all__ = ["Port", "draw"]
+
+_LEFT: Final = ("subscribes", "services", "action_servers")
+_RIGHT: Final = ("publishes", "clients", "action_clients")
+_TITLES: Final = {
+    "subscribes": "subscribes",
+    "services": "offers services",
+    "action_servers": "offers actions",
+    "publishes": "publishes",
+    "clients": "calls services",
+    "action_clients": "calls actions",
+}
+_SHAPES: Final = {
+    "subscribes": "topic",
+    "publishes": "topic",
+    "services": "service",
+    "clients": "service",
+    "action_servers": "action",
+    "action_clients": "action",
+}
+_ROW: Final = 40
+_HEADING: Final = 30
+_WIRE: Final = 64
+_MARGIN: Final = 16
+_HEAD: Final = 64
+_CHARACTER: Final = 7.85
+_SMALL: Final = 6.65
+_LONGEST: Final = 44
+_ROLE: Final = 'role="img" aria-labelledby="title desc"'
+_STYLE: Final = """
+svg { background: #ffffff; font-family: ui-monospace, SFMono-Regular, Menlo, Consolas, "DejaVu Sans Mono", monospace; }
+.box { fill: #eef3f8; stroke: #34495e; stroke-width: 2; }
+.port { fill: #ffffff; stroke-width: 1.5; }
+.topic { stroke: #1f6f43; } .service { stroke: #8a4b08; } .action { stroke: #6b3fa0; }
+.wire { fill: none; stroke-width: 2; } .wire.service { stroke-dasharray: 7 4; } .wire.action { stroke-width: 4; }
+.head { stroke: none; } .head.topic { fill: #1f6f43; } .head.service { fill: #8a4b08; } .head.action { fill: #6b3fa0; }
+.title { font-size: 17px; font-weight: bold; fill: #17202a; } .sub, .more { font-size: 12px; fill: #4d5a66; }
+.name { font-size: 13px; font-weight: bold; fill: #17202a; } .type { font-size: 11px; fill: #4d5a66; }
+.group { font-size: 12px; font-style: italic; fill: #4d5a66; } .implicit { opacity: 0.62; }
+@media (prefers-color-scheme: dark) {
+svg { background: #14191f; } .box { fill: #1f2933; stroke: #9fb3c8; } .port { fill: #14191f; }
+.topic { stroke: #6fcf97; } .service { stroke: #f2b26b; } .action { stroke: #c39bf0; }
+.head.topic { fill: #6fcf97; } .head.service { fill: #f2b26b; } .head.action { fill: #c39bf0; }
+.title, .name { fill: #f0f4f8; } .sub, .more, .type, .group { fill: #b3c0cc; }
+}"""
+
+
+@dataclass(frozen=True, slots=True)
+class Port:
+    """One end of a topic, service or action; `role` is a value of `kg.facts.Role`."""
+
+    role: str
+    name: str
+    type: str
+    implicit: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class _Side:
+    """The ports of one side by role, and how much room they take."""
+
+    groups: tuple[tuple[str, tuple[Port, ...]], ...]
+
+    @property
+    def height(self) -> int:
+        return sum(_HEADING + _ROW * len(ports) for _, ports in self.groups)
+
+    @property
+    def label_width(self) -> int:
+        widths = [_label_width(port) for _, ports in self.groups for port in ports]
+        headings = [width(_TITLES[role]) * 7 for role, _ in self.groups]
+        return max(*widths, *headings, 0, 0)
+
+
+def draw(title: str, lines: Sequence[str], ports: Iterable[Port], *, more: str = "") -> str:
+    """Return the SVG of a node: `lines` stand below its name, `more` tells what is not shown."""
+    every = sorted(ports, key=lambda port: (port.implicit, port.name, port.type))
+    left, right = _side(_LEFT, every), _side(_RIGHT, every)
+    texts = [(title, 10.3), *((line, 7.3) for line in lines), (more, 7.3)]
+    box = int(max(200, *(width(_short(text)) * size + 40 for text, size in texts)))
+    head = _HEAD + 17 * max(0, len(lines) - 1)
+    height = head + max(left.height, right.height, _ROW) + (34 if more else 12)
+    box_x = _MARGIN + (left.label_width + _WIRE if left.groups else 0)
+    whole = box_x + box + (right.label_width + _WIRE if right.groups else 0) + _MARGIN
+    middle = box_x + box / 2
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" {_size(whole, height + 2 * _MARGIN)} {_ROLE}>',
+        f'<title id="title">{_text(f"Node {title}")}</title>',
+        f'<desc id="desc">{_text(_description(every, more))}</desc>',
+        f"<style>{_STYLE}</style>",
+        f'<rect class="box" x="{box_x}" y="{_MARGIN}" width="{box}" height="{height}" rx="10"/>',
+        _label("title", middle, _MARGIN + 28, title),
+        *(_label("sub", middle, _MARGIN + 48 + 17 * number, line) for number, line in enumerate(lines)),
+        *_draw_side(left, _MARGIN + head, outer=_MARGIN, inner=box_x, inward=True),
+        *_draw_side(right, _MARGIN + head, outer=whole - _MARGIN, inner=box_x + box, inward=False),
+    ]
+    if more:
+        parts.append(_label("more", middle, _MARGIN + height - 12, more))
+    return "\n".join([*parts, "</svg>", ""])
+
+
+def _size(wide: int, high: int) -> str:
+    return f'width="{wide}" height="{high}" viewBox="0 0 {wide} {high}"'
+
+
+def _side(roles: Sequence[str], ports: Sequence[Port]) -> _Side:
+    groups = ((role, tuple(port for port in ports if port.role == role)) for role in roles)
+    return _Side(tuple(group for group in groups if group[1]))
+
+
+def _draw_side(side: _Side, top: int, *, outer: int, inner: int, inward: bool) -> Iterable[str]:
+    """Yield one side from `top` down: labels start at x `outer`, wires end at `inner`, the edge of the box."""
+    size = side.label_width
+    x, wire = (outer, (outer + size, inner)) if inward else (outer - size, (inner, outer - size))
+    anchor = "start" if inward else "end"
+    y = top
+    for role, ports in side.groups:
+        yield f'<text class="group" x="{outer}" y="{y + 20}" text-anchor="{anchor}">{_TITLES[role]}</text>'
+        y += _HEADING
+        for port in ports:
+            yield from _draw_port(port, x, y + _ROW // 2 - 2, size, wire)
+            y += _ROW
+
+
+def _draw_port(port: Port, x: int, y: int, size: int, wire: tuple[int, int]) -> Iterable[str]:
+    """Yield a label from `x` on around the height `y`, and its wire, which always points to the right."""
+    shape = _SHAPES[port.role]
+    start, end = wire
+    yield f'<g class="{"implicit" if port.implicit else "declared"}">'
+    yield f"<title>{_text(f'{_TITLES[port.role]} {port.name} ({port.type})')}</title>"
+    yield f'<path class="wire {shape}" d="M{start} {y}H{end - 6}"/>'
+    yield f'<path class="head {shape}" d="M{end} {y}l-9 -6v12z"/>'
+    yield f'<path class="port {shape}" d="{_outline(shape, x, y - 17, size, 34)}"/>'
+    yield _label("name", x + size / 2, y - 2, port.name)
+    yield _label("type", x + size / 2, y + 12, port.type) + "</g>"
+
+
+def _outline(shape: str, x: int, y: int, w: int, h: int) -> str:
+    if shape == "service":
+        return f"M{x} {y}h{w}v{h}h{-w}z"
+    if shape == "action":
+        return f"M{x + 10} {y}h{w - 20}l10 10v{h - 20}l-10 10h{20 - w}l-10 -10v{20 - h}z"
+    return f"M{x + 14} {y}h{w - 28}a14 17 0 0 1 0 {h}h{28 - w}a14 17 0 0 1 0 {-h}z"
+
+
+def _label(style: str, x: float, y: float, text: str) -> str:
+    return f'<text class="{style}" x="{x:g}" y="{y:g}" text-anchor="middle">{_text(_short(text))}</text>'
+
+
+def _label_width(port: Port) -> int:
+    return int(max(width(_short(port.name)) * _CHARACTER, width(_short(port.type)) * _SMALL)) + 34
+
+
+def _short(text: str) -> str:
+    """Return `text` with its middle left out when it is long; the whole stands in the title of its group."""
+    safe = printable(text)
+    half = _LONGEST // 2
+    return safe if len(safe) <= _LONGEST else f"{safe[: half - 1]}…{safe[-half:]}"
+
+
+def _text(text: str) -> str:
+    return escape(printable(text), quote=True)
+
+
+def _description(ports: Sequence[Port], more: str) -> str:
+    sentences = []
+    for role in (*_LEFT, *_RIGHT):
+        named = [f"{port.name} ({port.type})" for port in ports if port.role == role]
+        if named:
+            sentences.append(f"It {_TITLES[role]} {', '.join(named)}.")
+    return " ".join([*(sentences or ["It has no topics, services or actions."]), *([f"{more}."] if more else [])])
