@@ -1,0 +1,139 @@
+"""What frameworks make of a node by themselves, as the table `ontology/implicit.toml` says.
+
+The table's head explains its form. The facts made here are marked `implicit`, stand at the line of code that brought
+the framework in, and name the mark (and the condition, if there is one) as their `origin`.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.errors import Place, UsageError
+from kg.extract.marks import Mark
+from kg.facts import Access, Interface, Location, NodeType, Parameter, Qos, Resolution, Role
+from kg.names import normalise
+from kg.resources import folder
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from kg.extract.marks import Extracted
+
+__all__ = ["Use", "add", "load_table"]
+
+_TABLE_FILE: Final = "implicit.toml"
+_PROBE: Final = Mark("probe", Location("", 1), "namespace", "detail")
+"""Fills every placeholder, so that each row can be tried when the table is loaded."""
+
+
+@dataclass(frozen=True, slots=True)
+class Use:
+    """One `[[use]]` of the table: what the nodes with a mark get, if version and language of ROS agree."""
+
+    mark: str
+    interfaces: tuple[dict[str, Any], ...]
+    parameters: tuple[dict[str, Any], ...]
+    ros: int | None = None
+    language: str | None = None
+    condition: str | None = None
+
+    def applies(self, mark: Mark, node: NodeType) -> bool:
+        """Tell whether a node gets this for a mark."""
+        return self.mark == mark.key and self.ros in (None, node.ros) and self.language in (None, node.language)
+
+    @property
+    def origin(self) -> str:
+        """What the facts made from this name as their origin."""
+        return f"{self.mark}, if {self.condition}" if self.condition else self.mark
+
+
+def add(extracted: Extracted) -> NodeType:
+    """Return the node with the implicit interfaces and parameters that its marks bring; each name once."""
+    node = extracted.node
+    marks = (Mark(f"ros{node.ros}.node", node.location), *extracted.marks)
+    interfaces = {(found.role, found.name): found for found in node.interfaces}
+    parameters = {found.name: found for found in node.parameters}
+    for mark in marks:
+        for use in _table():
+            if use.applies(mark, node):
+                for interface in _interfaces(use, mark):
+                    interfaces.setdefault((interface.role, interface.name), interface)
+                for parameter in _parameters(use, mark):
+                    parameters.setdefault(parameter.name, parameter)
+    own = set(node.interfaces)
+    new = tuple(found for found in interfaces.values() if found not in own)
+    settings = tuple(found for found in parameters.values() if found not in node.parameters)
+    return replace(node, interfaces=node.interfaces + new, parameters=node.parameters + settings)
+
+
+def _interfaces(use: Use, mark: Mark) -> list[Interface]:
+    return [
+        Interface(
+            role=Role(row["role"]),
+            name=name,
+            type=row["type"],
+            resolution=Resolution.PARTIAL if "{}" in name else Resolution.LITERAL,
+            location=mark.location,
+            implicit=True,
+            origin=use.origin,
+            qos=Qos(**row["qos"]) if "qos" in row else None,
+        )
+        for row in use.interfaces
+        if (name := _name(row["name"], mark)) is not None
+    ]
+
+
+def _parameters(use: Use, mark: Mark) -> list[Parameter]:
+    return [
+        Parameter(
+            name=name,
+            type=row["type"],
+            default=row.get("default"),
+            access=Access(row["access"]),
+            location=mark.location,
+            implicit=True,
+            origin=use.origin,
+        )
+        for row in use.parameters
+        if (name := _name(row["name"], mark)) is not None
+    ]
+
+
+def _name(pattern: str, mark: Mark) -> str | None:
+    """Return the name that a mark makes of a pattern; None when the mark does not hold what the pattern needs."""
+    if "{detail}" in pattern and not mark.detail:
+        return None
+    return normalise(pattern.replace("{namespace}", mark.namespace).replace("{detail}", mark.detail or ""))
+
+
+@cache
+def _table() -> tuple[Use, ...]:
+    return load_table(folder("ontology") / _TABLE_FILE)
+
+
+def load_table(path: Path) -> tuple[Use, ...]:
+    """Return the rows of a table file; a `UsageError` KG002 names what is wrong with one that cannot be used."""
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+        uses = tuple(_use(row) for row in content["use"])
+        for use in uses:
+            _interfaces(use, _PROBE)
+            _parameters(use, _PROBE)
+    except (OSError, tomllib.TOMLDecodeError, KeyError, TypeError, ValueError) as error:
+        message = f"the table of implicit interfaces cannot be used: {type(error).__name__}: {error}"
+        raise UsageError("KG002", message, place=Place(str(path))) from error
+    return uses
+
+
+def _use(row: dict[str, Any]) -> Use:
+    return Use(
+        row["mark"],
+        tuple(row.get("interfaces", ())),
+        tuple(row.get("parameters", ())),
+        row.get("ros"),
+        row.get("language"),
+        row.get("condition"),
+    )
