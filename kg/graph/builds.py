@@ -1,0 +1,105 @@
+"""What was read when, from which commit, with which version, with what left unresolved (PROV-O)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from kg.facts import Resolution
+from kg.graph import vocabulary as v
+from kg.graph.ntriples import Writer, boolean, literal, moment
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from datetime import datetime
+
+    from kg.facts import PackageFacts, Problem, Repository
+    from kg.graph.iris import Iris
+
+__all__ = ["BuildRecord", "Counts", "build_triples", "count"]
+
+
+@dataclass(frozen=True, slots=True)
+class Counts:
+    """How much a reading of a source found; `unresolved` counts interfaces whose name is not or partly known."""
+
+    packages: int = 0
+    nodes: int = 0
+    interfaces: int = 0
+    parameters: int = 0
+    definitions: int = 0
+    files: int = 0
+    problems: int = 0
+    unresolved: int = 0
+    triples: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class BuildRecord:
+    """One reading of one source: times with their zone, the version of `kg`, and what was found."""
+
+    repository: Repository
+    started: datetime
+    ended: datetime
+    version: str
+    counts: Counts
+
+
+def count(packages: Iterable[PackageFacts], problems: Iterable[Problem] = (), triples: int = 0) -> Counts:
+    """Return the counts of the facts of a source; `problems` are those that belong to none of its packages."""
+    listed = tuple(packages)
+    nodes = [node for facts in listed for node in facts.nodes]
+    interfaces = [each for node in nodes for each in node.interfaces]
+    unknown = (Resolution.PARTIAL, Resolution.UNRESOLVED)
+    return Counts(
+        packages=len(listed),
+        nodes=len(nodes),
+        interfaces=len(interfaces),
+        parameters=sum(len(node.parameters) for node in nodes),
+        definitions=sum(len(facts.definitions) for facts in listed),
+        files=sum(len(facts.files) for facts in listed),
+        problems=sum(len(facts.problems) for facts in listed) + len(tuple(problems)),
+        unresolved=sum(each.resolution in unknown for each in interfaces),
+        triples=triples,
+    )
+
+
+def build_triples(record: BuildRecord, iris: Iris) -> bytes:
+    """Return the N-Triples that one build adds to the graph `builds`."""
+    repository, writer = record.repository, Writer()
+    subject = f"<{iris.build(repository.name, record.started.isoformat())}>"
+    source = f"<{iris.repository(repository.name)}>"
+    writer.described(subject, f"{repository.name} at {record.started.isoformat()}", v.ACTIVITY, v.BUILD)
+    writer.add(subject, v.STARTED, moment(record.started))
+    writer.add(subject, v.ENDED, moment(record.ended))
+    writer.add(subject, v.USED, source)
+    writer.add(subject, v.GENERATED, f"<{iris.source_graph(repository.name)}>")
+    writer.add(subject, v.ASSOCIATED, _agent(writer, iris, record.version))
+    writer.text(subject, v.COMMIT, repository.commit)
+    writer.text(subject, v.ROOT, repository.root)
+    writer.add(subject, v.DIRTY, boolean(repository.dirty))
+    writer.text(subject, v.KG_VERSION, record.version)
+    for predicate, number in _numbers(record.counts):
+        writer.number(subject, predicate, number)
+    return writer.encoded()
+
+
+def _agent(writer: Writer, iris: Iris, version: str) -> str:
+    agent = f"<{iris.software('kg', version)}>"
+    writer.described(agent, f"kg {version}", v.SOFTWARE_AGENT)
+    writer.add(agent, v.VERSION, literal(version))
+    return agent
+
+
+def _numbers(counts: Counts) -> tuple[tuple[str, int], ...]:
+    return (
+        (v.PACKAGES, counts.packages),
+        (v.NODES, counts.nodes),
+        (v.INTERFACES, counts.interfaces),
+        (v.PARAMETERS, counts.parameters),
+        (v.DEFINITIONS, counts.definitions),
+        (v.FILES, counts.files),
+        (v.PROBLEMS, counts.problems),
+        (v.UNRESOLVED, counts.unresolved),
+        (v.TRIPLES, counts.triples),
+    )

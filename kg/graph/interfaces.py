@@ -1,0 +1,134 @@
+"""Interfaces of nodes become components (onto-ros, K-CAP 2017, section 4) and direct relations (RNKG).
+
+A component stands for one end of a topic, service or action in one node; it carries where and how the fact was
+read. Topics, services, actions and interface types are shared by all sources. A name with an unknown part names no
+topic: its component has none.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from kg.facts import Resolution, Role
+from kg.graph import vocabulary as v
+from kg.graph.ntriples import boolean
+
+if TYPE_CHECKING:
+    from kg.facts import Interface, Qos
+    from kg.graph.scope import Scope
+
+__all__ = ["interface", "interface_type"]
+
+
+@dataclass(frozen=True, slots=True)
+class _TypeShape:
+    """How an interface type of one kind is written; `parts` are its messages as section, relation and class."""
+
+    kind: str
+    type_class: tuple[str, ...]
+    parts: tuple[tuple[str, str, str], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class _Shape:
+    """How a role is written: the component, the direct relation, what it connects to, and the type of that."""
+
+    component: str
+    component_class: str
+    relation: str
+    channel: str
+    channel_class: str
+    has_type: str
+    channel_has_type: str
+    type_kind: str
+
+
+_TYPES: Final = {
+    "msg": _TypeShape("message", (v.MESSAGE, v.MESSAGE_TYPE)),
+    "srv": _TypeShape(
+        "service-type",
+        (v.SERVICE_TYPE,),
+        (("request", v.HAS_REQUEST, v.REQUEST), ("response", v.HAS_RESPONSE, v.RESPONSE)),
+    ),
+    "action": _TypeShape(
+        "action-type",
+        (v.ACTION_TYPE,),
+        (
+            ("goal", v.HAS_GOAL, v.GOAL),
+            ("result", v.HAS_RESULT, v.RESULT),
+            ("feedback", v.HAS_FEEDBACK, v.FEEDBACK),
+        ),
+    ),
+}
+_ON_TOPIC: Final = ("topic", v.TOPIC, v.ROS_HAS_MESSAGE, v.HAS_MESSAGE, "msg")
+_ON_SERVICE: Final = ("service", v.SERVICE, v.HAS_SERVICE_TYPE, v.HAS_SERVICE_TYPE, "srv")
+_ON_ACTION: Final = ("action", v.ACTION, v.HAS_ACTION_TYPE, v.HAS_ACTION_TYPE, "action")
+_SHAPES: Final = {
+    Role.PUBLISHES: _Shape("publisher", v.PUBLISHER, v.PUBLISHES, *_ON_TOPIC),
+    Role.SUBSCRIBES: _Shape("subscriber", v.SUBSCRIBER, v.SUBSCRIBES, *_ON_TOPIC),
+    Role.SERVICES: _Shape("service-server", v.SERVICE_SERVER, v.PROVIDES, *_ON_SERVICE),
+    Role.CLIENTS: _Shape("service-client", v.SERVICE_CLIENT, v.CALLS, *_ON_SERVICE),
+    Role.ACTION_SERVERS: _Shape("action-server", v.ACTION_SERVER, v.SERVES_ACTION, *_ON_ACTION),
+    Role.ACTION_CLIENTS: _Shape("action-client", v.ACTION_CLIENT, v.CALLS_ACTION, *_ON_ACTION),
+}
+_NAMELESS: Final = frozenset({Resolution.PARTIAL, Resolution.UNRESOLVED})
+
+
+def interface(scope: Scope, owner: str, fact: Interface) -> None:
+    """Write one interface of the node whose IRI is `owner`."""
+    shape, writer = _SHAPES[fact.role], scope.writer
+    node, part = f"<{owner}>", scope.part(owner, shape.component, fact.name)
+    writer.add(node, v.HAS_COMPONENT, part)
+    writer.add(part, v.TYPE, shape.component_class)
+    writer.text(part, v.NAME, fact.name)
+    writer.text(part, v.RESOLVED_NAME, fact.resolved)
+    writer.add(part, v.RESOLUTION, v.rnkg(fact.resolution))
+    writer.add(part, v.IMPLICIT, boolean(fact.implicit))
+    scope.evidence(part, fact.location)
+    kind = interface_type(scope, shape.type_kind, fact.type) if fact.type else None
+    if kind:
+        writer.add(part, shape.has_type, kind)
+    if fact.resolved is not None and fact.resolution not in _NAMELESS:
+        channel = f"<{scope.iris.channel(shape.channel, fact.resolved)}>"
+        writer.described(channel, fact.resolved, shape.channel_class)
+        writer.add(part, v.CONNECTS_TO, channel)
+        writer.once(node, shape.relation, channel)
+        if kind:
+            writer.once(channel, shape.channel_has_type, kind)
+    _details(scope, part, fact)
+
+
+def _details(scope: Scope, part: str, fact: Interface) -> None:
+    writer = scope.writer
+    writer.text(part, v.WRITTEN, fact.written)
+    writer.text(part, v.PARAMETER_NAME, fact.parameter)
+    writer.text(part, v.ORIGIN, fact.origin)
+    writer.text(part, v.REASON, fact.reason)
+    if fact.qos is not None:
+        writer.add(part, v.HAS_QOS, _qos(scope, fact.qos))
+
+
+def _qos(scope: Scope, qos: Qos) -> str:
+    depth = None if qos.depth is None else str(qos.depth)
+    words = [word if word is not None else "-" for word in (qos.reliability, qos.durability, qos.history, depth)]
+    iri, writer = f"<{scope.iris.qos(*words)}>", scope.writer
+    if writer.described(iri, " ".join(words), v.QOS):
+        writer.text(iri, v.RELIABILITY, qos.reliability)
+        writer.text(iri, v.DURABILITY, qos.durability)
+        writer.text(iri, v.HISTORY, qos.history)
+        writer.number(iri, v.DEPTH, qos.depth)
+    return iri
+
+
+def interface_type(scope: Scope, kind: str, name: str) -> str:
+    """Return the spelled IRI of the type `name` (`package/Type`) of `kind` (msg, srv, action), described once."""
+    shape, writer = _TYPES[kind], scope.writer
+    bare = scope.iris.interface_type(shape.kind, name)
+    iri = f"<{bare}>"
+    if writer.described(iri, name, *shape.type_class):
+        for section, relation, part_class in shape.parts:
+            part = f"<{bare}#{section}>"
+            writer.add(iri, relation, part)
+            writer.described(part, f"{name} {section}", part_class)
+    return iri

@@ -1,0 +1,62 @@
+"""Node types with their interfaces and parameters become triples (RNKG, section 3)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kg.graph import vocabulary as v
+from kg.graph.interfaces import interface
+from kg.graph.ntriples import boolean, integer, literal
+
+if TYPE_CHECKING:
+    from kg.facts import NodeType, Parameter
+    from kg.graph.scope import Scope
+
+__all__ = ["node"]
+
+
+def node(scope: Scope, package: str, fact: NodeType) -> None:
+    """Write a node type of the package whose spelled IRI is `package`, with all it declares."""
+    iri = scope.unique(scope.iris.node(scope.repository, scope.package, fact.name))
+    subject, writer = f"<{iri}>", scope.writer
+    writer.add(package, v.CONTAINS, subject)
+    writer.described(subject, fact.name, v.NODE, v.NODE_TYPE)
+    writer.add(subject, v.NAME, literal(fact.name))
+    writer.add(subject, v.KIND, v.rnkg(fact.kind))
+    writer.add(subject, v.LANGUAGE, literal(fact.language))
+    writer.add(subject, v.ROS_VERSION, integer(fact.ros))
+    writer.text(subject, v.PLUGIN_NAME, fact.plugin)
+    writer.text(subject, v.NODE_NAME, fact.node_name)
+    writer.text(subject, v.BASE_CLASS, fact.base_class)
+    scope.evidence(subject, fact.location)
+    _executable(scope, subject, fact)
+    for path in fact.sources:
+        writer.add(subject, v.HAS_SOURCE, scope.file(path))
+    for each in fact.interfaces:
+        interface(scope, iri, each)
+    for parameter in fact.parameters:
+        _parameter(scope, iri, parameter)
+
+
+def _executable(scope: Scope, subject: str, fact: NodeType) -> None:
+    if fact.executable is None:
+        return
+    iri = f"<{scope.iris.executable(scope.repository, scope.package, fact.executable)}>"
+    scope.writer.add(subject, v.HAS_EXECUTABLE, iri)
+    if scope.writer.described(iri, fact.executable, v.EXECUTABLE):
+        scope.writer.text(iri, v.NAME, fact.executable)
+
+
+def _parameter(scope: Scope, owner: str, fact: Parameter) -> None:
+    writer, part = scope.writer, scope.part(owner, "parameter", fact.name)
+    writer.add(f"<{owner}>", v.HAS_PARAMETER, part)
+    writer.add(part, v.TYPE, v.PARAMETER)
+    writer.text(part, v.NAME, fact.name)
+    writer.text(part, v.PARAMETER_TYPE, fact.type)
+    writer.text(part, v.DEFAULT_VALUE, fact.default)
+    writer.add(part, v.ACCESS, v.rnkg(fact.access))
+    writer.add(part, v.RESOLUTION, v.rnkg(fact.resolution))
+    writer.add(part, v.IMPLICIT, boolean(fact.implicit))
+    writer.text(part, v.ORIGIN, fact.origin)
+    writer.text(part, v.REASON, fact.reason)
+    scope.evidence(part, fact.location)

@@ -1,0 +1,105 @@
+"""Writing N-Triples (W3C RDF 1.1 N-Triples) as text, fast: terms are strings already spelled as the syntax has them.
+
+IRIs come from `kg.graph.iris` and `kg.graph.vocabulary`, which give only valid ones; literals may hold any text.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Final
+
+from kg.graph.vocabulary import LABEL, TYPE, XSD
+
+if TYPE_CHECKING:
+    from datetime import datetime
+
+__all__ = ["Writer", "address", "boolean", "integer", "literal", "moment"]
+
+_SPECIAL: Final = re.compile(r'["\\\x00-\x1f\x7f\ud800-\udfff]')
+_ESCAPES: Final = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\r": "\\r", "\t": "\\t", "\b": "\\b", "\f": "\\f"}
+_BOOLEANS: Final = (f'"false"^^<{XSD}boolean>', f'"true"^^<{XSD}boolean>')
+
+
+def _escape(match: re.Match[str]) -> str:
+    character = match[0]
+    if character >= "\ud800":
+        return "\ufffd"
+    return _ESCAPES.get(character) or f"\\u{ord(character):04X}"
+
+
+def literal(text: str) -> str:
+    """Return the string literal of `text`; surrogates (bytes that are no UTF-8) become U+FFFD."""
+    return f'"{_SPECIAL.sub(_escape, text)}"' if _SPECIAL.search(text) else f'"{text}"'
+
+
+def integer(number: int) -> str:
+    """Return the `xsd:integer` literal of `number`."""
+    return f'"{number}"^^<{XSD}integer>'
+
+
+def boolean(value: bool) -> str:  # noqa: FBT001 - the value is the argument, not a mode
+    """Return the `xsd:boolean` literal of `value`."""
+    return _BOOLEANS[value]
+
+
+def address(text: str) -> str:
+    """Return the `xsd:anyURI` literal of an address as people wrote it, whether or not it is a valid one."""
+    return f"{literal(text)}^^<{XSD}anyURI>"
+
+
+def moment(time: datetime) -> str:
+    """Return the `xsd:dateTime` literal of `time`."""
+    return f'"{time.isoformat()}"^^<{XSD}dateTime>'
+
+
+class Writer:
+    """Collects the triples of one graph in the order they are added.
+
+    What is shared between many facts (topics, message types, files) is described once: `first` tells whether it
+    is seen for the first time.
+    """
+
+    __slots__ = ("_seen", "lines")
+
+    def __init__(self) -> None:
+        self.lines: list[str] = []
+        self._seen: set[str] = set()
+
+    def add(self, subject: str, predicate: str, value: str) -> None:
+        """Add one triple of spelled terms."""
+        self.lines.append(f"{subject} {predicate} {value} .\n")
+
+    def first(self, term: str) -> bool:
+        """Return whether `term` was not asked about before."""
+        if term in self._seen:
+            return False
+        self._seen.add(term)
+        return True
+
+    def once(self, subject: str, predicate: str, value: str) -> None:
+        """Add one triple unless it was added by `once` before."""
+        line = f"{subject} {predicate} {value} .\n"
+        if self.first(line):
+            self.lines.append(line)
+
+    def described(self, subject: str, label: str, *classes: str) -> bool:
+        """Type and label `subject` when it is seen for the first time; return whether it was."""
+        if not self.first(subject):
+            return False
+        self.lines.extend(f"{subject} {TYPE} {name} .\n" for name in classes)
+        self.lines.append(f"{subject} {LABEL} {literal(label)} .\n")
+        return True
+
+    def text(self, subject: str, predicate: str, value: str | None) -> None:
+        """Add a string literal unless `value` is None."""
+        if value is not None:
+            self.lines.append(f"{subject} {predicate} {literal(value)} .\n")
+
+    def number(self, subject: str, predicate: str, value: int | None) -> None:
+        """Add an integer literal unless `value` is None."""
+        if value is not None:
+            self.lines.append(f"{subject} {predicate} {integer(value)} .\n")
+
+    def encoded(self) -> bytes:
+        """Return all triples as N-Triples."""
+        return "".join(self.lines).encode()

@@ -1,0 +1,111 @@
+"""A package with all that was read of it becomes the triples of its source's graph."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from kg.graph import vocabulary as v
+from kg.graph.definitions import definition
+from kg.graph.licenses import spdx
+from kg.graph.nodes import node
+from kg.graph.ntriples import address, integer, literal
+from kg.graph.scope import Scope
+
+if TYPE_CHECKING:
+    from kg.facts import Dependency, Package, PackageFacts, Person, Problem, SourceFile
+    from kg.graph.iris import Iris
+
+__all__ = ["package_triples", "problem"]
+
+_ADDRESSES: Final = {"website": v.WEBSITE, "repository": v.CODE_REPOSITORY, "bugtracker": v.BUG_TRACKER}
+_ROLES: Final = {"maintainer": v.MAINTAINER, "author": v.AUTHOR}
+
+
+def package_triples(facts: PackageFacts, iris: Iris) -> bytes:
+    """Return the N-Triples of one package: the same bytes for the same facts; a source's graph is their union."""
+    scope = Scope(iris, facts.repository, facts.package.name)
+    iri = iris.package(facts.repository, facts.package.name)
+    subject = f"<{iri}>"
+    scope.writer.add(f"<{iris.repository(facts.repository)}>", v.CONTAINS, subject)
+    _manifest(scope, subject, facts.package)
+    for person in facts.package.people:
+        _person(scope, subject, person)
+    for dependency in facts.package.dependencies:
+        _dependency(scope, iri, dependency)
+    for file in facts.files:
+        _file(scope, subject, file)
+    for each in facts.definitions:
+        definition(scope, subject, each)
+    for each_node in facts.nodes:
+        node(scope, subject, each_node)
+    for each_problem in facts.problems:
+        problem(scope, iri, each_problem)
+    return scope.writer.encoded()
+
+
+def _manifest(scope: Scope, subject: str, fact: Package) -> None:
+    writer = scope.writer
+    writer.described(subject, fact.name, v.PACKAGE, v.RNKG_PACKAGE, v.SOURCE_CODE)
+    writer.add(subject, v.NAME, literal(fact.name))
+    writer.add(subject, v.ROS_VERSION, integer(fact.ros))
+    writer.text(subject, v.VERSION, fact.version)
+    writer.text(subject, v.DESCRIPTION, fact.description)
+    writer.number(subject, v.MANIFEST_FORMAT, fact.format)
+    writer.text(subject, v.BUILD_TYPE, fact.build_type)
+    writer.text(subject, v.DEPRECATED, fact.deprecated)
+    writer.text(subject, v.FOLDER, fact.path)
+    writer.add(subject, v.HAS_PACKAGE_NAME, _package_name(scope, fact.name))
+    scope.evidence(subject, fact.location)
+    for kind, url in fact.urls:
+        writer.once(subject, _ADDRESSES.get(kind, v.WEBSITE), address(url))
+    for name in fact.licenses:
+        writer.once(subject, v.LICENSE_NAME, literal(name))
+        identifier = spdx(name)
+        if identifier:
+            writer.once(subject, v.LICENSE, f"<{identifier}>")
+
+
+def _package_name(scope: Scope, name: str) -> str:
+    iri = f"<{scope.iris.package_name(name)}>"
+    scope.writer.described(iri, name, v.PACKAGE_NAME_CLASS)
+    return iri
+
+
+def _person(scope: Scope, subject: str, fact: Person) -> None:
+    iri = f"<{scope.iris.person(fact.email or scope.repository, fact.name)}>"
+    writer = scope.writer
+    writer.once(subject, _ROLES.get(fact.role, v.AUTHOR), iri)
+    if writer.described(iri, fact.name, v.PERSON):
+        writer.add(iri, v.NAME, literal(fact.name))
+        writer.text(iri, v.EMAIL, fact.email)
+
+
+def _dependency(scope: Scope, owner: str, fact: Dependency) -> None:
+    part, name = scope.part(owner, fact.kind, fact.name), _package_name(scope, fact.name)
+    writer = scope.writer
+    writer.once(f"<{owner}>", v.DEPENDS_ON, name)
+    writer.add(f"<{owner}>", v.HAS_DEPENDENCY, part)
+    writer.add(part, v.TYPE, v.DEPENDENCY)
+    writer.add(part, v.ON_PACKAGE, name)
+    writer.add(part, v.DEPENDENCY_KIND, literal(fact.kind))
+    writer.add(part, v.LINE, integer(fact.line))
+
+
+def _file(scope: Scope, package: str, fact: SourceFile) -> None:
+    iri, writer = scope.file(fact.path), scope.writer
+    writer.add(package, v.CONTAINS, iri)
+    writer.add(iri, v.FILE_KIND, literal(fact.kind))
+    writer.add(iri, v.BYTES, integer(fact.bytes))
+    writer.add(iri, v.DIGEST, literal(fact.digest))
+
+
+def problem(scope: Scope, owner: str, fact: Problem) -> None:
+    """Write something wrong in the sources of `owner`, the IRI of a package or of a repository."""
+    part, writer = scope.part(owner, "problem", fact.path), scope.writer
+    writer.add(f"<{owner}>", v.HAS_PROBLEM, part)
+    writer.add(part, v.TYPE, v.PROBLEM)
+    writer.add(part, v.CODE, literal(fact.code))
+    writer.add(part, v.TEXT, literal(fact.message))
+    writer.add(part, v.PATH, literal(fact.path))
+    writer.add(part, v.DECLARED_IN, scope.file(fact.path))
+    writer.number(part, v.LINE, fact.line)

@@ -1,0 +1,211 @@
+"""The terms that `kg` writes, each as N-Triples spells it (`<...>`), and the prefixes people write them with.
+
+`ontology/onto-ros.ttl` and `ontology/rnkg.ttl` define and explain them; a test keeps the two in step.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+__all__ = [
+    "DCTERMS",
+    "OWL",
+    "PREFIXES",
+    "PROV",
+    "RDF",
+    "RDFS",
+    "RNKG",
+    "ROS",
+    "SCHEMA",
+    "SKOS",
+    "XSD",
+    "bare",
+    "rnkg",
+    "ros",
+]
+
+ROS: Final = "http://data.mksmart.org/onto-ros/class#"
+RNKG: Final = "https://w3id.org/rnkg/ns#"
+RDF: Final = "http://www.w3.org/1999/02/22-rdf-syntax-ns#"
+RDFS: Final = "http://www.w3.org/2000/01/rdf-schema#"
+OWL: Final = "http://www.w3.org/2002/07/owl#"
+XSD: Final = "http://www.w3.org/2001/XMLSchema#"
+PROV: Final = "http://www.w3.org/ns/prov#"
+DCTERMS: Final = "http://purl.org/dc/terms/"
+SKOS: Final = "http://www.w3.org/2004/02/skos/core#"
+SCHEMA: Final = "http://schema.org/"
+
+PREFIXES: Final = {
+    "ros": ROS,
+    "rnkg": RNKG,
+    "rdf": RDF,
+    "rdfs": RDFS,
+    "owl": OWL,
+    "xsd": XSD,
+    "prov": PROV,
+    "dcterms": DCTERMS,
+    "skos": SKOS,
+    "schema": SCHEMA,
+}
+
+
+def ros(name: str) -> str:
+    """Return the term `name` of onto-ros as N-Triples spells it."""
+    return f"<{ROS}{name}>"
+
+
+def rnkg(name: str) -> str:
+    """Return the term `name` of RNKG as N-Triples spells it."""
+    return f"<{RNKG}{name}>"
+
+
+def bare(term: str) -> str:
+    """Return the IRI of a term without its angle brackets."""
+    return term[1:-1]
+
+
+TYPE: Final = f"<{RDF}type>"
+LABEL: Final = f"<{RDFS}label>"
+COMMENT: Final = f"<{RDFS}comment>"
+DESCRIPTION: Final = f"<{DCTERMS}description>"
+LICENSE: Final = f"<{DCTERMS}license>"
+SOURCE_CODE: Final = f"<{SCHEMA}SoftwareSourceCode>"
+
+ACTIVITY: Final = f"<{PROV}Activity>"
+SOFTWARE_AGENT: Final = f"<{PROV}SoftwareAgent>"
+STARTED: Final = f"<{PROV}startedAtTime>"
+ENDED: Final = f"<{PROV}endedAtTime>"
+USED: Final = f"<{PROV}used>"
+GENERATED: Final = f"<{PROV}generated>"
+ASSOCIATED: Final = f"<{PROV}wasAssociatedWith>"
+
+NODE: Final = ros("Node")
+PACKAGE: Final = ros("Package")
+TOPIC: Final = ros("Topic")
+SERVICE: Final = ros("Service")
+MESSAGE: Final = ros("Message")
+REQUEST: Final = ros("RequestMessage")
+RESPONSE: Final = ros("ResponseMessage")
+PUBLISHER: Final = ros("Publisher")
+SUBSCRIBER: Final = ros("Subscriber")
+SERVICE_SERVER: Final = ros("ServiceServer")
+SERVICE_CLIENT: Final = ros("ServiceClient")
+HAS_COMPONENT: Final = ros("hasComponent")
+ROS_HAS_MESSAGE: Final = ros("hasMessage")
+
+REPOSITORY: Final = rnkg("Repository")
+RNKG_PACKAGE: Final = rnkg("Package")
+PACKAGE_NAME_CLASS: Final = rnkg("PackageName")
+NODE_TYPE: Final = rnkg("NodeType")
+EXECUTABLE: Final = rnkg("Executable")
+ACTION: Final = rnkg("Action")
+ACTION_SERVER: Final = rnkg("ActionServer")
+ACTION_CLIENT: Final = rnkg("ActionClient")
+MESSAGE_TYPE: Final = rnkg("MessageType")
+SERVICE_TYPE: Final = rnkg("ServiceType")
+ACTION_TYPE: Final = rnkg("ActionType")
+GOAL: Final = rnkg("GoalMessage")
+RESULT: Final = rnkg("ResultMessage")
+FEEDBACK: Final = rnkg("FeedbackMessage")
+PARAMETER: Final = rnkg("Parameter")
+DEFINITION: Final = rnkg("InterfaceDefinition")
+FIELD: Final = rnkg("Field")
+PERSON: Final = rnkg("Person")
+DEPENDENCY: Final = rnkg("Dependency")
+SOURCE_FILE: Final = rnkg("SourceFile")
+PROBLEM: Final = rnkg("Problem")
+BUILD: Final = rnkg("Build")
+QOS: Final = rnkg("Qos")
+
+CONTAINS: Final = rnkg("contains")
+PUBLISHES: Final = rnkg("publishes")
+SUBSCRIBES: Final = rnkg("subscribes")
+PROVIDES: Final = rnkg("provides")
+CALLS: Final = rnkg("calls")
+SERVES_ACTION: Final = rnkg("servesAction")
+CALLS_ACTION: Final = rnkg("callsAction")
+CONNECTS_TO: Final = rnkg("connectsTo")
+HAS_MESSAGE: Final = rnkg("hasMessage")
+HAS_SERVICE_TYPE: Final = rnkg("hasServiceType")
+HAS_ACTION_TYPE: Final = rnkg("hasActionType")
+HAS_REQUEST: Final = rnkg("hasRequest")
+HAS_RESPONSE: Final = rnkg("hasResponse")
+HAS_GOAL: Final = rnkg("hasGoal")
+HAS_RESULT: Final = rnkg("hasResult")
+HAS_FEEDBACK: Final = rnkg("hasFeedback")
+HAS_PARAMETER: Final = rnkg("hasParameter")
+HAS_EXECUTABLE: Final = rnkg("hasExecutable")
+HAS_SOURCE: Final = rnkg("hasSource")
+HAS_QOS: Final = rnkg("hasQos")
+HAS_FIELD: Final = rnkg("hasField")
+HAS_FIELD_TYPE: Final = rnkg("hasFieldType")
+HAS_DEPENDENCY: Final = rnkg("hasDependency")
+HAS_PROBLEM: Final = rnkg("hasProblem")
+HAS_PACKAGE_NAME: Final = rnkg("hasPackageName")
+DEFINES: Final = rnkg("defines")
+DEPENDS_ON: Final = rnkg("dependsOn")
+DECLARED_IN: Final = rnkg("declaredIn")
+MAINTAINER: Final = rnkg("maintainer")
+AUTHOR: Final = rnkg("author")
+RESOLUTION: Final = rnkg("resolution")
+KIND: Final = rnkg("kind")
+ACCESS: Final = rnkg("access")
+ON_PACKAGE: Final = rnkg("onPackage")
+
+NAME: Final = rnkg("name")
+RESOLVED_NAME: Final = rnkg("resolvedName")
+WRITTEN: Final = rnkg("written")
+PARAMETER_NAME: Final = rnkg("parameterName")
+IMPLICIT: Final = rnkg("implicit")
+ORIGIN: Final = rnkg("origin")
+REASON: Final = rnkg("reason")
+PATH: Final = rnkg("path")
+LINE: Final = rnkg("line")
+IN_REPOSITORY: Final = rnkg("repository")
+LANGUAGE: Final = rnkg("language")
+ROS_VERSION: Final = rnkg("rosVersion")
+PLUGIN_NAME: Final = rnkg("pluginName")
+NODE_NAME: Final = rnkg("nodeName")
+BASE_CLASS: Final = rnkg("baseClass")
+RELIABILITY: Final = rnkg("reliability")
+DURABILITY: Final = rnkg("durability")
+HISTORY: Final = rnkg("history")
+DEPTH: Final = rnkg("depth")
+PARAMETER_TYPE: Final = rnkg("parameterType")
+DEFAULT_VALUE: Final = rnkg("defaultValue")
+CONSTANT_VALUE: Final = rnkg("constantValue")
+SECTION: Final = rnkg("section")
+POSITION: Final = rnkg("position")
+FIELD_TYPE: Final = rnkg("fieldType")
+DEFINITION_KIND: Final = rnkg("definitionKind")
+VERSION: Final = rnkg("version")
+MANIFEST_FORMAT: Final = rnkg("manifestFormat")
+BUILD_TYPE: Final = rnkg("buildType")
+LICENSE_NAME: Final = rnkg("licenseName")
+FOLDER: Final = rnkg("folder")
+DEPRECATED: Final = rnkg("deprecated")
+WEBSITE: Final = rnkg("website")
+CODE_REPOSITORY: Final = rnkg("codeRepository")
+BUG_TRACKER: Final = rnkg("bugTracker")
+EMAIL: Final = rnkg("email")
+DEPENDENCY_KIND: Final = rnkg("dependencyKind")
+FILE_KIND: Final = rnkg("fileKind")
+BYTES: Final = rnkg("bytes")
+DIGEST: Final = rnkg("digest")
+CODE: Final = rnkg("code")
+TEXT: Final = rnkg("message")
+COMMIT: Final = rnkg("commit")
+BRANCH: Final = rnkg("branch")
+REMOTE: Final = rnkg("remote")
+DIRTY: Final = rnkg("dirty")
+ROOT: Final = rnkg("root")
+KG_VERSION: Final = rnkg("kgVersion")
+PACKAGES: Final = rnkg("packageCount")
+NODES: Final = rnkg("nodeCount")
+INTERFACES: Final = rnkg("interfaceCount")
+PARAMETERS: Final = rnkg("parameterCount")
+DEFINITIONS: Final = rnkg("definitionCount")
+FILES: Final = rnkg("fileCount")
+PROBLEMS: Final = rnkg("problemCount")
+UNRESOLVED: Final = rnkg("unresolvedCount")
+TRIPLES: Final = rnkg("tripleCount")
