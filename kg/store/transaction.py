@@ -51,31 +51,33 @@ class EmbeddedTransaction:
     def replace_graphs(self, graphs: Mapping[NamedNode, Iterable[bytes]]) -> None:
         """Give each named graph a new content, as chunks of N-Triples that end at ends of lines."""
         with translated(str(self._layout.root)):
-            db = self._open(frozenset(graphs))
+            self._begin(frozenset(graphs))
             for graph, chunks in graphs.items():
-                if len(db) and db.contains_named_graph(graph):
-                    db.clear_graph(graph)
-                db.add_graph(graph)
+                if self._engine.contains_named_graph(graph):
+                    self._engine.clear_graph(graph)
+                self._engine.add_graph(graph)
                 for batch in _batches(chunks):
-                    db.bulk_load(batch, RdfFormat.N_TRIPLES, to_graph=graph)
+                    self._engine.bulk_load(batch, RdfFormat.N_TRIPLES, to_graph=graph)
 
     def patch_graph(self, graph: NamedNode, removed: bytes, added: bytes) -> None:
         """Take the N-Triples `removed` out of a graph and put `added` in: for changes small beside the graph."""
         with translated(str(self._layout.root)):
-            db = self._open(frozenset())
+            self._begin(frozenset())
             if removed.strip():
-                db.update(f"DELETE DATA {{ GRAPH {graph} {{\n{removed.decode()}}} }}")
-            db.load(added, RdfFormat.N_TRIPLES, to_graph=graph)
+                self._engine.update(f"DELETE DATA {{ GRAPH {graph} {{\n{removed.decode()}}} }}")
+            self._engine.load(added, RdfFormat.N_TRIPLES, to_graph=graph)
 
     def append(self, graph: NamedNode, triples: bytes) -> None:
         """Add N-Triples to a graph."""
         with translated(str(self._layout.root)):
-            self._open(frozenset()).load(triples, RdfFormat.N_TRIPLES, to_graph=graph)
+            self._begin(frozenset())
+            self._engine.load(triples, RdfFormat.N_TRIPLES, to_graph=graph)
 
     def drop_graph(self, graph: NamedNode) -> None:
         """Remove a graph with all it holds; nothing happens when there is none of that name."""
         with translated(str(self._layout.root)):
-            self._open(frozenset([graph])).remove_graph(graph)
+            self._begin(frozenset([graph]))
+            self._engine.remove_graph(graph)
 
     def load_file(self, path: Path, rdf_format: RdfFormat | None = None, *, graph: NamedNode | None = None) -> None:
         """Add the content of a file of RDF: into `graph`, or into the graphs that the file names.
@@ -100,15 +102,16 @@ class EmbeddedTransaction:
             quads = parse(path=path, format=rdf_format, base_iri=path.absolute().as_uri())
             target = graph or DefaultGraph()
             with translated(str(self._layout.root)):
-                db = self._open(frozenset())
-                db.bulk_extend(_into(target, quad) for quad in quads)
+                self._begin(frozenset())
+                self._engine.bulk_extend(_into(target, quad) for quad in quads)
         except SyntaxError as error:
             raise GraphError("KG601", error.msg, place=Place(str(path), error.lineno, error.offset)) from error
 
     def update(self, text: str, *, prefixes: Mapping[str, str] | None = None) -> None:
         """Run a SPARQL update on the engine as it is."""
         with translated(str(self._layout.root)):
-            self._open(frozenset()).update(text, prefixes=dict(prefixes or {}))
+            self._begin(frozenset())
+            self._engine.update(text, prefixes=dict(prefixes or {}))
 
     def commit(self) -> int | None:
         """Put the new generation in force and return its number; None when nothing changed."""
@@ -127,32 +130,31 @@ class EmbeddedTransaction:
             return
         shutil.rmtree(self._layout.generation(self._number), ignore_errors=True)
 
-    def _open(self, leaving: frozenset[NamedNode]) -> Store:
-        """Return the new generation, made at the first change, whose graphs `leaving` are about to go."""
+    @property
+    def _engine(self) -> Store:
+        """The new generation. It is not kept in local variables, where the traceback of an error would hold it open."""
         if self._db is None:
-            folder = self._layout.generation(self._number)
-            if self._base is None:
-                self._db = Store(str(folder))
-            else:
-                with EmbeddedSnapshot(self._layout) as base:
-                    self._db = _begin(base, str(folder), leaving)
+            raise ValueError("the transaction has ended")
         return self._db
 
-
-def _begin(base: EmbeddedSnapshot, folder: str, leaving: frozenset[NamedNode]) -> Store:
-    """Return a new database in `folder` with the content of `base`; graphs of `leaving` may already be gone from it."""
-    going = sum(base.count(graph) for graph in leaving)
-    staying = base.count() - going
-    if going * _DELETE_COST <= staying * _COPY_COST:
-        base.backup(folder)
-        return Store(folder)
-    db = Store(folder)
-    for graph in base.graphs():
-        if graph not in leaving:
-            db.add_graph(graph)
-            db.bulk_load(base.dump(RdfFormat.N_TRIPLES, graph=graph), RdfFormat.N_TRIPLES, to_graph=graph)
-    db.bulk_load(base.dump_default_graph(), RdfFormat.N_TRIPLES)
-    return db
+    def _begin(self, leaving: frozenset[NamedNode]) -> None:
+        """Make the new generation before the first change; its graphs `leaving` are about to go."""
+        if self._db is not None:
+            return
+        folder = str(self._layout.generation(self._number))
+        if self._base is None:
+            self._db = Store(folder)
+            return
+        with EmbeddedSnapshot(self._layout) as base:
+            copied = [graph for graph in base.graphs() if graph not in leaving]
+            going = sum(base.count(graph) for graph in leaving)
+            if going * _DELETE_COST <= (base.count() - going) * _COPY_COST:
+                base.backup(folder)
+                self._db = Store(folder)
+                return
+            self._db = Store(folder)
+            self._engine.bulk_load(base.dump_default_graph(), RdfFormat.N_TRIPLES)
+            self.replace_graphs({graph: [base.dump(RdfFormat.N_TRIPLES, graph=graph)] for graph in copied})
 
 
 def _into(target: NamedNode | DefaultGraph, quad: Quad) -> Quad:
