@@ -162,6 +162,8 @@ class Parameter:
     implicit: bool = False
     origin: str | None = None
     reason: str | None = None
+    description: str | None = None
+    """What the declaration says of it in words (`generate_parameter_library`, dynamic_reconfigure, a descriptor)."""
 
 
 @dataclass(frozen=True, slots=True)
