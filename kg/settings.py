@@ -95,7 +95,10 @@ def _count(value: object, _base: Path) -> int:
 def _bytes(value: object, _base: Path) -> int:
     text = str(value).strip()
     unit = {"k": 10, "m": 20, "g": 30}.get(text[-1:].lower())
-    return int(_number(text[:-1], 0)) << unit if unit else int(_number(text, 1))
+    number = int(_number(text[:-1] if unit else text, 0) * (1 << (unit or 0)))
+    if number < 1:
+        raise _FormError("a size of at least 1 byte")
+    return number
 
 
 def _path(value: object, base: Path) -> Path:
@@ -113,9 +116,10 @@ def _paths(value: object, base: Path) -> tuple[Path, ...]:
 
 def _iri(value: object, _base: Path) -> str:
     text = str(value)
-    if not text.startswith(("http://", "https://", "urn:")) or any(sign in text for sign in ' <>"{}|\\^`'):
-        raise _FormError("an IRI that starts with http://, https:// or urn:")
-    return text if text.endswith(("/", "#", ":")) else text + "/"
+    host = text.partition("://")[2].partition("/")[0]
+    if not text.startswith(("http://", "https://")) or not host or any(sign in text for sign in ' <>"{}|\\^`#?'):
+        raise _FormError("an IRI that starts with http:// or https:// and has no # or ?")
+    return text if text.endswith("/") else text + "/"
 
 
 def _word(value: object, _base: Path) -> str:

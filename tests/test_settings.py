@@ -1,0 +1,147 @@
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from kg.errors import UsageError
+from kg.settings import DECLARED, Settings, find_file, load
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def write(folder: Path, text: str) -> Path:
+    """Write kg.toml into a folder."""
+    path = folder / "kg.toml"
+    path.write_text(text)
+    return path
+
+
+def refusal(folder: Path, environment: dict[str, str] | None = None, **flags: object) -> UsageError:
+    """Return the error that loading ends in."""
+    with pytest.raises(UsageError) as caught:
+        load(flags, environment=environment or {}, folder=folder)
+    return caught.value
+
+
+def test_defaults_have_the_origin_default(tmp_path: Path) -> None:
+    """Where nothing is said, each value is the declared default and says so."""
+    for declaration, value, origin in load(environment={}, folder=tmp_path).values():
+        assert value == declaration.default
+        assert str(origin) == "default"
+
+
+def test_a_flag_wins_over_the_environment_and_that_over_the_file(tmp_path: Path) -> None:
+    """The three places are asked in the documented order, and the origin names the one that won."""
+    path = write(tmp_path, "# mine\njobs = 1\nlimit = 1\ntimeout = 1\n")
+    settings = load({"jobs": "3"}, environment={"KG_JOBS": "2", "KG_LIMIT": "2"}, folder=tmp_path)
+    assert (settings.jobs, settings.limit, settings.timeout) == (3, 2, 1.0)
+    origins = [str(settings.origin(name)) for name in ("jobs", "limit", "timeout")]
+    assert origins == ["--jobs", "KG_LIMIT", f"{path}:4"]
+
+
+def test_the_file_is_found_upwards(tmp_path: Path) -> None:
+    """The nearest kg.toml above the working folder counts, and paths in it are relative to it."""
+    write(tmp_path, 'store = "data"\nqueries = ["mine"]\n')
+    deep = tmp_path / "a" / "b"
+    deep.mkdir(parents=True)
+    settings = load(environment={}, folder=deep)
+    assert settings.store == tmp_path / "data"
+    assert settings.queries == (tmp_path / "mine",)
+    assert find_file(deep) == tmp_path / "kg.toml"
+
+
+def test_relative_paths_of_flags_start_at_the_working_folder(tmp_path: Path) -> None:
+    """A flag means what the shell means."""
+    assert load({"store": "x"}, environment={}, folder=tmp_path).store == tmp_path / "x"
+
+
+def test_an_unknown_key_names_its_line_and_the_nearest_setting(tmp_path: Path) -> None:
+    """A typing error in kg.toml is found where it stands."""
+    path = write(tmp_path, "jobs = 2\n\nmax_file_byte = 3\n")
+    error = refusal(tmp_path)
+    assert error.code == "KG002"
+    assert str(error.place) == f"{path}:3"
+    assert error.hint == "did you mean `max_file_bytes`?"
+
+
+def test_an_unknown_key_like_no_other_lists_the_settings(tmp_path: Path) -> None:
+    """When nothing is near, all names are given."""
+    write(tmp_path, "zzz = 2\n")
+    assert all(name in (refusal(tmp_path).hint or "") for name in DECLARED)
+
+
+def test_a_file_that_is_no_toml_names_line_and_column(tmp_path: Path) -> None:
+    """Syntax errors carry the place that the parser gives."""
+    path = write(tmp_path, "jobs = 2\nlimit = = 3\n")
+    assert str(refusal(tmp_path).place).startswith(f"{path}:2:")
+
+
+def test_a_file_that_is_not_text_is_an_error_not_a_crash(tmp_path: Path) -> None:
+    """Binary rubbish called kg.toml is named."""
+    (tmp_path / "kg.toml").write_bytes(b"\xff\xfe\x00")
+    assert "kg.toml" in str(refusal(tmp_path).place)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("jobs", "many"),
+        ("jobs", "-1"),
+        ("jobs", "1.5"),
+        ("timeout", "inf"),
+        ("timeout", "nan"),
+        ("limit", ""),
+        ("max_file_bytes", "0"),
+        ("max_file_bytes", "M"),
+        ("base", "ftp://x/"),
+        ("base", "https://"),
+        ("base", "https://x/#"),
+        ("color", "blue"),
+        ("store", " "),
+    ],
+)
+def test_bad_values_name_the_flag_and_the_value(tmp_path: Path, name: str, value: str) -> None:
+    """A value that cannot be used is shown with the flag that gave it."""
+    flags: dict[str, Any] = {name: value}
+    error = refusal(tmp_path, **flags)
+    assert error.code == "KG002"
+    assert DECLARED[name].flag in error.message
+    assert repr(value) in error.message
+
+
+def test_a_bad_variable_is_named(tmp_path: Path) -> None:
+    """The environment is named as such."""
+    assert "KG_JOBS is 'x'" in refusal(tmp_path, {"KG_JOBS": "x"}).message
+
+
+@pytest.mark.parametrize(("text", "size"), [("1000", 1000), ("2K", 2048), ("1.5m", 3 << 19), ("1G", 1 << 30)])
+def test_sizes_have_units(tmp_path: Path, text: str, size: int) -> None:
+    """K, M and G are powers of 1024, in either case."""
+    assert load({"max_file_bytes": text}, environment={}, folder=tmp_path).max_file_bytes == size
+
+
+def test_a_base_gets_its_slash(tmp_path: Path) -> None:
+    """Names are put right behind the base, so it ends in a slash."""
+    assert load({"base": "https://example.org/kg"}, environment={}, folder=tmp_path).base == "https://example.org/kg/"
+
+
+def test_every_setting_is_told_in_a_sentence() -> None:
+    """Help and documentation take the sentence, so it ends as one does."""
+    for declaration in DECLARED.values():
+        assert declaration.sentence.endswith(".")
+        assert declaration.variable == declaration.flag.upper().replace("--", "KG_").replace("-", "_")
+
+
+@given(st.dictionaries(st.sampled_from(sorted(DECLARED)), st.text() | st.integers() | st.floats() | st.booleans()))
+def test_any_value_is_read_or_refused_with_a_code(flags: dict[str, Any]) -> None:
+    """Whatever a flag holds, loading gives settings or KG002 and nothing else."""
+    codes = set()
+    try:
+        assert isinstance(load(flags, environment={}), Settings)
+    except UsageError as error:
+        codes.add(error.code)
+    assert codes <= {"KG002"}
