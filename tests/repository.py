@@ -1,0 +1,68 @@
+"""What tests of the whole repository share: which files it has, and the shape of its Python code."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Final, TypeAlias
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = ["ROOT", "Module", "Routine", "files", "modules"]
+
+ROOT: Final = Path(__file__).resolve().parent.parent
+
+Routine: TypeAlias = ast.FunctionDef | ast.AsyncFunctionDef
+
+_NOT_OURS: Final = {".git", ".venv", "build", "dist", ".kg", "node_modules"}
+
+
+@cache
+def files() -> tuple[Path, ...]:
+    """Return the files of the repository: those that git knows or would add, or all where there is no git."""
+    command = ["git", "-C", str(ROOT), "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
+    try:
+        listed = subprocess.run(command, capture_output=True, check=True).stdout.decode().split("\0")
+        found = [ROOT / name for name in listed if name]
+    except (OSError, subprocess.CalledProcessError):
+        found = [path for path in ROOT.rglob("*") if not _NOT_OURS & set(path.relative_to(ROOT).parts)]
+    return tuple(sorted({path for path in found if path.is_file()}))
+
+
+@dataclass(frozen=True, slots=True)
+class Module:
+    """A Python file of the repository, parsed."""
+
+    path: Path
+    text: str
+    tree: ast.Module
+
+    def __str__(self) -> str:
+        return str(self.path.relative_to(ROOT))
+
+    @property
+    def length(self) -> int:
+        """Lines of the file."""
+        return self.text.count("\n")
+
+    def routines(self) -> Iterator[Routine]:
+        """Yield every function and method, nested ones too."""
+        for node in ast.walk(self.tree):
+            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+                yield node
+
+
+@cache
+def modules(*folders: str) -> tuple[Module, ...]:
+    """Return the Python files below the folders, the cases of extraction left out."""
+    found = []
+    for path in files():
+        parts = path.relative_to(ROOT).parts
+        if path.suffix == ".py" and parts[0] in folders and "cases" not in parts:
+            text = path.read_text(encoding="utf-8")
+            found.append(Module(path, text, ast.parse(text, str(path))))
+    return tuple(found)
