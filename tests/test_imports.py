@@ -1,0 +1,94 @@
+"""Which room may know which, and what a command may import before it needs it."""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import subprocess
+import sys
+
+import pytest
+from repository import ROOT
+
+HEAVY = {
+    "asyncio",
+    "lxml",
+    "multiprocessing",
+    "owlready2",
+    "pyoxigraph",
+    "pyshacl",
+    "rdflib",
+    "rich",
+    "rosbags",
+    "tree_sitter",
+    "tree_sitter_cpp",
+    "tree_sitter_python",
+    "yaml",
+}
+HELP_SECONDS = 0.150
+SLOW_MACHINE = 2.0
+"""A test machine may be this much slower than the one that the budget is measured on (docs/benchmarks.md)."""
+
+_IMPORTED = """
+import json, sys
+from kg.cli.main import run
+sys.argv = ["kg", *sys.argv[1:]]
+try:
+    run()
+except SystemExit:
+    pass
+print(json.dumps(sorted(sys.modules)), file=sys.stderr)
+"""
+
+
+def python(*arguments: str) -> subprocess.CompletedProcess[str]:
+    """Run this Python in a process of its own, at the root of the repository."""
+    environment = {**os.environ, "NO_COLOR": "1"}
+    command = [sys.executable, *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT, env=environment, timeout=120)
+
+
+def imported(*arguments: str) -> set[str]:
+    """Return the modules that a call of `kg` imports."""
+    return set(json.loads(python("-c", _IMPORTED, *arguments).stderr.splitlines()[-1]))
+
+
+def test_the_contracts_between_rooms_hold() -> None:
+    """Every import contract of pyproject.toml is kept."""
+    pytest.importorskip("importlinter", reason="import-linter is not installed: pip install -e '.[dev]'")
+    command = "from importlinter.cli import lint_imports; raise SystemExit(lint_imports())"
+    outcome = subprocess.run([sys.executable, "-c", command], capture_output=True, text=True, check=False, cwd=ROOT)
+    assert outcome.returncode == 0, outcome.stdout
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["--version"], ["build", "--help"], ["query", "--help"]])
+def test_help_imports_nothing_heavy(arguments: list[str]) -> None:
+    """Help and version come without parsers, stores and tables being imported."""
+    assert not HEAVY & imported(*arguments)
+
+
+def test_the_package_itself_imports_nothing_heavy() -> None:
+    """`import kg` alone loads none of its rooms; a name of the public API loads what it needs."""
+    listing = "import json, sys, kg; print(json.dumps(sorted(sys.modules)))"
+    loaded = set(json.loads(python("-c", listing).stdout))
+    assert not HEAVY & loaded
+    assert not [name for name in loaded if name.startswith("kg.")]
+
+
+def test_help_comes_at_once() -> None:
+    """`kg --help` takes less CPU time than its budget, with allowance for a slow machine."""
+    spent = []
+    for _ in range(5):
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        python("-m", "kg", "--help")
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        spent.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+    assert min(spent) < HELP_SECONDS * SLOW_MACHINE, spent
+
+
+@pytest.mark.parametrize("room", ["kg.extract", "kg.corpus", "kg.facts", "kg.names"])
+def test_extraction_loads_no_rdf(room: str) -> None:
+    """What reads sources runs where no RDF library is loaded."""
+    listing = f"import json, sys, {room}; print(json.dumps(sorted(sys.modules)))"
+    assert not {"pyoxigraph", "rdflib"} & set(json.loads(python("-c", listing).stdout))

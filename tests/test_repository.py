@@ -1,0 +1,73 @@
+"""What must never stand in the repository."""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+from repository import ROOT, files
+
+LARGEST_BYTES: Final = 500_000
+
+_TEXT: Final = {
+    ".py",
+    ".md",
+    ".toml",
+    ".ttl",
+    ".rq",
+    ".srl",
+    ".json",
+    ".yaml",
+    ".yml",
+    ".txt",
+    ".cfg",
+    ".sh",
+    ".xml",
+    "",
+}
+
+# Written in pieces, so that this file does not contain what it looks for.
+_MACHINE: Final = re.compile(
+    r"(?<![\w.:/-])/(?:" + "|".join(["ho" + "me", "Us" + "ers", "wo" + "rk", "ro" + "ot"]) + r")/[\w.-]+"
+)
+_PLACEHOLDER: Final = re.compile(r"/(?:home|root)/(?:you|user|me|robot|ada|somebody)\b")
+
+
+def texts() -> list[tuple[str, str]]:
+    """Return the text files of the repository with their names."""
+    return [
+        (str(path.relative_to(ROOT)), path.read_text(encoding="utf-8", errors="replace"))
+        for path in files()
+        if path.suffix in _TEXT and "cases" not in path.parts and path.stat().st_size < LARGEST_BYTES
+    ]
+
+
+def test_no_path_of_a_developers_machine() -> None:
+    """No file names a folder of the machine that it was written on."""
+    found = [
+        f"{name}:{number}: {line.strip()[:120]}"
+        for name, text in texts()
+        for number, line in enumerate(text.splitlines(), 1)
+        if _MACHINE.search(_PLACEHOLDER.sub("", line))
+    ]
+    assert not found
+
+
+def test_no_large_or_generated_files() -> None:
+    """What can be made again is not kept, and no file is large."""
+    unwanted = {".pyc", ".so", ".whl", ".egg", ".nq", ".sst"}
+    assert not [
+        str(path.relative_to(ROOT))
+        for path in files()
+        if path.suffix in unwanted or (path.stat().st_size > LARGEST_BYTES and "cases" not in path.parts)
+    ]
+
+
+def test_sources_end_with_one_newline_and_hold_no_tabs() -> None:
+    """Python files end with one newline and are indented with spaces."""
+    odd = [
+        name
+        for name, text in texts()
+        if name.endswith(".py") and text and (not text.endswith("\n") or text.endswith("\n\n") or "\n\t" in text)
+    ]
+    assert not [name for name in odd if not name.startswith("examples/")]
