@@ -7,22 +7,25 @@ import typer
 from kg.cli.commands import config, explain
 from kg.cli.diagnostics import MODE, Mode
 from kg.cli.group import KgCommand, KgGroup
-from kg.cli.options import Color, Store
+from kg.cli.options import Store, from_setting
 from kg.cli.output import write
 from kg.cli.session import Session
 from kg.errors import Exit
-from kg.settings import DECLARED
 
 __all__ = ["COMMANDS", "app"]
 
 EPILOGUE: Final = """
 Data goes to standard output, words go to standard error. Exit codes:
 
-    0  it worked                          4  the store is missing, busy, damaged or full
-    1  it worked; something was found,    5  a query was refused or failed
-       or what was asked for was not      6  a deadline or a limit ended the work
-    2  the command or a setting is wrong  70  a defect in kg
-    3  a source could not be read         130  interrupted
+    0    it worked
+    1    it worked and found something wrong, or did not find what was asked for
+    2    the command or a setting is wrong
+    3    a source could not be read at all
+    4    the store is missing, busy, damaged or full
+    5    a query was refused or failed
+    6    a deadline or a limit ended the work
+    70   a defect in kg
+    130  interrupted
 
 Start with `kg demo`, or with `kg build FOLDER` and then `kg nodes`.
 """
@@ -47,11 +50,19 @@ def _print_version(value: bool) -> None:  # noqa: FBT001 - the signature of type
         raise typer.Exit(Exit.OK)
 
 
+def _speak_in(color: str | None) -> str | None:
+    """Take --color before anything can go wrong; what is no colour is reported when the settings are read."""
+    if color in {"always", "never"}:
+        MODE.set(Mode(color, MODE.get().traceback))
+    return color
+
+
+Color = Annotated[str | None, from_setting("color", callback=_speak_in, is_eager=True)]
 Version = Annotated[
     bool, typer.Option("--version", "-V", callback=_print_version, is_eager=True, help="Print the version and exit.")
 ]
 Traceback = Annotated[
-    bool, typer.Option("--traceback", envvar="KG_DEBUG", help="Show errors with Python's traceback. [KG_DEBUG=1]")
+    bool, typer.Option("--traceback", help="Show errors with Python's traceback. [KG_DEBUG=1]", show_default=False)
 ]
 
 
@@ -69,15 +80,10 @@ def kg(
         name: value for name, value in (("store", store), ("color", color)) if value is not None
     }
     context.obj = Session(flags)
-    MODE.set(Mode(_color(color), traceback))
-    MODE.set(Mode(context.obj.settings().color, traceback))
+    MODE.set(Mode(MODE.get().color, MODE.get().traceback or traceback))
+    MODE.set(Mode(context.obj.settings().color, MODE.get().traceback))
     if context.invoked_subcommand is None:
         write(context.get_help())
-
-
-def _color(flag: str | None) -> str:
-    """Return how to show an error in the settings themselves."""
-    return flag if flag in {"always", "never"} else DECLARED["color"].default
 
 
 config_app = typer.Typer(cls=KgGroup, rich_markup_mode=None)

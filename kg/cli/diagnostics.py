@@ -42,8 +42,8 @@ class Mode:
     traceback: bool = False
 
 
-_AS_USUAL: Final = Mode()
-MODE: ContextVar[Mode] = ContextVar("MODE", default=_AS_USUAL)
+_AT_FIRST: Final = Mode(os.environ.get("KG_COLOR", "auto"), bool(os.environ.get("KG_DEBUG")))
+MODE: ContextVar[Mode] = ContextVar("MODE", default=_AT_FIRST)
 
 
 def colored(stream: IO[str]) -> bool:

@@ -47,5 +47,5 @@ class KgGroup(TyperGroup):
 
     def main(self, *args: Any, **kwargs: Any) -> Any:
         """Run and leave the process with an exit code of `kg.errors.Exit`."""
-        kwargs["standalone_mode"] = False
+        kwargs |= {"standalone_mode": False, "prog_name": "kg"}
         sys.exit(guarded(lambda: super(KgGroup, self).main(*args, **kwargs)))

@@ -8,7 +8,6 @@ from kg.settings import DECLARED
 
 __all__ = [
     "Base",
-    "Color",
     "Format",
     "Jobs",
     "Json",
@@ -22,7 +21,7 @@ __all__ = [
 ]
 
 
-def from_setting(name: str, *short: str) -> Any:
+def from_setting(name: str, *short: str, **more: Any) -> Any:
     """Return the option of a setting; its value stays text until `kg.settings.load` reads it."""
     declaration = DECLARED[name]
     return typer.Option(
@@ -31,6 +30,7 @@ def from_setting(name: str, *short: str) -> Any:
         metavar=declaration.metavar,
         help=f"{declaration.sentence} [{declaration.variable}]",
         show_default=False,
+        **more,
     )
 
 
@@ -42,7 +42,6 @@ Timeout = Annotated[str | None, from_setting("timeout")]
 Limit = Annotated[str | None, from_setting("limit", "-n")]
 Format = Annotated[str | None, from_setting("format")]
 Queries = Annotated[str | None, from_setting("queries")]
-Color = Annotated[str | None, from_setting("color")]
 Json = Annotated[bool, typer.Option("--json", help="Write JSON Lines: one object a line.")]
 PackageName = Annotated[
     str | None, typer.Option("--package", "-p", metavar="NAME", help="Only this package (`name` or `repository:name`).")

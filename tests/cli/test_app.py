@@ -1,0 +1,82 @@
+from __future__ import annotations
+
+import subprocess
+import sys
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from cli.program import Program
+
+
+def test_help_is_data_and_names_every_exit_code(kg: Program) -> None:
+    """`kg --help` goes to standard output, says nothing on standard error and documents the contract."""
+    run = kg("--help")
+    assert (run.code, run.err) == (0, "")
+    assert all(f"    {code}  " in run.out or f"  {code}  " in run.out for code in (0, 1, 2, 3, 4, 5, 6, 70, 130))
+
+
+def test_kg_alone_shows_the_help(kg: Program) -> None:
+    """Someone who types only `kg` is shown what there is."""
+    assert kg().out == kg("--help").out
+
+
+def test_help_fits_eighty_columns(kg: Program) -> None:
+    """No line of the help is wider than the terminal."""
+    assert max(map(len, kg("--help").out.splitlines())) <= 80
+
+
+@pytest.mark.parametrize(
+    ("arguments", "suggestion"),
+    [(["explan"], "`explain`"), (["--stor", "x"], "`--store`"), (["explain", "--jsn"], "`--json`")],
+)
+def test_a_typing_error_gets_a_suggestion(kg: Program, arguments: list[str], suggestion: str) -> None:
+    """Wrong commands and options end with 2, on standard error, with the nearest that exists."""
+    run = kg(*arguments)
+    assert (run.code, run.out) == (2, "")
+    assert run.err.startswith("error[KG003]: ")
+    assert suggestion in run.err
+    assert "--help`" in run.err
+
+
+def test_a_bad_setting_shows_its_line_with_the_error(kg: Program, tmp_path: Path) -> None:
+    """An error in kg.toml comes with file, line and the line itself."""
+    (tmp_path / "kg.toml").write_text("jobs = 2\nstroe = 'x'\n")
+    run = kg("config", "show")
+    assert run.code == 2
+    assert f"--> {tmp_path}/kg.toml:2\n  |\n2 | stroe = 'x'\n" in run.err
+    assert "help: did you mean `store`?" in run.err
+
+
+def test_a_defect_is_reported_in_two_lines_without_traceback(kg: Program) -> None:
+    """What should not happen is KG900 with exit code 70; the traceback comes with KG_DEBUG only."""
+    broken = "import kg.cli.commands.config as c; c.setting_rows = None; from kg.cli.main import run; run()"
+    run = kg.python("-c", broken, "config", "show")
+    assert run.code == 70
+    assert run.err.startswith("error[KG900]: TypeError: ")
+    assert "Traceback" not in run.err
+    assert len(run.err.splitlines()) == 2
+    assert "Traceback" in kg.python("-c", broken, "--traceback", "config", "show").err
+    assert "Traceback" in kg.python("-c", broken, "config", "show", KG_DEBUG="1").err
+
+
+def test_a_closed_pipe_ends_quietly() -> None:
+    """`kg ... | head -1` says nothing about the pipe."""
+    command = f"{sys.executable} -m kg explain --json | head -c 1"
+    run = subprocess.run(["bash", "-c", f"set -o pipefail; {command}"], capture_output=True, text=True, check=False)
+    assert (run.returncode, run.stdout, run.stderr) == (0, "{", "")
+
+
+def test_colour_follows_the_terminal_and_the_flag(kg: Program) -> None:
+    """Off a terminal there is no escape unless asked for; NO_COLOR does not win over the flag."""
+    assert "\x1b[" not in kg("explan").err
+    assert "\x1b[" in kg("--color", "always", "explan", NO_COLOR="1").err
+    assert "\x1b[" in kg("explan", KG_COLOR="always").err
+
+
+def test_the_version_is_said(kg: Program) -> None:
+    """`kg --version` is one line."""
+    assert kg("--version").out.startswith("kg 0.")
