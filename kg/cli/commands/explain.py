@@ -17,7 +17,9 @@ Code = Annotated[str | None, typer.Argument(metavar="CODE", help="A code such as
 def explain(code: Code = None, *, json: Json = False) -> None:
     """Say what an error code means and what to do about it.
 
-    kg explain KG301
+    For example:
+
+        kg explain KG301
     """
     chosen = {code.upper(): CATALOGUE[code.upper()]} if code and code.upper() in CATALOGUE else CATALOGUE
     if code and len(chosen) != 1:
