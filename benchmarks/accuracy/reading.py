@@ -1,0 +1,125 @@
+"""Reads sources into the records of `kg nodes --json`, straight from extraction, in a few processes."""
+
+from __future__ import annotations
+
+import time
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict, dataclass
+from multiprocessing import get_context
+from typing import TYPE_CHECKING, Any
+
+from kg.corpus.workspace import Workspace, scan
+from kg.extract.package import extract_package
+from kg.facts import Role
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+    from pathlib import Path
+
+    from kg.corpus.workspace import Source
+    from kg.facts import Interface, NodeType, PackageFacts, Parameter, Repository
+
+__all__ = ["Reading", "read_sources"]
+
+_WORKSPACES: list[Workspace] = []
+"""What the worker processes inherit when they are forked, so that no source is sent to them package by package."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """What was read of one source: its records, its problems as text, and the CPU seconds that its packages took."""
+
+    repository: Repository
+    records: list[dict[str, Any]]
+    problems: list[str]
+    seconds: float
+
+
+def read_sources(roots: Iterable[Path], *, together: bool, workers: int, package: str | None) -> list[Reading]:
+    """Read each source as a build of its own, or all as one build (`together`); only `package` if one is named."""
+    sources = [scan(root) for root in roots]
+    _WORKSPACES[:] = [Workspace(sources)] if together else [Workspace([source]) for source in sources]
+    tasks = [
+        (number, source.repository.name, folder.path, str(source.root))
+        for number, workspace in enumerate(_WORKSPACES)
+        for source in workspace.sources
+        for folder in sorted(source.packages, key=lambda folder: -len(folder.files))
+        if package in (None, folder.name)
+    ]
+    done: dict[str, list[tuple[PackageFacts, float]]] = {str(source.root): [] for source in sources}
+    with ProcessPoolExecutor(workers, mp_context=get_context("fork")) as pool:
+        for task, result in zip(tasks, pool.map(_extract, tasks, chunksize=2), strict=True):
+            done[task[3]].append(result)
+    return [_reading(source, done[str(source.root)]) for source in sources]
+
+
+def _extract(task: tuple[int, str, str, str]) -> tuple[PackageFacts, float]:
+    number, repository, path, root = task
+    workspace = _WORKSPACES[number]
+    source = next(s for s in workspace.sources if s.repository.name == repository and str(s.root) == root)
+    folder = next(folder for folder in source.packages if folder.path == path)
+    start = time.process_time()
+    facts = extract_package(workspace, source, folder)
+    return facts, time.process_time() - start
+
+
+def _reading(source: Source, results: list[tuple[PackageFacts, float]]) -> Reading:
+    records = [record for facts, _ in results for record in _records(source.repository, facts)]
+    problems = [
+        f"{facts.package.name}: {found.path}:{found.line or 1}: {found.code} {found.message}"
+        for facts, _ in results
+        for found in facts.problems
+    ]
+    return Reading(source.repository, records, problems, sum(seconds for _, seconds in results))
+
+
+def _records(repository: Repository, facts: PackageFacts) -> Iterator[dict[str, Any]]:
+    for node in facts.nodes:
+        yield {
+            "repository": repository.name,
+            "commit": repository.commit,
+            "package": facts.package.name,
+            **_node(node),
+        }
+
+
+def _node(node: NodeType) -> dict[str, Any]:
+    record: dict[str, Any] = {
+        "node": node.name,
+        "kind": node.kind.value,
+        "executable": node.executable,
+        "plugin": node.plugin,
+        "language": node.language,
+        "ros": node.ros,
+        "sources": list(node.sources),
+    }
+    for role in Role:
+        record[role.value] = [_interface(found) for found in node.interfaces if found.role is role]
+    record["parameters"] = [_parameter(found) for found in node.parameters]
+    return record
+
+
+def _interface(found: Interface) -> dict[str, Any]:
+    return {
+        "name": found.name,
+        "type": found.type,
+        "resolution": found.resolution.value,
+        "parameter": found.parameter,
+        "implicit": found.implicit,
+        "qos": asdict(found.qos) if found.qos else None,
+        "file": found.location.path,
+        "line": found.location.line,
+        "reason": found.reason,
+    }
+
+
+def _parameter(found: Parameter) -> dict[str, Any]:
+    return {
+        "name": found.name,
+        "type": found.type,
+        "default": found.default,
+        "access": found.access.value,
+        "implicit": found.implicit,
+        "file": found.location.path,
+        "line": found.location.line,
+    }

@@ -1,0 +1,111 @@
+"""Scores records against truth files with a scorer that is given as a file.
+
+The scorer is a Python file with the functions `lines`, `repo_of`, `score`, `merged`, `predicted_entries` and
+`same_name`, as `score_interfaces.py` has them. Truth counts only for the sources read, at the commit read.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+from collections import Counter, defaultdict
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from pathlib import Path
+    from types import ModuleType
+
+    from reading import Reading
+
+__all__ = ["INTERFACES", "LEVELS", "Scores", "load_scorer", "score_file"]
+
+INTERFACES = ("publishes", "subscribes", "services", "clients", "action_servers", "action_clients")
+LEVELS = ("node", "package")
+Record = dict[str, Any]
+
+
+@dataclass(slots=True)
+class Scores:
+    """Counters by category for each source that a truth file speaks of, and what was missed."""
+
+    by_source: dict[str, dict[str, Counter[str]]] = field(default_factory=dict)
+    misses: list[Record] = field(default_factory=list)
+
+    def share(self, part: str, whole: str, categories: tuple[str, ...] | None = None) -> tuple[int, int]:
+        """Return how many of `whole` are `part`, over all sources; only of the categories named."""
+        total: Counter[str] = Counter()
+        for counts in self.by_source.values():
+            for category, counter in counts.items():
+                if categories is None or category in categories:
+                    total.update(counter)
+        return total[part], total[whole]
+
+    def mean(self, part: str, whole: str, categories: tuple[str, ...] | None = None) -> float | None:
+        """Return the mean over sources of the share of `whole` that is `part`; None without any."""
+        shares = []
+        for name, counts in self.by_source.items():
+            right, wanted = Scores({name: counts}).share(part, whole, categories)
+            if wanted:
+                shares.append(right / wanted)
+        return sum(shares) / len(shares) if shares else None
+
+
+def load_scorer(path: Path) -> ModuleType:
+    """Return the scorer, loaded from its file."""
+    spec = importlib.util.spec_from_file_location("scorer", path)
+    if spec is None or spec.loader is None:
+        raise SystemExit(f"{path} is no Python file")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def score_file(scorer: ModuleType, truths: list[Record], readings: list[Reading], level: str) -> Scores:
+    """Return the scores of one truth file at one level, source by source."""
+    scores = Scores()
+    for reading in readings:
+        mine = [truth for truth in truths if _speaks_of(scorer, truth, reading)]
+        if not mine:
+            continue
+        counts, named = scorer.score(mine, reading.records, level)
+        name = f"{scorer.repo_of({'repo': reading.repository.name})}@{(reading.repository.commit or '')[:7]}"
+        scores.by_source[name] = dict(counts)
+        scores.misses.extend({"kind": "name", **miss} for miss in named)
+        scores.misses.extend(_wrong_types(scorer, mine, reading.records, level))
+    return scores
+
+
+def _speaks_of(scorer: ModuleType, truth: Record, reading: Reading) -> bool:
+    commit, built = truth.get("commit"), reading.repository.commit
+    same_commit = not commit or not built or commit.startswith(built) or built.startswith(commit)
+    return same_commit and scorer.repo_of(truth) == scorer.repo_of({"repo": reading.repository.name})
+
+
+def _wrong_types(scorer: ModuleType, truths: list[Record], records: list[Record], level: str) -> list[Record]:
+    """Return the entries whose name was found and whose type was not, with the types given instead."""
+    packages: dict[str, list[Record]] = defaultdict(list)
+    for record in records:
+        packages[record["package"]].append(record)
+    misses = []
+    for truth in scorer.merged(truths):
+        candidates = packages[truth["package"]]
+        if level == "node":
+            candidates = [record for record in candidates if scorer.node_names(record) & truth["names"]]
+        given = [entry for record in candidates for entry in scorer.predicted_entries(record)]
+        for category, name, kind, line in truth["entries"]:
+            named = [g for g in given if name and g[0] == category and scorer.same_name(name, g[1])]
+            if kind and named and not any(g[2] == kind for g in named):
+                misses.append(
+                    {
+                        "kind": "type",
+                        "repo": truth.get("repo"),
+                        "package": truth["package"],
+                        "node": sorted(truth["names"]),
+                        "category": category,
+                        "name": name,
+                        "type": kind,
+                        "line": line,
+                        "given": sorted({str(g[2]) for g in named}),
+                    }
+                )
+    return misses
