@@ -1,0 +1,101 @@
+"""The assembly of a package's facts: every reader is called once, and what they say becomes one `PackageFacts`.
+
+`extract_package` is a pure function of the files of the package and of those that they include, so that it can run in
+any process of a pool, or on another machine. A defect in one reader costs that reader's facts of that package only.
+"""
+
+from __future__ import annotations
+
+import traceback
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Final, TypeVar
+
+from kg.corpus.reading import DEFAULT_LIMIT_BYTES, Reader
+from kg.extract import cpp, definitions, implicit, manifests, parameters, python
+from kg.extract.buildmodel import BuildModel
+from kg.extract.merging import merge, settled
+from kg.facts import Location, Package, PackageFacts, SourceFile
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from kg.corpus.files import PackageFolder, Source
+    from kg.corpus.workspace import Workspace
+    from kg.extract.marks import Extracted
+    from kg.facts import InterfaceDefinition, NodeType
+
+__all__ = ["ExtractSettings", "extract_package"]
+
+_Result = TypeVar("_Result")
+_ROS_UNKNOWN: Final = 0
+
+
+@dataclass(frozen=True, slots=True)
+class ExtractSettings:
+    """Limits of extraction: `max_file_bytes` is the size in bytes above which a file is reported and not read."""
+
+    max_file_bytes: int = DEFAULT_LIMIT_BYTES
+
+
+def extract_package(
+    workspace: Workspace, source: Source, package: PackageFolder, settings: ExtractSettings | None = None
+) -> PackageFacts:
+    """Return all that the files of `package` say; it raises nothing, what went wrong stands in `problems`."""
+    limits = settings or ExtractSettings()
+    reader = Reader(workspace, source, package, limits.max_file_bytes)
+    described = _guard(reader, manifests.read_manifest, _undescribed(package), reader, package)
+    build = _guard(reader, manifests.read_build, BuildModel(), reader, package)
+    no_definitions: tuple[InterfaceDefinition, ...] = ()
+    return PackageFacts(
+        repository=source.repository.name,
+        package=described,
+        nodes=_nodes(reader, package, build),
+        definitions=tuple(
+            sorted(
+                _guard(reader, definitions.read_definitions, no_definitions, reader, package),
+                key=lambda definition: (definition.kind, definition.name, definition.location.path),
+            )
+        ),
+        files=tuple(_files(reader, package)),
+        problems=tuple(sorted(reader.problems, key=lambda found: (found.path, found.line or 0, found.code))),
+        inputs=reader.inputs,
+    )
+
+
+def _nodes(reader: Reader, package: PackageFolder, build: BuildModel) -> tuple[NodeType, ...]:
+    nothing: list[Extracted] = []
+    read = [
+        *_guard(reader, cpp.read_nodes, nothing, reader, package, build),
+        *_guard(reader, python.read_nodes, nothing, reader, package, build),
+    ]
+    merged = merge(read)
+    complete = _guard(reader, parameters.attach, merged, reader, package, build, merged)
+    return settled(_guard(reader, implicit.add, extracted.node, extracted) for extracted in complete)
+
+
+def _guard(reader: Reader, read: Callable[..., _Result], instead: _Result, *arguments: object) -> _Result:
+    """Return what `read` makes of its arguments, or `instead` and a problem KG121 when it has a defect."""
+    try:
+        return read(*arguments)
+    except Exception as error:  # noqa: BLE001 - whatever a reader trips over must not cost the other readers' facts
+        frame = traceback.extract_tb(error.__traceback__)[-1]
+        place = f"{Path(frame.filename).name}:{frame.lineno} in {frame.name}"
+        name = f"{read.__module__.removeprefix('kg.extract.')}.{read.__name__}"
+        message = f"{name}: {type(error).__name__}: {error} ({place})"
+        reader.problem("KG121", message, reader.package.manifest or reader.package.path)
+        return instead
+
+
+def _undescribed(package: PackageFolder) -> Package:
+    """Return what the scan alone knows of a package."""
+    return Package(package.name, package.path, _ROS_UNKNOWN, Location(package.manifest or package.path, 1))
+
+
+def _files(reader: Reader, package: PackageFolder) -> Iterator[SourceFile]:
+    """Yield the files of the package that could be read, by path."""
+    ordered = sorted(package.files, key=lambda entry: entry.path)
+    readable = [entry for entry in ordered if reader.read(entry.path) is not None]
+    digests = dict(reader.inputs)
+    for entry in readable:
+        yield SourceFile(entry.path, entry.kind, entry.bytes, digests[f"{reader.source.repository.name}:{entry.path}"])
