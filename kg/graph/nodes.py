@@ -54,6 +54,7 @@ def _parameter(scope: Scope, owner: str, fact: Parameter) -> None:
     writer.text(part, v.NAME, fact.name)
     writer.text(part, v.PARAMETER_TYPE, fact.type)
     writer.text(part, v.DEFAULT_VALUE, fact.default)
+    writer.text(part, v.DESCRIPTION, fact.description)
     writer.add(part, v.ACCESS, v.rnkg(fact.access))
     writer.add(part, v.RESOLUTION, v.rnkg(fact.resolution))
     writer.add(part, v.IMPLICIT, boolean(fact.implicit))
