@@ -121,9 +121,16 @@ def _declaration(written: str) -> _Declaration | None:
         comment = None if kind == "string" else _comment(written)
         return _Declaration(constant.name, kind, constant=value_text(constant.value), comment=comment)
     for field in message.fields:
+        if isinstance(field.value, str) and not _is_text(field):
+            return _lenient_constant(written)
         default = None if field.value is None else value_text(field.value)
         return _Declaration(field.name, _type(field, written), default, comment=_comment(written))
     return None
+
+
+def _is_text(field: ParsedField) -> bool:
+    """Tell whether a string can be the default of a field; rosbags takes the rest of any line for one."""
+    return type_name(field.typ).removeprefix(f"{_OWN_PACKAGE}/").startswith(("string", "wstring"))
 
 
 def _bounded_wide_string(written: str) -> _Declaration | None:
