@@ -1,17 +1,24 @@
-"""Writes the pages that are made from the code: `python docs/generate.py`; tests/test_docs.py compares them."""
+"""Writes the pages that are made from the code, and what commands print in the others: `python docs/generate.py`.
+
+tests/test_docs.py compares the result with what is kept.
+"""
 
 from __future__ import annotations
 
 import sys
+import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from transcripts import refreshed
+
 from kg.errors import CATALOGUE, Exit
+from kg.settings import DECLARED
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["PAGES", "main"]
+__all__ = ["PAGES", "SESSIONS", "main"]
 
 _FOLDER: Final = Path(__file__).resolve().parent
 
@@ -66,17 +73,58 @@ def errors_page() -> str:
     return "".join(parts)
 
 
-PAGES: Final[dict[str, Callable[[], str]]] = {"errors.md": errors_page}
+_SETTINGS: Final = """\
+# Settings
+
+<!-- Written by docs/generate.py from kg/settings.py. -->
+
+A flag wins over the environment variable, that over the nearest `kg.toml` in the working folder or above it, that over
+the default. `kg config show` tells the values in force and where each comes from. Relative paths in a file are relative
+to it.
+
+    # kg.toml
+    store = "/data/kg"
+    jobs = 8
+
+| key of kg.toml | flag | variable | default | meaning |
+|---|---|---|---|---|
+"""
+
+
+def settings_page() -> str:
+    """Return docs/settings.md: every setting with its three names and its sentence."""
+    rows = [
+        f"| `{one.name}` | `{one.flag} {one.metavar}` | `{one.variable}` | {_default(one.default)} | {one.sentence} |\n"
+        for one in DECLARED.values()
+    ]
+    return _SETTINGS + "".join(rows)
+
+
+def _default(value: object) -> str:
+    return "" if value in (None, ()) else f"`{value}`"
+
+
+PAGES: Final[dict[str, Callable[[], str]]] = {"errors.md": errors_page, "settings.md": settings_page}
 """The pages that are made from the code, and what makes them."""
+
+SESSIONS: Final = ("../README.md", "quickstart.md")
+"""The pages with sessions, whose commands are run."""
 
 
 def main() -> None:
     """Write every page, and say which changed."""
     for name, make in PAGES.items():
-        path, text = _FOLDER / name, make()
-        if not path.is_file() or path.read_text(encoding="utf-8") != text:
-            path.write_text(text, encoding="utf-8")
-            sys.stderr.write(f"wrote {path.name}\n")
+        _write(_FOLDER / name, make())
+    for name in SESSIONS:
+        path = (_FOLDER / name).resolve()
+        with tempfile.TemporaryDirectory() as folder:
+            _write(path, refreshed(path.read_text(encoding="utf-8"), Path(folder)))
+
+
+def _write(path: Path, text: str) -> None:
+    if not path.is_file() or path.read_text(encoding="utf-8") != text:
+        path.write_text(text, encoding="utf-8")
+        sys.stderr.write(f"wrote {path.name}\n")
 
 
 if __name__ == "__main__":

@@ -1,0 +1,92 @@
+"""Sessions shown in the documentation: the commands of ```console blocks are run, their output is put below them.
+
+A command is a line that starts with `$ `. All commands of a page run in one folder, one after the other, with standard
+error among the output, as a reader would see it. A line `...` stands for lines that are left out.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = ["commands", "masked", "refreshed"]
+
+_BLOCK: Final = re.compile(r"(?P<open>^```console\n)(?P<body>.*?)(?P<close>^```$)", re.MULTILINE | re.DOTALL)
+_PROMPT: Final = "$ "
+_LEFT_OUT: Final = "..."
+_VARIES: Final = re.compile(r"\b\d+(?:\.\d+)? ?(?=m?s\b)")
+_SECONDS: Final = 120
+
+
+def commands(text: str) -> list[str]:
+    """Return the commands of a page in order."""
+    return [command for block in _BLOCK.finditer(text) for command, _ in _entries(block["body"])]
+
+
+def masked(text: str) -> str:
+    """Return the text without what differs from run to run: durations."""
+    return _VARIES.sub("# ", text)
+
+
+def refreshed(text: str, folder: Path) -> str:
+    """Return the page with the output that its commands have now; they run in `folder`."""
+
+    def block(found: re.Match[str]) -> str:
+        parts = [_shown(command, shown, run(command, folder)) for command, shown in _entries(found["body"])]
+        return found["open"] + "".join(parts) + found["close"]
+
+    return _BLOCK.sub(block, text)
+
+
+def run(command: str, folder: Path) -> str:
+    """Run a line of a shell as a reader with `kg` on the path would, and return what it prints."""
+    programs = str(Path(sys.executable).parent)
+    surroundings = {name: value for name, value in os.environ.items() if not name.startswith("KG_")}
+    return subprocess.run(
+        ["bash", "-c", command],  # noqa: S607 - the shell of whoever reads the page
+        cwd=folder,
+        env={
+            **surroundings,
+            "PATH": f"{programs}{os.pathsep}{os.environ['PATH']}",
+            "NO_COLOR": "1",
+            "COLUMNS": "110",
+            "HOME": str(folder),
+        },
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        check=False,
+        timeout=_SECONDS,
+    ).stdout
+
+
+def _entries(body: str) -> Iterator[tuple[str, list[str]]]:
+    command, shown = "", list[str]()
+    for line in body.splitlines():
+        if line.startswith(_PROMPT):
+            if command:
+                yield command, shown
+            command, shown = line.removeprefix(_PROMPT), []
+        else:
+            shown.append(line)
+    if command:
+        yield command, shown
+
+
+def _shown(command: str, before: list[str], printed: str) -> str:
+    """Lay out a command with its output, shortened where the page shortened it."""
+    lines = [line.rstrip() for line in printed.rstrip("\n").splitlines()]
+    if _LEFT_OUT in before:
+        cut = before.index(_LEFT_OUT)
+        after = len(before) - cut - 1
+        if len(lines) > cut + after:
+            lines = [*lines[:cut], _LEFT_OUT, *lines[len(lines) - after :]]
+    return "\n".join([_PROMPT + command, *lines]) + "\n"

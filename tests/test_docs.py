@@ -1,0 +1,138 @@
+"""The documentation cannot drift: what there is, is documented, and what it shows is what happens."""
+
+from __future__ import annotations
+
+import re
+import sys
+from functools import cache
+from typing import TYPE_CHECKING, Any, Final
+
+import pytest
+import typer.main
+from repository import ROOT, files
+
+from kg.cli.app import app
+from kg.errors import CATALOGUE
+from kg.settings import DECLARED
+
+sys.path.append(str(ROOT / "docs"))
+import generate
+import transcripts
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+DOCS: Final = ROOT / "docs"
+README: Final = ROOT / "README.md"
+SET_UP: Final = "python3 -m venv .venv && .venv/bin/pip install -e . && .venv/bin/kg demo"
+RUN_TESTS: Final = ".venv/bin/pip install -e '.[dev]' && .venv/bin/pytest"
+
+_LINK: Final = re.compile(r"!?\[[^\]]*\]\((?P<target>[^)\s]+)\)")
+_FENCED: Final = re.compile(r"^```.*?^```$", re.MULTILINE | re.DOTALL)
+
+
+@cache
+def text(path: Path) -> str:
+    """Return the text of a page."""
+    return path.read_text(encoding="utf-8")
+
+
+def pages() -> list[Path]:
+    """Return every Markdown page of the repository."""
+    return [path for path in files() if path.suffix == ".md" and "cases" not in path.parts]
+
+
+def anchors(page: Path) -> set[str]:
+    """Return the anchors of a page's headings, as GitHub makes them."""
+    headings = re.findall(r"^#+ (.*)$", _FENCED.sub("", text(page)), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+def command_paths(command: Any, path: str) -> Iterator[tuple[str, Any]]:
+    """Yield every command below a group with the words that call it."""
+    for name, below in getattr(command, "commands", {}).items():
+        if not below.hidden:
+            yield f"{path} {name}", below
+            yield from command_paths(below, f"{path} {name}")
+
+
+COMMANDS: Final = dict(command_paths(typer.main.get_command(app), "kg"))
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_is_documented(name: str) -> None:
+    """Every command has a heading in docs/cli.md, its options a place there, and its help begins with a sentence."""
+    manual = text(DOCS / "cli.md")
+    assert re.search(rf"^#+ `?{name}`?\s*$", manual, re.MULTILINE), name
+    assert (COMMANDS[name].help or "").split("\n")[0].strip(), name
+    options = [param.opts[-1] for param in COMMANDS[name].params if param.param_type_name == "option"]
+    assert not [option for option in options if option not in manual]
+
+
+@pytest.mark.parametrize("page", generate.PAGES)
+def test_pages_made_from_the_code_are_fresh(page: str) -> None:
+    """Pages made from the code are what the code makes now; `python docs/generate.py` mends this."""
+    assert text(DOCS / page) == generate.PAGES[page]()
+
+
+def test_every_code_is_documented_with_its_way_out() -> None:
+    """Every error code has a heading of its own and ends in what to do."""
+    manual = text(DOCS / "errors.md")
+    for code, entry in CATALOGUE.items():
+        assert f"### {code}: {entry.title}\n" in manual
+        assert entry.way_out.endswith("."), code
+
+
+def test_every_code_is_used() -> None:
+    """No code of the catalogue is one that nothing reports."""
+    code = "\n".join(text(path) for path in files() if path.suffix == ".py" and path.is_relative_to(ROOT / "kg"))
+    assert not [entry for entry in CATALOGUE if code.count(f'"{entry}"') < 2]
+
+
+def test_every_setting_is_documented() -> None:
+    """Every setting stands there as key, flag and variable."""
+    manual = text(DOCS / "settings.md")
+    for setting in DECLARED.values():
+        assert all(f"`{name}" in manual for name in (setting.name, setting.flag, setting.variable)), setting.name
+
+
+@pytest.mark.parametrize("query", [str(path.relative_to(ROOT / "queries")) for path in files() if path.suffix == ".rq"])
+def test_every_stored_query_is_documented(query: str) -> None:
+    """Every query that is shipped is named in the documentation."""
+    name = query.removesuffix(".rq")
+    assert any(f"`{name}`" in text(page) or f" {name}" in text(page) for page in pages())
+
+
+@pytest.mark.parametrize("page", pages(), ids=[str(page.relative_to(ROOT)) for page in pages()])
+def test_links_lead_somewhere(page: Path) -> None:
+    """A link to a file of the repository leads to one, and to a heading that it has."""
+    dead = []
+    for found in _LINK.finditer(_FENCED.sub("", text(page))):
+        target, _, anchor = found["target"].partition("#")
+        if re.match(r"[a-z]+:", target):
+            continue
+        path = (page.parent / target).resolve() if target else page
+        if not path.exists() or (anchor and path.suffix == ".md" and anchor not in anchors(path)):
+            dead.append(found["target"])
+    assert not dead
+
+
+def test_the_documentation_has_an_index() -> None:
+    """The README leads to every page of docs/."""
+    assert not [page.name for page in DOCS.glob("*.md") if f"docs/{page.name}" not in text(README)]
+
+
+def test_two_lines_set_everything_up() -> None:
+    """The README has the two lines that a fresh machine needs, and CI runs the second word for word."""
+    assert SET_UP in text(README)
+    assert RUN_TESTS in text(README)
+    assert RUN_TESTS in text(ROOT / ".ci" / "run")
+
+
+@pytest.mark.parametrize("page", generate.SESSIONS)
+def test_sessions_show_what_happens(page: str, tmp_path: Path) -> None:
+    """The commands shown in README and quick start print what is shown; `python docs/generate.py` mends this."""
+    shown = text((DOCS / page).resolve())
+    assert transcripts.commands(shown)
+    assert transcripts.masked(transcripts.refreshed(shown, tmp_path)) == transcripts.masked(shown)
