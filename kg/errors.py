@@ -287,6 +287,11 @@ CATALOGUE: dict[str, CodeEntry] = {
         "Data in the store does not conform to a SHACL shape.",
         "The report names the node, the shape and the value.",
     ),
+    "KG605": CodeEntry(
+        "optional part missing",
+        "What was asked for needs Python packages that `kg` does not install by itself.",
+        "Install them: pip install 'kg-ros[ontology]'.",
+    ),
     "KG900": CodeEntry(
         "defect",
         "Something happened in `kg` that should not.",

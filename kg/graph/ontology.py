@@ -1,0 +1,67 @@
+"""Checks of ontologies by an OWL 2 DL reasoner (HermiT) and of data by SHACL shapes.
+
+Both need the optional part `ontology` of `kg` (owlready2, pyshacl), the reasoner a Java runtime too.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import time
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from kg.errors import GraphError
+from kg.graph.findings import OntologyCheck, ShapeFinding
+from kg.graph.ontology_files import default_ontologies, ontology_triples, shapes_file
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["OntologyCheck", "ShapeFinding", "check", "default_ontologies", "ontology_triples", "validate"]
+
+
+def check(paths: Iterable[Path] | None = None) -> tuple[OntologyCheck, ...]:
+    """Return the verdict of HermiT on each ontology alone and, when there are several, on all of them together.
+
+    Without `paths` it is about the ontologies that `kg` brings along. Raise `GraphError`: KG601 for a file that does
+    not parse, KG603 without Java, KG605 without owlready2.
+    """
+    _require("owlready2")
+    java = _java()
+    listed = default_ontologies() if paths is None else tuple(paths)
+    together = [listed] if len(listed) > 1 else []
+    return tuple(_check(files, java) for files in [*((path,) for path in listed), *together])
+
+
+def _check(files: tuple[Path, ...], java: str) -> OntologyCheck:
+    from kg.graph.reasoner import reason  # noqa: PLC0415 - needs the optional part
+
+    started = time.perf_counter()
+    unsatisfiable = reason(ontology_triples(files), java)
+    return OntologyCheck(files, unsatisfiable is not None, unsatisfiable or (), time.perf_counter() - started)
+
+
+def validate(triples: bytes, shapes: Path | None = None) -> tuple[ShapeFinding, ...]:
+    """Return where data (N-Triples) does not conform to SHACL shapes, those of `kg` unless told.
+
+    Raise `GraphError`: KG601 for shapes or data that do not parse, KG605 without pyshacl.
+    """
+    _require("pyshacl")
+    from kg.graph.shacl import findings  # noqa: PLC0415 - needs the optional part
+
+    return findings(triples, ontology_triples([shapes or shapes_file()]))
+
+
+def _java() -> str:
+    home = os.environ.get("JAVA_HOME")
+    found = (shutil.which("java", path=str(Path(home) / "bin")) if home else None) or shutil.which("java")
+    if found is None:
+        raise GraphError("KG603", "there is no `java` on the PATH and none in JAVA_HOME")
+    return found
+
+
+def _require(module: str) -> None:
+    if find_spec(module) is None:
+        raise GraphError("KG605", f"{module} is not installed", hint="pip install 'kg-ros[ontology]'")

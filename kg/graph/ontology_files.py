@@ -1,0 +1,71 @@
+"""The ontologies in force: the files of the folder `ontology` and what users add, as N-Triples."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+from pyoxigraph import BlankNode, RdfFormat, Triple, parse, serialize
+
+from kg.errors import GraphError, Place
+from kg.resources import folder
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+    from pathlib import Path
+
+__all__ = ["ONTOLOGIES", "SHAPES", "default_ontologies", "ontology_triples", "shapes_file"]
+
+ONTOLOGIES: Final = ("onto-ros.ttl", "rnkg.ttl")
+"""The ontologies that `kg` brings along, in its folder `ontology`."""
+SHAPES: Final = "shapes.ttl"
+"""The SHACL shapes that `kg` brings along, in the same folder."""
+
+
+def default_ontologies() -> tuple[Path, ...]:
+    """Return the paths of the ontologies that `kg` brings along."""
+    return tuple(folder("ontology") / name for name in ONTOLOGIES)
+
+
+def shapes_file() -> Path:
+    """Return the path of the SHACL shapes that `kg` brings along."""
+    return folder("ontology") / SHAPES
+
+
+def ontology_triples(paths: Iterable[Path] | None = None) -> bytes:
+    """Return the N-Triples of the graph `ontology`, the same bytes for the same files.
+
+    `paths` are files in a format that their ending names (.ttl, .nt, .rdf, .owl, .jsonld); without them it is what
+    `kg` brings along. Raise `GraphError` KG601 for a file that cannot be read as RDF.
+    """
+    listed = default_ontologies() if paths is None else tuple(paths)
+    triples = [triple for number, path in enumerate(listed) for triple in _named(_parsed(path), f"f{number}b")]
+    written = serialize(triples, format=RdfFormat.N_TRIPLES)
+    return written or b""
+
+
+def _parsed(path: Path) -> list[Any]:
+    ending = path.suffix.removeprefix(".").replace("owl", "rdf")
+    kind = RdfFormat.from_extension(ending)
+    if kind is None:
+        message = f"{path.name} has an ending that names no RDF format"
+        raise GraphError("KG601", message, place=Place(str(path)), hint="use .ttl, .nt, .rdf, .owl or .jsonld")
+    try:
+        return list(parse(path=path, format=kind, base_iri=path.resolve().as_uri()))
+    except SyntaxError as error:
+        place = Place(str(path), error.lineno, error.offset)
+        raise GraphError("KG601", error.msg or "it does not parse", place=place) from error
+    except OSError as error:
+        raise GraphError("KG601", error.strerror or str(error), place=Place(str(path))) from error
+
+
+def _named(quads: Iterable[Any], prefix: str) -> Iterator[Triple]:
+    """Yield the triples with their blank nodes named by `prefix` and a number, in the order they appear."""
+    names: dict[BlankNode, BlankNode] = {}
+
+    def renamed(term: Any) -> Any:
+        if not isinstance(term, BlankNode):
+            return term
+        return names.setdefault(term, BlankNode(f"{prefix}{len(names)}"))
+
+    for quad in quads:
+        yield Triple(renamed(quad.subject), quad.predicate, renamed(quad.object))
