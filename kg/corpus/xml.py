@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from lxml.etree import _Element
 
-__all__ = ["XmlResult", "parse_xml"]
+__all__ = ["XmlResult", "line_of", "parse_xml"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,6 +17,11 @@ class XmlResult:
 
     root: _Element | None
     problem: tuple[str, str, int | None] | None = None
+
+
+def line_of(element: _Element) -> int:
+    """Return the line an element starts on."""
+    return int(getattr(element, "sourceline", None) or 1)
 
 
 def parse_xml(text: bytes) -> XmlResult:

@@ -1,0 +1,58 @@
+"""Manifests and build files: what a package says of itself and which files make which node."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kg.extract.buildmodel import BuildModel, PluginClass
+from kg.extract.manifests.cmake import read_cmake
+from kg.extract.manifests.package_xml import read_package_xml
+from kg.extract.manifests.plugin_xml import exported_files, read_plugin_file
+from kg.extract.manifests.scripts import read_scripts
+from kg.extract.manifests.setup_py import read_setup
+from kg.facts import FileKind
+
+if TYPE_CHECKING:
+    from kg.corpus.files import PackageFolder
+    from kg.corpus.reading import Reader
+    from kg.facts import Package
+
+__all__ = ["read_build", "read_manifest"]
+
+
+def read_manifest(reader: Reader, package: PackageFolder) -> Package:
+    """Return what the manifest of a package says; problems go to the reader."""
+    return read_package_xml(reader, package).package
+
+
+def read_build(reader: Reader, package: PackageFolder) -> BuildModel:
+    """Return what the build files of a package declare; problems go to the reader."""
+    manifest = read_package_xml(reader, package)
+    collected = read_cmake(reader, package, manifest.package)
+    targets = collected.finished()
+    plugins: dict[tuple[str, str | None], PluginClass] = {}
+    for path in exported_files(package, manifest.exports, collected.plugin_files):
+        for plugin in read_plugin_file(reader, path, targets):
+            plugins.setdefault((plugin.name, plugin.base_type), plugin)
+    entry_points, declared = read_setup(reader, package)
+    scripts = read_scripts(reader, package, collected.programs)
+    known = {script.path for script in scripts}
+    reconfigure = dict.fromkeys([*collected.reconfigure_files, *_cfg_files(package)])
+    return BuildModel(
+        targets=targets,
+        plugins=(*collected.plugins, *plugins.values()),
+        scripts=(*scripts, *(script for script in declared if script.path not in known)),
+        entry_points=tuple(entry_points),
+        parameter_libraries=tuple(collected.parameter_libraries),
+        reconfigure_files=tuple(reconfigure),
+    )
+
+
+def _cfg_files(package: PackageFolder) -> list[str]:
+    """Return the files of the folder `cfg`, where dynamic_reconfigure has its own, whether CMake lists them or not."""
+    folder = package.join("cfg/")
+    return [
+        e.path
+        for e in package.files
+        if e.kind is FileKind.CONFIG and e.path.startswith(folder) and e.path.endswith(".cfg")
+    ]

@@ -1,0 +1,165 @@
+"""The files that CMake code of a package refers to: parsed once, matched by patterns, searched for macros."""
+
+from __future__ import annotations
+
+import fnmatch
+import posixpath
+import re
+from collections import deque
+from functools import cache
+from typing import TYPE_CHECKING, Final
+from weakref import WeakKeyDictionary
+
+from kg.corpus.files import FilePath
+from kg.extract.manifests.cmake_run import BINARY, SOURCE, Definition
+from kg.extract.manifests.cmake_syntax import Block, Statement, parse
+from kg.facts import FileKind
+from kg.resources import folder
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from kg.corpus.files import PackageFolder
+    from kg.corpus.reading import Reader
+    from kg.corpus.workspace import Workspace
+
+__all__ = ["CMakeFiles"]
+
+_SOURCE_ENDINGS: Final = ("cpp", "cc", "cxx", "c", "cu")
+_Library = dict[str, tuple[FilePath, Definition]]
+_LIBRARIES: WeakKeyDictionary[Workspace, dict[str, _Library]] = WeakKeyDictionary()
+
+
+class CMakeFiles:
+    """Files of one package's source as CMake code sees them; paths are relative to the root of the source."""
+
+    def __init__(self, reader: Reader, package: PackageFolder) -> None:
+        self.reader = reader
+        self.package = package
+        self.packages: dict[str, None] = {}
+        """Other packages that were asked for with find_package, whose macros may be called."""
+        self._parsed: dict[str, list[Statement] | None] = {}
+        self._links = dict(reader.source.links)
+        self._entries = {entry.path: entry for entry in package.files}
+
+    def parse(self, path: str) -> list[Statement] | None:
+        """Return the statements of a CMake file; None, and a problem, when it cannot be read."""
+        if path not in self._parsed:
+            text = self.reader.read(path)
+            self._parsed[path] = None if text is None else _parse(self.reader, path, text)
+        return self._parsed[path]
+
+    def locate(self, written: str, base: str) -> str | None:
+        """Return the path of `written`, relative to `base` below `SOURCE`; None for one outside of the source."""
+        whole = posixpath.normpath(posixpath.join(base, written))
+        if whole.startswith(BINARY) or not (whole == SOURCE or whole.startswith(SOURCE + "/")):
+            return None
+        path = whole[len(SOURCE) + 1 :]
+        for link, target in self._links.items():
+            if path.startswith(link + "/"):
+                return target + path[len(link) :]
+        return path
+
+    def exists(self, path: str) -> bool:
+        """Tell whether the source has that file."""
+        return path in self._entries or self.reader.workspace.entry(self.reader.file(path)) is not None
+
+    def source_file(self, written: str, base: str) -> str | None:
+        """Return the path of a source of a target, with the ending that CMake adds; None when there is no such file."""
+        path = self.locate(written, base)
+        if path is None:
+            return None
+        if self.exists(path):
+            return path
+        return next((full for ending in _SOURCE_ENDINGS if self.exists(full := f"{path}.{ending}")), None)
+
+    def glob(self, pattern: str, base: str, *, recurse: bool) -> list[str]:
+        """Return the files of the package that a pattern of `file(GLOB)` matches, sorted."""
+        located = self.locate(pattern, base)
+        if located is None:
+            return []
+        head, tail = posixpath.split(located)
+        plain = not any(mark in head for mark in "*?[")
+        match = re.compile(fnmatch.translate(tail)).match
+        inside = re.compile(fnmatch.translate(head)).match
+        found = []
+        for path in self._entries:
+            where, name = posixpath.split(path)
+            near = where == head if plain else inside(where) and where.count("/") == head.count("/")
+            below = recurse and (where.startswith(head + "/") or not head)
+            if (near or below) and match(name):
+                found.append(path)
+        return found
+
+    def module(self, name: str, base: str) -> str | None:
+        """Return the file that `include(name)` means: a path, or a module in a folder `cmake` of the package."""
+        for candidate in (name, f"{name}.cmake"):
+            path = self.locate(candidate, base)
+            if path and self.exists(path):
+                return path
+        wanted = f"/{posixpath.basename(name).removesuffix('.cmake')}.cmake"
+        fits = [path for path in self._entries if path.endswith(wanted)]
+        return min(fits, key=len, default=None)
+
+    def definition(self, name: str) -> Definition | None:
+        """Return the macro or function `name` of this package, of one found, of the build, or of the known ones."""
+        workspace = self.reader.workspace
+        for package in (self.package.name, *self.packages):
+            library = _library(workspace, package, self.reader)
+            if name in library:
+                file, definition = library[name]
+                self.reader.read(file)
+                return definition
+        return _known_macros().get(name)
+
+
+def _parse(reader: Reader, path: str, text: bytes) -> list[Statement]:
+    statements, faults = parse(text.decode("utf-8", "replace"))
+    for fault in faults:
+        reader.problem("KG117", fault.message, path, fault.line)
+    return statements
+
+
+def _library(workspace: Workspace, package: str, reader: Reader) -> _Library:
+    """Return the macros and functions in the `.cmake` files of a package of the build, read once per build."""
+    libraries = _LIBRARIES.setdefault(workspace, {})
+    if package not in libraries:
+        libraries[package] = {}
+        found = workspace.package(package)
+        if found:
+            source, owner = found
+            for entry in owner.files:
+                if entry.kind is FileKind.BUILD and ".cmake" in entry.path:
+                    file = FilePath(source.repository.name, entry.path)
+                    text = reader.read(file) or b""
+                    base = posixpath.dirname(posixpath.join(SOURCE, entry.path))
+                    for name, definition in _definitions(text, base):
+                        libraries[package].setdefault(name, (file, definition))
+    return libraries[package]
+
+
+def _definitions(text: bytes, base: str) -> Iterator[tuple[str, Definition]]:
+    lower = text.lower()
+    if b"macro" in lower or b"function" in lower:
+        yield from _collect(parse(text.decode("utf-8", "replace"))[0], base)
+
+
+def _collect(statements: Iterable[Statement], base: str) -> Iterator[tuple[str, Definition]]:
+    """Yield the definitions among statements, those inside of `if` too."""
+    pending = deque(statements)
+    while pending:
+        statement = pending.popleft()
+        if not isinstance(statement, Block):
+            continue
+        opener, body = statement.branches[0]
+        words = tuple(argument.text for argument in opener.arguments)
+        if opener.name in {"macro", "function"} and words:
+            yield words[0].lower(), Definition(opener.name == "macro", words[1:], body, base)
+        elif opener.name == "if":
+            pending.extend(inner for _, branch in statement.branches for inner in branch)
+
+
+@cache
+def _known_macros() -> dict[str, Definition]:
+    text = (folder("ontology") / "cmake-macros.cmake").read_bytes()
+    return dict(_definitions(text, ""))

@@ -1,0 +1,311 @@
+"""A static interpreter of CMake: what a package's CMakeLists.txt would declare, without configuring it.
+
+Conditions that can be decided are; of others every branch is run and the variables are united. Macros and
+functions of the package are run with their arguments; those of other packages are looked up in the build,
+then in `ontology/cmake-macros.cmake`, which describes well known ones in terms of the commands known here.
+Everything is bounded: statements, depth, lengths of values.
+"""
+
+from __future__ import annotations
+
+import posixpath
+from dataclasses import dataclass
+from enum import Enum
+from typing import TYPE_CHECKING, Final
+
+from kg.extract.manifests.cmake_conditions import Token, decide
+from kg.extract.manifests.cmake_scope import Scope, split_list
+from kg.extract.manifests.cmake_syntax import Block, Command, Statement
+from kg.facts import Location
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from kg.extract.manifests.cmake_files import CMakeFiles
+
+__all__ = ["BINARY", "SOURCE", "Definition", "Handler", "Run"]
+
+SOURCE: Final = "/@source"
+"""Stands for the root of the source in paths that CMake code computes."""
+BINARY: Final = "/@binary"
+"""Stands for the root of the build folder; nothing below it exists."""
+
+_MOST_STATEMENTS: Final = 100_000
+_DEEPEST_CALLS: Final = 40
+_MOST_ROUNDS: Final = 2_000
+_TESTING: Final = frozenset({"CATKIN_ENABLE_TESTING", "BUILD_TESTING"})
+
+
+class _Flow(Enum):
+    NEXT = 0
+    BREAK = 1
+    CONTINUE = 2
+    RETURN = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Definition:
+    """A macro or function: its parameters, its body and the folder (as `SOURCE` path) of the file it stands in."""
+
+    macro: bool
+    parameters: tuple[str, ...]
+    body: Sequence[Statement]
+    folder: str
+
+
+@dataclass(slots=True)
+class _Frame:
+    """Where execution stands: the file, the folder of the CMakeLists.txt, and the call that led here from it."""
+
+    path: str
+    folder: str
+    call: Location | None = None
+
+
+Handler = "Callable[[Run, list[str]], None]"
+
+
+class Run:
+    """One run over a package's CMake files; `handlers` are the commands that do something, by name in lower case."""
+
+    def __init__(
+        self, files: CMakeFiles, scope: Scope, handlers: Mapping[str, Callable[[Run, list[str]], None]]
+    ) -> None:
+        self.files = files
+        self.scope = scope
+        self.handlers = handlers
+        self.definitions: dict[str, Definition] = {}
+        self.testing = 0
+        self.certain = True
+        self._frame = _Frame("", SOURCE)
+        self._depth = 0
+        self._statements = 0
+        self._line = 1
+
+    @property
+    def location(self) -> Location:
+        """The command being run; within a macro or function the outermost call of it."""
+        return self._frame.call or Location(self._frame.path, self._line)
+
+    @property
+    def folder(self) -> str:
+        """The folder of the CMakeLists.txt being run, as a path below `SOURCE`."""
+        return self._frame.folder
+
+    def run_file(self, path: str, *, own_folder: bool) -> None:
+        """Run a file of the source; with `own_folder` it is a CMakeLists.txt with a scope and folder of its own."""
+        statements = self.files.parse(path)
+        if statements is None or self._depth >= _DEEPEST_CALLS:
+            return
+        outer, scope = self._frame, self.scope
+        folder = posixpath.join(SOURCE, posixpath.dirname(path)).rstrip("/")
+        self._frame = _Frame(path, folder if own_folder else outer.folder, outer.call)
+        if own_folder:
+            self.scope = scope.child()
+            self.scope.set("CMAKE_CURRENT_SOURCE_DIR", folder)
+            self.scope.set("CMAKE_CURRENT_BINARY_DIR", folder.replace(SOURCE, BINARY, 1))
+        self.scope.set("CMAKE_CURRENT_LIST_DIR", folder)
+        self.scope.set("CMAKE_CURRENT_LIST_FILE", posixpath.join(SOURCE, path))
+        self._depth += 1
+        self.execute(statements)
+        self._depth -= 1
+        if own_folder:
+            self.scope = scope
+        self._frame = outer
+        self.scope.set("CMAKE_CURRENT_LIST_DIR", posixpath.dirname(posixpath.join(SOURCE, outer.path)))
+
+    def execute(self, statements: Sequence[Statement]) -> _Flow:
+        """Run statements in a row; stops early for return, break and continue, and when the budget is used up."""
+        for statement in statements:
+            self._statements += 1
+            if self._statements > _MOST_STATEMENTS:
+                return _Flow.RETURN
+            flow = self._command(statement) if isinstance(statement, Command) else self._block(statement)
+            if flow is not _Flow.NEXT:
+                return flow
+        return _Flow.NEXT
+
+    def arguments(self, command: Command) -> list[str]:
+        """Return the arguments after evaluation; `certain` then tells whether all of them are known for sure."""
+        found: list[str] = []
+        self.certain = True
+        for argument in command.arguments:
+            if argument.form in {"bracket", "paren"}:
+                found.append(argument.text)
+                continue
+            text, certain = self.scope.expand(argument.text)
+            self.certain = self.certain and certain
+            if argument.form == "quoted":
+                found.append(text)
+            else:
+                found.extend(split_list(text))
+        return found
+
+    def _command(self, command: Command) -> _Flow:
+        name = command.name
+        if name in {"return", "break", "continue"}:
+            return _Flow[name.upper()]
+        self._line = command.line
+        definition = self.definitions.get(name)
+        if definition is None:
+            handler = self.handlers.get(name)
+            if handler is not None:
+                handler(self, self.arguments(command))
+                return _Flow.NEXT
+            definition = self.files.definition(name)
+        if definition is not None:
+            self._call(definition, command)
+        return _Flow.NEXT
+
+    def _call(self, definition: Definition, command: Command) -> None:
+        if self._depth >= _DEEPEST_CALLS:
+            return
+        values = self.arguments(command)
+        outer, frame, before = self.scope, self._frame, dict(self.scope.variables)
+        self._frame = _Frame(frame.path, frame.folder, self.location)
+        if not definition.macro:
+            self.scope = outer.child()
+        bound = self._bind(definition, values)
+        self._depth += 1
+        self.execute(definition.body)
+        self._depth -= 1
+        if definition.macro:
+            for name in bound:
+                self.scope.set(name, before[name]) if name in before else self.scope.unset(name)
+        self.scope, self._frame = outer, frame
+
+    def _bind(self, definition: Definition, values: list[str]) -> list[str]:
+        """Set the parameters of a call as variables and return their names."""
+        named = dict(zip(definition.parameters, values, strict=False))
+        rest = values[len(definition.parameters) :]
+        bound = {**named, "ARGN": ";".join(rest), "ARGV": ";".join(values), "ARGC": str(len(values))}
+        bound |= {f"ARGV{index}": value for index, value in enumerate(values[:20])}
+        bound["CMAKE_CURRENT_FUNCTION_LIST_DIR"] = definition.folder
+        for name, value in bound.items():
+            self.scope.set(name, value)
+        return list(bound)
+
+    def _block(self, block: Block) -> _Flow:
+        opener, body = block.branches[0]
+        if self._depth >= _DEEPEST_CALLS:
+            return _Flow.NEXT
+        self._depth += 1
+        flow = _Flow.NEXT
+        if opener.name == "if":
+            flow = self._if(block)
+        elif opener.name == "foreach":
+            flow = self._foreach(opener, body)
+        elif opener.name == "while":
+            flow = self._while(opener, body)
+        else:
+            self._define(opener, body)
+        self._depth -= 1
+        return flow
+
+    def _define(self, opener: Command, body: list[Statement]) -> None:
+        names = self.arguments(opener)
+        if names:
+            folder = posixpath.dirname(posixpath.join(SOURCE, self._frame.path))
+            definition = Definition(opener.name == "macro", tuple(names[1:]), body, folder)
+            self.definitions[names[0].lower()] = definition
+
+    def _if(self, block: Block) -> _Flow:
+        outer = self.scope
+        outcomes: list[Scope] = []
+        for command, body in block.branches:
+            tokens = self._tokens(command)
+            verdict = True if command.name == "else" else decide(tokens, self.scope)
+            if verdict is False:
+                continue
+            if verdict and not outcomes:
+                return self._body(body, tokens)
+            self.scope = Scope(dict(outer.variables), set(outer.uncertain), outer.parent)
+            self._body(body, tokens)
+            outcomes.append(self.scope)
+            self.scope = outer
+            if verdict:
+                break
+        else:
+            outcomes.append(Scope(dict(outer.variables), set(outer.uncertain), outer.parent))
+        outer.merge(outcomes)
+        return _Flow.NEXT
+
+    def _body(self, body: list[Statement], tokens: list[Token]) -> _Flow:
+        """Run a branch; one that is for tests only is marked so while it runs."""
+        words = [token.text for token in tokens]
+        testing = not _TESTING.isdisjoint(words) and "NOT" not in words
+        self.testing += testing
+        flow = self.execute(body)
+        self.testing -= testing
+        return flow
+
+    def _tokens(self, command: Command) -> list[Token]:
+        tokens: list[Token] = []
+        for argument in command.arguments:
+            if argument.form in {"bracket", "paren"}:
+                tokens.append(Token(argument.text, quoted=argument.form == "bracket"))
+                continue
+            text, certain = self.scope.expand(argument.text)
+            if argument.form == "quoted":
+                tokens.append(Token(text, quoted=True, certain=certain))
+            else:
+                tokens.extend(Token(part, certain=certain) for part in split_list(text) or ([] if certain else [""]))
+        return tokens
+
+    def _foreach(self, opener: Command, body: list[Statement]) -> _Flow:
+        arguments = self.arguments(opener)
+        if not arguments:
+            return _Flow.NEXT
+        name, before = arguments[0], self.scope.variables.get(arguments[0])
+        for item in _items(arguments[1:], self.scope)[:_MOST_ROUNDS]:
+            self.scope.set(name, item)
+            flow = self.execute(body)
+            if flow is _Flow.RETURN:
+                return flow
+            if flow is _Flow.BREAK:
+                break
+        self.scope.unset(name) if before is None else self.scope.set(name, before)
+        return _Flow.NEXT
+
+    def _while(self, opener: Command, body: list[Statement]) -> _Flow:
+        for _ in range(_MOST_ROUNDS):
+            verdict = decide(self._tokens(opener), self.scope)
+            if verdict is False:
+                break
+            flow = self.execute(body)
+            if flow is _Flow.RETURN and verdict:
+                return flow
+            if flow in {_Flow.BREAK, _Flow.RETURN} or verdict is None:
+                break
+        return _Flow.NEXT
+
+
+def _items(words: list[str], scope: Scope) -> list[str]:
+    """Return what a foreach runs over: `RANGE`, `IN LISTS ... ITEMS ...` or the words themselves."""
+    if words[:1] == ["RANGE"]:
+        return _range(words[1:])
+    if words[:1] != ["IN"]:
+        return words
+    items: list[str] = []
+    mode = ""
+    for word in words[1:]:
+        if word in {"LISTS", "ITEMS", "ZIP_LISTS"}:
+            mode = word
+        elif mode == "ITEMS":
+            items.append(word)
+        else:
+            items.extend(split_list(scope.variables.get(word, "")))
+    return items
+
+
+def _range(words: list[str]) -> list[str]:
+    try:
+        numbers = [int(word[:9]) for word in words]
+    except ValueError:
+        return []
+    if not numbers:
+        return []
+    start, stop, step = (0, numbers[0], 1) if len(numbers) == 1 else (*numbers[:2], (numbers[2:] or [1])[0])
+    return (
+        [str(number) for number in range(start, min(stop, start + step * _MOST_ROUNDS) + 1, step)] if step > 0 else []
+    )

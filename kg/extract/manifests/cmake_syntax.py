@@ -1,0 +1,174 @@
+"""The syntax of CMake's language (cmake-language(7)): text becomes commands, commands become blocks."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = ["Argument", "Block", "Command", "Statement", "SyntaxFault", "parse", "parse_commands"]
+
+_GAP: Final = re.compile(r"(?:\s|#\[(?P<level>=*)\[.*?\](?P=level)\]|#(?!\[=*\[)[^\n]*)+", re.DOTALL)
+_NAME: Final = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)[ \t]*\(")
+_ARGUMENT: Final = re.compile(
+    r"""\[(?P<level>=*)\[\n?(?P<bracket>.*?)\](?P=level)\]
+      | "(?P<quoted>(?:[^"\\]|\\.)*+)"
+      | (?P<paren>[()])
+      | (?P<unquoted>(?:[^\s()\#"\\]|\\.|\$\([A-Za-z0-9_]*\)|(?<=[^\s()\#])"(?:[^"\\]|\\.)*+")++)
+    """,
+    re.DOTALL | re.VERBOSE,
+)
+_CONTINUED: Final = re.compile(r"\\\n")
+_OPENERS: Final = {
+    "if": "endif",
+    "foreach": "endforeach",
+    "while": "endwhile",
+    "macro": "endmacro",
+    "function": "endfunction",
+}
+_CLOSERS: Final = {closer: opener for opener, closer in _OPENERS.items()}
+
+
+@dataclass(frozen=True, slots=True)
+class Argument:
+    """One argument as written: `form` is `unquoted`, `quoted`, `bracket` or `paren` (a nested parenthesis)."""
+
+    text: str
+    form: str
+    line: int
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """One command invocation; `name` is in lower case."""
+
+    name: str
+    arguments: tuple[Argument, ...]
+    line: int
+
+
+@dataclass(slots=True)
+class Block:
+    """A compound statement: `branches` pairs each opening command (if, elseif, else; foreach; ...) with its body."""
+
+    branches: list[tuple[Command, list[Statement]]] = field(default_factory=list)
+
+
+Statement = Command | Block
+
+
+class SyntaxFault(ValueError):  # noqa: N818  (a finding about the user's file, not an error of the program)
+    """The text does not follow the grammar from `line` on; the commands before are sound."""
+
+    def __init__(self, message: str, line: int) -> None:
+        super().__init__(message)
+        self.message = message
+        self.line = line
+
+
+def parse(text: str) -> tuple[list[Statement], list[SyntaxFault]]:
+    """Return the statements of a file and its faults; a block that is not closed ends with the file."""
+    commands: list[Command] = []
+    faults: list[SyntaxFault] = []
+    try:
+        parse_commands(text, commands)
+    except SyntaxFault as fault:
+        faults.append(fault)
+    return _blocks(commands, faults), faults
+
+
+def parse_commands(text: str, into: list[Command] | None = None) -> list[Command]:
+    """Return the commands of a file; raises `SyntaxFault`, with those before the fault left in `into`."""
+    into = [] if into is None else into
+    text = text.replace("\r\n", "\n")
+    lines = _LineCounter(text)
+    position = _skip(text, 0)
+    while position < len(text):
+        match = _NAME.match(text, position)
+        if match is None:
+            raise SyntaxFault("a command is expected here", lines.at(position))
+        line = lines.at(position)
+        arguments, position = _arguments(text, match.end(), lines, line)
+        into.append(Command(match[1].lower(), tuple(arguments), line))
+        position = _skip(text, position)
+    return into
+
+
+class _LineCounter:
+    """Counts lines up to positions that only grow."""
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+        self._position = 0
+        self._line = 1
+
+    def at(self, position: int) -> int:
+        """Return the line of a position, which must not lie before the last one asked for."""
+        self._line += self._text.count("\n", self._position, position)
+        self._position = position
+        return self._line
+
+
+def _skip(text: str, position: int) -> int:
+    match = _GAP.match(text, position)
+    return match.end() if match else position
+
+
+def _arguments(text: str, position: int, lines: _LineCounter, start: int) -> tuple[list[Argument], int]:
+    found: list[Argument] = []
+    depth = 0
+    while True:
+        position = _skip(text, position)
+        match = _ARGUMENT.match(text, position)
+        if match is None:
+            message = "the command is not closed" if position >= len(text) else "an argument is expected here"
+            raise SyntaxFault(message, start if position >= len(text) else lines.at(position))
+        argument = _argument(match, lines.at(position))
+        position = match.end()
+        if argument.form == "paren":
+            depth += 1 if argument.text == "(" else -1
+            if depth < 0:
+                return found, position
+        found.append(argument)
+
+
+def _argument(match: re.Match[str], line: int) -> Argument:
+    if match["unquoted"] is not None:
+        return Argument(match["unquoted"], "unquoted", line)
+    if match["quoted"] is not None:
+        return Argument(_CONTINUED.sub("", match["quoted"]), "quoted", line)
+    if match["paren"] is not None:
+        return Argument(match["paren"], "paren", line)
+    return Argument(match["bracket"], "bracket", line)
+
+
+def _blocks(commands: list[Command], faults: list[SyntaxFault]) -> list[Statement]:
+    """Nest commands into blocks, without recursion, so that no depth of nesting can exhaust the stack."""
+    top: list[Statement] = []
+    open_blocks: list[Block] = []
+    for command in commands:
+        body = open_blocks[-1].branches[-1][1] if open_blocks else top
+        if command.name in _OPENERS:
+            block = Block([(command, [])])
+            body.append(block)
+            open_blocks.append(block)
+        elif command.name in {"elseif", "else"} and open_blocks:
+            open_blocks[-1].branches.append((command, []))
+        elif command.name in _CLOSERS:
+            if open_blocks:
+                open_blocks.pop()
+            else:
+                faults.append(SyntaxFault(f"{command.name}() closes nothing", command.line))
+        else:
+            body.append(command)
+    faults.extend(_unclosed(open_blocks))
+    return top
+
+
+def _unclosed(open_blocks: list[Block]) -> Iterator[SyntaxFault]:
+    for block in open_blocks[:1]:
+        opener = block.branches[0][0]
+        yield SyntaxFault(f"{opener.name}() is not closed", opener.line)

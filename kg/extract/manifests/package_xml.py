@@ -1,0 +1,198 @@
+"""package.xml in formats 1 to 3 (REP 127, 140, 149) and rosbuild's manifest.xml."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from kg.corpus.xml import line_of, parse_xml
+from kg.extract.manifests.conditions import holds
+from kg.facts import Dependency, Location, Package, Person
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from lxml.etree import _Element
+
+    from kg.corpus.files import PackageFolder
+    from kg.corpus.reading import Reader
+
+__all__ = ["Manifest", "read_package_xml"]
+
+_DEPENDENCIES: Final = frozenset(
+    {
+        "depend",
+        "build_depend",
+        "build_export_depend",
+        "buildtool_depend",
+        "buildtool_export_depend",
+        "exec_depend",
+        "run_depend",
+        "test_depend",
+        "doc_depend",
+        "group_depend",
+    }
+)
+_TOOLS: Final = {
+    1: ("catkin", "rosbuild"),
+    2: ("ament_cmake", "ament_python", "ament_cmake_auto", "ament_cmake_python", "ament_cmake_ros"),
+}
+_CLIENTS: Final = {
+    1: ("roscpp", "rospy", "message_generation", "message_runtime", "nodelet", "roslib", "roslaunch"),
+    2: (
+        "rclcpp",
+        "rclpy",
+        "rosidl_default_generators",
+        "rosidl_default_runtime",
+        "rclcpp_components",
+        "ament_index_cpp",
+    ),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Manifest:
+    """A package with what its manifest exports: (element, attributes, text, line) of each child of `<export>`."""
+
+    package: Package
+    exports: tuple[tuple[str, dict[str, str], str, int], ...] = ()
+
+
+def read_package_xml(reader: Reader, folder: PackageFolder) -> Manifest:
+    """Return what the manifest of a package says; what it lacks stays empty, what is malformed is a problem."""
+    root = _parse(reader, folder.manifest) if folder.manifest else None
+    path = folder.manifest or folder.path
+    if root is None or folder.manifest is None:
+        ros, build_type = _by_build_files(reader, folder), None
+        return Manifest(Package(folder.name, folder.path, ros, Location(path, 1), build_type=build_type))
+    if folder.manifest.endswith("manifest.xml"):
+        return _rosbuild(root, folder, path)
+    ros = _ros_version(root) or _by_build_files(reader, folder)
+    variables = {"ROS_VERSION": str(ros)}
+    exports = tuple(_exports(root, variables))
+    package = Package(
+        name=folder.name,
+        path=folder.path,
+        ros=ros,
+        location=Location(path, line_of(root)),
+        version=_text(root, "version"),
+        description=_description(root),
+        format=int(attribute) if (attribute := str(root.get("format", "1"))).isdecimal() else None,
+        build_type=_build_type(root, exports, ros),
+        licenses=tuple(filter(None, (_flat(element) for element in _all(root, "license")))),
+        people=tuple(_people(root)),
+        urls=tuple((str(e.get("type", "website")), text) for e in _all(root, "url") if (text := _flat(e))),
+        dependencies=tuple(_dependencies(root, variables)),
+        deprecated=next((text or "yes" for tag, _, text, _ in exports if tag == "deprecated"), None),
+    )
+    return Manifest(package, exports)
+
+
+def _parse(reader: Reader, path: str) -> _Element | None:
+    text = reader.read(path)
+    if text is None:
+        return None
+    result = parse_xml(text)
+    if result.problem:
+        code, message, line = result.problem
+        reader.problem(code, f"the manifest {message}", path, line)
+    return result.root
+
+
+def _all(root: _Element, tag: str) -> Iterator[_Element]:
+    return (element for element in root if element.tag == tag)
+
+
+def _flat(element: _Element) -> str:
+    """Return the text of an element and what is in it, white space folded."""
+    return " ".join("".join(str(part) for part in element.itertext()).split())
+
+
+def _text(root: _Element, tag: str) -> str | None:
+    return next((text for element in _all(root, tag) if (text := _flat(element))), None)
+
+
+def _description(root: _Element) -> str | None:
+    return _text(root, "description")
+
+
+def _people(root: _Element) -> Iterator[Person]:
+    for role in ("maintainer", "author"):
+        for element in _all(root, role):
+            email = element.get("email")
+            yield Person(_flat(element) or str(email or ""), str(email) if email else None, role)
+
+
+def _dependencies(root: _Element, variables: dict[str, str]) -> Iterator[Dependency]:
+    for element in root:
+        if element.tag in _DEPENDENCIES and holds(element.get("condition"), variables):
+            name = _flat(element)
+            if name:
+                yield Dependency(name, str(element.tag), line_of(element))
+
+
+def _exports(root: _Element, variables: dict[str, str]) -> Iterator[tuple[str, dict[str, str], str, int]]:
+    for export in _all(root, "export"):
+        for element in export:
+            if not callable(element.tag) and holds(element.get("condition"), variables):
+                attributes = {str(key): str(value) for key, value in element.attrib.items()}
+                yield str(element.tag), attributes, _flat(element), line_of(element)
+
+
+def _build_type(root: _Element, exports: tuple[tuple[str, dict[str, str], str, int], ...], ros: int) -> str | None:
+    """Return the exported build type, else that of the tool the package depends on; plain CMake is `cmake`."""
+    exported = next((text for tag, _, text, _ in exports if tag == "build_type" and text), None)
+    if exported:
+        return exported
+    tools = {d.name for d in _dependencies(root, {"ROS_VERSION": str(ros)}) if d.kind == "buildtool_depend"}
+    if "catkin" in tools:
+        return "catkin"
+    return "ament_cmake" if any(tool.startswith("ament_cmake") for tool in tools) else "cmake"
+
+
+def _ros_version(root: _Element) -> int | None:
+    """Return 2 or 1 by build tool and client libraries; a package for both is one of ROS 2; None when nothing tells."""
+    for marks in (_TOOLS, _CLIENTS):
+        for ros in (2, 1):
+            variables = {"ROS_VERSION": str(ros)}
+            names = {dependency.name for dependency in _dependencies(root, variables)}
+            types = {text for tag, _, text, _ in _exports(root, variables) if tag == "build_type"}
+            if not (names | types).isdisjoint(marks[ros]):
+                return ros
+    return None
+
+
+def _by_build_files(reader: Reader, folder: PackageFolder) -> int:
+    """Return 1 or 2 by the build system that CMakeLists.txt or setup.py speak of, else by the rest of the source."""
+    for name in ("CMakeLists.txt", "setup.py"):
+        path = folder.join(name)
+        text = reader.read(path) if reader.workspace.entry(reader.file(path)) else None
+        if text and (b"ament" in text or b"rosidl_" in text):
+            return 2
+        if text and (b"catkin" in text or b"rosbuild" in text):
+            return 1
+    files = [entry for entry in folder.files if entry.path.endswith((".launch.py", ".launch.xml"))]
+    return 2 if files else 1
+
+
+def _rosbuild(root: _Element, folder: PackageFolder, path: str) -> Manifest:
+    """Return what a manifest.xml says (wiki.ros.org/Manifest)."""
+    depends = tuple(
+        Dependency(str(name), "depend", line_of(element))
+        for element in _all(root, "depend")
+        if (name := element.get("package") or element.get("stack"))
+    )
+    authors = next((_flat(element) for element in _all(root, "author")), "")
+    package = Package(
+        name=folder.name,
+        path=folder.path,
+        ros=1,
+        location=Location(path, line_of(root)),
+        description=_description(root),
+        build_type="rosbuild",
+        licenses=tuple(part.strip() for part in (_text(root, "license") or "").split(",") if part.strip()),
+        people=tuple(Person(name, role="author") for part in authors.split(",") if (name := part.strip())),
+        urls=tuple(("website", text) for element in _all(root, "url") if (text := _flat(element))),
+        dependencies=depends,
+    )
+    return Manifest(package, tuple(_exports(root, {"ROS_VERSION": "1"})))

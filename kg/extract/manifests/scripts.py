@@ -1,0 +1,47 @@
+"""Python programs of a package by the names that rosrun and ros2 run know them by."""
+
+from __future__ import annotations
+
+import posixpath
+from typing import TYPE_CHECKING
+
+from kg.extract.buildmodel import Script
+from kg.facts import FileKind, Location
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kg.corpus.files import PackageFolder
+    from kg.corpus.reading import Reader
+
+__all__ = ["read_scripts"]
+
+
+def read_scripts(reader: Reader, folder: PackageFolder, programs: Mapping[tuple[str, str], Location]) -> list[Script]:
+    """Return the scripts: Python files that CMake installs as programs, and executable ones with a shebang."""
+    scripts: list[Script] = []
+    taken: set[str] = set()
+    for (name, path), location in programs.items():
+        if _is_python(reader, path):
+            scripts.append(Script(name, path, location))
+            taken.add(path)
+    marked = (entry for entry in folder.files if entry.kind is FileKind.PYTHON and entry.executable)
+    scripts.extend(
+        Script(posixpath.basename(entry.path), entry.path, Location(entry.path, 1))
+        for entry in marked
+        if entry.path not in taken and has_python_shebang(reader.read(entry.path))
+    )
+    return scripts
+
+
+def _is_python(reader: Reader, path: str) -> bool:
+    entry = reader.workspace.entry(reader.file(path))
+    if entry is None or entry.kind not in {FileKind.PYTHON, FileKind.LAUNCH}:
+        return False
+    return has_python_shebang(reader.read(path)) or entry.kind is FileKind.PYTHON
+
+
+def has_python_shebang(text: bytes | None) -> bool:
+    """Tell whether the first line of a file asks for a Python interpreter."""
+    first = text.split(b"\n", 1)[0] if text else b""
+    return first.startswith(b"#!") and b"python" in first

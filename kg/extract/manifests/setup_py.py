@@ -1,0 +1,200 @@
+"""setup.py, setup.cfg and pyproject.toml: entry points and scripts. Nothing in them is ever run."""
+
+from __future__ import annotations
+
+import configparser
+import posixpath
+import re
+import tomllib
+from functools import cache
+from typing import TYPE_CHECKING, Final
+
+from kg.extract.buildmodel import EntryPoint, Script
+from kg.extract.manifests.setup_values import Piece, Values, text_of
+from kg.facts import Location
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from tree_sitter import Node, Parser
+
+    from kg.corpus.files import PackageFolder
+    from kg.corpus.reading import Reader
+
+__all__ = ["read_setup"]
+
+_SETUP_CALLS: Final = frozenset({"setup", "generate_distutils_setup", "dict"})
+_ENTRY: Final = re.compile(r"^\s*([^\s=]+)\s*=\s*([\w.]+)\s*(?::\s*([\w.]+))?")
+
+
+def read_setup(reader: Reader, folder: PackageFolder) -> tuple[list[EntryPoint], list[Script]]:
+    """Return the console scripts and scripts that the Python side of a package declares."""
+    found = _Found(reader, folder)
+    for name, read in (("setup.py", _setup_py), ("setup.cfg", _setup_cfg), ("pyproject.toml", _pyproject)):
+        path = folder.join(name)
+        if reader.workspace.entry(reader.file(path)):
+            text = reader.read(path)
+            if text is not None:
+                read(found, path, text)
+    return list(found.entry_points.values()), list(found.scripts.values())
+
+
+class _Found:
+    """Collects entry points and scripts, the first of a name counts."""
+
+    def __init__(self, reader: Reader, folder: PackageFolder) -> None:
+        self.reader = reader
+        self.folder = folder
+        self.roots = ["", "src", "python", "scripts"]
+        self.entry_points: dict[str, EntryPoint] = {}
+        self.scripts: dict[str, Script] = {}
+
+    def entry(self, written: str, path: str, line: int) -> None:
+        """Take an entry point as written: `name = package.module:function`."""
+        match = _ENTRY.match(written)
+        if match:
+            name, module, function = match[1], match[2], match[3] or ""
+            point = EntryPoint(name, module, function, self._module(module, path), Location(path, line))
+            self.entry_points.setdefault(name, point)
+
+    def script(self, written: str, path: str, line: int) -> None:
+        """Take a file of `scripts=`."""
+        file = posixpath.normpath(self.folder.join(written))
+        if self.reader.workspace.entry(self.reader.file(file)):
+            name = posixpath.basename(file)
+            self.scripts.setdefault(name, Script(name, file, Location(path, line)))
+
+    def _module(self, module: str, path: str) -> str | None:
+        relative = module.replace(".", "/")
+        for root in self.roots:
+            stem = posixpath.normpath(self.folder.join(posixpath.join(root, relative)))
+            for candidate in (f"{stem}.py", f"{stem}/__init__.py"):
+                if self.reader.workspace.entry(self.reader.file(candidate)):
+                    return candidate
+        found = self.reader.workspace.module(module, near=self.reader.file(path))
+        return found.path if found and found.repository == self.reader.source.repository.name else None
+
+
+@cache
+def _parser() -> Parser:
+    import tree_sitter_python  # noqa: PLC0415  (the command line starts without it)
+    from tree_sitter import Language, Parser  # noqa: PLC0415
+
+    return Parser(Language(tree_sitter_python.language()))
+
+
+def _setup_py(found: _Found, path: str, text: bytes) -> None:
+    tree = _parser().parse(text)
+    if tree.root_node.has_error:
+        line = _first_error(tree.root_node)
+        found.reader.problem("KG115", "part of setup.py does not parse", path, line)
+    values = Values()
+    for keywords in _setup_calls(tree.root_node, values):
+        _package_dir(found, values.of(keywords.get("package_dir")))
+        _entry_points(found, values.of(keywords.get("entry_points")), path)
+        scripts = values.of(keywords.get("scripts"))
+        for item in scripts if isinstance(scripts, list) else ():
+            if isinstance(item, Piece):
+                found.script(item.text, path, item.line)
+
+
+def _first_error(root: Node) -> int:
+    """Return the line of the first error, going down only into what holds one."""
+    node = root
+    while True:
+        inner = next((child for child in node.children if child.has_error or child.is_missing), None)
+        if inner is None or node.is_error:
+            return node.start_point[0] + 1
+        node = inner
+
+
+def _setup_calls(root: Node, values: Values) -> Iterator[dict[str, Node]]:
+    """Yield the keyword arguments of calls that set up a package, having taken in the assignments before them."""
+    pending = list(reversed(root.named_children))
+    while pending:
+        node = pending.pop()
+        if node.type == "assignment":
+            left, right = node.child_by_field_name("left"), node.child_by_field_name("right")
+            if left is not None and left.type == "identifier":
+                values.names[text_of(left)] = values.of(right)
+        if node.type == "call":
+            function = node.child_by_field_name("function")
+            name = text_of(function).rpartition(".")[2] if function is not None else ""
+            arguments = node.child_by_field_name("arguments")
+            if name in _SETUP_CALLS and arguments is not None:
+                yield dict(_keywords(arguments))
+        elif node.type in {
+            "expression_statement",
+            "assignment",
+            "if_statement",
+            "block",
+            "try_statement",
+            "else_clause",
+        }:
+            pending.extend(reversed(node.named_children))
+
+
+def _keywords(arguments: Node) -> Iterator[tuple[str, Node]]:
+    for child in arguments.named_children:
+        name, value = child.child_by_field_name("name"), child.child_by_field_name("value")
+        if child.type == "keyword_argument" and name is not None and value is not None:
+            yield text_of(name), value
+
+
+def _package_dir(found: _Found, value: object) -> None:
+    if isinstance(value, dict):
+        found.roots[:0] = [piece.text for piece in value.values() if isinstance(piece, Piece)]
+
+
+def _entry_points(found: _Found, value: object, path: str) -> None:
+    if isinstance(value, Piece):
+        _ini_entry_points(found, value.text, path, value.line)
+        return
+    listed = value.get("console_scripts") if isinstance(value, dict) else None
+    if isinstance(listed, Piece):
+        for offset, written in enumerate(listed.text.splitlines()):
+            found.entry(written, path, listed.line + offset)
+    for item in listed if isinstance(listed, list) else ():
+        if isinstance(item, Piece):
+            found.entry(item.text, path, item.line)
+
+
+def _ini_entry_points(found: _Found, text: str, path: str, line: int) -> None:
+    section = ""
+    for offset, written in enumerate(text.splitlines()):
+        if written.strip().startswith("["):
+            section = written.strip(" []\t")
+        elif section == "console_scripts":
+            found.entry(written, path, line + offset)
+
+
+def _setup_cfg(found: _Found, path: str, text: bytes) -> None:
+    config = configparser.RawConfigParser(strict=False, allow_no_value=True)
+    try:
+        config.read_string(text.decode())
+    except configparser.Error as error:
+        found.reader.problem("KG115", f"setup.cfg does not parse: {error.message.splitlines()[0]}", path)
+        return
+    lines = text.decode().splitlines()
+    listed = config.get("options.entry_points", "console_scripts", fallback=None) or ""
+    for written in listed.splitlines():
+        found.entry(written, path, _line_of(lines, written))
+    for written in (config.get("options", "scripts", fallback=None) or "").splitlines():
+        if written.strip():
+            found.script(written.strip(), path, _line_of(lines, written))
+
+
+def _line_of(lines: list[str], written: str) -> int:
+    return next((number for number, line in enumerate(lines, 1) if written.strip() and written.strip() in line), 1)
+
+
+def _pyproject(found: _Found, path: str, text: bytes) -> None:
+    try:
+        project = tomllib.loads(text.decode()).get("project", {})
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        found.reader.problem("KG115", f"pyproject.toml does not parse: {error}", path)
+        return
+    scripts = project.get("scripts") if isinstance(project, dict) else None
+    lines = text.decode().splitlines()
+    for name, written in scripts.items() if isinstance(scripts, dict) else ():
+        found.entry(f"{name} = {written}", path, _line_of(lines, str(written)))

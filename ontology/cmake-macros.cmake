@@ -1,0 +1,182 @@
+# Macros of well-known packages, described by what they declare, in CMake's own language.
+#
+# `kg` runs a macro from here when a package calls it and the build does not hold the package that defines it.
+# Only what makes targets, links, plugins or programs matters. Known commands to describe others with:
+# add_executable, add_library, target_sources, target_link_libraries, set_target_properties, install,
+# rclcpp_components_register_node(s), pluginlib_export_plugin_description_file, and kg_add_test(name source...),
+# which declares a test. `kg_build_dependencies` holds what package.xml depends on to build.
+
+# --- ament_cmake_auto
+
+macro(ament_auto_find_build_dependencies)
+  foreach(kg_dependency IN LISTS kg_build_dependencies)
+    find_package(${kg_dependency})
+  endforeach()
+endmacro()
+
+macro(ament_auto_find_test_dependencies)
+endmacro()
+
+macro(kg_auto_sources target)
+  cmake_parse_arguments(kg "" "" "DIRECTORY" ${ARGN})
+  foreach(kg_folder IN LISTS kg_DIRECTORY)
+    file(GLOB_RECURSE kg_sources ${kg_folder}/*.c ${kg_folder}/*.cc ${kg_folder}/*.cpp ${kg_folder}/*.cxx)
+    target_sources(${target} PRIVATE ${kg_sources})
+  endforeach()
+  target_link_libraries(${target} ${kg_build_dependencies})
+endmacro()
+
+macro(ament_auto_add_library target)
+  add_library(${target} ${ARGN})
+  kg_auto_sources(${target} ${ARGN})
+  list(APPEND kg_auto_libraries ${target})
+endmacro()
+
+macro(ament_auto_add_executable target)
+  add_executable(${target} ${ARGN})
+  kg_auto_sources(${target} ${ARGN})
+  target_link_libraries(${target} ${kg_auto_libraries})
+endmacro()
+
+macro(ament_auto_add_gtest target)
+  kg_add_test(${target} ${ARGN})
+  target_link_libraries(${target} ${kg_auto_libraries} ${kg_build_dependencies})
+endmacro()
+
+# --- tests of ament and catkin
+
+macro(ament_add_gtest target)
+  kg_add_test(${target} ${ARGN})
+endmacro()
+
+macro(ament_add_gmock target)
+  kg_add_test(${target} ${ARGN})
+endmacro()
+
+macro(ament_add_gtest_executable target)
+  kg_add_test(${target} ${ARGN})
+endmacro()
+
+macro(ament_add_google_benchmark target)
+  kg_add_test(${target} ${ARGN})
+endmacro()
+
+macro(ament_add_ros_isolated_gtest target)
+  kg_add_test(${target} ${ARGN})
+endmacro()
+
+macro(ament_add_ros_isolated_gmock target)
+  kg_add_test(${target} ${ARGN})
+endmacro()
+
+macro(add_ros_isolated_gtest target)
+  kg_add_test(${target} ${ARGN})
+endmacro()
+
+macro(catkin_add_gtest target)
+  kg_add_test(${target} ${ARGN})
+endmacro()
+
+macro(catkin_add_gmock target)
+  kg_add_test(${target} ${ARGN})
+endmacro()
+
+macro(catkin_add_executable_with_gtest target)
+  kg_add_test(${target} ${ARGN})
+endmacro()
+
+macro(catkin_add_executable_with_gmock target)
+  kg_add_test(${target} ${ARGN})
+endmacro()
+
+macro(add_rostest_gtest target test)
+  kg_add_test(${target} ${ARGN})
+endmacro()
+
+macro(add_rostest_gmock target test)
+  kg_add_test(${target} ${ARGN})
+endmacro()
+
+# --- catkin_simple
+
+macro(cs_add_executable target)
+  add_executable(${target} ${ARGN})
+  target_link_libraries(${target} ${catkin_LIBRARIES} ${kg_build_dependencies} ${kg_simple_libraries})
+endmacro()
+
+macro(cs_add_library target)
+  add_library(${target} ${ARGN})
+  target_link_libraries(${target} ${catkin_LIBRARIES} ${kg_build_dependencies})
+  list(APPEND kg_simple_libraries ${target})
+endmacro()
+
+# --- rosbuild
+
+macro(rosbuild_add_executable target)
+  add_executable(${target} ${ARGN})
+  target_link_libraries(${target} ${kg_build_dependencies})
+endmacro()
+
+macro(rosbuild_add_library target)
+  add_library(${target} ${ARGN})
+  target_link_libraries(${target} ${kg_build_dependencies})
+endmacro()
+
+macro(rosbuild_add_gtest target)
+  kg_add_test(${target} ${ARGN})
+endmacro()
+
+macro(rosbuild_link_boost)
+endmacro()
+
+# --- FindCUDA and others that wrap add_executable and add_library
+
+macro(cuda_add_executable target)
+  add_executable(${target} ${ARGN})
+endmacro()
+
+macro(cuda_add_library target)
+  add_library(${target} ${ARGN})
+endmacro()
+
+macro(hip_add_executable target)
+  add_executable(${target} ${ARGN})
+endmacro()
+
+macro(qt_add_executable target)
+  add_executable(${target} ${ARGN})
+endmacro()
+
+macro(pcl_add_executable target)
+  add_executable(${target} ${ARGN})
+endmacro()
+
+macro(pybind11_add_module target)
+  add_library(${target} ${ARGN})
+endmacro()
+
+macro(ament_python_install_module)
+endmacro()
+
+macro(ament_export_plugin_description_file category path)
+  pluginlib_export_plugin_description_file(${category} ${path})
+endmacro()
+
+# --- jsk_topic_tools: nodelets and the programs that run one alone
+
+macro(jsk_nodelet source class executable)
+  add_executable(${executable} ${source})
+endmacro()
+
+macro(jsk_add_nodelet source class executable)
+  add_executable(${executable} ${source})
+endmacro()
+
+# --- autoware_cmake, nav2_common
+
+macro(autoware_ament_auto_package)
+endmacro()
+
+macro(autoware_package)
+  ament_auto_find_build_dependencies()
+endmacro()
