@@ -117,5 +117,5 @@ class _Walk:
             pairs = (f"{self._written(key, depth + 1)}: {self._written(value, depth + 1)}" for key, value in node.value)
             return f"{{{', '.join(pairs)}}}"
         self._characters += len(node.value)
-        quoted = isinstance(node, yaml.ScalarNode) and node.tag == _TEXT and node.style is not None
+        quoted = isinstance(node, yaml.ScalarNode) and node.tag == _TEXT and bool(node.style)
         return json.dumps(node.value, ensure_ascii=False) if quoted else str(node.value)

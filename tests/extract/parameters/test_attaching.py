@@ -1,0 +1,65 @@
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from extract.workspaces import reader_of
+
+from kg.extract.buildmodel import BuildModel, Target, TargetKind
+from kg.extract.marks import Extracted, Mark
+from kg.extract.parameters import attach
+from kg.facts import Location, NodeKind, NodeType
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+HERE = Location("demo/src/a.cpp", 4)
+YAML = "ns:\n  gain: {type: double}\n"
+CFG = 'gen = ParameterGenerator()\ngen.add("rate", double_t, 0, "")\nexit(gen.generate("demo", "demo", "Demo"))\n'
+FILES: dict[str, str | bytes] = {"params.yaml": YAML, "cfg/Demo.cfg": CFG}
+LIBRARIES = (("demo_parameters", "demo/params.yaml"),)
+
+
+def target(name: str, source: str, *links: str) -> Target:
+    """Return a library of one source."""
+    return Target(name, TargetKind.LIBRARY, (source,), links, Location("demo/CMakeLists.txt", 1))
+
+
+def names(root: Path, build: BuildModel, *marks: Mark) -> list[tuple[str, list[str | None]]]:
+    """Return name and parameter names of the nodes that become of one node with these marks."""
+    reader = reader_of(root, FILES)
+    node = NodeType("a", NodeKind.COMPONENT, "cpp", 2, HERE, sources=("demo/src/a.cpp",))
+    nodes = attach(reader, reader.package, build, [Extracted(node, marks)])
+    return [(found.node.name, [p.name for p in found.node.parameters]) for found in nodes]
+
+
+def test_a_node_has_the_parameters_of_a_library_it_links(tmp_path: Path) -> None:
+    """Linking counts through other libraries and with a namespace in front of the name."""
+    targets = (
+        target("a", "demo/src/a.cpp", "rclcpp::rclcpp", "middle"),
+        target("middle", "demo/src/m.cpp", "demo::demo_parameters", "a"),
+    )
+    assert names(tmp_path, BuildModel(targets=targets, parameter_libraries=LIBRARIES)) == [("a", ["gain"])]
+
+
+def test_a_node_has_the_parameters_of_a_header_it_includes(tmp_path: Path) -> None:
+    """A mark is enough, and its prefix stands before the names."""
+    build = BuildModel(parameter_libraries=LIBRARIES)
+    mark = Mark("generate_parameter_library", HERE, "plugin.", "demo_parameters")
+    assert names(tmp_path, build, mark) == [("a", ["plugin.gain"])]
+
+
+def test_a_library_that_no_node_uses_is_kept_as_a_class(tmp_path: Path) -> None:
+    """What a library declares for other packages is found under the library's own name."""
+    found = names(tmp_path, BuildModel(parameter_libraries=LIBRARIES))
+    assert found == [("a", []), ("demo_parameters", ["gain"])]
+
+
+def test_a_configuration_belongs_to_the_handle_of_its_server(tmp_path: Path) -> None:
+    """The parameters of a dynamic_reconfigure server stand in the namespace of its handle."""
+    marks = (
+        Mark("dynamic_reconfigure.server", HERE, "~", "demo/Demo"),
+        Mark("dynamic_reconfigure.server", HERE, "~/sub", "demo/DemoConfig"),
+        Mark("dynamic_reconfigure.server", HERE, "~", "elsewhere/Demo"),
+        Mark("dynamic_reconfigure.server", HERE, "~"),
+    )
+    assert names(tmp_path, BuildModel(), *marks) == [("a", ["~/rate", "~/sub/rate"])]

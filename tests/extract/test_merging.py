@@ -1,0 +1,60 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from kg.extract.marks import Extracted, Mark
+from kg.extract.merging import merge, own_name, settled
+from kg.facts import Access, Interface, Location, NodeKind, NodeType, Parameter, Resolution, Role
+
+SCAN = Interface(Role.SUBSCRIBES, "scan", "sensor_msgs/LaserScan", Resolution.LITERAL, Location("a.cpp", 3))
+MAP = Interface(Role.PUBLISHES, "~/map", "nav_msgs/OccupancyGrid", Resolution.LITERAL, Location("a.cpp", 2))
+RATE = Parameter("~/rate", "double", "1.0", Access.READ, Location("a.cpp", 5))
+NODE = NodeType("slam", NodeKind.EXECUTABLE, "cpp", 1, Location("a.cpp", 1), executable="slam")
+
+
+def test_a_node_read_twice_is_one_with_the_facts_of_both() -> None:
+    """Two readings of one node become one node type with every fact, name and mark of them."""
+    mark = Mark("tf.listener", Location("a.cpp", 4))
+    first = Extracted(replace(NODE, interfaces=(SCAN,), sources=("a.cpp",)))
+    second = Extracted(replace(NODE, interfaces=(SCAN, MAP), node_name="gmapping", parameters=(RATE,)), (mark,))
+    (both,) = merge([first, second])
+    assert both.node.interfaces == (SCAN, MAP)
+    assert both.node.parameters == (RATE,)
+    assert (both.node.node_name, both.marks) == ("gmapping", (mark,))
+
+
+def test_nodes_of_different_kinds_stay_apart() -> None:
+    """An executable and a nodelet of one name are two node types."""
+    nodelet = replace(NODE, kind=NodeKind.NODELET, executable=None, plugin="slam/Slam")
+    assert len(merge([Extracted(NODE), Extracted(nodelet)])) == 2
+
+
+def test_names_left_open_are_resolved_under_the_nodes_own_name() -> None:
+    """A private name is resolved below the name that the node gives itself, else below that of its type."""
+    (plain,) = settled([replace(NODE, interfaces=(SCAN, MAP))])
+    (named,) = settled([replace(NODE, interfaces=(MAP,), node_name="gmapping")])
+    assert [i.resolved for i in plain.interfaces] == ["/slam/map", "/scan"]
+    assert [i.resolved for i in named.interfaces] == ["/gmapping/map"]
+
+
+def test_own_names_are_those_a_node_can_have() -> None:
+    """A class or plugin goes by its last name, a script without its ending; a node name with holes is no name."""
+    assert own_name(replace(NODE, name="nav::core::Planner")) == "Planner"
+    assert own_name(replace(NODE, name="pkg/Planner", node_name="{}_planner")) == "Planner"
+    assert own_name(replace(NODE, name="talker.py")) == "talker"
+
+
+FACTS = st.lists(st.sampled_from([SCAN, MAP, replace(SCAN, name=None), replace(MAP, type=None)]), max_size=8)
+
+
+@given(facts=FACTS, data=st.data())
+def test_the_order_in_which_facts_were_found_does_not_show(facts: list[Interface], data: st.DataObject) -> None:
+    """Settling gives the same node for every order of its facts, and no fact twice."""
+    shuffled = data.draw(st.permutations(facts))
+    (one,) = settled([replace(NODE, interfaces=tuple(facts))])
+    (other,) = settled([replace(NODE, interfaces=tuple(shuffled))])
+    assert one == other
+    assert len(set(one.interfaces)) == len(one.interfaces) == len(set(facts))
