@@ -5,6 +5,7 @@ tests/test_docs.py compares the result with what is kept.
 
 from __future__ import annotations
 
+import shutil
 import sys
 import tempfile
 from pathlib import Path
@@ -18,7 +19,7 @@ from kg.settings import DECLARED
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["PAGES", "SESSIONS", "main"]
+__all__ = ["PAGES", "SESSIONS", "main", "session"]
 
 _FOLDER: Final = Path(__file__).resolve().parent
 
@@ -118,7 +119,13 @@ def main() -> None:
     for name in SESSIONS:
         path = (_FOLDER / name).resolve()
         with tempfile.TemporaryDirectory() as folder:
-            _write(path, refreshed(path.read_text(encoding="utf-8"), Path(folder)))
+            _write(path, session(path, Path(folder)))
+
+
+def session(page: Path, folder: Path) -> str:
+    """Return a page with what its commands print now; they run in `folder`, which gets a copy of `examples/`."""
+    shutil.copytree(_FOLDER.parent / "examples", folder / "examples")
+    return refreshed(page.read_text(encoding="utf-8"), folder)
 
 
 def _write(path: Path, text: str) -> None:

@@ -133,6 +133,6 @@ def test_two_lines_set_everything_up() -> None:
 @pytest.mark.parametrize("page", generate.SESSIONS)
 def test_sessions_show_what_happens(page: str, tmp_path: Path) -> None:
     """The commands shown in README and quick start print what is shown; `python docs/generate.py` mends this."""
-    shown = text((DOCS / page).resolve())
-    assert transcripts.commands(shown)
-    assert transcripts.masked(transcripts.refreshed(shown, tmp_path)) == transcripts.masked(shown)
+    path = (DOCS / page).resolve()
+    assert transcripts.commands(text(path))
+    assert transcripts.masked(generate.session(path, tmp_path)) == transcripts.masked(text(path))
