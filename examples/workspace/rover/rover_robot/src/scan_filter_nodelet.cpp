@@ -30,7 +30,8 @@ private:
     filtered_pub_ = nh.advertise<sensor_msgs::LaserScan>("scan_filtered", 10);
 
     const ros::SubscriberStatusCallback changed = boost::bind(&ScanFilter::onConnection, this, _1);
-    cloud_pub_ = nh.advertise(ros::AdvertiseOptions::create<sensor_msgs::PointCloud2>("scan_cloud", 1, changed, changed, {}, nullptr));
+    auto options = ros::AdvertiseOptions::create<sensor_msgs::PointCloud2>("scan_cloud", 1, changed, changed, {}, nullptr);
+    cloud_pub_ = nh.advertise(options);
 
     enable_srv_ = getMTPrivateNodeHandle().advertiseService("enable", &ScanFilter::onEnable, this);
   }
