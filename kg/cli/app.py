@@ -4,7 +4,7 @@ from typing import Annotated, Any, Final
 
 import typer
 
-from kg.cli.commands import config, explain
+from kg.cli.commands import config, explain, lists, node, nodes
 from kg.cli.diagnostics import MODE, Mode
 from kg.cli.group import KgCommand, KgGroup
 from kg.cli.options import Store, from_setting
@@ -30,7 +30,15 @@ Data goes to standard output, words go to standard error. Exit codes:
 Start with `kg demo`, or with `kg build FOLDER` and then `kg nodes`.
 """
 
-COMMANDS: Final[tuple[tuple[str, str, Any], ...]] = (("Look after it", "explain", explain.explain),)
+COMMANDS: Final[tuple[tuple[str, str, Any], ...]] = (
+    ("Ask", "nodes", nodes.nodes),
+    ("Ask", "node", node.node),
+    ("Ask", "packages", lists.packages),
+    ("Ask", "topics", lists.topics),
+    ("Ask", "services", lists.services),
+    ("Ask", "actions", lists.actions),
+    ("Look after it", "explain", explain.explain),
+)
 
 app = typer.Typer(
     cls=KgGroup,

@@ -15,7 +15,17 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
-__all__ = ["Column", "console", "json_lines", "print_table", "terminal", "write", "write_bytes"]
+__all__ = [
+    "Column",
+    "console",
+    "json_lines",
+    "listing",
+    "make_table",
+    "print_table",
+    "terminal",
+    "write",
+    "write_bytes",
+]
 
 _UNBOUNDED = 100_000
 
@@ -70,6 +80,22 @@ def console(stream: IO[str] | None = None) -> Console:
         soft_wrap=not is_terminal,
         width=None if is_terminal else _UNBOUNDED,
     )
+
+
+def listing(
+    columns: Sequence[Column],
+    rows: Iterable[Sequence[object]],
+    *,
+    objects: Iterable[Any] | None = None,
+) -> None:
+    """Write a list: as JSON Lines when `objects` are given, as a table on a terminal, as TSV with a head elsewhere."""
+    if objects is not None:
+        json_lines(objects)
+    elif terminal():
+        print_table(columns, rows)
+    else:
+        for row in ([column.title for column in columns], *rows):
+            write("\t".join("" if value is None else printable(str(value)) for value in row))
 
 
 def print_table(columns: Sequence[Column], rows: Iterable[Sequence[object]], *, title: str | None = None) -> None:

@@ -1,0 +1,77 @@
+"""`kg packages`, `kg topics`, `kg services`, `kg actions`: lists over the whole store."""
+
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from kg.cli.diagnostics import note
+from kg.cli.options import Json, Store
+from kg.cli.output import Column, listing, terminal
+from kg.cli.session import session
+from kg.cli.stores import reading
+from kg.render.text import count
+
+if TYPE_CHECKING:
+    from kg.graph.overview import Channel
+
+__all__ = ["actions", "packages", "services", "topics"]
+
+All = Annotated[bool, typer.Option("--all", "-a", help="Also what frameworks make by themselves (/rosout, /tf, ...).")]
+
+
+def packages(context: typer.Context, *, json: Json = False, store: Store = None) -> None:
+    """List the packages with how many nodes, interface definitions and problems each has."""
+    from kg.graph import overview  # noqa: PLC0415 - start-up time
+
+    with reading(session(context).settings(store=store)) as snapshot:
+        found = overview.packages(snapshot)
+    columns = (
+        Column("package", "name"),
+        Column("version"),
+        *(Column(title, "number") for title in ("ros", "nodes", "definitions", "problems")),
+        Column("source", "dim"),
+        Column("folder", "dim"),
+    )
+    rows = [
+        (one.name, one.version, one.ros, one.nodes, one.definitions, one.problems, one.repository, one.folder)
+        for one in found
+    ]
+    listing(columns, rows, objects=map(asdict, found) if json else None)
+    if terminal() and not json:
+        note(count(len(found), "package"))
+
+
+def topics(context: typer.Context, *, every: All = False, json: Json = False, store: Store = None) -> None:
+    """List the topics with their types and how many nodes publish and subscribe them.
+
+    Names are those of nodes started alone, without remapping.
+    """
+    _channels("topic", ("publish", "subscribe"), _found(context, "topic", store, every=every), json=json)
+
+
+def services(context: typer.Context, *, every: All = False, json: Json = False, store: Store = None) -> None:
+    """List the services with their types and how many nodes offer and call them."""
+    _channels("service", ("offer", "call"), _found(context, "service", store, every=every), json=json)
+
+
+def actions(context: typer.Context, *, every: All = False, json: Json = False, store: Store = None) -> None:
+    """List the actions with their types and how many nodes offer and call them."""
+    _channels("action", ("offer", "call"), _found(context, "action", store, every=every), json=json)
+
+
+def _found(context: typer.Context, kind: str, store: str | None, *, every: bool) -> "list[Channel]":
+    from kg.graph import overview  # noqa: PLC0415 - start-up time
+
+    with reading(session(context).settings(store=store)) as snapshot:
+        return overview.channels(snapshot, kind, implicit=every)
+
+
+def _channels(kind: str, verbs: tuple[str, str], found: "list[Channel]", *, json: bool) -> None:
+    columns = (Column(kind, "name"), Column("type"), *(Column(verb, "number") for verb in verbs))
+    rows = [(one.name, ", ".join(one.types), len(one.givers), len(one.takers)) for one in found]
+    givers, takers = (f"{verb}ed_by" if verb[-1] != "e" else f"{verb}d_by" for verb in verbs)
+    objects = ({kind: one.name, "types": one.types, givers: one.givers, takers: one.takers} for one in found)
+    listing(columns, rows, objects=objects if json else None)
+    if terminal() and not json:
+        note(count(len(found), kind))

@@ -1,0 +1,85 @@
+"""`kg node`: one node with all it declares, as words, JSON or a picture."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from kg.cli.diagnostics import note, say
+from kg.cli.links import Links
+from kg.cli.names import one_node
+from kg.cli.options import Json, Store
+from kg.cli.output import console, json_lines, terminal, write_bytes
+from kg.cli.session import session
+from kg.cli.stores import reading
+from kg.errors import Place, UsageError
+from kg.render.text import count
+
+if TYPE_CHECKING:
+    from kg.graph.reading import NodeRecord
+
+__all__ = ["node"]
+
+Name = Annotated[
+    str, typer.Argument(metavar="NAME", help="Name of the node, or `package/node`, or `repository:package/node`.")
+]
+All = Annotated[bool, typer.Option("--all", "-a", help="Also what frameworks make by themselves (rosout, tf, ...).")]
+Picture = Annotated[
+    bool, typer.Option("--picture", help="Draw it as SVG: to standard output, or on a terminal to NODE.svg.")
+]
+Output = Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE", help="Draw it as SVG into FILE.")]
+
+
+def node(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    name: Name,
+    *,
+    every: All = False,
+    picture: Picture = False,
+    output: Output = None,
+    json: Json = False,
+    store: Store = None,
+) -> None:
+    """Show one node: how to start it, what it publishes, subscribes, offers, calls and reads, and on which line.
+
+    For example:
+
+        kg node move_base
+        kg node move_base/move_base --all
+        kg node move_base --picture > move_base.svg
+    """
+    from kg.graph.records import node_object  # noqa: PLC0415 - start-up time
+    from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
+
+    with reading(session(context).settings(store=store)) as snapshot:
+        record = one_node(snapshot, name)
+        links = Links.of(sources(snapshot))
+    if json:
+        json_lines([node_object(record)])
+    elif picture or output:
+        _draw(record, output, every=every)
+    else:
+        _show(record, links, every=every)
+
+
+def _show(record: "NodeRecord", links: Links, *, every: bool) -> None:
+    from kg.cli.node_view import show_node  # noqa: PLC0415 - start-up time
+
+    left_out = show_node(console(), record, links, every=every)
+    if left_out:
+        note(f"{count(left_out, 'implicit entry', 'implicit entries')} made by frameworks not shown; --all shows them")
+
+
+def _draw(record: "NodeRecord", output: Path | None, *, every: bool) -> None:
+    from kg.graph.pictures import node_picture  # noqa: PLC0415 - start-up time
+
+    drawn = node_picture(record, implicit=every).encode()
+    if output is None and not terminal():
+        write_bytes(drawn)
+        return
+    path = output or Path(f"{record.node.name.replace('/', '_')}.svg")
+    try:
+        path.write_bytes(drawn)
+    except OSError as error:
+        raise UsageError("KG003", f"the picture cannot be written: {error.strerror}", place=Place(str(path))) from error
+    say(f"wrote {path}")

@@ -1,0 +1,70 @@
+"""Names that a user types, checked against the store: an unknown one gets the nearest that are known."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kg.cli.usage import did_you_mean
+from kg.errors import Exit, UsageError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from kg.graph.reading import NodeRecord, Queryable
+
+__all__ = ["UnknownNameError", "known_package", "one_node"]
+
+
+class UnknownNameError(UsageError):
+    """What was asked for is not in the store."""
+
+    exit_code = Exit.FOUND
+
+    def __init__(self, kind: str, name: str, names: Iterable[str], *, otherwise: str) -> None:
+        """Take the name typed, those there are, and the way out when none is near."""
+        near = did_you_mean(name, names)
+        super().__init__("KG001", f"there is no {kind} `{name}`", hint=near or otherwise)
+
+
+def known_package(graph: Queryable, name: str) -> None:
+    """Raise KG001 unless the store has a package of this name (`name` or `repository:name`)."""
+    from kg.graph.overview import packages  # noqa: PLC0415 - start-up time
+
+    known = packages(graph)
+    names = [one.name for one in known] + [f"{one.repository}:{one.name}" for one in known]
+    if name not in names:
+        raise UnknownNameError("package", name, names, otherwise="`kg packages` lists the packages")
+
+
+def one_node(graph: Queryable, name: str) -> NodeRecord:
+    """Return the node called `name`, `package/name` or `repository:package/name`.
+
+    KG001 with suggestions when there is none, KG003 with the full names when there are several.
+    """
+    from kg.graph.reading import node_names, node_records  # noqa: PLC0415 - start-up time
+
+    front, _, last = name.rpartition("/")
+    found = [*node_records(graph, node=name)]
+    if front and not found:
+        found = node_records(graph, node=last, package=front)
+    if len(found) == 1:
+        return found[0]
+    if not found:
+        raise UnknownNameError(
+            "node", name, _candidates(graph, name, node_names(graph)), otherwise="`kg nodes` lists them"
+        )
+    packages = [one.package for one in found]
+    ways = [f"{one.package}/{one.node.name}" if packages.count(one.package) == 1 else one.full_name for one in found]
+    lines = "\n".join(
+        f"`kg node {way}`  ({one.node.kind}, {one.node.location})" for way, one in zip(ways, found, strict=True)
+    )
+    raise UsageError("KG003", f"{len(found)} nodes are called `{name}`; say which", hint=lines)
+
+
+def _candidates(graph: Queryable, name: str, names: list[str]) -> list[str]:
+    """Return what to suggest: plain names, or those with their package when a package was given."""
+    from kg.graph.reading import node_records  # noqa: PLC0415 - start-up time
+
+    if "/" not in name:
+        return names
+    return [f"{one.package}/{one.node.name}" for one in node_records(graph)]

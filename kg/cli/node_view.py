@@ -1,0 +1,171 @@
+"""One node for people: what it is, how it is started, and its interface by role with the line behind each entry."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.facts import Access, NodeKind, Resolution, Role
+from kg.graph.records import how_to_start
+from kg.render.text import count, printable
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from rich.console import Console
+    from rich.text import Text
+
+    from kg.cli.links import Links
+    from kg.facts import Interface, Location, NodeType, Parameter
+    from kg.graph.reading import NodeRecord
+
+__all__ = ["show_node"]
+
+_TITLES: Final = {
+    Role.PUBLISHES: "publishes",
+    Role.SUBSCRIBES: "subscribes",
+    Role.SERVICES: "offers services",
+    Role.CLIENTS: "calls services",
+    Role.ACTION_SERVERS: "offers actions",
+    Role.ACTION_CLIENTS: "calls actions",
+}
+_LANGUAGES: Final = {"cpp": "C++", "python": "Python"}
+
+
+@dataclass(frozen=True, slots=True)
+class _Row:
+    """A line of the table; `dim` for what a framework makes by itself."""
+
+    cells: tuple[str, str, str]
+    location: Location
+    dim: bool
+
+
+def show_node(console: Console, record: NodeRecord, links: Links, *, every: bool) -> int:
+    """Write a node and return how many implicit interfaces and parameters were left out (none with `every`)."""
+    from rich.box import SIMPLE_HEAD  # noqa: PLC0415 - start-up time
+    from rich.table import Table  # noqa: PLC0415 - start-up time
+    from rich.text import Text  # noqa: PLC0415 - start-up time
+
+    for line in _header(record, links):
+        console.print(line)
+    groups = _groups(record.node, every=every)
+    table = Table(box=SIMPLE_HEAD, show_header=False, pad_edge=False, show_edge=False, padding=(0, 3, 0, 0))
+    for _ in range(3):
+        table.add_column(overflow="fold")
+    table.add_column(overflow="fold", justify="left")
+    for title, rows in groups:
+        if table.row_count:
+            table.add_row()
+        table.add_row(Text(title, style="bold cyan"))
+        for row in rows:
+            style = "dim" if row.dim else ""
+            name = Text(f"  {printable(row.cells[0])}", style=style or "bold")
+            rest = (Text(printable(cell), style=style) for cell in row.cells[1:])
+            table.add_row(name, *rest, _place(row.location, record.repository, links))
+    if groups:
+        console.print()
+        console.print(table)
+    node = record.node
+    return 0 if every else sum(one.implicit for one in node.interfaces) + sum(one.implicit for one in node.parameters)
+
+
+def _header(record: NodeRecord, links: Links) -> Iterable[Text]:
+    from rich.text import Text  # noqa: PLC0415 - start-up time
+
+    node = record.node
+    language = _LANGUAGES.get(node.language, node.language)
+    yield Text.assemble((printable(node.name), "bold"), f"  {language} {node.kind} for ROS {node.ros}")
+    commit = f" at {record.commit[:12]}" if record.commit else ""
+    yield _field("package", f"{record.package} ({record.repository}{commit})")
+    start = how_to_start(record)
+    if start:
+        yield _field("start", start)
+    elif node.kind is NodeKind.CLASS:
+        yield _field("start", "not by itself: a class that programs make nodes of")
+    if node.plugin:
+        yield _field("plugin", node.plugin + (f" (a {node.base_class})" if node.base_class else ""))
+    if node.node_name and node.node_name != node.name:
+        yield _field("name", f"calls itself {node.node_name}")
+    yield Text.assemble(_field("declared", ""), _place(node.location, record.repository, links))
+    others = [path for path in node.sources if path != node.location.path]
+    if others:
+        yield _field("sources", _some(others))
+
+
+def _field(name: str, value: str) -> Text:
+    from rich.text import Text  # noqa: PLC0415 - start-up time
+
+    return Text.assemble((f"  {name:<9} ", "dim"), printable(value))
+
+
+def _some(paths: Sequence[str], most: int = 4) -> str:
+    more = f" and {len(paths) - most} more" if len(paths) > most else ""
+    return ", ".join(paths[:most]) + more
+
+
+def _place(location: Location, repository: str, links: Links) -> Text:
+    from rich.text import Text  # noqa: PLC0415 - start-up time
+
+    where = f"{location.repository}:" if location.repository else ""
+    address = links.to(repository, location)
+    style = f"link {address}" if address else ""
+    return Text.assemble((printable(f"{where}{location}"), f"dim {style}".strip()))
+
+
+def _groups(node: NodeType, *, every: bool) -> list[tuple[str, list[_Row]]]:
+    groups: list[tuple[str, list[_Row]]] = []
+    for role, title in _TITLES.items():
+        chosen = [one for one in node.interfaces if one.role is role and (every or not one.implicit)]
+        chosen.sort(key=lambda one: one.implicit)
+        groups.append((title, [_interface(one) for one in chosen]))
+    groups.append(("parameters", _parameters(node.parameters, every=every)))
+    return [(title, rows) for title, rows in groups if rows]
+
+
+def _interface(fact: Interface) -> _Row:
+    name = fact.name if fact.name is not None else "(not resolved)"
+    return _Row((name, fact.type or "(type not known)", _how(fact)), fact.location, fact.implicit)
+
+
+def _how(fact: Interface) -> str:
+    """Return how the name became known, and the quality of service."""
+    words = []
+    if fact.parameter:
+        words.append(f"parameter {fact.parameter}")
+    elif fact.resolution is not Resolution.LITERAL:
+        words.append(str(fact.resolution))
+    if fact.resolution in {Resolution.PARTIAL, Resolution.UNRESOLVED}:
+        words.append(fact.reason or fact.written or "")
+    if fact.origin:
+        words.append(f"from {fact.origin}")
+    if fact.qos:
+        depth = None if fact.qos.depth is None else f"depth {fact.qos.depth}"
+        words += [fact.qos.reliability or "", fact.qos.durability or "", fact.qos.history or "", depth or ""]
+    return ", ".join(word for word in words if word)
+
+
+def _parameters(facts: Iterable[Parameter], *, every: bool) -> list[_Row]:
+    """Return one row a parameter, although code may read and write it at many places."""
+    named: dict[Any, list[Parameter]] = {}
+    for fact in facts:
+        if every or not fact.implicit:
+            key = fact.name if fact.name is not None else fact.location
+            named.setdefault(key, []).append(fact)
+    return [_parameter(group) for group in sorted(named.values(), key=lambda group: group[0].implicit)]
+
+
+def _parameter(facts: Sequence[Parameter]) -> _Row:
+    order = [Access.DECLARE, Access.READ, Access.WRITE]
+    first, *others = sorted(facts, key=lambda one: (order.index(one.access), str(one.location)))
+    default = next((one.default for one in (first, *others) if one.default is not None), None)
+    kind = next((one.type for one in (first, *others) if one.type), "")
+    accesses = [
+        {"declare": "declared", "read": "read", "write": "written"}[one]
+        for one in dict.fromkeys(str(fact.access) for fact in (first, *others))
+    ]
+    words = [f"= {default}" if default is not None else "", "" if accesses == ["declared"] else ", ".join(accesses)]
+    if others:
+        words.append(f"{count(len(facts), 'place')}")
+    name = first.name if first.name is not None else "(not resolved)"
+    return _Row((name, kind, "  ".join(word for word in words if word)), first.location, first.implicit)

@@ -1,0 +1,55 @@
+"""Which store a command works on: the one named by the settings, else the nearest `.kg` in this folder or above."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from kg.settings import Settings
+    from kg.store.embedded import EmbeddedStore
+    from kg.store.layout import Layout
+    from kg.store.snapshot import EmbeddedSnapshot
+
+__all__ = ["existing", "layout_of", "reading", "writable"]
+
+
+def layout_of(settings: Settings) -> Layout:
+    """Return where the store in force stands; StoreError KG301 when there is none. No engine is loaded."""
+    from kg.store.layout import FOLDER, Layout, find  # noqa: PLC0415 - start-up time
+
+    if settings.store is None:
+        return find(Path.cwd())
+    inner = settings.store / FOLDER
+    root = inner if inner.is_dir() else settings.store
+    if not root.is_dir():
+        from kg.errors import StoreError  # noqa: PLC0415 - with the branch that needs it
+
+        raise StoreError("KG301", f"there is no store at {settings.store} ({settings.origin('store')})")
+    return Layout(root.absolute())
+
+
+def existing(settings: Settings) -> EmbeddedStore:
+    """Return the store in force; StoreError KG301 when there is none."""
+    from kg.store.embedded import EmbeddedStore  # noqa: PLC0415 - start-up time
+
+    return EmbeddedStore(layout_of(settings))
+
+
+def reading(settings: Settings) -> EmbeddedSnapshot:
+    """Return the content of the store in force, for a `with` statement."""
+    return existing(settings).read()
+
+
+def writable(settings: Settings) -> EmbeddedStore:
+    """Return the store in force, or a new one: where the settings say, else `.kg` in the working folder."""
+    from kg.errors import StoreError  # noqa: PLC0415 - start-up time
+    from kg.store.embedded import EmbeddedStore  # noqa: PLC0415 - start-up time
+    from kg.store.layout import FOLDER  # noqa: PLC0415 - start-up time
+
+    try:
+        return existing(settings)
+    except StoreError as error:
+        if error.code != "KG301":
+            raise
+        return EmbeddedStore.create(settings.store or Path.cwd() / FOLDER)

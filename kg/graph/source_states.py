@@ -1,0 +1,93 @@
+"""What the graph `builds` says of each source: when it was read last, from where, and what was found."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.graph import vocabulary as v
+from kg.graph.builds import Counts
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kg.graph.reading import Queryable
+
+__all__ = ["SourceState", "sources"]
+
+_PREFIXES: Final = {"rnkg": v.RNKG, "prov": v.PROV, "rdfs": v.RDFS}
+_BUILDS: Final = """
+SELECT ?name ?build ?predicate ?object WHERE {
+  ?repository a rnkg:Repository ; rnkg:name ?name .
+  ?build prov:used ?repository ; ?predicate ?object .
+}"""
+_REPOSITORIES: Final = """
+SELECT ?name ?remote ?branch WHERE {
+  ?repository a rnkg:Repository ; rnkg:name ?name .
+  OPTIONAL { ?repository rnkg:remote ?remote }
+  OPTIONAL { ?repository rnkg:branch ?branch }
+}"""
+_COUNTS: Final = {
+    "packages": v.PACKAGES,
+    "nodes": v.NODES,
+    "interfaces": v.INTERFACES,
+    "parameters": v.PARAMETERS,
+    "definitions": v.DEFINITIONS,
+    "files": v.FILES,
+    "problems": v.PROBLEMS,
+    "unresolved": v.UNRESOLVED,
+    "triples": v.TRIPLES,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class SourceState:
+    """A source as it was read last; `read` is a moment in ISO 8601, `root` the folder on the machine that read it."""
+
+    name: str
+    remote: str | None
+    branch: str | None
+    commit: str | None
+    dirty: bool
+    root: str | None
+    read: str | None
+    version: str | None
+    counts: Counts
+
+
+def sources(graph: Queryable) -> list[SourceState]:
+    """Return the sources of the store, sorted by name."""
+    latest = _latest(graph)
+    found = [
+        _state(row["name"].value, _value(row["remote"]), _value(row["branch"]), latest.get(row["name"].value, {}))
+        for row in graph.query(_REPOSITORIES, prefixes=_PREFIXES)
+    ]
+    return sorted(found, key=lambda one: one.name)
+
+
+def _latest(graph: Queryable) -> dict[str, dict[str, str]]:
+    """Return the properties of the last build of each source."""
+    builds: dict[str, dict[str, dict[str, str]]] = {}
+    for row in graph.query(_BUILDS, prefixes=_PREFIXES):
+        properties = builds.setdefault(row["name"].value, {}).setdefault(row["build"].value, {})
+        properties[row["predicate"].value] = row["object"].value
+    started = v.bare(v.STARTED)
+    return {name: max(found.values(), key=lambda one: one.get(started, "")) for name, found in builds.items()}
+
+
+def _state(name: str, remote: str | None, branch: str | None, build: Mapping[str, str]) -> SourceState:
+    return SourceState(
+        name=name,
+        remote=remote,
+        branch=branch,
+        commit=build.get(v.bare(v.COMMIT)),
+        dirty=build.get(v.bare(v.DIRTY)) == "true",
+        root=build.get(v.bare(v.ROOT)),
+        read=build.get(v.bare(v.STARTED)),
+        version=build.get(v.bare(v.KG_VERSION)),
+        counts=Counts(**{key: int(build.get(v.bare(term), 0)) for key, term in _COUNTS.items()}),
+    )
+
+
+def _value(term: Any) -> str | None:
+    return None if term is None else term.value
