@@ -4,7 +4,7 @@
 # Only what makes targets, links, plugins or programs matters. Known commands to describe others with:
 # add_executable, add_library, target_sources, target_link_libraries, set_target_properties, install,
 # rclcpp_components_register_node(s), pluginlib_export_plugin_description_file, and kg_add_test(name source...),
-# which declares a test. `kg_build_dependencies` holds what package.xml depends on to build.
+# which declares a test, and kg_plugin_executable(executable plugin), a program that runs one plugin. `kg_build_dependencies` holds what package.xml depends on to build.
 
 # --- ament_cmake_auto
 
@@ -97,6 +97,10 @@ macro(add_rostest_gmock target test)
   kg_add_test(${target} ${ARGN})
 endmacro()
 
+macro(add_rostest_with_parameters_gmock target)
+  kg_add_test(${target} ${ARGN})
+endmacro()
+
 # --- catkin_simple
 
 macro(cs_add_executable target)
@@ -162,14 +166,17 @@ macro(ament_export_plugin_description_file category path)
   pluginlib_export_plugin_description_file(${category} ${path})
 endmacro()
 
-# --- jsk_topic_tools: nodelets and the programs that run one alone
+# --- jsk_topic_tools: nodelets that one library holds, each with a program that runs it alone
 
-macro(jsk_nodelet source class executable)
-  add_executable(${executable} ${source})
+macro(jsk_nodelet source class executable sources executables)
+  list(APPEND ${sources} ${source})
+  list(APPEND ${executables} ${executable})
+  kg_plugin_executable(${executable} ${class})
 endmacro()
 
 macro(jsk_add_nodelet source class executable)
-  add_executable(${executable} ${source})
+  list(APPEND ${PROJECT_NAME}_NODELETS ${source})
+  kg_plugin_executable(${executable} ${class})
 endmacro()
 
 # --- autoware_cmake, nav2_common
@@ -179,4 +186,8 @@ endmacro()
 
 macro(autoware_package)
   ament_auto_find_build_dependencies()
+endmacro()
+
+macro(autoware_agnocast_wrapper_register_node target)
+  rclcpp_components_register_node(${target} ${ARGN})
 endmacro()

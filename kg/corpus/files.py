@@ -126,8 +126,8 @@ def sort_file(name: str, folder: str, *, in_module: bool = False) -> FileKind | 
 
 
 def _template(stem: str) -> FileKind | None:
-    """Return the kind of a template by what it becomes: CMake and C++ headers are worth reading before that."""
+    """Return the kind of a template by what it becomes: CMake and C++ are worth reading before that."""
     ending = stem.rpartition(".")[2]
     if ending == "cmake":
         return FileKind.BUILD
-    return FileKind.CPP if ending in {"h", "hpp"} else None
+    return FileKind.CPP if ending in {"h", "hpp", "cpp"} else None

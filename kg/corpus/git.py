@@ -30,6 +30,7 @@ _SAFE: Final = (
     "-c",
     "gc.auto=0",
 )
+_PROTOCOLS: Final = "https:ssh:git:file"
 _QUICK_SECONDS: Final = 20.0
 _SCP: Final = re.compile(r"^(?:[^@/:\s]+@)?(?P<host>[^/:\s]+):(?!//)(?P<path>.+)$")
 _URL: Final = re.compile(
@@ -51,7 +52,12 @@ def describe(folder: Path) -> Repository:
 def run_git(arguments: tuple[str, ...], *, folder: Path | None = None, timeout: float | None = _QUICK_SECONDS) -> str:
     """Return what `git` prints; raises `OSError` when it is missing and `SubprocessError` when it fails or is late."""
     environment = {key: value for key, value in os.environ.items() if not key.startswith("GIT_")}
-    environment |= {"GIT_TERMINAL_PROMPT": "0", "GIT_OPTIONAL_LOCKS": "0", "LC_ALL": "C"}
+    environment |= {
+        "GIT_TERMINAL_PROMPT": "0",
+        "GIT_OPTIONAL_LOCKS": "0",
+        "GIT_ALLOW_PROTOCOL": _PROTOCOLS,
+        "LC_ALL": "C",
+    }
     command = ("git", *_SAFE, *(("-C", str(folder)) if folder else ()), *arguments)
     done = subprocess.run(  # noqa: S603  (fixed program; addresses and paths stand behind `--`)
         command,

@@ -30,17 +30,18 @@ def read_build(reader: Reader, package: PackageFolder) -> BuildModel:
     manifest = read_package_xml(reader, package)
     collected = read_cmake(reader, package, manifest.package)
     targets = collected.finished()
-    plugins: dict[tuple[str, str | None], PluginClass] = {}
+    found: dict[tuple[str, str | None], PluginClass] = {}
     for path in exported_files(package, manifest.exports, collected.plugin_files):
         for plugin in read_plugin_file(reader, path, targets):
-            plugins.setdefault((plugin.name, plugin.base_type), plugin)
+            found.setdefault((plugin.name, plugin.base_type), plugin)
+    plugins = collected.run_alone([*collected.plugins, *found.values()])
     entry_points, declared = read_setup(reader, package)
     scripts = read_scripts(reader, package, collected.programs)
     known = {script.path for script in scripts}
     reconfigure = dict.fromkeys([*collected.reconfigure_files, *_cfg_files(package)])
     return BuildModel(
-        targets=targets,
-        plugins=(*collected.plugins, *plugins.values()),
+        targets=collected.finished(),
+        plugins=tuple(plugins),
         scripts=(*scripts, *(script for script in declared if script.path not in known)),
         entry_points=tuple(entry_points),
         parameter_libraries=tuple(collected.parameter_libraries),

@@ -6,7 +6,8 @@ import posixpath
 import re
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.manifests.cmake_run import SOURCE
+from kg.extract.manifests.arithmetic import compute
+from kg.extract.manifests.cmake_run import BINARY, SOURCE
 from kg.extract.manifests.cmake_scope import split_list
 
 if TYPE_CHECKING:
@@ -182,6 +183,23 @@ def _file(run: Run, words: list[str]) -> None:
             run.scope.set(name, posixpath.relpath(path, base) if base and path else path, certain=run.certain)
 
 
+def _configure_file(run: Run, words: list[str]) -> None:
+    """configure_file(template output): remember what the output is made of, in case a target compiles it."""
+    if len(words) > 1:
+        template = run.files.locate(words[0], run.folder)
+        folder = run.scope.variables.get("CMAKE_CURRENT_BINARY_DIR", BINARY)
+        output = posixpath.normpath(posixpath.join(folder, words[1]))
+        if template and run.files.exists(template):
+            run.files.generated[output] = (template, run.files.configured(template, run.scope.variables))
+
+
+def _math(run: Run, words: list[str]) -> None:
+    """math(EXPR NAME "expression") for whole numbers."""
+    if len(words) >= 3 and words[0] == "EXPR":  # noqa: PLR2004  (the three words of the form above)
+        value = compute(words[2])
+        run.scope.set(words[1], "" if value is None else str(value), certain=run.certain and value is not None)
+
+
 def _glob(run: Run, words: list[str], *, recurse: bool) -> list[str]:
     relative = words[words.index("RELATIVE") + 1] if "RELATIVE" in words[:-1] else None
     skipped = {"RELATIVE", "CONFIGURE_DEPENDS", "FOLLOW_SYMLINKS", relative}
@@ -277,6 +295,8 @@ HANDLERS: Final[dict[str, Callable[[Run, list[str]], None]]] = {
     "list": _list,
     "string": _string,
     "file": _file,
+    "configure_file": _configure_file,
+    "math": _math,
     "get_filename_component": _get_filename_component,
     "aux_source_directory": _aux_source_directory,
     "include": _include,

@@ -17,7 +17,7 @@ from kg.facts import FileKind
 from kg.resources import folder
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Mapping
 
     from kg.corpus.files import PackageFolder
     from kg.corpus.reading import Reader
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = ["CMakeFiles"]
 
+_PLACEHOLDER: Final = re.compile(r"@(\w+)@|\$\{(\w+)\}")
 _SOURCE_ENDINGS: Final = ("cpp", "cc", "cxx", "c", "cu")
 _Library = dict[str, tuple[FilePath, Definition]]
 _LIBRARIES: WeakKeyDictionary[Workspace, dict[str, _Library]] = WeakKeyDictionary()
@@ -38,6 +39,8 @@ class CMakeFiles:
         self.package = package
         self.packages: dict[str, None] = {}
         """Other packages that were asked for with find_package, whose macros may be called."""
+        self.generated: dict[str, tuple[str, str]] = {}
+        """Files that configure_file makes, by their path below `BINARY`: the template and the text it becomes."""
         self._parsed: dict[str, list[Statement] | None] = {}
         self._links = dict(reader.source.links)
         self._entries = {entry.path: entry for entry in package.files}
@@ -72,6 +75,11 @@ class CMakeFiles:
         if self.exists(path):
             return path
         return next((full for ending in _SOURCE_ENDINGS if self.exists(full := f"{path}.{ending}")), None)
+
+    def configured(self, template: str, variables: Mapping[str, str]) -> str:
+        """Return the text of a template with `@NAME@` and `${NAME}` replaced, as configure_file does."""
+        text = (self.reader.read(template) or b"").decode("utf-8", "replace")
+        return _PLACEHOLDER.sub(lambda match: variables.get(match[1] or match[2], ""), text)
 
     def glob(self, pattern: str, base: str, *, recurse: bool) -> list[str]:
         """Return the files of the package that a pattern of `file(GLOB)` matches, sorted."""

@@ -33,7 +33,6 @@ BINARY: Final = "/@binary"
 _MOST_STATEMENTS: Final = 100_000
 _DEEPEST_CALLS: Final = 40
 _MOST_ROUNDS: Final = 2_000
-_TESTING: Final = frozenset({"CATKIN_ENABLE_TESTING", "BUILD_TESTING"})
 
 
 class _Flow(Enum):
@@ -75,7 +74,6 @@ class Run:
         self.scope = scope
         self.handlers = handlers
         self.definitions: dict[str, Definition] = {}
-        self.testing = 0
         self.certain = True
         self._frame = _Frame("", SOURCE)
         self._depth = 0
@@ -213,14 +211,13 @@ class Run:
         outer = self.scope
         outcomes: list[Scope] = []
         for command, body in block.branches:
-            tokens = self._tokens(command)
-            verdict = True if command.name == "else" else decide(tokens, self.scope)
+            verdict = True if command.name == "else" else decide(self._tokens(command), self.scope)
             if verdict is False:
                 continue
             if verdict and not outcomes:
-                return self._body(body, tokens)
+                return self.execute(body)
             self.scope = Scope(dict(outer.variables), set(outer.uncertain), outer.parent)
-            self._body(body, tokens)
+            self.execute(body)
             outcomes.append(self.scope)
             self.scope = outer
             if verdict:
@@ -229,15 +226,6 @@ class Run:
             outcomes.append(Scope(dict(outer.variables), set(outer.uncertain), outer.parent))
         outer.merge(outcomes)
         return _Flow.NEXT
-
-    def _body(self, body: list[Statement], tokens: list[Token]) -> _Flow:
-        """Run a branch; one that is for tests only is marked so while it runs."""
-        words = [token.text for token in tokens]
-        testing = not _TESTING.isdisjoint(words) and "NOT" not in words
-        self.testing += testing
-        flow = self.execute(body)
-        self.testing -= testing
-        return flow
 
     def _tokens(self, command: Command) -> list[Token]:
         tokens: list[Token] = []

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import posixpath
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.buildmodel import PluginClass, Registration, Target, TargetKind
 from kg.extract.manifests.cmake_scope import strip_generators
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
     from kg.extract.manifests.cmake_run import Run
     from kg.facts import Location
@@ -37,6 +37,8 @@ class _Target:
     sources: dict[str, None] = field(default_factory=dict)
     links: dict[str, None] = field(default_factory=dict)
     output_name: str | None = None
+    generated: list[str] = field(default_factory=list)
+    """The texts of sources that are made while building."""
 
 
 @dataclass(slots=True)
@@ -49,7 +51,29 @@ class Collected:
     programs: dict[tuple[str, str], Location] = field(default_factory=dict)
     parameter_libraries: dict[tuple[str, str], None] = field(default_factory=dict)
     reconfigure_files: dict[str, None] = field(default_factory=dict)
+    plugin_executables: dict[str, str] = field(default_factory=dict)
+    """Names of plugins and of the executables that run them alone."""
     plugin_files: dict[str, tuple[str | None, Location]] = field(default_factory=dict)
+
+    def run_alone(self, plugins: Iterable[PluginClass]) -> list[PluginClass]:
+        """Return the plugins with the executables that run them; those are then no targets of their own.
+
+        An executable runs a plugin when its only sources are generated and name the plugin in a string.
+        """
+        known = []
+        for plugin in plugins:
+            for name, target in list(self.targets.items()):
+                alone = target.generated and len(target.generated) == len(target.sources)
+                if alone and any(f'"{plugin.name}"' in text for text in target.generated):
+                    self.plugin_executables.setdefault(plugin.name, target.output_name or name)
+                    del self.targets[name]
+            executable = plugin.executable or self.plugin_executables.get(plugin.name)
+            known.append(replace(plugin, executable=executable))
+        for plugin in known:
+            made = self.targets.get(plugin.executable or "")
+            if made and not made.sources:
+                del self.targets[plugin.executable or ""]
+        return known
 
     def finished(self) -> tuple[Target, ...]:
         """Return the targets, the names of aliases in their links replaced."""
@@ -73,7 +97,7 @@ class _Targets:
         self.model = model
 
     def add_executable(self, run: Run, words: list[str]) -> None:
-        self._add(run, words, TargetKind.TEST if run.testing else TargetKind.EXECUTABLE)
+        self._add(run, words, TargetKind.EXECUTABLE)
 
     def add_library(self, run: Run, words: list[str]) -> None:
         self._add(run, words, TargetKind.LIBRARY)
@@ -103,6 +127,17 @@ class _Targets:
                 path = run.files.source_file(part, run.folder) if part else None
                 if path and path.endswith(_CODE_ENDINGS):
                     target.sources[path] = None
+                elif part:
+                    self._take_generated(run, target, part)
+
+    def _take_generated(self, run: Run, target: _Target, written: str) -> None:
+        """Take a source that configure_file makes: what it is made of is read in its place."""
+        binary = run.scope.variables.get("CMAKE_CURRENT_BINARY_DIR", "")
+        found = run.files.generated.get(posixpath.normpath(posixpath.join(binary, written)))
+        if found:
+            template, text = found
+            target.sources[template] = None
+            target.generated.append(text)
 
     def target_sources(self, run: Run, words: list[str]) -> None:
         target = self._known(words)
@@ -168,6 +203,11 @@ class _Targets:
         if found not in self.model.plugins:
             self.model.plugins.append(found)
 
+    def plugin_executable(self, _: Run, words: list[str]) -> None:
+        """kg_plugin_executable(executable plugin): the build makes a program that runs the plugin alone."""
+        if len(words) > 1:
+            self.model.plugin_executables[words[1]] = words[0]
+
     def export_plugins(self, run: Run, words: list[str]) -> None:
         """pluginlib_export_plugin_description_file(category path)."""
         path = run.files.locate(words[1], run.folder) if len(words) > 1 else None
@@ -223,6 +263,7 @@ def target_handlers(model: Collected) -> dict[str, Callable[[Run, list[str]], No
     return {
         "add_executable": targets.add_executable,
         "add_library": targets.add_library,
+        "kg_plugin_executable": targets.plugin_executable,
         "kg_add_test": targets.add_test_target,
         "target_sources": targets.target_sources,
         "target_link_libraries": targets.target_link_libraries,

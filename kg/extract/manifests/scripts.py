@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import posixpath
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from kg.extract.buildmodel import Script
 from kg.facts import FileKind, Location
@@ -11,27 +11,34 @@ from kg.facts import FileKind, Location
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kg.corpus.files import PackageFolder
+    from kg.corpus.files import FileEntry, PackageFolder
     from kg.corpus.reading import Reader
 
 __all__ = ["read_scripts"]
 
+_FOLDERS: Final = frozenset({"scripts", "script", "nodes", "bin"})
+
 
 def read_scripts(reader: Reader, folder: PackageFolder, programs: Mapping[tuple[str, str], Location]) -> list[Script]:
-    """Return the scripts: Python files that CMake installs as programs, and executable ones with a shebang."""
+    """Return the scripts: Python files that CMake installs as programs, and those marked as programs with a shebang."""
     scripts: list[Script] = []
     taken: set[str] = set()
     for (name, path), location in programs.items():
         if _is_python(reader, path):
             scripts.append(Script(name, path, location))
             taken.add(path)
-    marked = (entry for entry in folder.files if entry.kind is FileKind.PYTHON and entry.executable)
+    marked = (entry for entry in folder.files if entry.kind is FileKind.PYTHON and _may_run(entry))
     scripts.extend(
         Script(posixpath.basename(entry.path), entry.path, Location(entry.path, 1))
         for entry in marked
         if entry.path not in taken and has_python_shebang(reader.read(entry.path))
     )
     return scripts
+
+
+def _may_run(entry: FileEntry) -> bool:
+    """Tell whether a file is marked as a program: executable, or in a folder where ROS packages keep theirs."""
+    return entry.executable or posixpath.basename(posixpath.dirname(entry.path)) in _FOLDERS
 
 
 def _is_python(reader: Reader, path: str) -> bool:

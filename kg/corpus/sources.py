@@ -1,0 +1,114 @@
+"""Where sources come from: addresses of git repositories, fetched into a cache, and files that list sources."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from kg.corpus.git import run_git
+from kg.errors import Place, SourceError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+__all__ = ["ListedSource", "fetch_source", "is_address", "parse_source", "read_list"]
+
+_SCHEMES: Final = ("https", "ssh", "git", "file")
+_SCHEME: Final = re.compile(r"^(?P<scheme>[A-Za-z][A-Za-z0-9+.-]*)://(?P<authority>[^/]*)(?P<path>/.*)?$")
+_SCP: Final = re.compile(r"^(?P<authority>[A-Za-z0-9_.-]+@[A-Za-z0-9_.-]+):(?!/?/)(?P<path>[^\s]+)$")
+_FETCH_SECONDS: Final = 3600.0
+
+
+@dataclass(frozen=True, slots=True)
+class ListedSource:
+    """A source as someone named it: an address of a repository with an optional ref, or a folder (ref None)."""
+
+    address: str
+    ref: str | None = None
+    line: int | None = None
+
+
+def is_address(text: str) -> bool:
+    """Tell whether `text` is the address of a git repository rather than a folder."""
+    return bool(_SCHEME.match(text) or _SCP.match(text))
+
+
+def parse_source(text: str, line: int | None = None) -> ListedSource:
+    """Split `URL[@ref]`; a folder keeps every `@` in its name."""
+    match = _SCHEME.match(text) or _SCP.match(text)
+    if match is None or not match["path"]:
+        return ListedSource(text, None, line)
+    path, mark, ref = match["path"].partition("@")
+    return ListedSource(text[: match.start("path")] + path, ref if mark and ref else None, line)
+
+
+def read_list(path: Path) -> tuple[ListedSource, ...]:
+    """Return the sources that a file lists, one a line, `#` before comments; folders are relative to the file's own.
+
+    Raises `SourceError` (KG101) when the file cannot be read.
+    """
+    try:
+        text = path.read_text("utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise SourceError("KG101", f"the list of sources {path} cannot be read: {error}") from error
+    found: list[ListedSource] = []
+    for number, written in enumerate(text.splitlines(), 1):
+        entry = re.split(r"(?:^|\s)#", written, maxsplit=1)[0].strip()
+        if entry and is_address(entry):
+            found.append(parse_source(entry, number))
+        elif entry:
+            found.append(ListedSource(str(path.parent / entry), None, number))
+    return tuple(found)
+
+
+def fetch_source(url: str, ref: str | None, target: Path, progress: Callable[[str], None] = lambda _: None) -> Path:
+    """Fetch one commit of the repository at `url` (a branch, tag or commit `ref`) into the folder `target`.
+
+    Only the files of that commit are fetched, no history and no submodules; a target that exists is brought up
+    to date. `progress` is told what happens. Raises `SourceError` (KG103) with git's message.
+    """
+    _check(url, ref)
+    try:
+        if not (target / ".git").exists():
+            target.mkdir(parents=True, exist_ok=True)
+            run_git(("init", "--quiet"), folder=target)
+        progress(f"fetching {_without_password(url)}")
+        wanted = ("fetch", "--quiet", "--depth=1", "--no-tags", "--no-recurse-submodules", "--", url, ref or "HEAD")
+        run_git(wanted, folder=target, timeout=_FETCH_SECONDS)
+        progress(f"checking out {ref or 'the default branch'}")
+        run_git(("config", "remote.origin.url", _without_password(url)), folder=target)
+        run_git(("checkout", "--quiet", "--force", "--detach", "FETCH_HEAD"), folder=target, timeout=_FETCH_SECONDS)
+    except FileNotFoundError as error:
+        raise SourceError("KG103", "git is not installed", hint="Install git, or give a folder.") from error
+    except OSError as error:
+        raise SourceError("KG103", f"the cache {target} cannot be written: {error.strerror}") from error
+    except subprocess.SubprocessError as error:
+        raise SourceError("KG103", f"{_without_password(url)} was not fetched: {_words(error)}") from error
+    return target
+
+
+def _check(url: str, ref: str | None) -> None:
+    match = _SCHEME.match(url)
+    place = Place(_without_password(url))
+    if match and match["scheme"].lower() not in _SCHEMES:
+        raise SourceError("KG103", f"addresses of the scheme {match['scheme']} are not fetched", place=place)
+    if not match and not _SCP.match(url):
+        raise SourceError("KG103", "this is no address of a git repository", place=place)
+    if ref is not None and (ref.startswith("-") or re.search(r"[\s:^~?*\[\\]|\.\.", ref)):
+        raise SourceError("KG103", f"{ref!r} is no name of a branch, tag or commit", place=place)
+
+
+def _without_password(url: str) -> str:
+    return re.sub(r"(?<=://)[^@/\s]*@", "", url)
+
+
+def _words(error: subprocess.SubprocessError) -> str:
+    """Return what git said, on one line and without its `fatal:`."""
+    if not isinstance(error, subprocess.CalledProcessError):
+        return "git did not answer in time"
+    said = (error.stderr or b"").decode("utf-8", "replace").splitlines()
+    lines = [line.removeprefix("fatal: ").strip() for line in said if line.strip()]
+    return "; ".join(lines[:3]) or f"git ended with {error.returncode}"
