@@ -4,7 +4,7 @@ from typing import Annotated, Any, Final
 
 import typer
 
-from kg.cli.commands import config, explain, lists, node, nodes
+from kg.cli.commands import config, doctor, exchange, explain, lists, node, nodes
 from kg.cli.diagnostics import MODE, Mode
 from kg.cli.group import KgCommand, KgGroup
 from kg.cli.options import Store, from_setting
@@ -37,6 +37,10 @@ COMMANDS: Final[tuple[tuple[str, str, Any], ...]] = (
     ("Ask", "topics", lists.topics),
     ("Ask", "services", lists.services),
     ("Ask", "actions", lists.actions),
+    ("Look after it", "export", exchange.export),
+    ("Look after it", "import", exchange.import_files),
+    ("Look after it", "forget", exchange.forget),
+    ("Look after it", "doctor", doctor.doctor),
     ("Look after it", "explain", explain.explain),
 )
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from kg.store.layout import Layout
 
-__all__ = ["hold_generation", "remove_unused", "writer"]
+__all__ = ["busy", "hold_generation", "remove_unused", "writer"]
 
 
 @contextmanager
@@ -44,6 +44,18 @@ def writer(layout: Layout, command: str) -> Iterator[None]:
             yield
         finally:
             file.truncate(0)
+
+
+def busy(layout: Layout) -> StoreError | None:
+    """Return the error that a writer would meet now because another one is at work, None when the way is free."""
+    try:
+        with layout.lock.open() as file:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except FileNotFoundError:
+        return None
+    except BlockingIOError:
+        return _busy(layout)
+    return None
 
 
 def _busy(layout: Layout) -> StoreError:

@@ -1,0 +1,35 @@
+"""`kg doctor`: is everything there that `kg` needs?"""
+
+import sys
+from dataclasses import asdict
+
+import typer
+
+from kg.cli.diagnostics import colored, say
+from kg.cli.options import Json, Store
+from kg.cli.output import json_lines, write
+from kg.cli.session import session
+from kg.errors import Exit
+from kg.render.text import count, printable
+
+__all__ = ["doctor"]
+
+
+def doctor(context: typer.Context, *, json: Json = False, store: Store = None) -> None:
+    """Check Python, the packages it needs, git, Java, the disk and the store; exit code 1 when something is wrong."""
+    from kg.cli.checks import checks  # noqa: PLC0415 - start-up time
+
+    wrong = 0
+    marks = {"ok": "32", "note": "36", "wrong": "1;31"}
+    for check in checks(session(context).settings(store=store)):
+        wrong += check.state == "wrong"
+        if json:
+            json_lines([asdict(check)])
+            continue
+        state = f"\x1b[{marks[check.state]}m{check.state:<5}\x1b[0m" if colored(sys.stdout) else f"{check.state:<5}"
+        write(f"{state}  {check.subject:<18} {printable(check.finding)}")
+        if check.way_out:
+            write(f"{'':<26}{printable(check.way_out)}")
+    if wrong:
+        say(f"{count(wrong, 'thing is', 'things are')} wrong")
+        raise typer.Exit(Exit.FOUND)

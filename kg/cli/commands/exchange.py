@@ -1,0 +1,187 @@
+"""`kg export` and `kg import`: RDF out of the store and into it. `kg forget`: a source out of it."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
+
+from kg.cli.diagnostics import say
+from kg.cli.names import UnknownNameError
+from kg.cli.options import Base, Store
+from kg.cli.output import write_bytes
+from kg.cli.session import session
+from kg.cli.stores import existing, reading, writable
+from kg.cli.usage import did_you_mean
+from kg.errors import Place, QueryError, UsageError
+from kg.render.text import count
+
+if TYPE_CHECKING:
+    from pyoxigraph import NamedNode, RdfFormat
+
+    from kg.store.snapshot import EmbeddedSnapshot
+
+__all__ = ["export", "forget", "import_files"]
+
+FORMATS: Final = ("nq", "trig", "nt", "ttl", "n3", "rdf", "jsonld")
+FormatName = Annotated[
+    str | None,
+    typer.Option(
+        "--format", "-f", metavar="FORMAT", help=f"{', '.join(FORMATS)}; by default told from the file's name."
+    ),
+]
+Output = Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE", help="Write into FILE.")]
+Source = Annotated[
+    str | None, typer.Option("--source", metavar="NAME", help="Only what was read from this source (see `kg status`).")
+]
+GraphName = Annotated[
+    str | None,
+    typer.Option("--graph", "-g", metavar="NAME", help="A named graph: ontology, inferred, builds, or an IRI."),
+]
+Files = Annotated[list[Path], typer.Argument(metavar="FILE", help="Files of RDF.")]
+Sources = Annotated[list[str], typer.Argument(metavar="SOURCE", help="Names of sources as `kg status` lists them.")]
+
+
+def export(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    *,
+    output: Output = None,
+    format_name: FormatName = None,
+    source: Source = None,
+    graph: GraphName = None,
+    base: Base = None,
+    store: Store = None,
+) -> None:
+    """Write the graph as RDF, by default all of it as N-Quads.
+
+    Formats without named graphs (nt, ttl, n3, rdf) get the union of all graphs. For example:
+
+        kg export > everything.nq
+        kg export --source github.com/acme/rover -o rover.ttl
+    """
+    from kg.graph.vocabulary import PREFIXES  # noqa: PLC0415 - start-up time
+
+    settings = session(context).settings(store=store, base=base)
+    rdf_format = _format(format_name, output) or _format("nq", None)
+    if rdf_format is None:
+        raise UsageError("KG003", "no format")
+    with reading(settings) as snapshot:
+        data = snapshot.dump(rdf_format, graph=_graph(snapshot, settings.base, source, graph), prefixes=PREFIXES)
+    if output is None:
+        write_bytes(data)
+        return
+    try:
+        output.write_bytes(data)
+    except OSError as error:
+        raise UsageError("KG003", f"cannot be written: {error.strerror}", place=Place(str(output))) from error
+    say(f"wrote {count(len(data), 'byte')} of {rdf_format.name} to {output}")
+
+
+def import_files(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    files: Files,
+    *,
+    format_name: FormatName = None,
+    graph: GraphName = None,
+    base: Base = None,
+    store: Store = None,
+) -> None:
+    """Add files of RDF to the store, all of them or, when one is not valid, none.
+
+    Triples go into the graph named with --graph, by default one with the name of the file; quads go where
+    they say. For example:
+
+        kg import everything.nq
+        kg import my-robot.ttl --graph https://example.org/my-robot
+    """
+    from pyoxigraph import NamedNode  # noqa: PLC0415 - start-up time
+
+    from kg.graph.iris import Iris  # noqa: PLC0415 - start-up time
+
+    settings = session(context).settings(store=store, base=base)
+    iris = Iris(settings.base)
+    target = writable(settings)
+    rdf_format = _format(format_name, None)
+    with target.write("kg import") as transaction:
+        for file in files:
+            into = (_iri(settings.base, graph) if graph else None) or iris.graph(f"imported-{file.name}")
+            transaction.load_file(file, rdf_format, graph=NamedNode(into))
+    with target.read() as snapshot:
+        say(f"the store now holds {count(snapshot.count(), 'quad')}")
+
+
+def forget(context: typer.Context, sources: Sources, *, base: Base = None, store: Store = None) -> None:
+    """Take sources out of the store, with everything that was read from them.
+
+    Their source code is not touched, and `kg build` brings them back. For example:
+
+        kg forget github.com/acme/rover
+    """
+    from pyoxigraph import NamedNode  # noqa: PLC0415 - start-up time
+
+    from kg.graph.iris import Iris  # noqa: PLC0415 - start-up time
+
+    settings = session(context).settings(store=store, base=base)
+    target = existing(settings)
+    iris = Iris(settings.base)
+    with target.read() as snapshot:
+        for name in sources:
+            _graph(snapshot, settings.base, name, None)
+    with target.write("kg forget") as transaction:
+        for name in sources:
+            transaction.drop_graph(NamedNode(iris.source_graph(name)))
+    say(f"forgot {', '.join(sources)}")
+
+
+def _format(name: str | None, output: Path | None) -> "RdfFormat | None":
+    """Return the format of that name or of a file's ending; None when neither is given."""
+    from pyoxigraph import RdfFormat  # noqa: PLC0415 - start-up time
+
+    ending = name or (output.suffix.lstrip(".") if output else "")
+    if not ending:
+        return None
+    found = RdfFormat.from_extension(ending.lower()) or _by_other_names(ending.lower())
+    if found is None:
+        near = did_you_mean(ending, FORMATS)
+        raise QueryError(
+            "KG504", f"there is no format `{ending}`", hint=near or f"the formats are {', '.join(FORMATS)}"
+        )
+    return found
+
+
+def _by_other_names(name: str) -> "RdfFormat | None":
+    from pyoxigraph import RdfFormat  # noqa: PLC0415 - start-up time
+
+    others = {
+        "nquads": RdfFormat.N_QUADS,
+        "ntriples": RdfFormat.N_TRIPLES,
+        "turtle": RdfFormat.TURTLE,
+        "json-ld": RdfFormat.JSON_LD,
+        "rdfxml": RdfFormat.RDF_XML,
+        "xml": RdfFormat.RDF_XML,
+    }
+    return others.get(name) or (RdfFormat.from_media_type(name) if "/" in name else None)
+
+
+def _iri(base: str, name: str) -> str:
+    """Return the IRI of a graph given by its short name or as IRI."""
+    return name if ":" in name else f"{base}graph/{name}"
+
+
+def _graph(snapshot: "EmbeddedSnapshot", base: str, source: str | None, graph: str | None) -> "NamedNode | None":
+    """Return the graph that the options name; KG001 when the store does not have it."""
+    from pyoxigraph import NamedNode  # noqa: PLC0415 - start-up time
+
+    from kg.graph.iris import Iris  # noqa: PLC0415 - start-up time
+
+    if source and graph:
+        raise UsageError("KG003", "--source and --graph name a graph each", hint="give one of them")
+    if not source and not graph:
+        return None
+    wanted = Iris(base).source_graph(source) if source else _iri(base, graph or "")
+    found = [one.value for one in snapshot.graphs()]
+    if wanted in found:
+        return NamedNode(wanted)
+    start = f"{base}graph/source/" if source else f"{base}graph/"
+    names = [one.removeprefix(start) for one in found if one.startswith(start) or not source]
+    kind = "source" if source else "graph"
+    raise UnknownNameError(kind, source or graph or "", names, otherwise=f"there are: {', '.join(names) or 'none'}")
