@@ -144,14 +144,14 @@ def test_every_exception_to_a_tool_gives_its_reason() -> None:
 
 
 def test_broad_excepts_are_few() -> None:
-    """At most three places swallow every exception; to clean up and raise again is no swallowing."""
+    """At most three places swallow every exception; to clean up or translate and raise is no swallowing."""
     broad = [
         f"{module}:{node.lineno}"
         for module in PRODUCT
         for node in ast.walk(module.tree)
         if isinstance(node, ast.ExceptHandler)
         and (node.type is None or ast.unparse(node.type) in {"Exception", "BaseException"})
-        and ast.unparse(node.body[-1]) != "raise"
+        and not isinstance(node.body[-1], ast.Raise)
     ]
     assert len(broad) <= BROAD_EXCEPTS, broad
 
