@@ -1,0 +1,134 @@
+from __future__ import annotations
+
+import subprocess
+from typing import TYPE_CHECKING
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from kg.corpus import git
+from kg.corpus.git import describe, repository_name
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+NAMES = st.from_regex(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,12}[A-Za-z0-9_]", fullmatch=True).filter(
+    lambda n: not n.endswith(".git")
+)
+
+
+def run(folder: Path, *arguments: str) -> str:
+    """Run git in a folder, with a name to commit under, and return what it prints."""
+    command = ("git", "-C", str(folder), "-c", "user.name=A", "-c", "user.email=a@example.org", *arguments)
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
+
+
+@pytest.fixture
+def checkout(tmp_path: Path) -> Path:
+    """A repository with one commit on `main` and a remote."""
+    folder = tmp_path / "robot"
+    folder.mkdir()
+    run(folder, "init", "--quiet", "--initial-branch=main")
+    run(folder, "remote", "add", "origin", "https://user:secret@github.com/Acme/robot.git")
+    (folder / "file").write_text("one\n")
+    run(folder, "add", ".")
+    run(folder, "commit", "--quiet", "--message", "x")
+    return folder
+
+
+@given(NAMES, NAMES, st.sampled_from(["", ".git", ".git/", "/"]))
+def test_every_spelling_of_an_address(owner: str, name: str, end: str) -> None:
+    """All spellings of one remote give one name."""
+    for start in ("https://github.com/", "https://token@github.com/", "ssh://git@github.com:22/", "git://GitHub.com/"):
+        assert repository_name(f"{start}{owner}/{name}{end}") == f"github.com/{owner}/{name}"
+    assert repository_name(f"git@github.com:{owner}/{name}{end}") == f"github.com/{owner}/{name}"
+
+
+@pytest.mark.parametrize(
+    "address", ["/home/me/robot", "../robot", "file:///srv/robot.git", "", "C:", "https://github.com/"]
+)
+def test_addresses_of_this_machine(address: str) -> None:
+    """A remote on this machine, or none, names no repository."""
+    assert repository_name(address) is None
+
+
+@given(st.text(max_size=60))
+def test_any_text_as_address(address: str) -> None:
+    """No remote, however odd, stops the naming; a name never climbs out of its host."""
+    name = repository_name(address)
+    assert name is None or not {"", ".", ".."} & set(name.split("/")[1:])
+
+
+def test_checkout_is_described(checkout: Path) -> None:
+    """Name, commit, branch and remote are known; the remote's password is not."""
+    found = describe(checkout)
+    assert found.name == "github.com/Acme/robot"
+    assert found.commit == run(checkout, "rev-parse", "HEAD")
+    assert (found.branch, found.dirty) == ("main", False)
+    assert found.remote == "https://github.com/Acme/robot.git"
+
+
+def test_changes_are_seen(checkout: Path) -> None:
+    """A changed file makes a checkout dirty."""
+    (checkout / "file").write_text("two\n")
+    assert describe(checkout).dirty
+
+
+def test_detached_head_has_no_branch(checkout: Path) -> None:
+    """A detached checkout has a commit and no branch."""
+    run(checkout, "checkout", "--quiet", "--detach")
+    assert describe(checkout).branch is None
+
+
+def test_repository_without_commit(tmp_path: Path) -> None:
+    """A repository that was only begun has no commit."""
+    run(tmp_path, "init", "--quiet")
+    assert describe(tmp_path).commit is None
+
+
+def test_plain_folder(tmp_path: Path) -> None:
+    """A folder without git is a local source."""
+    found = describe(tmp_path)
+    assert (found.name, found.commit, found.remote) == (f"local/{tmp_path.name}", None, None)
+
+
+def test_folder_ignored_by_the_checkout_around_it(checkout: Path) -> None:
+    """A folder that only lies in a checkout, not committed there, is a local source."""
+    (checkout / "scratch").mkdir()
+    assert describe(checkout / "scratch").name == "local/scratch"
+
+
+@pytest.mark.parametrize("packed", [False, True])
+def test_without_git(checkout: Path, monkeypatch: pytest.MonkeyPatch, packed: bool) -> None:  # noqa: FBT001  (a case)
+    """Where git is not installed the files in `.git` tell the same, packed or not."""
+    expected = describe(checkout)
+    if packed:
+        run(checkout, "pack-refs", "--all")
+    monkeypatch.setattr(git, "run_git", _no_git)
+    assert describe(checkout) == expected
+
+
+def test_worktree_without_git(checkout: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A worktree, whose `.git` is a file, is understood without git too."""
+    run(checkout, "worktree", "add", "--quiet", "-b", "side", str(tmp_path / "tree"))
+    expected = describe(tmp_path / "tree")
+    monkeypatch.setattr(git, "run_git", _no_git)
+    assert describe(tmp_path / "tree") == expected
+    assert expected.branch == "side"
+
+
+def test_hooks_and_monitors_do_not_run(checkout: Path, tmp_path: Path) -> None:
+    """A repository cannot make the reading of its state run programs of its own."""
+    trace = tmp_path / "trace"
+    program = tmp_path / "monitor"
+    program.write_text(f"#!/bin/sh\ntouch {trace}\n")
+    program.chmod(0o755)
+    run(checkout, "config", "core.fsmonitor", str(program))
+    run(checkout, "config", "core.hooksPath", str(tmp_path))
+    describe(checkout)
+    assert not trace.exists()
+
+
+def _no_git(*_: object, **__: object) -> str:
+    raise FileNotFoundError("git")

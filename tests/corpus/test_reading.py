@@ -1,0 +1,112 @@
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+from extract.workspaces import codes, reader_of
+from hypothesis import given
+from hypothesis import strategies as st
+
+from kg.corpus.files import FilePath, PackageFolder, Source
+from kg.corpus.reading import Reader, digest
+from kg.corpus.workspace import Workspace
+from kg.facts import Repository
+
+
+def test_reading_is_on_record(tmp_path: Path) -> None:
+    """Every file read stands in the inputs with its digest, once."""
+    reader = reader_of(tmp_path, {"a.cpp": "int a;\n", "b.cpp": "int b;\n"})
+    assert reader.read("demo/a.cpp") == b"int a;\n"
+    assert reader.read(FilePath(reader.source.repository.name, "demo/a.cpp")) == b"int a;\n"
+    assert reader.inputs == ((f"{reader.source.repository.name}:demo/a.cpp", digest(b"int a;\n")),)
+    assert reader.problems == ()
+
+
+@pytest.mark.parametrize(
+    ("content", "text", "problem"),
+    [
+        ("// käse\n".encode(), "// käse\n", None),
+        (b"\xef\xbb\xbfint a;", "int a;", None),
+        ("a\n// käse\n".encode("latin-1"), "a\n// käse\n", ("KG113", 2)),
+        ("int a;".encode("utf-16"), "int a;", ("KG113", None)),
+        (b"\x7fELF\0\0\1", None, ("KG112", None)),
+        (b"x" * 2000, None, ("KG111", None)),
+    ],
+)
+def test_content(tmp_path: Path, content: bytes, text: str | None, problem: tuple[str, int | None] | None) -> None:
+    """Text comes out as UTF-8 without a mark; binary and too large files do not come out at all."""
+    reader = reader_of(tmp_path, {"a.cpp": content})
+    reader.limit_bytes = 1000
+    read = reader.read("demo/a.cpp")
+    assert (None if read is None else read.decode()) == text
+    assert codes(reader.problems) == ([problem] if problem else [])
+
+
+def test_missing_file(tmp_path: Path) -> None:
+    """A file that is gone is a problem, not an exception."""
+    reader = reader_of(tmp_path, {"a.cpp": "x"})
+    (tmp_path / "demo" / "a.cpp").unlink()
+    assert reader.read("demo/a.cpp") is None
+    assert codes(reader.problems) == [("KG110", None)]
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root reads every file")
+def test_unreadable_file(tmp_path: Path) -> None:
+    """A file that may not be opened is a problem."""
+    reader = reader_of(tmp_path, {"a.cpp": "x"})
+    (tmp_path / "demo" / "a.cpp").chmod(0)
+    assert reader.read("demo/a.cpp") is None
+    assert codes(reader.problems) == [("KG110", None)]
+
+
+def test_paths_out_of_the_source(tmp_path: Path) -> None:
+    """Neither `..` nor a link nor an absolute path leads to a file outside of the source."""
+    (tmp_path / "secret").write_text("secret")
+    root = tmp_path / "root"
+    reader = reader_of(root, {"a.cpp": "x"})
+    (root / "demo" / "link").symlink_to(tmp_path / "secret")
+    for path in ("../secret", "demo/../../secret", "demo/link", str(tmp_path / "secret")):
+        assert reader.read(path) is None
+    assert {problem.code for problem in reader.problems} == {"KG110"}
+    assert reader.inputs == ()
+
+
+def test_pipe_does_not_block(tmp_path: Path) -> None:
+    """A pipe put where a file was is refused at once."""
+    reader = reader_of(tmp_path, {"a.cpp": "x"})
+    (tmp_path / "demo" / "a.cpp").unlink()
+    os.mkfifo(tmp_path / "demo" / "a.cpp")
+    assert reader.read("demo/a.cpp") is None
+    assert codes(reader.problems) == [("KG110", None)]
+
+
+def test_unknown_source(tmp_path: Path) -> None:
+    """A file of a source that is not in the build is a problem."""
+    reader = reader_of(tmp_path, {})
+    assert reader.read(FilePath("local/else", "x.cpp")) is None
+    assert codes(reader.problems) == [("KG110", None)]
+
+
+def test_problem_codes_are_checked(tmp_path: Path) -> None:
+    """A problem must have a code of the catalogue; said twice it is kept once."""
+    reader = reader_of(tmp_path, {})
+    reader.problem("KG115", "m", "a.cpp", 3)
+    reader.problem("KG115", "m", "a.cpp", 3)
+    assert codes(reader.problems) == [("KG115", 3)]
+    with pytest.raises(LookupError):
+        reader.problem("KG999", "m", "a.cpp")
+
+
+@given(st.binary(max_size=300))
+def test_any_bytes_come_out_as_utf8(data: bytes) -> None:
+    """Whatever a file holds, what is read is UTF-8 or nothing."""
+    repository = Repository("local/x", "/")
+    source = Source(repository, Path("/"), ())
+    reader = Reader(Workspace([source]), source, PackageFolder("x", ".", None, ()))
+    text = reader._normalise(FilePath("local/x", "a"), data)
+    if text is None:
+        assert b"\0" in data
+    else:
+        text.decode()
+        assert bool(reader.problems) is (data.removeprefix(b"\xef\xbb\xbf") != text)

@@ -1,0 +1,106 @@
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from extract.workspaces import manifest, written
+
+from kg.corpus.workspace import FilePath, Workspace, scan
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def build(root: Path, *files: str) -> tuple[Workspace, str]:
+    """Write empty files; a path's first folder is a package. Return the workspace and the name of its source."""
+    content = dict.fromkeys(files, "")
+    content |= {f"{path.split('/')[0]}/package.xml": manifest(path.split("/")[0]) for path in files}
+    workspace = written(root, content)
+    return workspace, workspace.sources[0].repository.name
+
+
+def test_include_prefers_what_is_near(tmp_path: Path) -> None:
+    """A header beside the file wins over the package's include folder, that over other packages."""
+    workspace, name = build(tmp_path, "a/src/x.hpp", "a/src/deep/y.cpp", "a/include/x.hpp", "b/include/x.hpp")
+    assert workspace.include("x.hpp", near=FilePath(name, "a/src/n.cpp")) == (name, "a/src/x.hpp")
+    assert workspace.include("x.hpp", near=FilePath(name, "a/src/deep/y.cpp")) == (name, "a/include/x.hpp")
+    assert workspace.include("../x.hpp", near=FilePath(name, "a/src/deep/y.cpp")) == (name, "a/src/x.hpp")
+
+
+def test_include_from_other_packages(tmp_path: Path) -> None:
+    """Headers of other packages are found by the path they are included with; those of no package are not."""
+    workspace, name = build(tmp_path, "a/src/n.cpp", "b/include/b/base.hpp", "c/src/vendor/b/base.hpp")
+    near = FilePath(name, "a/src/n.cpp")
+    assert workspace.include("b/base.hpp", near=near) == (name, "b/include/b/base.hpp")
+    assert workspace.include("ros/ros.h", near=near) is None
+    assert workspace.include("ase.hpp", near=near) is None
+
+
+def test_include_across_sources(tmp_path: Path) -> None:
+    """A header of another source is found when this one has none."""
+    (tmp_path / "one").mkdir()
+    (tmp_path / "two").mkdir()
+    one, _ = build(tmp_path / "one", "a/src/n.cpp")
+    two, _ = build(tmp_path / "two", "b/include/b/base.hpp")
+    workspace = Workspace((*one.sources, *two.sources))
+    assert workspace.include("b/base.hpp", near=FilePath("local/one", "a/src/n.cpp")) == (
+        "local/two",
+        "b/include/b/base.hpp",
+    )
+
+
+def test_module_of_the_own_package(tmp_path: Path) -> None:
+    """Modules are found beside the script, in `src/` and in the folder of the package."""
+    files = ("a/scripts/talker.py", "a/scripts/helper.py", "a/src/a/core.py", "a/src/a/__init__.py", "a/a2/node.py")
+    workspace, name = build(tmp_path, *files)
+    near = FilePath(name, "a/scripts/talker.py")
+    assert workspace.module("helper", near=near) == (name, "a/scripts/helper.py")
+    assert workspace.module("a.core", near=near) == (name, "a/src/a/core.py")
+    assert workspace.module("a", near=near) == (name, "a/src/a/__init__.py")
+    assert workspace.module("a2.node", near=near) == (name, "a/a2/node.py")
+    assert workspace.module("rospy", near=near) is None
+
+
+def test_relative_module(tmp_path: Path) -> None:
+    """Leading dots climb from the folder of the importing file."""
+    workspace, name = build(tmp_path, "a/a/__init__.py", "a/a/sub/__init__.py", "a/a/sub/x.py", "a/a/y.py")
+    near = FilePath(name, "a/a/sub/x.py")
+    assert workspace.module("..y", near=near) == (name, "a/a/y.py")
+    assert workspace.module(".", near=near) == (name, "a/a/sub/__init__.py")
+    assert workspace.module(".missing", near=near) is None
+
+
+def test_module_of_another_package(tmp_path: Path) -> None:
+    """A module of another package is found below a folder that is a root of imports, never inside a Python package."""
+    files = ("a/n.py", "b/src/b/__init__.py", "b/src/b/tools.py", "c/c/__init__.py", "c/c/tools.py")
+    workspace, name = build(tmp_path, *files)
+    near = FilePath(name, "a/n.py")
+    assert workspace.module("b.tools", near=near) == (name, "b/src/b/tools.py")
+    assert workspace.module("tools", near=near) is None
+
+
+def test_definitions(tmp_path: Path) -> None:
+    """Interface definitions are found by package, name and kind."""
+    workspace, name = build(tmp_path, "a/msg/Scan.msg", "a/srv/Scan.srv")
+    assert workspace.definition("a", "Scan", "srv") == (name, "a/srv/Scan.srv")
+    assert workspace.definition("a", "Scan", "action") is None
+    assert workspace.definition("b", "Scan", "msg") is None
+
+
+def test_packages_and_owners(tmp_path: Path) -> None:
+    """Packages are found by name, files know their owner; of packages of one name the first source's counts."""
+    for folder in ("one", "two"):
+        (tmp_path / folder).mkdir()
+        build(tmp_path / folder, "a/n.cpp")
+    workspace = Workspace([scan(tmp_path / "one"), scan(tmp_path / "two")])
+    found = workspace.package("a")
+    assert found is not None
+    assert found[0].repository.name == "local/one"
+    assert workspace.package("b") is None
+    owner = workspace.owner(FilePath("local/two", "a/n.cpp"))
+    assert owner is not None
+    assert owner.name == "a"
+    entry = workspace.entry(FilePath("local/two", "a/n.cpp"))
+    assert entry is not None
+    assert entry.bytes == 0
+    assert workspace.entry(FilePath("local/two", "a/none.cpp")) is None
+    assert workspace.source("local/three") is None
