@@ -7,19 +7,19 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.facts import Access, NodeKind, Resolution, Role
 from kg.graph.records import how_to_start
-from kg.render.text import count, printable
+from kg.render.text import printable
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from rich.console import Console
+    from rich.console import RenderableType
     from rich.text import Text
 
     from kg.cli.links import Links
     from kg.facts import Interface, Location, NodeType, Parameter
     from kg.graph.reading import NodeRecord
 
-__all__ = ["show_node"]
+__all__ = ["left_out", "node_view"]
 
 _TITLES: Final = {
     Role.PUBLISHES: "publishes",
@@ -29,6 +29,7 @@ _TITLES: Final = {
     Role.ACTION_SERVERS: "offers actions",
     Role.ACTION_CLIENTS: "calls actions",
 }
+_DONE: Final = {Access.DECLARE: "declared", Access.READ: "read", Access.WRITE: "written"}
 _LANGUAGES: Final = {"cpp": "C++", "python": "Python"}
 
 
@@ -41,20 +42,16 @@ class _Row:
     dim: bool
 
 
-def show_node(console: Console, record: NodeRecord, links: Links, *, every: bool) -> int:
-    """Write a node and return how many implicit interfaces and parameters were left out (none with `every`)."""
+def node_view(record: NodeRecord, links: Links, *, every: bool) -> tuple[RenderableType, ...]:
+    """Return what to show of a node; `every` adds what frameworks make by themselves."""
     from rich.box import SIMPLE_HEAD  # noqa: PLC0415 - start-up time
     from rich.table import Table  # noqa: PLC0415 - start-up time
     from rich.text import Text  # noqa: PLC0415 - start-up time
 
-    for line in _header(record, links):
-        console.print(line)
-    groups = _groups(record.node, every=every)
-    table = Table(box=SIMPLE_HEAD, show_header=False, pad_edge=False, show_edge=False, padding=(0, 3, 0, 0))
-    for _ in range(3):
+    table = Table(box=SIMPLE_HEAD, show_header=False, pad_edge=False, show_edge=False, padding=(0, 2, 0, 0))
+    for _ in range(4):
         table.add_column(overflow="fold")
-    table.add_column(overflow="fold", justify="left")
-    for title, rows in groups:
+    for title, rows in _groups(record.node, every=every):
         if table.row_count:
             table.add_row()
         table.add_row(Text(title, style="bold cyan"))
@@ -63,11 +60,12 @@ def show_node(console: Console, record: NodeRecord, links: Links, *, every: bool
             name = Text(f"  {printable(row.cells[0])}", style=style or "bold")
             rest = (Text(printable(cell), style=style) for cell in row.cells[1:])
             table.add_row(name, *rest, _place(row.location, record.repository, links))
-    if groups:
-        console.print()
-        console.print(table)
-    node = record.node
-    return 0 if every else sum(one.implicit for one in node.interfaces) + sum(one.implicit for one in node.parameters)
+    return (*_header(record, links), *((Text(), table) if table.row_count else ()))
+
+
+def left_out(node: NodeType) -> int:
+    """Return how many entries of a node are implicit."""
+    return sum(one.implicit for one in node.interfaces) + sum(one.implicit for one in node.parameters)
 
 
 def _header(record: NodeRecord, links: Links) -> Iterable[Text]:
@@ -160,12 +158,14 @@ def _parameter(facts: Sequence[Parameter]) -> _Row:
     first, *others = sorted(facts, key=lambda one: (order.index(one.access), str(one.location)))
     default = next((one.default for one in (first, *others) if one.default is not None), None)
     kind = next((one.type for one in (first, *others) if one.type), "")
-    accesses = [
-        {"declare": "declared", "read": "read", "write": "written"}[one]
-        for one in dict.fromkeys(str(fact.access) for fact in (first, *others))
-    ]
-    words = [f"= {default}" if default is not None else "", "" if accesses == ["declared"] else ", ".join(accesses)]
-    if others:
-        words.append(f"{count(len(facts), 'place')}")
+    words = [f"= {default}" if default is not None else "", _accesses((first, *others))]
     name = first.name if first.name is not None else "(not resolved)"
     return _Row((name, kind, "  ".join(word for word in words if word)), first.location, first.implicit)
+
+
+def _accesses(facts: Sequence[Parameter]) -> str:
+    """Return what code does with a parameter, unless it only declares it once."""
+    if len(facts) == 1 and facts[0].access is Access.DECLARE:
+        return ""
+    done = ", ".join(dict.fromkeys(_DONE[fact.access] for fact in facts))
+    return f"{done} ({len(facts)} places)" if len(facts) > 1 else done

@@ -12,7 +12,7 @@ from kg.render.text import printable
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from rich.console import Console
+    from rich.console import Console, RenderableType
     from rich.table import Table
 
 __all__ = [
@@ -22,6 +22,7 @@ __all__ = [
     "listing",
     "make_table",
     "print_table",
+    "show",
     "terminal",
     "write",
     "write_bytes",
@@ -98,9 +99,21 @@ def listing(
             write("\t".join("" if value is None else printable(str(value)) for value in row))
 
 
+def show(*parts: RenderableType) -> None:
+    """Write what rich draws, a part below the other; off a terminal no line ends in blanks."""
+    target = console()
+    if terminal():
+        target.print(*parts, sep="\n")
+        return
+    with target.capture() as captured:
+        target.print(*parts, sep="\n")
+    for line in captured.get().splitlines():
+        write(line.rstrip())
+
+
 def print_table(columns: Sequence[Column], rows: Iterable[Sequence[object]], *, title: str | None = None) -> None:
     """Write a table for people."""
-    console().print(make_table(columns, rows, title=title))
+    show(make_table(columns, rows, title=title))
 
 
 def make_table(columns: Sequence[Column], rows: Iterable[Sequence[object]], *, title: str | None = None) -> Table:
@@ -108,7 +121,9 @@ def make_table(columns: Sequence[Column], rows: Iterable[Sequence[object]], *, t
     from rich.box import SIMPLE_HEAD  # noqa: PLC0415 - start-up time
     from rich.table import Table  # noqa: PLC0415 - start-up time
 
-    table = Table(box=SIMPLE_HEAD, title=title, title_justify="left", pad_edge=False, header_style="bold")
+    table = Table(
+        box=SIMPLE_HEAD, title=title, title_justify="left", pad_edge=False, show_edge=False, header_style="bold"
+    )
     styles = {"name": "bold", "dim": "dim"}
     for column in columns:
         table.add_column(

@@ -21,7 +21,12 @@ def did_you_mean(name: str, names: Iterable[str], *, most: int = 3) -> str | Non
     close = get_close_matches(name.lower(), known, n=most, cutoff=0.6)
     holding = sorted((one for one in known if len(name) > 2 and name.lower() in one), key=len)  # noqa: PLR2004 - shorter parts are in everything
     found = list(dict.fromkeys((*close, *holding)))[:most]
-    return f"did you mean {' or '.join(f'`{known[one]}`' for one in found)}?" if found else None
+    return _question([known[one] for one in found]) if found else None
+
+
+def _question(names: list[str]) -> str:
+    *first, last = [f"`{name}`" for name in names]
+    return f"did you mean {' or '.join(filter(None, (', '.join(first), last)))}?"
 
 
 def as_usage_error(error: TyperException) -> UsageError:
@@ -30,7 +35,7 @@ def as_usage_error(error: TyperException) -> UsageError:
     see = f"see `{context.command_path} --help`" if context else "see `kg --help`"
     message = error.message if hasattr(error, "option_name") else error.format_message()
     near = getattr(error, "possibilities", None)
-    hint = f"did you mean {' or '.join(f'`{name}`' for name in sorted(near))}?" if near else None
+    hint = _question(sorted(near)) if near else None
     return UsageError("KG003", _lower(" ".join(message.split()).rstrip(".")), hint="\n".join(filter(None, (hint, see))))
 
 

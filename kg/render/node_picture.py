@@ -44,6 +44,7 @@ _HEAD: Final = 64
 _CHARACTER: Final = 7.85
 _SMALL: Final = 6.65
 _LONGEST: Final = 44
+_LONGEST_LINE: Final = 72
 _ROLE: Final = 'role="img" aria-labelledby="title desc"'
 _STYLE: Final = """
 svg { background: #ffffff; font-family: ui-monospace, SFMono-Regular, Menlo, Consolas, "DejaVu Sans Mono", monospace; }
@@ -95,7 +96,7 @@ def draw(title: str, lines: Sequence[str], ports: Iterable[Port], *, more: str =
     every = sorted(ports, key=lambda port: (port.implicit, port.name, port.type))
     left, right = _side(_LEFT, every), _side(_RIGHT, every)
     texts = [(title, 10.3), *((line, 7.3) for line in lines), (more, 7.3)]
-    box = int(max(200, *(width(_short(text)) * size + 40 for text, size in texts)))
+    box = int(max(200, *(width(_short(text, _LONGEST_LINE)) * size + 40 for text, size in texts)))
     head = _HEAD + 17 * max(0, len(lines) - 1)
     height = head + max(left.height, right.height, _ROW) + (34 if more else 12)
     box_x = _MARGIN + (left.label_width + _WIRE if left.groups else 0)
@@ -107,13 +108,13 @@ def draw(title: str, lines: Sequence[str], ports: Iterable[Port], *, more: str =
         f'<desc id="desc">{_text(_description(every, more))}</desc>',
         f"<style>{_STYLE}</style>",
         f'<rect class="box" x="{box_x}" y="{_MARGIN}" width="{box}" height="{height}" rx="10"/>',
-        _label("title", middle, _MARGIN + 28, title),
-        *(_label("sub", middle, _MARGIN + 48 + 17 * number, line) for number, line in enumerate(lines)),
+        _label("title", middle, _MARGIN + 28, title, _LONGEST_LINE),
+        *(_label("sub", middle, _MARGIN + 48 + 17 * number, line, _LONGEST_LINE) for number, line in enumerate(lines)),
         *_draw_side(left, _MARGIN + head, outer=_MARGIN, inner=box_x, inward=True),
         *_draw_side(right, _MARGIN + head, outer=whole - _MARGIN, inner=box_x + box, inward=False),
     ]
     if more:
-        parts.append(_label("more", middle, _MARGIN + height - 12, more))
+        parts.append(_label("more", middle, _MARGIN + height - 12, more, _LONGEST_LINE))
     return "\n".join([*parts, "</svg>", ""])
 
 
@@ -161,19 +162,20 @@ def _outline(shape: str, x: int, y: int, w: int, h: int) -> str:
     return f"M{x + 14} {y}h{w - 28}a14 17 0 0 1 0 {h}h{28 - w}a14 17 0 0 1 0 {-h}z"
 
 
-def _label(style: str, x: float, y: float, text: str) -> str:
-    return f'<text class="{style}" x="{x:g}" y="{y:g}" text-anchor="middle">{_text(_short(text))}</text>'
+def _label(style: str, x: float, y: float, text: str, longest: int = _LONGEST) -> str:
+    shown = _text(_short(text, longest))
+    return f'<text class="{style}" x="{x:g}" y="{y:g}" text-anchor="middle">{shown}</text>'
 
 
 def _label_width(port: Port) -> int:
     return int(max(width(_short(port.name)) * _CHARACTER, width(_short(port.type)) * _SMALL)) + 34
 
 
-def _short(text: str) -> str:
+def _short(text: str, longest: int = _LONGEST) -> str:
     """Return `text` with its middle left out when it is long; the whole stands in the title of its group."""
     safe = printable(text)
-    half = _LONGEST // 2
-    return safe if len(safe) <= _LONGEST else f"{safe[: half - 1]}…{safe[-half:]}"
+    half = longest // 2
+    return safe if len(safe) <= longest else f"{safe[: half - 1]}…{safe[-half:]}"
 
 
 def _text(text: str) -> str:

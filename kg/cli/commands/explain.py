@@ -4,10 +4,10 @@ from typing import Annotated
 
 import typer
 
+from kg.cli.names import UnknownNameError
 from kg.cli.options import Json
 from kg.cli.output import json_lines, write
-from kg.cli.usage import did_you_mean
-from kg.errors import CATALOGUE, UsageError
+from kg.errors import CATALOGUE
 
 __all__ = ["explain"]
 
@@ -23,8 +23,7 @@ def explain(code: Code = None, *, json: Json = False) -> None:
     """
     chosen = {code.upper(): CATALOGUE[code.upper()]} if code and code.upper() in CATALOGUE else CATALOGUE
     if code and len(chosen) != 1:
-        near = did_you_mean(code.upper(), CATALOGUE)
-        raise UsageError("KG001", f"there is no code `{code}`", hint=near or "`kg explain` lists the codes")
+        raise UnknownNameError("code", code, CATALOGUE, otherwise="`kg explain` lists the codes")
     if json:
         json_lines(
             {"code": key, "title": one.title, "explanation": one.explanation, "way_out": one.way_out}
