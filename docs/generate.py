@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final
 
 from transcripts import refreshed
 
+from kg.cli.reference import markdown as commands_page
 from kg.errors import CATALOGUE, Exit
 from kg.settings import DECLARED
 
@@ -105,7 +106,11 @@ def _default(value: object) -> str:
     return "" if value in (None, ()) else f"`{value}`"
 
 
-PAGES: Final[dict[str, Callable[[], str]]] = {"errors.md": errors_page, "settings.md": settings_page}
+PAGES: Final[dict[str, Callable[[], str]]] = {
+    "cli.md": commands_page,
+    "errors.md": errors_page,
+    "settings.md": settings_page,
+}
 """The pages that are made from the code, and what makes them."""
 
 SESSIONS: Final = ("../README.md", "quickstart.md")

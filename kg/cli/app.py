@@ -102,5 +102,6 @@ config_app = typer.Typer(cls=KgGroup, rich_markup_mode=None)
 config_app.callback(invoke_without_command=True)(config.config)
 config_app.command("show", cls=KgCommand)(config.show)
 for _panel, _name, _function in COMMANDS:
-    app.command(_name, cls=KgCommand, rich_help_panel=_panel)(_function)
+    _class = node.NodeCommand if _name == "node" else KgCommand
+    app.command(_name, cls=_class, rich_help_panel=_panel)(_function)
 app.add_typer(config_app, name="config", rich_help_panel="Look after it")

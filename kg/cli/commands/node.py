@@ -1,11 +1,12 @@
 """`kg node`: one node with all it declares, as words, JSON or a picture."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from kg.cli.diagnostics import note, say
+from kg.cli.group import KgCommand
 from kg.cli.links import Links
 from kg.cli.names import one_node
 from kg.cli.options import Json, Store
@@ -18,16 +19,33 @@ from kg.render.text import count
 if TYPE_CHECKING:
     from kg.graph.reading import NodeRecord
 
-__all__ = ["node"]
+__all__ = ["NodeCommand", "node"]
 
 Name = Annotated[
     str, typer.Argument(metavar="NAME", help="Name of the node, or `package/node`, or `repository:package/node`.")
 ]
 All = Annotated[bool, typer.Option("--all", "-a", help="Also what frameworks make by themselves (rosout, tf, ...).")]
 Picture = Annotated[
-    bool, typer.Option("--picture", help="Draw it as SVG: to standard output, or on a terminal to NODE.svg.")
+    str | None,
+    typer.Option(
+        "--picture",
+        metavar="[FILE.svg]",
+        help="Draw it as SVG: into the file, else to standard output, or on a terminal to NODE.svg.",
+    ),
 ]
-Output = Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE", help="Draw it as SVG into FILE.")]
+
+
+class NodeCommand(KgCommand):
+    """A command whose option `--picture` may come without its file."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Parse, with an empty file behind `--picture` where what follows is no SVG file."""
+        spread: list[str] = []
+        for argument, following in zip(args, [*args[1:], ""], strict=True):
+            spread.append(argument)
+            if argument == "--picture" and not (following.endswith(".svg") or following == "-"):
+                spread.append("")
+        return super().parse_args(ctx, spread)
 
 
 def node(  # noqa: PLR0913 - the options of a command
@@ -35,8 +53,7 @@ def node(  # noqa: PLR0913 - the options of a command
     name: Name,
     *,
     every: All = False,
-    picture: Picture = False,
-    output: Output = None,
+    picture: Picture = None,
     json: Json = False,
     store: Store = None,
 ) -> None:
@@ -46,7 +63,7 @@ def node(  # noqa: PLR0913 - the options of a command
 
         kg node move_base
         kg node move_base/move_base --all
-        kg node move_base --picture > move_base.svg
+        kg node move_base --picture move_base.svg
     """
     from kg.graph.records import node_object  # noqa: PLC0415 - start-up time
     from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
@@ -56,8 +73,8 @@ def node(  # noqa: PLR0913 - the options of a command
         links = Links.of(sources(snapshot))
     if json:
         json_lines([node_object(record)])
-    elif picture or output:
-        _draw(record, output, every=every)
+    elif picture is not None:
+        _draw(record, picture, every=every)
     else:
         _show(record, links, every=every)
 
@@ -71,14 +88,14 @@ def _show(record: "NodeRecord", links: Links, *, every: bool) -> None:
         note(f"{count(hidden, 'implicit entry', 'implicit entries')} made by frameworks not shown; --all shows them")
 
 
-def _draw(record: "NodeRecord", output: Path | None, *, every: bool) -> None:
+def _draw(record: "NodeRecord", file: str, *, every: bool) -> None:
     from kg.graph.pictures import node_picture  # noqa: PLC0415 - start-up time
 
     drawn = node_picture(record, implicit=every).encode()
-    if output is None and not terminal():
+    if file == "-" or not (file or terminal()):
         write_bytes(drawn)
         return
-    path = output or Path(f"{record.node.name.replace('/', '_')}.svg")
+    path = Path(file or f"{record.node.name.replace('/', '_')}.svg")
     try:
         path.write_bytes(drawn)
     except OSError as error:

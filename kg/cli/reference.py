@@ -1,0 +1,93 @@
+"""docs/cli.md, made from the commands themselves; `docs/generate.py` writes it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+import typer
+from typer.main import get_command
+
+from kg.cli.manual import page
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kg.cli.manual import Page
+
+__all__ = ["markdown"]
+
+_HEAD: Final = """\
+# The command line
+
+<!-- Written by docs/generate.py from the commands themselves. -->
+
+"""
+_STREAMS: Final = """\
+## What goes where
+
+Standard output carries data and nothing else; standard error carries words: notes, warnings, errors, progress.
+Off a terminal there is no colour, no progress bar and no folding of lines: lists come as TSV with a head,
+`--json` gives JSON Lines, one object a line. When rows are left out, a note says so and names the option that
+brings them back. A reader that closes the pipe early ends `kg` quietly.
+
+Options that are [settings](settings.md) can also stand in the environment or in `kg.toml`; their variable stands in
+brackets below.
+
+An error has a code (`kg explain CODE` says more), the place when there is one, and the way out:
+
+    error[KG002]: there is no setting `stroe`
+     --> kg.toml:2
+      |
+    2 | stroe = "x"
+    help: did you mean `store`?
+
+"""
+
+
+def markdown() -> str:
+    """Return docs/cli.md."""
+    from kg.cli.app import app  # noqa: PLC0415 - so that the program can be described without running it
+
+    root = get_command(app)
+    context = typer.Context(root, info_name="kg", **root.context_settings)
+    parts = [_HEAD, *_top(page(root, context)), _STREAMS]
+    for manual in _pages(root, context):
+        parts += _command(manual)
+    return "".join(parts).rstrip() + "\n"
+
+
+def _pages(group: Any, context: Any) -> Iterator[Page]:
+    for name, command in group.commands.items():
+        if command.hidden:
+            continue
+        inner = type(context)(command, info_name=name, parent=context)
+        yield page(command, inner)
+        if getattr(command, "commands", None):
+            yield from _pages(command, inner)
+
+
+def _top(manual: Page) -> Iterator[str]:
+    yield f"```text\n{manual.usage}\n```\n\n{manual.text}\n\n"
+    for title, entries in manual.sections:
+        yield f"**{title}**\n\n"
+        link = title not in {"Options", "Arguments"}
+        for entry in entries:
+            name = f"[`kg {entry.name}`](#kg-{entry.name})" if link else f"`{entry.name}`"
+            yield f"* {name}: {entry.sentence}\n"
+        yield "\n"
+    yield f"{manual.epilogue}\n\n"
+
+
+def _command(manual: Page) -> Iterator[str]:
+    yield f"## {manual.path}\n\n```text\n{manual.usage}\n```\n\n{manual.text}\n\n"
+    for title, entries in manual.sections:
+        if title == "Commands":
+            continue
+        yield f"| {title.lower().removesuffix('s')} | meaning |\n| --- | --- |\n"
+        for entry in entries:
+            yield f"| `{_cell(entry.name)}` | {_cell(entry.sentence)} |\n"
+        yield "\n"
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|")
