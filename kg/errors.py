@@ -267,6 +267,11 @@ CATALOGUE: dict[str, CodeEntry] = {
         "A stored query was called with a parameter it does not have, without one it needs, or with a bad value.",
         "`kg query NAME --help-query` lists the parameters.",
     ),
+    "KG506": CodeEntry(
+        "query failed",
+        "The engine could not evaluate the query.",
+        "Read the engine's message; `kg doctor` checks the store.",
+    ),
     "KG601": CodeEntry(
         "RDF does not parse",
         "A file of RDF is not valid in the format it was read as.",

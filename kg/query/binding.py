@@ -1,0 +1,81 @@
+"""Values for the parameters of a query.
+
+A parameter is a variable with a block of data, so that the query also runs as it stands, in any editor:
+
+    VALUES ?topic { "/scan" }        the value between the braces is the default
+    VALUES ?package { UNDEF }        not bound unless a value is given
+
+Binding replaces what stands between the braces by a term that the engine itself has written, so nothing in a
+value can be read as a part of the query. A variable without such a block gets one at the beginning of the
+outermost group.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kg.errors import QueryError
+from kg.query.lexer import Kind, tokens
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from pyoxigraph import Literal, NamedNode
+
+    from kg.query.lexer import Token
+
+__all__ = ["bind", "defaults"]
+
+
+def bind(text: str, values: Mapping[str, NamedNode | Literal]) -> str:
+    """Return the query `text` with `values` (name of variable to term) in their blocks of data.
+
+    Raises:
+        QueryError: KG505 for a name that is no variable of the query.
+    """
+    if not values:
+        return text
+    found = list(tokens(text))
+    blocks = _blocks(found)
+    edits: list[tuple[int, int, str]] = []
+    for name, term in values.items():
+        if name in blocks:
+            edits += [(start, end, f" {term} ") for start, end in blocks[name]]
+        elif any(token.kind is Kind.VARIABLE and token.text[1:] == name for token in found):
+            start = _first_group(found)
+            edits.append((start, start, f" VALUES ?{name} {{ {term} }} "))
+        else:
+            raise QueryError("KG505", f"the query has no variable ?{name} to give a value to")
+    for start, end, replacement in sorted(edits, reverse=True):
+        text = text[:start] + replacement + text[end:]
+    return text
+
+
+def defaults(text: str) -> dict[str, str]:
+    """Return what stands between the braces of each parameter's first block, by name of the variable."""
+    return {name: text[slice(*spans[0])].strip() for name, spans in _blocks(list(tokens(text))).items()}
+
+
+def _blocks(found: list[Token]) -> dict[str, list[tuple[int, int]]]:
+    """Return where the braces of `VALUES ?name { ... }` open and close, by name."""
+    blocks: dict[str, list[tuple[int, int]]] = {}
+    for index in range(len(found) - 3):
+        keyword, variable, opening = found[index : index + 3]
+        if keyword.text.lower() == "values" and variable.kind is Kind.VARIABLE and opening.text == "{":
+            closing = next((token for token in found[index + 3 :] if token.text == "}"), None)
+            if closing:
+                blocks.setdefault(variable.text[1:], []).append((opening.end, closing.start))
+    return blocks
+
+
+def _first_group(found: list[Token]) -> int:
+    """Return the offset behind the brace that opens the WHERE clause."""
+    template = bool(found) and any(token.text.lower() == "construct" for token in found[:1])
+    for index, token in enumerate(found):
+        if token.text.lower() == "construct" and found[index + 1].text == "{":
+            template = True
+        if token.text == "{" and not template:
+            return token.end
+        if token.text == "}":
+            template = False
+    raise QueryError("KG505", "the query has no group to give values in")

@@ -1,0 +1,76 @@
+"""What a query must not do to the engine, checked on its tokens before the engine sees it.
+
+The engine parses and plans by recursion: nested some thousand deep a query overflows the stack, which ends the
+process. `SERVICE` and `LOAD` make it call other servers, which it does without asking or time limit.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from kg.errors import QueryError
+from kg.query.lexer import Kind
+from kg.query.position import place_at
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from kg.query.lexer import Token
+
+__all__ = ["MAX_CHAIN", "MAX_DEPTH", "check"]
+
+MAX_DEPTH: Final = 500
+"""How deep brackets and unary operators may nest."""
+
+MAX_CHAIN: Final = 5000
+"""How many operators and graph patterns a query may have: the engine chains them into a tree as deep."""
+
+_OPENING: Final = frozenset({"(", "[", "{", "<<"})
+_CLOSING: Final = frozenset({")", "]", "}", ">>"})
+_UNARY: Final = frozenset({"!", "-", "+", "^", "^^"})
+_OPERATORS: Final = frozenset({"!", "-", "+", "^", "||", "&&", "*", "/", "|", "=", "!=", "<", ">", "<=", ">="})
+_PATTERNS: Final = frozenset({"union", "optional", "minus", "bind", "filter", "graph", "lateral", "exists", "not"})
+_SERVER: Final = "the query asks the store to call another server"
+
+
+def check(tokens: Iterable[Token], text: str, path: str = "query") -> None:
+    """Refuse a query that nests too deep, chains too much or would call another server.
+
+    Raises:
+        QueryError: KG502 with the place of the first thing that is refused.
+    """
+    depth = unary = chain = 0
+    previous: Token | None = None
+    for token in tokens:
+        if _is_call(previous, token, depth):
+            raise _refusal(_SERVER, text, token, path)
+        previous = token
+        sign = token.text if token.kind is Kind.SIGN else ""
+        depth = max(0, depth + (sign in _OPENING) - (sign in _CLOSING))
+        unary = unary + len(sign) if sign in _UNARY else 0
+        if depth > MAX_DEPTH or unary > MAX_DEPTH:
+            raise _refusal(f"the query nests deeper than {MAX_DEPTH}", text, token, path)
+        chain += sign == "{" or sign in _OPERATORS or token.text.lower() in _PATTERNS
+        if chain > MAX_CHAIN:
+            raise _refusal(f"the query has more than {MAX_CHAIN} operators and patterns", text, token, path)
+
+
+def _is_call(previous: Token | None, token: Token, depth: int) -> bool:
+    """Tell whether the engine may read SERVICE or LOAD here; it needs no blank on either side of a keyword."""
+    if token.kind is Kind.WORD:
+        word = token.text.lower()
+        return "service" in word or "load" in word
+    if token.text == "{" and previous and previous.kind is Kind.NAME:
+        return "service" in _prefix(previous)
+    if token.kind is Kind.NAME and depth == 0 and "load" in _prefix(token):
+        return previous is None or previous.kind in {Kind.IRI, Kind.NAME} or previous.text in {";", "}"}
+    return False
+
+
+def _prefix(name: Token) -> str:
+    return name.text.partition(":")[0].lower()
+
+
+def _refusal(message: str, text: str, token: Token, path: str) -> QueryError:
+    hint = "Calls to other servers are off." if message is _SERVER else "Write the query with fewer of them."
+    return QueryError("KG502", message, place=place_at(text, token.start, path), hint=hint)

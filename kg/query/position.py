@@ -1,0 +1,19 @@
+"""From an offset in a text to its line and column, counted in characters from one, and to the line itself."""
+
+from __future__ import annotations
+
+from kg.errors import Place
+
+__all__ = ["place_at", "place_of"]
+
+
+def place_at(text: str, offset: int, path: str) -> Place:
+    """Return the place of the character at `offset` in `text`."""
+    line = text.count("\n", 0, offset) + 1
+    return place_of(text, line, offset - (text.rfind("\n", 0, offset) + 1) + 1, path)
+
+
+def place_of(text: str, line: int, column: int, path: str) -> Place:
+    """Return the place of `line` and `column` with the text of that line."""
+    lines = text.split("\n")
+    return Place(path, line, column, lines[line - 1] if line <= len(lines) else None)

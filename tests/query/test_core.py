@@ -1,0 +1,160 @@
+"""Tests of running a query."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+import pyoxigraph
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pyoxigraph import Literal, NamedNode
+
+from kg.errors import Exit, QueryError
+from kg.query.binding import bind, defaults
+from kg.query.core import run
+from kg.query.guard import MAX_CHAIN
+from kg.query.result import Boolean, Graph, Solutions
+
+if TYPE_CHECKING:
+    from kg.store.snapshot import EmbeddedSnapshot
+
+PRODUCT = "SELECT (COUNT(*) AS ?n) {" + " ".join(f"?a{i} ?b{i} ?c{i} ." for i in range(14)) + "}"
+
+
+def rows(snapshot: EmbeddedSnapshot, text: str, **parameters: str) -> list[tuple[object, ...]]:
+    """Return the rows of a query as plain texts."""
+    result = run(snapshot, text, parameters={name: Literal(value) for name, value in parameters.items()})
+    assert isinstance(result, Solutions)
+    return [tuple(getattr(term, "value", None) for term in row) for row in result.rows]
+
+
+def failure(snapshot: EmbeddedSnapshot, text: str) -> QueryError:
+    """Return the error that a query ends in."""
+    with pytest.raises(QueryError) as caught:
+        run(snapshot, text)
+    return caught.value
+
+
+def test_prefixes_are_known(snapshot: EmbeddedSnapshot) -> None:
+    """Well-known prefixes need no declaration, and the default graph is the union of all."""
+    assert rows(snapshot, "SELECT DISTINCT ?n { ?s rnkg:name ?n } ORDER BY ?n") == [("a",), ("b|c",)]
+
+
+def test_a_declared_prefix_wins(snapshot: EmbeddedSnapshot) -> None:
+    """A prefix that the query declares itself overrides the well-known one."""
+    assert rows(snapshot, "PREFIX rnkg: <https://example.org/> SELECT ?n { ?s rnkg:size ?n }") == [("3",)]
+
+
+def test_forms_of_answers(snapshot: EmbeddedSnapshot) -> None:
+    """SELECT answers rows, ASK yes or no, CONSTRUCT and DESCRIBE a graph, all with the snapshot's identity."""
+    answers = [
+        run(snapshot, "SELECT * { ?s ?p ?o }"),
+        run(snapshot, "ASK { ?s ?p ?o }"),
+        run(snapshot, "CONSTRUCT { ?s ?p 1 } { ?s ?p ?o }"),
+        run(snapshot, "DESCRIBE <https://example.org/b>"),
+    ]
+    assert [type(answer) for answer in answers] == [Solutions, Boolean, Graph, Graph]
+    assert {answer.snapshot for answer in answers} == {"1"}
+
+
+@pytest.mark.parametrize(("limit", "count", "cut"), [(None, 7, None), (7, 7, None), (6, 6, 6), (0, 0, 0)])
+def test_truncation_is_said(snapshot: EmbeddedSnapshot, limit: int | None, count: int, cut: int | None) -> None:
+    """The answer says when there were more rows than the limit, and only then."""
+    result = run(snapshot, "SELECT * { ?s ?p ?o }", limit=limit)
+    assert isinstance(result, Solutions)
+    assert len(result.rows) == count
+    assert result.limit == cut
+
+
+def test_deadline(snapshot: EmbeddedSnapshot) -> None:
+    """A query that runs too long is ended near its deadline, with the exit code of timeouts."""
+    began = time.perf_counter()
+    with pytest.raises(QueryError) as caught:
+        run(snapshot, PRODUCT, timeout=0.2)
+    assert time.perf_counter() - began < 0.7
+    assert caught.value.code == "KG503"
+    assert caught.value.exit_code == Exit.TIMEOUT
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "column", "words"),
+    [
+        ("SELECT * {\n  ?s ex:p ?o\n}", 2, 6, "the prefix `ex:` is not declared"),
+        ("SELECT * {\n ?s ?p ?o .\n FILTER(?o = )}", 3, 14, "`)` is not expected here"),
+        ("SELECT ?s WHERE { ?s ?p }", 1, 25, "`}` is not expected here"),
+        ("SELECT * { ?s ?p ?o } LIMIT x", 1, 29, "`x` is not expected here"),
+        ("SELECT * { ?s ?p 'abc }", 1, 18, "this quote is never closed"),
+        ("SELECT * {?s ?p ?o} PREFIX a: <b:>", 1, 21, "`PREFIX` is not expected here"),
+        ("SELEC ?x {}", 1, 1, "a query does not begin with `SELEC`"),
+        ("PREFIX a: <b:c>\nINSERT DATA {}", 2, 1, "this is an update, not a query"),
+        ("SELECT * {?s ?p ?o", 1, 19, "the query ends too early"),
+        ("  ", 1, 3, "there is no query"),
+        ("SELECT ?x (COUNT(?y) AS ?c) {?x ?p ?y}", 1, 39, "the SELECT contains a variable that is unbound"),
+        ("SELECT * {?s '\u00e9\U0001f600' ?o }", 1, 14, None),
+    ],
+)
+def test_syntax_errors_have_a_place(
+    snapshot: EmbeddedSnapshot, text: str, line: int, column: int, words: str | None
+) -> None:
+    """An error of syntax names line and column in characters, shows the line, and says what is wrong there."""
+    error = failure(snapshot, text)
+    assert error.code == "KG501"
+    assert error.place is not None
+    assert (error.place.line, error.place.column) == (line, column)
+    assert error.place.excerpt == text.split("\n")[line - 1]
+    assert words is None or error.message == words
+
+
+def test_unknown_prefix_is_guessed(snapshot: EmbeddedSnapshot) -> None:
+    """A prefix typed almost right is suggested."""
+    assert "`rdfs:`" in (failure(snapshot, "SELECT * { ?s rdf_s:label ?o }").hint or "")
+
+
+@pytest.mark.parametrize("depth", [400])
+def test_what_the_guard_lets_pass_does_not_crash(snapshot: EmbeddedSnapshot, depth: int) -> None:
+    """The stack of the thread is large enough for what is within the limits."""
+    run(snapshot, "ASK " + "{" * depth + "}" * depth)
+    run(snapshot, "ASK {FILTER(" + "?a||" * (MAX_CHAIN - 10) + "true)}")
+
+
+def test_parameters_replace_their_block(snapshot: EmbeddedSnapshot) -> None:
+    """A value takes the place of the default between the braces; without one the default holds."""
+    text = 'SELECT DISTINCT ?s { VALUES ?name { "a" } ?s rnkg:name ?name }'
+    assert rows(snapshot, text) == [("https://example.org/a",)]
+    assert rows(snapshot, text, name="b|c") == [("https://example.org/b",)]
+    assert defaults(text) == {"name": '"a"'}
+
+
+def test_parameters_of_free_queries(snapshot: EmbeddedSnapshot) -> None:
+    """A variable without a block of data is bound in the outermost group, behind a CONSTRUCT template too."""
+    assert rows(snapshot, "SELECT DISTINCT ?s { ?s rnkg:name ?name }", name="a") == [("https://example.org/a",)]
+    result = run(snapshot, "CONSTRUCT { ?s ?p ?n } { ?s ?p ?n }", parameters={"n": Literal("a")})
+    assert isinstance(result, Graph)
+    assert len(result.triples) == 1
+
+
+def test_unknown_parameter(snapshot: EmbeddedSnapshot) -> None:
+    """A value for a variable that the query does not have is KG505."""
+    with pytest.raises(QueryError) as caught:
+        run(snapshot, "SELECT * { ?s ?p ?o }", parameters={"x": NamedNode("a:a")})
+    assert caught.value.code == "KG505"
+
+
+def test_errors_are_placed_in_the_text_as_typed(snapshot: EmbeddedSnapshot) -> None:
+    """Values of parameters do not move the place of an error behind them."""
+    text = 'SELECT * { VALUES ?n { "a" } ?s rnkg:name ?n . ) }'
+    with pytest.raises(QueryError) as caught:
+        run(snapshot, text, parameters={"n": Literal("a much longer value")})
+    assert caught.value.place is not None
+    assert caught.value.place.column == text.index(")") + 1
+
+
+@given(st.text())
+def test_a_value_never_becomes_query(value: str) -> None:
+    """Whatever a value holds, the bound query has the same tokens around it and reads the same value back."""
+    value = value.encode("utf-8", "ignore").decode()
+    bound = bind('SELECT ?n { VALUES ?n { "a" } }', {"n": Literal(value)})
+    answer = pyoxigraph.Store().query(bound)
+    assert [row["n"].value for row in answer] == [value]  # type: ignore[union-attr]
