@@ -13,7 +13,7 @@ from kg.graph.vocabulary import LABEL, TYPE, XSD
 if TYPE_CHECKING:
     from datetime import datetime
 
-__all__ = ["Writer", "address", "boolean", "integer", "literal", "moment"]
+__all__ = ["Writer", "boolean", "integer", "literal", "moment"]
 
 _SPECIAL: Final = re.compile(r'["\\\x00-\x1f\x7f\ud800-\udfff]')
 _ESCAPES: Final = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\r": "\\r", "\t": "\\t", "\b": "\\b", "\f": "\\f"}
@@ -42,14 +42,9 @@ def boolean(value: bool) -> str:  # noqa: FBT001 - the value is the argument, no
     return _BOOLEANS[value]
 
 
-def address(text: str) -> str:
-    """Return the `xsd:anyURI` literal of an address as people wrote it, whether or not it is a valid one."""
-    return f"{literal(text)}^^<{XSD}anyURI>"
-
-
 def moment(time: datetime) -> str:
-    """Return the `xsd:dateTime` literal of `time`."""
-    return f'"{time.isoformat()}"^^<{XSD}dateTime>'
+    """Return the `xsd:dateTime` literal of `time`, to the millisecond, which is what OWL reasoners read."""
+    return f'"{time.isoformat(timespec="milliseconds")}"^^<{XSD}dateTime>'
 
 
 class Writer:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 from kg.errors import GraphError
 from kg.graph.findings import OntologyCheck, ShapeFinding
 from kg.graph.ontology_files import default_ontologies, ontology_triples, shapes_file
+from kg.graph.reasoner import hermit, reason
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -28,18 +29,18 @@ def check(paths: Iterable[Path] | None = None) -> tuple[OntologyCheck, ...]:
     Without `paths` it is about the ontologies that `kg` brings along. Raise `GraphError`: KG601 for a file that does
     not parse, KG603 without Java, KG605 without owlready2.
     """
-    _require("owlready2")
+    archive = hermit()
+    if archive is None:
+        raise _missing("owlready2")
     java = _java()
     listed = default_ontologies() if paths is None else tuple(paths)
     together = [listed] if len(listed) > 1 else []
-    return tuple(_check(files, java) for files in [*((path,) for path in listed), *together])
+    return tuple(_check(files, java, archive) for files in [*((path,) for path in listed), *together])
 
 
-def _check(files: tuple[Path, ...], java: str) -> OntologyCheck:
-    from kg.graph.reasoner import reason  # noqa: PLC0415 - needs the optional part
-
+def _check(files: tuple[Path, ...], java: str, archive: Path) -> OntologyCheck:
     started = time.perf_counter()
-    unsatisfiable = reason(ontology_triples(files), java)
+    unsatisfiable = reason(ontology_triples(files), java, archive)
     return OntologyCheck(files, unsatisfiable is not None, unsatisfiable or (), time.perf_counter() - started)
 
 
@@ -48,7 +49,8 @@ def validate(triples: bytes, shapes: Path | None = None) -> tuple[ShapeFinding, 
 
     Raise `GraphError`: KG601 for shapes or data that do not parse, KG605 without pyshacl.
     """
-    _require("pyshacl")
+    if find_spec("pyshacl") is None:
+        raise _missing("pyshacl")
     from kg.graph.shacl import findings  # noqa: PLC0415 - needs the optional part
 
     return findings(triples, ontology_triples([shapes or shapes_file()]))
@@ -62,6 +64,5 @@ def _java() -> str:
     return found
 
 
-def _require(module: str) -> None:
-    if find_spec(module) is None:
-        raise GraphError("KG605", f"{module} is not installed", hint="pip install 'kg-ros[ontology]'")
+def _missing(module: str) -> GraphError:
+    return GraphError("KG605", f"{module} is not installed", hint="pip install 'kg-ros[ontology]'")

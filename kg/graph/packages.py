@@ -8,7 +8,7 @@ from kg.graph import vocabulary as v
 from kg.graph.definitions import definition
 from kg.graph.licenses import spdx
 from kg.graph.nodes import node
-from kg.graph.ntriples import address, integer, literal
+from kg.graph.ntriples import integer, literal
 from kg.graph.scope import Scope
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ def _manifest(scope: Scope, subject: str, fact: Package) -> None:
     writer.add(subject, v.HAS_PACKAGE_NAME, _package_name(scope, fact.name))
     scope.evidence(subject, fact.location)
     for kind, url in fact.urls:
-        writer.once(subject, _ADDRESSES.get(kind, v.WEBSITE), address(url))
+        writer.once(subject, _ADDRESSES.get(kind, v.WEBSITE), literal(url))
     for name in fact.licenses:
         writer.once(subject, v.LICENSE_NAME, literal(name))
         identifier = spdx(name)

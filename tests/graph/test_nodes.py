@@ -1,0 +1,47 @@
+from __future__ import annotations
+
+from graph.samples import IRIS, MAIN, REPOSITORY, ROVER, loaded, rows, sample, true
+
+from kg.facts import Location, NodeKind, NodeType, Package, PackageFacts
+from kg.graph import source_triples
+
+
+def test_a_node_says_what_it_is_and_where() -> None:
+    """Kind, language, version of ROS, own name, executable, sources and evidence are there."""
+    node = f"<node/{ROVER}/rover_base/driver>"
+    assert true(
+        sample(),
+        f"""<package/{ROVER}/rover_base> rnkg:contains {node} .
+        {node} a ros:Node, rnkg:NodeType ; rdfs:label "driver" ; rnkg:name "driver" ; rnkg:kind rnkg:executable ;
+          rnkg:language "cpp" ; rnkg:rosVersion 1 ; rnkg:nodeName "rover_driver" ;
+          rnkg:hasExecutable <executable/{ROVER}/rover_base/driver> ;
+          rnkg:path "rover_base/src/main.cpp" ; rnkg:line {MAIN.line} ;
+          rnkg:declaredIn <file/{ROVER}/-/rover_base/src/main.cpp> .
+        <executable/{ROVER}/rover_base/driver> a rnkg:Executable ; rnkg:name "driver" .""",
+    )
+
+
+def test_sources_of_a_node_have_paths() -> None:
+    """Each source file of a node says its path, listed by the package or not."""
+    expected = [("rover_base/src/main.cpp",), ("rover_base/src/wheel.cpp",)]
+    assert rows(sample(), "SELECT ?p { ?n rnkg:hasSource/rnkg:path ?p }") == expected
+
+
+def test_a_parameter_keeps_what_is_known_of_it() -> None:
+    """Name, type, default, access, purpose and place of a parameter are there."""
+    assert true(
+        sample(),
+        f"""<node/{ROVER}/rover_base/driver> rnkg:hasParameter <node/{ROVER}/rover_base/driver#parameter/~/port> .
+        <node/{ROVER}/rover_base/driver#parameter/~/port> a rnkg:Parameter ; rnkg:name "~/port" ;
+          rnkg:parameterType "string" ; rnkg:defaultValue "/dev/ttyUSB0" ; rnkg:access rnkg:read ; rnkg:line 10 ;
+          rnkg:resolution rnkg:literal ; rnkg:implicit false ; dcterms:description "The serial port." .""",
+    )
+
+
+def test_two_nodes_of_one_name_stay_two() -> None:
+    """An executable and a class of the same name in one package do not flow together."""
+    nodes = tuple(NodeType("n", kind, "cpp", 1, Location("a.cpp", 1)) for kind in (NodeKind.EXECUTABLE, NodeKind.CLASS))
+    facts = PackageFacts(ROVER, Package("p", "p", 1, Location("p/package.xml", 1)), nodes)
+    store = loaded(source_triples(REPOSITORY, [facts], IRIS))
+    query = 'SELECT ?n (COUNT(?k) AS ?kinds) { ?n a rnkg:NodeType ; rnkg:name "n" ; rnkg:kind ?k } GROUP BY ?n'
+    assert [row[1] for row in rows(store, query)] == ["1", "1"]

@@ -1,0 +1,100 @@
+from __future__ import annotations
+
+from itertools import product
+
+import pytest
+from rdflib import OWL, RDF, RDFS, Graph, URIRef
+
+from kg.graph import vocabulary
+from kg.graph.ontology_files import default_ontologies
+
+ONTO_ROS_TERMS = {
+    "ROSCommunication",
+    "TopicCommunication",
+    "ServiceCommunication",
+    "Mode",
+    "Topic",
+    "Service",
+    "Message",
+    "RequestMessage",
+    "ResponseMessage",
+    "CommunicationComponent",
+    "Publisher",
+    "Subscriber",
+    "ServiceClient",
+    "ServiceServer",
+    "Node",
+    "Package",
+    "Capability",
+    "Modality",
+    "read",
+    "write",
+    "isRoutedVia",
+    "hasMessage",
+    "hasComponent",
+    "communicatesThrough",
+    "hasPublisher",
+    "hasSubscriber",
+    "hasClient",
+    "hasServer",
+    "evokes",
+    "hasModality",
+}
+KINDS = (OWL.Class, OWL.ObjectProperty, OWL.DatatypeProperty, OWL.AnnotationProperty, OWL.NamedIndividual)
+ONTO_ROS, RNKG = (Graph().parse(path) for path in default_ontologies())
+BOTH = ONTO_ROS + RNKG
+
+
+def declared(graph: Graph, namespace: str) -> set[str]:
+    """Return the local names of the terms of a namespace that an ontology declares."""
+    subjects = {subject for kind in KINDS for subject in graph.subjects(RDF.type, kind)}
+    return {str(term).removeprefix(namespace) for term in subjects if str(term).startswith(namespace)}
+
+
+def test_onto_ros_has_exactly_its_terms() -> None:
+    """onto-ros is neither cut short nor added to."""
+    assert declared(ONTO_ROS, vocabulary.ROS) == ONTO_ROS_TERMS
+
+
+@pytest.mark.parametrize("graph", [ONTO_ROS, RNKG], ids=["onto-ros", "rnkg"])
+def test_every_term_is_explained(graph: Graph) -> None:
+    """Each term of an ontology has one label and one comment, a sentence."""
+    own = vocabulary.ROS if graph is ONTO_ROS else vocabulary.RNKG
+    for name in declared(graph, own):
+        labels, comments = (list(graph.objects(URIRef(own + name), which)) for which in (RDFS.label, RDFS.comment))
+        assert len(labels) == len(comments) == 1, name
+        assert str(comments[0]).endswith("."), name
+
+
+def test_every_term_that_is_written_is_defined() -> None:
+    """What the writers use stands in the ontologies."""
+    used = {value[1:-1] for value in vars(vocabulary).values() if isinstance(value, str) and value.startswith("<")}
+    ours = {term for term in used if term.startswith((vocabulary.ROS, vocabulary.RNKG))}
+    assert len(ours) > 100
+    assert {URIRef(term) for term in ours} <= set(BOTH.subjects(RDF.type))
+
+
+def test_terms_of_others_are_declared() -> None:
+    """Every term that an axiom mentions is declared, in each ontology alone, as OWL 2 DL asks."""
+    axioms = (RDFS.subClassOf, RDFS.subPropertyOf, RDFS.domain, RDFS.range, OWL.disjointWith, OWL.onProperty)
+    for graph in (ONTO_ROS, RNKG):
+        mentioned = {term for axiom in axioms for term in graph.objects(None, axiom) if isinstance(term, URIRef)}
+        members = {term for term in graph.objects(None, RDF.first) if isinstance(term, URIRef)}
+        known = {subject for kind in KINDS for subject in graph.subjects(RDF.type, kind)}
+        builtin = {term for term in mentioned if str(term).startswith(vocabulary.XSD)}
+        assert (mentioned | members) - known == builtin
+
+
+def test_no_term_plays_two_parts() -> None:
+    """No IRI is both a class, a kind of property, or an individual (the restriction of OWL 2 DL on punning)."""
+    for one, other in product(KINDS, KINDS):
+        if one != other:
+            assert not set(BOTH.subjects(RDF.type, one)) & set(BOTH.subjects(RDF.type, other))
+
+
+def test_every_property_has_the_kind_of_its_range() -> None:
+    """The range of a property for values is a data type, that of a relation is not."""
+    for kind, literal in ((OWL.DatatypeProperty, True), (OWL.ObjectProperty, False)):
+        for term in BOTH.subjects(RDF.type, kind):
+            for span in BOTH.objects(term, RDFS.range):
+                assert str(span).startswith(vocabulary.XSD) == literal, term
