@@ -258,7 +258,7 @@ def _from_file(file: Path) -> Iterator[tuple[Declaration, object, Origin, Path]]
         place = Place(str(file), _line_of(name, text))
         if name not in DECLARED:
             close = get_close_matches(name, DECLARED, n=1)
-            hint = f"did you mean `{close[0]}`?" if close else "the settings are " + ", ".join(DECLARED)
+            hint = f"Did you mean `{close[0]}`?" if close else f"The settings are {', '.join(DECLARED)}."
             raise UsageError("KG002", f"there is no setting `{name}`", place=place, hint=hint)
         yield DECLARED[name], value, Origin("file", place), file.parent
 

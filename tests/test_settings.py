@@ -65,7 +65,7 @@ def test_an_unknown_key_names_its_line_and_the_nearest_setting(tmp_path: Path) -
     error = refusal(tmp_path)
     assert error.code == "KG002"
     assert str(error.place) == f"{path}:3"
-    assert error.hint == "did you mean `max_file_bytes`?"
+    assert error.hint == "Did you mean `max_file_bytes`?"
 
 
 def test_an_unknown_key_like_no_other_lists_the_settings(tmp_path: Path) -> None:

@@ -4,7 +4,7 @@ from typing import Annotated, Any, Final
 
 import typer
 
-from kg.cli.commands import config, doctor, exchange, explain, lists, node, nodes
+from kg.cli.commands import config, doctor, exchange, explain, lists, node, nodes, ontology
 from kg.cli.diagnostics import MODE, Mode
 from kg.cli.group import KgCommand, KgGroup
 from kg.cli.options import Store, from_setting
@@ -104,4 +104,8 @@ config_app.command("show", cls=KgCommand)(config.show)
 for _panel, _name, _function in COMMANDS:
     _class = node.NodeCommand if _name == "node" else KgCommand
     app.command(_name, cls=_class, rich_help_panel=_panel)(_function)
+ontology_app = typer.Typer(cls=KgGroup, rich_markup_mode=None, help="Check ontologies, and data against their shapes.")
+ontology_app.command("check", cls=KgCommand)(ontology.check)
+ontology_app.command("validate", cls=KgCommand)(ontology.validate)
+app.add_typer(ontology_app, name="ontology", rich_help_panel="Look after it")
 app.add_typer(config_app, name="config", rich_help_panel="Look after it")

@@ -9,8 +9,8 @@ from typer.core import TyperCommand, TyperGroup
 
 from kg.cli.guard import guarded, hang_up
 from kg.cli.manual import page, plain
-from kg.cli.usage import did_you_mean
 from kg.errors import UsageError
+from kg.query.similar import did_you_mean
 
 __all__ = ["KgCommand", "KgGroup"]
 
@@ -41,7 +41,7 @@ class KgGroup(TyperGroup):
         """Find the command, or name the nearest."""
         if args and not args[0].startswith("-") and self.get_command(ctx, args[0]) is None:
             near = did_you_mean(args[0], self.commands)
-            hint = "\n".join(filter(None, (near, f"`{ctx.command_path} --help` lists the commands")))
+            hint = "\n".join(filter(None, (near, f"`{ctx.command_path} --help` lists the commands.")))
             raise UsageError("KG003", f"there is no command `{ctx.command_path} {args[0]}`", hint=hint)
         return super().resolve_command(ctx, args)
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kg.cli.usage import did_you_mean
 from kg.errors import Exit, UsageError
+from kg.query.similar import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -33,7 +33,7 @@ def known_package(graph: Queryable, name: str) -> None:
     known = packages(graph)
     names = [one.name for one in known] + [f"{one.repository}:{one.name}" for one in known]
     if name not in names:
-        raise UnknownNameError("package", name, names, otherwise="`kg packages` lists the packages")
+        raise UnknownNameError("package", name, names, otherwise="`kg packages` lists the packages.")
 
 
 def one_node(graph: Queryable, name: str) -> NodeRecord:
@@ -51,7 +51,7 @@ def one_node(graph: Queryable, name: str) -> NodeRecord:
         return found[0]
     if not found:
         raise UnknownNameError(
-            "node", name, _candidates(graph, name, node_names(graph)), otherwise="`kg nodes` lists them"
+            "node", name, _candidates(graph, name, node_names(graph)), otherwise="`kg nodes` lists the nodes."
         )
     packages = [one.package for one in found]
     ways = [f"{one.package}/{one.node.name}" if packages.count(one.package) == 1 else one.full_name for one in found]

@@ -39,7 +39,7 @@ An error has a code (`kg explain CODE` says more), the place when there is one, 
      --> kg.toml:2
       |
     2 | stroe = "x"
-    help: did you mean `store`?
+    help: Did you mean `store`?
 
 """
 

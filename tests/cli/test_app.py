@@ -48,7 +48,7 @@ def test_a_bad_setting_shows_its_line_with_the_error(kg: Program, tmp_path: Path
     run = kg("config", "show")
     assert run.code == 2
     assert f"--> {tmp_path}/kg.toml:2\n  |\n2 | stroe = 'x'\n" in run.err
-    assert "help: did you mean `store`?" in run.err
+    assert "help: Did you mean `store`?" in run.err
 
 
 def test_a_defect_is_reported_in_two_lines_without_traceback(kg: Program) -> None:

@@ -11,8 +11,8 @@ from kg.cli.options import Base, Store
 from kg.cli.output import write_bytes
 from kg.cli.session import session
 from kg.cli.stores import existing, reading, writable
-from kg.cli.usage import did_you_mean
 from kg.errors import Place, QueryError, UsageError
+from kg.query.similar import did_you_mean
 from kg.render.text import count
 
 if TYPE_CHECKING:
@@ -143,7 +143,7 @@ def _format(name: str | None, output: Path | None) -> "RdfFormat | None":
     if found is None:
         near = did_you_mean(ending, FORMATS)
         raise QueryError(
-            "KG504", f"there is no format `{ending}`", hint=near or f"the formats are {', '.join(FORMATS)}"
+            "KG504", f"there is no format `{ending}`", hint=near or f"The formats are {', '.join(FORMATS)}."
         )
     return found
 
@@ -174,7 +174,7 @@ def _graph(snapshot: "EmbeddedSnapshot", base: str, source: str | None, graph: s
     from kg.graph.iris import Iris  # noqa: PLC0415 - start-up time
 
     if source and graph:
-        raise UsageError("KG003", "--source and --graph name a graph each", hint="give one of them")
+        raise UsageError("KG003", "--source and --graph name a graph each", hint="Give one of them.")
     if not source and not graph:
         return None
     wanted = Iris(base).source_graph(source) if source else _iri(base, graph or "")
@@ -184,4 +184,4 @@ def _graph(snapshot: "EmbeddedSnapshot", base: str, source: str | None, graph: s
     start = f"{base}graph/source/" if source else f"{base}graph/"
     names = [one.removeprefix(start) for one in found if one.startswith(start) or not source]
     kind = "source" if source else "graph"
-    raise UnknownNameError(kind, source or graph or "", names, otherwise=f"there are: {', '.join(names) or 'none'}")
+    raise UnknownNameError(kind, source or graph or "", names, otherwise=f"There are: {', '.join(names) or 'none'}.")

@@ -23,7 +23,7 @@ def explain(code: Code = None, *, json: Json = False) -> None:
     """
     chosen = {code.upper(): CATALOGUE[code.upper()]} if code and code.upper() in CATALOGUE else CATALOGUE
     if code and len(chosen) != 1:
-        raise UnknownNameError("code", code, CATALOGUE, otherwise="`kg explain` lists the codes")
+        raise UnknownNameError("code", code, CATALOGUE, otherwise="`kg explain` lists the codes.")
     if json:
         json_lines(
             {"code": key, "title": one.title, "explanation": one.explanation, "way_out": one.way_out}

@@ -47,7 +47,7 @@ def nodes(
     from kg.graph.records import node_object  # noqa: PLC0415 - start-up time
 
     if kind is not None and kind not in set(NodeKind):
-        raise UsageError("KG003", f"there is no kind `{kind}`", hint=f"the kinds are {', '.join(NodeKind)}")
+        raise UsageError("KG003", f"there is no kind `{kind}`", hint=f"The kinds are {', '.join(NodeKind)}.")
     with reading(session(context).settings(store=store)) as snapshot:
         if package:
             known_package(snapshot, package)
