@@ -7,7 +7,6 @@ import typer
 
 from kg.cli.diagnostics import note, say
 from kg.cli.group import KgCommand
-from kg.cli.links import Links
 from kg.cli.names import one_node
 from kg.cli.options import Json, Store
 from kg.cli.output import json_lines, show, terminal, write_bytes
@@ -17,6 +16,7 @@ from kg.errors import Place, UsageError
 from kg.render.text import count
 
 if TYPE_CHECKING:
+    from kg.cli.links import Links
     from kg.graph.reading import NodeRecord
 
 __all__ = ["NodeCommand", "node"]
@@ -65,6 +65,7 @@ def node(  # noqa: PLR0913 - the options of a command
         kg node move_base/move_base --all
         kg node move_base --picture move_base.svg
     """
+    from kg.cli.links import Links  # noqa: PLC0415 - start-up time
     from kg.graph.records import node_object  # noqa: PLC0415 - start-up time
     from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
 
@@ -79,7 +80,7 @@ def node(  # noqa: PLR0913 - the options of a command
         _show(record, links, every=every)
 
 
-def _show(record: "NodeRecord", links: Links, *, every: bool) -> None:
+def _show(record: "NodeRecord", links: "Links", *, every: bool) -> None:
     from kg.cli.node_view import left_out, node_view  # noqa: PLC0415 - start-up time
 
     show(*node_view(record, links, every=every))

@@ -11,7 +11,6 @@ from kg.cli.output import Column, listing, terminal
 from kg.cli.session import session
 from kg.cli.stores import reading
 from kg.errors import UsageError
-from kg.facts import NodeKind, Role
 from kg.render.text import count
 
 if TYPE_CHECKING:
@@ -43,6 +42,7 @@ def nodes(
         kg nodes --package move_base
         kg nodes --json | jq -r 'select(.publishes[].type == "geometry_msgs/Twist") | .node'
     """
+    from kg.facts import NodeKind  # noqa: PLC0415 - start-up time
     from kg.graph.reading import node_records  # noqa: PLC0415 - start-up time
     from kg.graph.records import node_object  # noqa: PLC0415 - start-up time
 
@@ -58,6 +58,8 @@ def nodes(
 
 
 def _row(record: "NodeRecord") -> tuple[object, ...]:
+    from kg.facts import Role  # noqa: PLC0415 - start-up time
+
     node = record.node
     roles = [one.role for one in node.interfaces if not one.implicit]
     actions = roles.count(Role.ACTION_SERVERS) + roles.count(Role.ACTION_CLIENTS)
