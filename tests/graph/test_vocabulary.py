@@ -1,6 +1,8 @@
 from __future__ import annotations
 
+import re
 from itertools import product
+from pathlib import Path
 
 import pytest
 from rdflib import OWL, RDF, RDFS, Graph, URIRef
@@ -72,6 +74,16 @@ def test_every_term_that_is_written_is_defined() -> None:
     ours = {term for term in used if term.startswith((vocabulary.ROS, vocabulary.RNKG))}
     assert len(ours) > 100
     assert {URIRef(term) for term in ours} <= set(BOTH.subjects(RDF.type))
+
+
+def test_every_term_that_is_written_is_in_the_documentation() -> None:
+    """docs/graph-model.md shows each term of the ontologies that the writers use."""
+    page = (Path(__file__).parents[2] / "docs" / "graph-model.md").read_text("utf-8")
+    shown = set(re.findall(r"\b(rnkg|ros):([A-Za-z-]+)", page))
+    used = {value[1:-1] for value in vars(vocabulary).values() if isinstance(value, str) and value.startswith("<")}
+    for prefix, namespace in (("rnkg", vocabulary.RNKG), ("ros", vocabulary.ROS)):
+        names = {term.removeprefix(namespace) for term in used if term.startswith(namespace)}
+        assert names <= {name for known, name in shown if known == prefix}
 
 
 def test_terms_of_others_are_declared() -> None:
