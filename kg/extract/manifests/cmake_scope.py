@@ -14,7 +14,7 @@ __all__ = ["LONGEST_VALUE", "Scope", "split_list", "strip_generators"]
 LONGEST_VALUE: Final = 200_000
 """Characters after which a value is cut, so that no list that doubles itself exhausts memory."""
 
-_REFERENCE: Final = re.compile(r"\$(ENV|CACHE)?\{([A-Za-z0-9_./+\-@:]*)\}")
+_REFERENCE: Final = re.compile(r"(?<!\\)\$(ENV|CACHE)?\{([A-Za-z0-9_./+\-@:]*)\}")
 _ESCAPE: Final = re.compile(r"\\(.)", re.DOTALL)
 _ESCAPES: Final = {"n": "\n", "t": "\t", "r": "\r", "0": "\0"}
 _DEEPEST_NESTING: Final = 20
