@@ -36,13 +36,12 @@ def read_build(reader: Reader, package: PackageFolder) -> BuildModel:
             found.setdefault((plugin.name, plugin.base_type), plugin)
     plugins = collected.run_alone([*collected.plugins, *found.values()])
     entry_points, declared = read_setup(reader, package)
-    scripts = read_scripts(reader, package, collected.programs)
-    known = {script.path for script in scripts}
+    scripts = read_scripts(reader, package, collected.programs, declared)
     reconfigure = dict.fromkeys([*collected.reconfigure_files, *_cfg_files(package)])
     return BuildModel(
         targets=collected.finished(),
         plugins=tuple(plugins),
-        scripts=(*scripts, *(script for script in declared if script.path not in known)),
+        scripts=tuple(scripts),
         entry_points=tuple(entry_points),
         parameter_libraries=tuple(collected.parameter_libraries),
         reconfigure_files=tuple(reconfigure),

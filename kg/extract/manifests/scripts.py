@@ -9,7 +9,7 @@ from kg.extract.buildmodel import Script
 from kg.facts import FileKind, Location
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
     from kg.corpus.files import FileEntry, PackageFolder
     from kg.corpus.reading import Reader
@@ -19,14 +19,19 @@ __all__ = ["read_scripts"]
 _FOLDERS: Final = frozenset({"scripts", "script", "nodes", "bin"})
 
 
-def read_scripts(reader: Reader, folder: PackageFolder, programs: Mapping[tuple[str, str], Location]) -> list[Script]:
-    """Return the scripts: Python files that CMake installs as programs, and those marked as programs with a shebang."""
-    scripts: list[Script] = []
-    taken: set[str] = set()
-    for (name, path), location in programs.items():
-        if _is_python(reader, path):
-            scripts.append(Script(name, path, location))
-            taken.add(path)
+def read_scripts(
+    reader: Reader,
+    folder: PackageFolder,
+    programs: Mapping[tuple[str, str], Location],
+    declared: Iterable[Script] = (),
+) -> list[Script]:
+    """Return the scripts, each file once: Python files that CMake installs as programs, `declared` ones of setup.py,
+    and those marked as programs with a shebang.
+    """
+    scripts = [Script(name, path, place) for (name, path), place in programs.items() if _is_python(reader, path)]
+    taken = {script.path for script in scripts}
+    scripts.extend(script for script in declared if script.path not in taken)
+    taken |= {script.path for script in scripts}
     marked = (entry for entry in folder.files if entry.kind is FileKind.PYTHON and _may_run(entry))
     scripts.extend(
         Script(posixpath.basename(entry.path), entry.path, Location(entry.path, 1))
