@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.facts import Access, NodeKind, Resolution, Role
 from kg.graph.records import how_to_start
-from kg.render.text import printable
+from kg.render.text import printable, width
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from rich.console import RenderableType
+    from rich.table import Table
     from rich.text import Text
 
     from kg.cli.links import Links
@@ -42,25 +43,57 @@ class _Row:
     dim: bool
 
 
-def node_view(record: NodeRecord, links: Links, *, every: bool) -> tuple[RenderableType, ...]:
-    """Return what to show of a node; `every` adds what frameworks make by themselves."""
-    from rich.box import SIMPLE_HEAD  # noqa: PLC0415 - start-up time
-    from rich.table import Table  # noqa: PLC0415 - start-up time
+@dataclass(slots=True)
+class _Table:
+    """The groups of rows of one node on their way into a table."""
+
+    repository: str
+    links: Links
+    groups: list[tuple[str, list[_Row]]] = field(default_factory=list)
+
+    def add(self, title: str, rows: list[_Row]) -> None:
+        self.groups.append((title, rows))
+
+    def fitted(self, columns: int) -> Table:
+        """Return the table for so many columns."""
+        from rich.box import SIMPLE_HEAD  # noqa: PLC0415 - start-up time
+        from rich.table import Table  # noqa: PLC0415 - start-up time
+        from rich.text import Text  # noqa: PLC0415 - start-up time
+
+        short = self._width() > columns
+        table = Table(box=SIMPLE_HEAD, show_header=False, pad_edge=False, show_edge=False, padding=(0, 2, 0, 0))
+        for fold in (True, False, True, False):
+            table.add_column(overflow="fold", no_wrap=not fold)
+        for number, (title, rows) in enumerate(self.groups):
+            if number:
+                table.add_row()
+            table.add_row(Text(title, style="bold cyan"))
+            for row in rows:
+                style = "dim" if row.dim else ""
+                name = Text(f"  {printable(row.cells[0])}", style=style or "bold")
+                rest = (Text(printable(cell), style=style) for cell in row.cells[1:])
+                table.add_row(name, *rest, _place(row.location, self.repository, self.links, short=short))
+        return table
+
+    def _width(self) -> int:
+        """Return the columns that the table takes with nothing folded or shortened."""
+        rows = [row for _, rows in self.groups for row in rows]
+        cells = [[*row.cells, _where(row.location)] for row in rows]
+        return sum(max(width(printable(text)) for text in column) + 3 for column in zip(*cells, strict=True))
+
+
+def node_view(record: NodeRecord, links: Links, columns: int, *, every: bool) -> tuple[RenderableType, ...]:
+    """Return what to show of a node on so many columns; `every` adds what frameworks make by themselves.
+
+    Where the lines are too narrow for paths, places are shown as the name of the file and its line; their links
+    still lead to the whole path.
+    """
     from rich.text import Text  # noqa: PLC0415 - start-up time
 
-    table = Table(box=SIMPLE_HEAD, show_header=False, pad_edge=False, show_edge=False, padding=(0, 2, 0, 0))
-    for _ in range(4):
-        table.add_column(overflow="fold")
+    table = _Table(record.repository, links)
     for title, rows in _groups(record.node, every=every):
-        if table.row_count:
-            table.add_row()
-        table.add_row(Text(title, style="bold cyan"))
-        for row in rows:
-            style = "dim" if row.dim else ""
-            name = Text(f"  {printable(row.cells[0])}", style=style or "bold")
-            rest = (Text(printable(cell), style=style) for cell in row.cells[1:])
-            table.add_row(name, *rest, _place(row.location, record.repository, links))
-    return (*_header(record, links), *((Text(), table) if table.row_count else ()))
+        table.add(title, rows)
+    return (*_header(record, links), *((Text(), table.fitted(columns)) if table.groups else ()))
 
 
 def left_out(node: NodeType) -> int:
@@ -102,13 +135,16 @@ def _some(paths: Sequence[str], most: int = 4) -> str:
     return ", ".join(paths[:most]) + more
 
 
-def _place(location: Location, repository: str, links: Links) -> Text:
+def _where(location: Location) -> str:
+    return f"{location.repository}:{location}" if location.repository else str(location)
+
+
+def _place(location: Location, repository: str, links: Links, *, short: bool = False) -> Text:
     from rich.text import Text  # noqa: PLC0415 - start-up time
 
-    where = f"{location.repository}:" if location.repository else ""
     address = links.to(repository, location)
-    style = f"link {address}" if address else ""
-    return Text.assemble((printable(f"{where}{location}"), f"dim {style}".strip()))
+    shown = _where(location).rpartition("/")[2] if short else _where(location)
+    return Text(printable(shown), style=f"dim link {address}" if address else "dim")
 
 
 def _groups(node: NodeType, *, every: bool) -> list[tuple[str, list[_Row]]]:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
+from shutil import get_terminal_size
 from typing import IO, TYPE_CHECKING, Any
 
 from kg.cli.diagnostics import colored
-from kg.render.text import printable
+from kg.render.text import printable, width
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -19,6 +20,7 @@ __all__ = [
     "Column",
     "console",
     "json_lines",
+    "line_width",
     "listing",
     "make_table",
     "print_table",
@@ -33,16 +35,24 @@ _UNBOUNDED = 100_000
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A column of a table: `kind` is text, number, name (bold) or dim; `fold` lets long cells take more lines."""
+    """A column of a table: `kind` is text, number, name (bold) or dim.
+
+    A `spare` one is left out where the lines are too short for the table, the last one first.
+    """
 
     title: str
     kind: str = "text"
-    fold: bool = True
+    spare: bool = False
 
 
 def terminal() -> bool:
     """Tell whether a person reads standard output."""
     return sys.stdout.isatty()
+
+
+def line_width() -> int:
+    """Return how many columns a line of standard output has; off a terminal there is no end to it."""
+    return get_terminal_size().columns if terminal() else _UNBOUNDED
 
 
 def write(text: str = "") -> None:
@@ -117,30 +127,48 @@ def print_table(columns: Sequence[Column], rows: Iterable[Sequence[object]], *, 
 
 
 def make_table(columns: Sequence[Column], rows: Iterable[Sequence[object]], *, title: str | None = None) -> Table:
-    """Return a table of printable cells; cells that are rich's own (links) pass as they are."""
+    """Return a table of printable cells; where lines are short, columns that can be spared are left out."""
     from rich.box import SIMPLE_HEAD  # noqa: PLC0415 - start-up time
     from rich.table import Table  # noqa: PLC0415 - start-up time
 
+    cells = [[_cell(value) for value in row] for row in rows]
+    kept = _fitting(columns, cells)
     table = Table(
         box=SIMPLE_HEAD, title=title, title_justify="left", pad_edge=False, show_edge=False, header_style="bold"
     )
     styles = {"name": "bold", "dim": "dim"}
-    for column in columns:
+    for index in kept:
+        column = columns[index]
+        number = column.kind == "number"
         table.add_column(
             column.title,
             style=styles.get(column.kind),
-            justify="right" if column.kind == "number" else "left",
-            overflow="fold" if column.fold else "ellipsis",
-            no_wrap=not column.fold,
+            justify="right" if number else "left",
+            overflow="fold",
+            no_wrap=number,
         )
-    for row in rows:
-        table.add_row(*(_cell(value) for value in row))
+    for row in cells:
+        table.add_row(*(row[index] for index in kept))
     return table
 
 
-def _cell(value: Any) -> Any:
+def _fitting(columns: Sequence[Column], cells: Sequence[Sequence[str]]) -> list[int]:
+    """Return the positions of the columns that fit on a line, or that cannot be spared."""
+    widths = [
+        max([width(column.title), *(width(row[index]) for row in cells)]) + 3 for index, column in enumerate(columns)
+    ]
+    kept = list(range(len(columns)))
+    for index in reversed(range(len(columns))):
+        if sum(widths[one] for one in kept) - 2 <= line_width():
+            break
+        if columns[index].spare:
+            kept.remove(index)
+    return kept
+
+
+def _cell(value: object) -> str:
     if value is None:
         return ""
     if isinstance(value, int) and not isinstance(value, bool):
         return f"{value:,}"
-    return printable(value) if isinstance(value, str) else value
+    return printable(str(value))

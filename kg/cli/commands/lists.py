@@ -30,8 +30,8 @@ def packages(context: typer.Context, *, json: Json = False, store: Store = None)
         Column("package", "name"),
         Column("version"),
         *(Column(title, "number") for title in ("ros", "nodes", "definitions", "problems")),
-        Column("source", "dim"),
-        Column("folder", "dim"),
+        Column("source", "dim", spare=True),
+        Column("folder", "dim", spare=True),
     )
     rows = [
         (one.name, one.version, one.ros, one.nodes, one.definitions, one.problems, one.repository, one.folder)

@@ -9,7 +9,7 @@ from kg.cli.diagnostics import note, say
 from kg.cli.group import KgCommand
 from kg.cli.names import one_node
 from kg.cli.options import Json, Store
-from kg.cli.output import json_lines, show, terminal, write_bytes
+from kg.cli.output import json_lines, line_width, show, terminal, write_bytes
 from kg.cli.session import session
 from kg.cli.stores import reading
 from kg.errors import Place, UsageError
@@ -83,7 +83,7 @@ def node(  # noqa: PLR0913 - the options of a command
 def _show(record: "NodeRecord", links: "Links", *, every: bool) -> None:
     from kg.cli.node_view import left_out, node_view  # noqa: PLC0415 - start-up time
 
-    show(*node_view(record, links, every=every))
+    show(*node_view(record, links, line_width(), every=every))
     hidden = 0 if every else left_out(record.node)
     if hidden:
         note(f"{count(hidden, 'implicit entry', 'implicit entries')} made by frameworks not shown; --all shows them")

@@ -1,0 +1,75 @@
+"""Answers of queries on standard output: tables for people, the formats of `kg.query.formats` for programs."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from kg.cli.diagnostics import note
+from kg.cli.output import Column, print_table, terminal, write, write_bytes
+from kg.query.formats import display, plain
+from kg.query.formats import write as written
+from kg.query.result import Boolean, Graph, Solutions
+from kg.render.text import count
+
+if TYPE_CHECKING:
+    from kg.query.result import Result
+
+__all__ = ["answer", "format_for", "table"]
+
+_OTHER_NAMES: Final = {
+    "md": "markdown",
+    "ndjson": "jsonl",
+    "ttl": "turtle",
+    "nt": "ntriples",
+    "nq": "nquads",
+    "rdf": "rdfxml",
+    "json-ld": "jsonld",
+}
+
+
+def format_for(name: str, *, people: bool | None = None) -> str:
+    """Return the format meant by the setting `format`; `auto` is a table for people and TSV for programs."""
+    if name == "auto":
+        return "table" if (terminal() if people is None else people) else "tsv"
+    return _OTHER_NAMES.get(name, name)
+
+
+def answer(result: Result, name: str, *, automatic: bool = False) -> None:
+    """Write an answer in a format of `format_for`; an `automatic` one gives way to Turtle for a graph."""
+    if name == "table" and isinstance(result, Solutions):
+        table(result)
+    elif name == "table" and isinstance(result, Boolean):
+        write("yes" if result.value else "no")
+    elif isinstance(result, Graph) and (automatic or name == "table"):
+        write_bytes(written(result, "turtle"))
+    else:
+        write_bytes(written(result, name))
+    _remarks(result, name)
+
+
+def table(result: Solutions) -> None:
+    """Write rows as a table, numbers to the right."""
+    columns = []
+    for position, name in enumerate(result.variables):
+        values = [plain(row[position]) for row in result.rows if row[position] is not None]
+        number = bool(values) and all(
+            isinstance(value, int | float) and not isinstance(value, bool) for value in values
+        )
+        columns.append(Column(name, "number" if number else "text"))
+    rows = [[display(term) for term in row] for row in result.rows]
+    if rows:
+        print_table(columns, rows)
+
+
+def _remarks(result: Result, name: str) -> None:
+    """Say how many rows there were, when people read, and always when rows are missing."""
+    if isinstance(result, Boolean):
+        return
+    if isinstance(result, Solutions):
+        number, noun = len(result.rows), "row"
+    else:
+        number, noun = len(result.triples), "triple"
+    if result.limit is not None:
+        note(f"only the first {count(number, noun)} shown; --limit 0 shows all")
+    elif name == "table":
+        note(f"{count(number, noun)} in {result.seconds:.3f} s")
