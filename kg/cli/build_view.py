@@ -1,0 +1,124 @@
+"""The end of a build in words: what was read, what was found, what stayed unresolved and why, what was wrong."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.render.text import count, printable
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kg.facts import Problem
+    from kg.pipeline.report import BuildReport, SourceReport
+
+__all__ = ["report_object", "summary"]
+
+_FEW: Final = 10
+_FEW_REASONS: Final = 5
+
+
+def summary(report: BuildReport, store: Path, *, every: bool) -> Iterator[str]:
+    """Yield the lines about a build that has ended; `every` lists all problems and reasons."""
+    sources = count(len(report.sources), "source")
+    if report.generation is None:
+        yield f"nothing changed in {count(report.reused, 'package')} of {sources} ({report.seconds:.2f} s)"
+    else:
+        removed = sum(source.removed for source in report.sources)
+        unchanged = f", {report.reused:,} unchanged" if report.reused else ""
+        gone = f", {removed:,} gone" if removed else ""
+        yield f"read {count(report.read, 'package')} of {sources}{unchanged}{gone} in {report.seconds:.2f} s"
+    yield _found(report)
+    yield from _unresolved(report, every=every)
+    yield from _problems(report, every=every)
+    yield f"store {_near(store)}"
+
+
+def _found(report: BuildReport) -> str:
+    kinds = (("nodes", "node"), ("interfaces", "interface"), ("parameters", "parameter"))
+    found = [count(report.total(key), noun) for key, noun in kinds]
+    definitions = count(report.total("definitions"), "message, service and action type")
+    return f"found {', '.join(found)}, {definitions} in {count(report.total('files'), 'file')}"
+
+
+def _unresolved(report: BuildReport, *, every: bool) -> Iterator[str]:
+    reasons = report.unresolved()
+    total = report.total("unresolved")
+    if not total:
+        return
+    yield f"unresolved {count(total, 'name')} of {report.total('interfaces'):,}; why:"
+    shown = list(reasons.items())[: None if every else _FEW_REASONS]
+    for reason, number in shown:
+        yield f"  {number:>5,}  {printable(reason)}"
+    rest = total - sum(number for _, number in shown)
+    if rest > 0:
+        yield f"  {rest:>5,}  other reasons (--problems lists all)"
+
+
+def _problems(report: BuildReport, *, every: bool) -> Iterator[str]:
+    listed = [
+        (source, problem)
+        for source in report.sources
+        for problem in (*source.problems, *(one for package in source.packages for one in package.problems))
+    ]
+    if not listed:
+        return
+    files = len({(source.repository.name, problem.path) for source, problem in listed})
+    yield f"problems {len(listed):,} in {count(files, 'file')}; the rest was built:"
+    for source, problem in listed[: None if every else _FEW]:
+        yield f"  {_place(source, problem)}: {problem.code} {printable(problem.message)}"
+    if not every and len(listed) > _FEW:
+        yield f"  and {len(listed) - _FEW:,} more (--problems lists all)"
+
+
+def _place(source: SourceReport, problem: Problem) -> str:
+    line = f":{problem.line}" if problem.line else ""
+    return printable(f"{_near(Path(source.repository.root) / problem.path)}{line}")
+
+
+def _near(path: Path) -> str:
+    """Return a path as short as it can be typed in the working folder."""
+    relative = os.path.relpath(path)
+    return str(path) if relative.startswith("..") else relative
+
+
+def report_object(report: BuildReport) -> dict[str, Any]:
+    """Return the report as plain values, ready for JSON."""
+    keys = (
+        "packages",
+        "nodes",
+        "interfaces",
+        "parameters",
+        "definitions",
+        "files",
+        "unresolved",
+        "problems",
+        "triples",
+    )
+    return {
+        "generation": report.generation,
+        "seconds": round(report.seconds, 3),
+        "jobs": report.jobs,
+        "read": report.read,
+        "reused": report.reused,
+        "counts": {key: report.total(key) for key in keys},
+        "unresolved": report.unresolved(),
+        "sources": [_source_object(source) for source in report.sources],
+    }
+
+
+def _source_object(source: SourceReport) -> dict[str, Any]:
+    problems = [*source.problems, *(one for package in source.packages for one in package.problems)]
+    return {
+        "name": source.repository.name,
+        "commit": source.repository.commit,
+        "root": source.repository.root,
+        "read": source.read,
+        "reused": source.reused,
+        "removed": source.removed,
+        "problems": [
+            {"code": one.code, "message": one.message, "file": one.path, "line": one.line} for one in problems
+        ],
+    }

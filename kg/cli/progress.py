@@ -1,0 +1,125 @@
+"""What a running build shows: a bar on a terminal, one line a package elsewhere; both on standard error."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING, Final, Self
+
+from kg.cli.diagnostics import say
+from kg.pipeline.report import Silent
+from kg.render.text import count, printable
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+    from rich.progress import Progress, TaskID
+
+    from kg.facts import Problem, Repository
+    from kg.pipeline.report import PackageResult
+
+__all__ = ["Bar", "Lines", "for_this_stream"]
+
+_LONGEST_NAME: Final = 32
+
+
+class Lines(Silent):
+    """One line for each thing that happens, for logs and pipes."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Nothing is left to clean up."""
+
+    def fetching(self, message: str) -> None:
+        """Write what happens to a git address."""
+        say(printable(message))
+
+    def source(self, repository: Repository, packages: int, problems: tuple[Problem, ...]) -> None:  # noqa: ARG002 - the end lists problems
+        """Write what was found at a source."""
+        say(f"source {printable(repository.name)}: {count(packages, 'package')}")
+
+    def planned(self, read: int, reused: int, jobs: int) -> None:
+        """Write what is to be done."""
+        if read:
+            unchanged = f", {reused:,} unchanged" if reused else ""
+            say(f"reading {count(read, 'package')}{unchanged}, with {count(jobs, 'process', 'processes')}")
+
+    def done(self, result: PackageResult) -> None:
+        """Write what a package gave."""
+        found = (
+            f"{count(result.counts.get('nodes', 0), 'node')}, {count(result.counts.get('interfaces', 0), 'interface')}"
+        )
+        problems = f", {count(len(result.problems), 'problem')}" if result.problems else ""
+        say(f"read {printable(result.name)}: {found}{problems} ({result.seconds:.2f} s)")
+
+    def writing(self, triples: int) -> None:
+        """Write that the store is written."""
+        say(f"writing {count(triples, 'triple')}")
+
+
+class Bar(Silent):
+    """A bar that grows by packages, with the time spent and the package read last.
+
+    It is drawn anew when something happens and not by a thread, because the build forks its workers.
+    """
+
+    def __init__(self) -> None:
+        self._progress: Progress | None = None
+        self._task: TaskID | None = None
+
+    def __enter__(self) -> Self:
+        from rich.console import Console  # noqa: PLC0415 - start-up time
+        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn  # noqa: PLC0415 - start-up time
+
+        self._progress = Progress(
+            TextColumn("{task.description}", markup=False),
+            BarColumn(bar_width=None),
+            MofNCompleteColumn(),
+            TimeElapsedColumn(),
+            console=Console(stderr=True, highlight=False),
+            transient=True,
+            auto_refresh=False,
+        )
+        self._progress.start()
+        self._task = self._progress.add_task("looking for packages", total=None)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Take the bar away; what was said above it stays."""
+        if self._progress:
+            self._progress.stop()
+
+    def fetching(self, message: str) -> None:
+        """Show what happens to a git address."""
+        self._show(message)
+
+    def planned(self, read: int, reused: int, jobs: int) -> None:  # noqa: ARG002 - the end tells them
+        """Give the bar its length."""
+        if self._progress and self._task is not None:
+            self._progress.update(self._task, total=read, completed=0)
+            self._show("reading")
+
+    def done(self, result: PackageResult) -> None:
+        """Let the bar grow."""
+        if self._progress and self._task is not None:
+            self._progress.advance(self._task)
+            self._show(f"read {result.name}")
+
+    def writing(self, triples: int) -> None:
+        """Show that the store is written."""
+        self._show(f"writing {count(triples, 'triple')}")
+
+    def _show(self, text: str) -> None:
+        if self._progress and self._task is not None:
+            shown = printable(text)[:_LONGEST_NAME]
+            self._progress.update(self._task, description=f"{shown:<{_LONGEST_NAME}}", refresh=True)
+
+
+def for_this_stream() -> Bar | Lines:
+    """Return what suits standard error."""
+    return Bar() if sys.stderr.isatty() else Lines()
