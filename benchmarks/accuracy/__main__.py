@@ -94,9 +94,10 @@ def _wanted(root: Path, only: str | None) -> bool:
 def _report_reading(readings: list[Reading]) -> None:
     nodes = sum(len(reading.records) for reading in readings)
     failed = [line for reading in readings for line in reading.problems if " KG121 " in line]
-    seconds = sum(reading.seconds for reading in readings)
-    words = f"{len(readings)} sources, {nodes} nodes, {seconds:.1f} s CPU in extraction, {len(failed)} packages failed"
-    print(words, *failed[:10], sep="\n", file=sys.stderr)
+    seconds = {name: spent for reading in readings for name, spent in reading.seconds.items()}
+    slowest = ", ".join(f"{name} {seconds[name]:.1f} s" for name in sorted(seconds, key=lambda n: -seconds[n])[:5])
+    words = f"{len(readings)} sources, {nodes} nodes, {sum(seconds.values()):.1f} s CPU in extraction ({slowest})"
+    print(words, f"{len(failed)} packages failed", *failed[:10], sep="\n", file=sys.stderr)
 
 
 _COLUMNS = (

@@ -27,12 +27,12 @@ _WORKSPACES: list[Workspace] = []
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """What was read of one source: its records, its problems as text, and the CPU seconds that its packages took."""
+    """What was read of one source: its records, its problems as text, and the CPU seconds that each package took."""
 
     repository: Repository
     records: list[dict[str, Any]]
     problems: list[str]
-    seconds: float
+    seconds: dict[str, float]
 
 
 def read_sources(roots: Iterable[Path], *, together: bool, workers: int, package: str | None) -> list[Reading]:
@@ -70,7 +70,7 @@ def _reading(source: Source, results: list[tuple[PackageFacts, float]]) -> Readi
         for facts, _ in results
         for found in facts.problems
     ]
-    return Reading(source.repository, records, problems, sum(seconds for _, seconds in results))
+    return Reading(source.repository, records, problems, {facts.package.name: seconds for facts, seconds in results})
 
 
 def _records(repository: Repository, facts: PackageFacts) -> Iterator[dict[str, Any]]:
