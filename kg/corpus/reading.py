@@ -51,6 +51,12 @@ class Reader:
         self._digests: dict[FilePath, str] = {}
         self._problems: dict[Problem, None] = {}
 
+    def beside(self, source: Source, package: PackageFolder) -> Reader:
+        """Return a reader for another package of the build that keeps the same record."""
+        other = Reader(self.workspace, source, package, self.limit_bytes)
+        other._texts, other._digests, other._problems = self._texts, self._digests, self._problems
+        return other
+
     @property
     def problems(self) -> tuple[Problem, ...]:
         """What could not be read as it should, in the order found, each once."""

@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 
 import pytest
-from extract.workspaces import codes, reader_of
+from extract.workspaces import codes, manifest, reader_of
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -41,6 +41,16 @@ def test_content(tmp_path: Path, content: bytes, text: str | None, problem: tupl
     read = reader.read("demo/a.cpp")
     assert (None if read is None else read.decode()) == text
     assert codes(reader.problems) == ([problem] if problem else [])
+
+
+def test_readers_beside_each_other(tmp_path: Path) -> None:
+    """A reader for another package, made from this one, reads its files on the same record."""
+    reader = reader_of(tmp_path, {"../other/package.xml": manifest("other"), "../other/a.cpp": b"\0"})
+    found = reader.workspace.package("other")
+    assert found is not None
+    assert reader.beside(*found).read("other/a.cpp") is None
+    assert codes(reader.problems) == [("KG112", None)]
+    assert len(reader.inputs) == 1
 
 
 def test_missing_file(tmp_path: Path) -> None:

@@ -60,7 +60,7 @@ class CMakeFiles:
         path = whole[len(SOURCE) + 1 :]
         for link, target in self._links.items():
             if path.startswith(link + "/"):
-                return target + path[len(link) :]
+                return posixpath.normpath(target + path[len(link) :])
         return path
 
     def exists(self, path: str) -> bool:

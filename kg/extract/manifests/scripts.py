@@ -25,8 +25,10 @@ def read_scripts(
     programs: Mapping[tuple[str, str], Location],
     declared: Iterable[Script] = (),
 ) -> list[Script]:
-    """Return the scripts, each file once: Python files that CMake installs as programs, `declared` ones of setup.py,
-    and those marked as programs with a shebang.
+    """Return the scripts, each file once.
+
+    They are Python files that CMake installs as programs, the `declared` ones of setup.py, and those marked as
+    programs that have a shebang.
     """
     scripts = [Script(name, path, place) for (name, path), place in programs.items() if _is_python(reader, path)]
     taken = {script.path for script in scripts}

@@ -73,7 +73,7 @@ class Values:
         parts: list[str] = []
         for child in node.named_children:
             if child.type == "string_content":
-                parts.append(text_of(child))
+                parts.append(_unescaped(text_of(child)))
             elif child.type == "interpolation" and child.named_children:
                 value = self.of(child.named_children[0])
                 parts.append(value.text if isinstance(value, Piece) else "{}")
@@ -138,6 +138,13 @@ class Values:
 def text_of(node: Node) -> str:
     """Return the text of a node."""
     return (node.text or b"").decode("utf-8", "replace")
+
+
+def _unescaped(content: str) -> str:
+    """Return the content of a string literal with its escapes undone; only those that entry points can have."""
+    for written, meant in (("\\\n", ""), ("\\n", "\n"), ("\\t", "\t"), ("\\'", "'"), ('\\"', '"')):
+        content = content.replace(written, meant)
+    return content
 
 
 def _fill(template: Piece, mark: str, values: list[object]) -> Piece | None:

@@ -30,6 +30,8 @@ def evaluate(expression: str) -> object:
         ("'s'", "s"),
         ("r'''s'''", "s"),
         ("'s' 't'", "st"),
+        ("'s \\\n t'", "s  t"),
+        (r"'\'s\'\n'", "'s'\n"),
         ("('s')", "s"),
         ("a", "x"),
         ("b", None),
