@@ -99,8 +99,10 @@ class Layout:
         write_atomically(self.pointer, content + b"\n")
 
 
-def write_atomically(path: Path, content: bytes) -> None:
+def write_atomically(path: Path, content: bytes, *, durable: bool = True) -> None:
     """Replace `path` by `content` so that any reader, and any crash, finds the old bytes or the new ones.
+
+    Without `durable` a loss of power may leave other bytes, for files whose content is checked.
 
     Raises:
         OSError: the temporary file could not be written; `path` is as it was.
@@ -109,13 +111,19 @@ def write_atomically(path: Path, content: bytes) -> None:
     try:
         with temporary.open("wb") as file:
             file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
+            if durable:
+                file.flush()
+                os.fsync(file.fileno())
         temporary.replace(path)
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise
-    folder = os.open(path.parent, os.O_RDONLY)
+    if durable:
+        _sync_folder(path.parent)
+
+
+def _sync_folder(path: Path) -> None:
+    folder = os.open(path, os.O_RDONLY)
     try:
         os.fsync(folder)
     finally:

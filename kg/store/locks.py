@@ -104,7 +104,12 @@ def _hold(folder: Path) -> int | None:
 
 
 def remove_unused(layout: Layout) -> None:
-    """Remove every generation that is neither in force nor held by a reader; only the writer may call this."""
+    """Remove every generation that is neither in force nor held by a reader; only the writer may call this.
+
+    What a killed writer left of its temporary files goes too.
+    """
+    for left in layout.root.glob("*.tmp"):
+        left.unlink(missing_ok=True)
     current = layout.current()
     for number in layout.numbers():
         if number != current:

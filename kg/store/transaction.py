@@ -9,7 +9,7 @@ that replaces more than about two fifths of the store starts empty.
 from __future__ import annotations
 
 import shutil
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from pyoxigraph import DefaultGraph, NamedNode, Quad, RdfFormat, Store, parse
 
@@ -20,6 +20,8 @@ from kg.store.snapshot import EmbeddedSnapshot
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
     from pathlib import Path
+
+    from pyoxigraph import QuerySolutions
 
     from kg.store.layout import Layout
 
@@ -56,8 +58,14 @@ class EmbeddedTransaction:
                 if self._engine.contains_named_graph(graph):
                     self._engine.clear_graph(graph)
                 self._engine.add_graph(graph)
-                for batch in _batches(chunks):
-                    self._engine.bulk_load(batch, RdfFormat.N_TRIPLES, to_graph=graph)
+                self.load(graph, chunks)
+
+    def load(self, graph: NamedNode, chunks: Iterable[bytes]) -> None:
+        """Add chunks of N-Triples that end at ends of lines to a graph, in bulk."""
+        with translated(str(self._layout.root)):
+            self._begin(frozenset())
+            for batch in _batches(chunks):
+                self._engine.bulk_load(batch, RdfFormat.N_TRIPLES, to_graph=graph)
 
     def patch_graph(self, graph: NamedNode, removed: bytes, added: bytes) -> None:
         """Take the N-Triples `removed` out of a graph and put `added` in: for changes small beside the graph."""
@@ -66,6 +74,13 @@ class EmbeddedTransaction:
             if removed.strip():
                 self._engine.update(f"DELETE DATA {{ GRAPH {graph} {{\n{removed.decode()}}} }}")
             self._engine.load(added, RdfFormat.N_TRIPLES, to_graph=graph)
+
+    def count(self, graph: NamedNode) -> int:
+        """Return how many triples a graph holds by now."""
+        with translated(str(self._layout.root)):
+            self._begin(frozenset())
+            rows = self._engine.query(f"SELECT (COUNT(*) AS ?n) WHERE {{ GRAPH {graph} {{ ?s ?p ?o }} }}")
+            return int(next(cast("QuerySolutions", rows))["n"].value)
 
     def append(self, graph: NamedNode, triples: bytes) -> None:
         """Add N-Triples to a graph."""

@@ -1,0 +1,252 @@
+"""The whole way from sources to a store: plan, read what changed, write one new generation.
+
+    store = EmbeddedStore.create(Path(".kg"))
+    report = build(["~/catkin_ws/src"], store, settings.load(), Silent())
+
+Killed or interrupted at any moment, a build leaves the store as it was: the store changes in one transaction at the
+end, and what the next build compares with is written last.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from contextlib import closing
+from dataclasses import replace
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from kg.corpus.sources import is_address
+from kg.facts import FileKind
+from kg.pipeline import cache
+from kg.pipeline.plan import entries_by_name, listing, make_plan, stamp, version
+from kg.pipeline.recording import RecordingWorkspace
+from kg.pipeline.report import BuildReport, Silent, SourceReport
+from kg.pipeline.sources import gather
+from kg.pipeline.state import PackageState, SourceState, State, load, save
+from kg.store.failure import translated
+
+if TYPE_CHECKING:
+    from collections.abc import Generator, Iterator, Sequence
+
+    from kg.corpus.workspace import FileEntry, PackageFolder, Source
+    from kg.pipeline.plan import Key, Plan
+    from kg.pipeline.report import Report
+    from kg.pipeline.work import Outcome
+    from kg.pipeline.writing import Written
+    from kg.settings import Settings
+    from kg.store.embedded import EmbeddedStore
+    from kg.store.transaction import EmbeddedTransaction
+
+__all__ = ["build"]
+
+_CODE = frozenset({FileKind.CPP, FileKind.PYTHON})
+
+
+def build(
+    named: Sequence[str],
+    store: EmbeddedStore,
+    settings: Settings,
+    report: Report | None = None,
+    command: str = "kg build",
+) -> BuildReport:
+    """Read the sources `named` (folders, git addresses, lists of them) into `store` and return what was done.
+
+    Without names it reads what earlier builds read. Other sources in the store stay. `report` is told of the
+    progress; `command` is what another writer is told is running.
+
+    Raises:
+        SourceError: KG101, KG102, KG103 when a source cannot be read at all.
+        StoreError: KG302 while another process writes, KG304 when the disk is full; the store is as it was.
+    """
+    began = time.perf_counter()
+    told = report or Silent()
+    with translated(str(store.layout.root)):
+        store.layout.cache.mkdir(parents=True, exist_ok=True)
+    with store.write(command) as transaction:
+        found = _Build(store, transaction, settings, told).run(tuple(named))
+    finished = replace(found, seconds=time.perf_counter() - began)
+    told.finished(finished)
+    return finished
+
+
+class _Build:
+    """One build under way."""
+
+    def __init__(
+        self, store: EmbeddedStore, transaction: EmbeddedTransaction, settings: Settings, report: Report
+    ) -> None:
+        self._store = store
+        self._transaction = transaction
+        self._settings = settings
+        self._report = report
+        self._cache = store.layout.cache
+        self._state = load(self._cache)
+        self._jobs = settings.jobs or os.cpu_count() or 1
+        self._started = datetime.now(UTC)
+
+    def run(self, named: tuple[str, ...]) -> BuildReport:
+        """Do all of it under the lock of the store, which the caller holds."""
+        sources = gather(named or self._state.roots, self._store.layout.checkouts, self._report)
+        workspace = RecordingWorkspace(sources)
+        now = version(self._settings.base, self._settings.max_file_bytes)
+        plan = make_plan(workspace, self._state, self._cache, now)
+        jobs = max(1, min(self._jobs, len(plan.read)))
+        self._report.planned(len(plan.read), len(plan.reused), jobs)
+        results = dict(plan.reused)
+        changed = self._changed(sources, plan)
+        written: dict[str, Written] = {}
+        generation = None
+        if changed:
+            written = self._write(workspace, plan, changed, results, jobs)
+            generation = self._transaction.commit()
+        state = self._next_state(sources, plan, results, written, generation, named)
+        if state != self._state:
+            with translated(str(self._cache)):
+                save(self._cache, state)
+                cache.keep_only(self._cache, _results(state))
+        reports = tuple(self._source_report(source, plan, results) for source in sources)
+        return BuildReport(reports, generation, 0.0, jobs)
+
+    def _changed(self, sources: Sequence[Source], plan: Plan) -> list[Source]:
+        """Return the sources whose graph is not what it has to become."""
+        trusted = self._trusted(sources, plan)
+        read = {source.repository.name for source, _ in plan.read}
+        changed = []
+        for source in sources:
+            name = source.repository.name
+            earlier = self._state.sources.get(name)
+            if earlier is None or name in read or name not in trusted or not _same(source, earlier):
+                changed.append(source)
+        return changed
+
+    def _trusted(self, sources: Sequence[Source], plan: Plan) -> set[str]:
+        """Return the sources whose graph in the store is what the last build put there."""
+        current = self._store.layout.current()
+        if self._state.version != plan.version or current is None:
+            return set()
+        names = {source.repository.name for source in sources} & set(self._state.sources)
+        if current == self._state.generation:
+            return names
+        from kg.pipeline.writing import untouched  # noqa: PLC0415 - a build without changes needs no graph
+
+        return untouched(self._store, self._settings.base, {name: self._state.sources[name] for name in names})
+
+    def _write(
+        self,
+        workspace: RecordingWorkspace,
+        plan: Plan,
+        changed: list[Source],
+        results: dict[Key, PackageState],
+        jobs: int,
+    ) -> dict[str, Written]:
+        """Read what has to be read, adding it to `results`, and write the graphs of the `changed` sources."""
+        from kg.pipeline.writing import Writing  # noqa: PLC0415 - a build without changes needs no graph
+
+        trusted = self._trusted(workspace.sources, plan)
+        writing = Writing(self._transaction, self._cache, self._state, plan, self._settings.base, trusted)
+        entries = entries_by_name(workspace.sources)
+        writing.begin(changed)
+        with closing(self._outcomes(workspace, plan, jobs)) as outcomes:
+            for source, package, outcome in outcomes:
+                self._report.done(outcome.result)
+                found = self._kept(source, package, outcome, entries)
+                results[source.repository.name, package.path] = found
+                writing.add(source, found)
+        self._report.writing(writing.triples)
+        return writing.finish(changed, results, self._started)
+
+    def _outcomes(
+        self, workspace: RecordingWorkspace, plan: Plan, jobs: int
+    ) -> Generator[tuple[Source, PackageFolder, Outcome], None, None]:
+        """Yield the packages that are read; the largest are begun first, so that the workers end together."""
+        if not plan.read:
+            return
+        from kg.pipeline.pool import Task, run  # noqa: PLC0415 - a build without changes imports no reader
+        from kg.pipeline.work import Job  # noqa: PLC0415 - the same
+
+        workspace.prepare()
+        places: dict[Key, tuple[Source, PackageFolder]] = {
+            (source.repository.name, package.path): (source, package) for source, package in plan.read
+        }
+        largest = sorted(places.items(), key=lambda item: -_code_bytes(item[1][1]))
+        tasks = [Task(name, package.name, path) for (name, path), (_, package) in largest]
+        job = Job(workspace, self._settings.base, self._settings.max_file_bytes)
+        with closing(run(job, tasks, jobs)) as outcomes:
+            for outcome in outcomes:
+                yield (*places[outcome.result.source, outcome.result.path], outcome)
+
+    def _kept(
+        self, source: Source, package: PackageFolder, outcome: Outcome, entries: dict[str, FileEntry]
+    ) -> PackageState:
+        """Put a result into the cache and return what the next build compares with."""
+        with translated(str(self._cache)):
+            name = cache.store(self._cache, outcome.packed)
+        result = outcome.result
+        return PackageState(
+            name=result.name,
+            path=result.path,
+            listing=listing(package) if outcome.reusable else "",
+            stamp=stamp(source.repository.name, package, outcome.inputs, entries),
+            inputs=outcome.inputs,
+            result=name,
+            counts=dict(result.counts),
+            unresolved=dict(result.unresolved),
+            problems=result.problems,
+        )
+
+    def _next_state(  # noqa: PLR0913, PLR0917 - all that a build found out
+        self,
+        sources: Sequence[Source],
+        plan: Plan,
+        results: dict[Key, PackageState],
+        written: dict[str, Written],
+        generation: int | None,
+        named: tuple[str, ...],
+    ) -> State:
+        found = dict(self._state.sources) if self._state.version == plan.version else {}
+        for source in sources:
+            name = source.repository.name
+            packages = {package.path: results[name, package.path] for package in source.packages}
+            head, quads = written[name] if name in written else (found[name].head, found[name].quads)
+            found[name] = SourceState(source.repository, source.problems, packages, head, quads)
+        roots = dict.fromkeys((*self._state.roots, *map(_root, named)))
+        current = generation or self._store.layout.current() or 0
+        return State(plan.version, plan.shape, current, tuple(roots), found)
+
+    def _source_report(self, source: Source, plan: Plan, results: dict[Key, PackageState]) -> SourceReport:
+        name = source.repository.name
+        earlier = self._state.sources.get(name)
+        present = {package.path for package in source.packages}
+        read = sum(one.repository.name == name for one, _ in plan.read)
+        return SourceReport(
+            repository=source.repository,
+            packages=tuple(results[name, package.path].report(name) for package in source.packages),
+            read=read,
+            reused=len(source.packages) - read,
+            removed=len(set(earlier.packages) - present) if earlier else 0,
+            problems=source.problems,
+        )
+
+
+def _same(source: Source, earlier: SourceState) -> bool:
+    """Tell whether what stands about a source itself, and which packages it has, is as it was."""
+    present = {package.path for package in source.packages}
+    return (source.repository, source.problems, present) == (
+        earlier.repository,
+        earlier.problems,
+        set(earlier.packages),
+    )
+
+
+def _code_bytes(package: PackageFolder) -> int:
+    return sum(entry.bytes for entry in package.files if entry.kind in _CODE)
+
+
+def _root(text: str) -> str:
+    return text if is_address(text) else str(Path(text).expanduser().absolute())
+
+
+def _results(state: State) -> Iterator[str]:
+    return (package.result for source in state.sources.values() for package in source.packages.values())

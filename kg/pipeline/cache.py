@@ -1,0 +1,87 @@
+"""Results of extraction on disk: the N-Triples of a package and the look-ups they depend on, compressed.
+
+A file is named by the digest of its content, so a damaged or foreign one is noticed, and two builds cannot disturb
+each other.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import zlib
+from typing import TYPE_CHECKING, Final
+
+from kg.store.layout import write_atomically
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+    from pathlib import Path
+
+    from kg.pipeline.recording import Lookup
+
+__all__ = ["exists", "keep_only", "lookups", "pack", "remove", "store", "triples"]
+
+_LEVEL: Final = 1
+_ENDING: Final = ".z"
+_LENGTH_BYTES: Final = 8
+
+
+def pack(content: bytes, found: Mapping[Lookup, str]) -> bytes:
+    """Return the packed form of N-Triples and of the look-ups (with their answers) that they depend on."""
+    listed = json.dumps([[*lookup, answer] for lookup, answer in found.items()], separators=(",", ":"))
+    packed = zlib.compress(listed.encode(), _LEVEL)
+    return len(packed).to_bytes(_LENGTH_BYTES) + packed + zlib.compress(content, _LEVEL)
+
+
+def store(folder: Path, packed: bytes) -> str:
+    """Write a packed result and return its name; OSError when it cannot be written."""
+    name = hashlib.blake2b(packed, digest_size=16).hexdigest()
+    path = folder / f"{name}{_ENDING}"
+    if not path.exists():
+        write_atomically(path, packed, durable=False)
+    return name
+
+
+def triples(folder: Path, name: str) -> bytes | None:
+    """Return the N-Triples of a result; None when it is not there or damaged."""
+    packed = _read(folder, name)
+    return None if packed is None else zlib.decompress(packed[_LENGTH_BYTES + _length(packed) :])
+
+
+def lookups(folder: Path, name: str) -> dict[Lookup, str] | None:
+    """Return the look-ups that a result depends on, with their answers; None when it is not there or damaged."""
+    packed = _read(folder, name)
+    if packed is None:
+        return None
+    listed = json.loads(zlib.decompress(packed[_LENGTH_BYTES : _LENGTH_BYTES + _length(packed)]))
+    return {tuple(lookup): answer for *lookup, answer in listed}
+
+
+def exists(folder: Path, name: str) -> bool:
+    """Tell whether a result is there, without reading it."""
+    return (folder / f"{name}{_ENDING}").exists()
+
+
+def remove(folder: Path, name: str) -> None:
+    """Remove a result that turned out to be damaged."""
+    (folder / f"{name}{_ENDING}").unlink(missing_ok=True)
+
+
+def keep_only(folder: Path, names: Iterable[str]) -> None:
+    """Remove all results but those of these names, and what a killed build left half written."""
+    kept = {f"{name}{_ENDING}" for name in names}
+    for path in folder.iterdir():
+        if path.name not in kept and (path.suffix in {_ENDING, ".tmp"}):
+            path.unlink(missing_ok=True)
+
+
+def _length(packed: bytes) -> int:
+    return int.from_bytes(packed[:_LENGTH_BYTES])
+
+
+def _read(folder: Path, name: str) -> bytes | None:
+    try:
+        packed = (folder / f"{name}{_ENDING}").read_bytes()
+    except OSError:
+        return None
+    return packed if hashlib.blake2b(packed, digest_size=16).hexdigest() == name else None

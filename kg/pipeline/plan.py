@@ -1,0 +1,151 @@
+"""Which packages have to be read again: those whose files, or whose look-ups in the build, are not what they were.
+
+Cheap checks come first. Size and time of all files that a result depends on decide for most packages; where these
+differ the digests of the contents do. Look-ups (which file does this include mean?) depend only on the paths of the
+build, so they are repeated only when some path came or went.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, field, replace
+from importlib.metadata import version as installed_version
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from kg import resources
+from kg.corpus.reading import digest
+from kg.pipeline import cache
+from kg.pipeline.recording import answer
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from kg.corpus.workspace import FileEntry, PackageFolder, Source, Workspace
+    from kg.pipeline.state import PackageState, State
+
+__all__ = ["Key", "Plan", "listing", "make_plan", "shape", "stamp", "version"]
+
+Key = tuple[str, str]
+"""Name of the source and path of the package in it."""
+
+_CODE: Final = ("facts.py", "names.py", "corpus", "extract", "graph")
+"""What of `kg` results depend on, besides its data."""
+
+_BYTES: Final = 16
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """What to do: packages to read, and the earlier results that still hold."""
+
+    version: str
+    shape: str
+    read: tuple[tuple[Source, PackageFolder], ...]
+    reused: dict[Key, PackageState] = field(default_factory=dict)
+
+
+def version(base: str, max_file_bytes: int) -> str:
+    """Return what stands for the version of `kg`, its data and the settings that results depend on."""
+    package = Path(__file__).resolve().parent.parent
+    roots = [*(package / name for name in _CODE), resources.folder("ontology")]
+    paths = sorted(path for root in roots for path in ([root] if root.is_file() else root.rglob("*.[ptj][ytsl]*")))
+    stats = ((path.name, path.stat()) for path in paths)
+    marks = [f"{name} {status.st_size} {status.st_mtime_ns}" for name, status in stats]
+    return _digest([installed_version("kg-ros"), base, str(max_file_bytes), *marks])
+
+
+def shape(sources: Iterable[Source]) -> str:
+    """Return what stands for the paths of all files of a build and the packages that own them."""
+    lines: list[str] = []
+    for source in sources:
+        lines.append(f"{source.repository.name} {source.root}")
+        for package in source.packages:
+            lines.append(f"{package.name} {package.path} {package.manifest}")
+            lines += [f"{entry.kind} {entry.path}" for entry in package.files]
+        lines += [f"{entry.kind} {entry.path}" for entry in source.loose]
+        lines += [f"{link} {target}" for link, target in source.links]
+    return _digest(lines)
+
+
+def listing(package: PackageFolder) -> str:
+    """Return what stands for the paths, kinds and rights of the files of a package."""
+    lines = [f"{entry.kind} {entry.executable} {entry.path}" for entry in package.files]
+    return _digest([f"{package.name} {package.manifest}", *lines])
+
+
+def stamp(source: str, package: PackageFolder, inputs: Iterable[str], entries: dict[str, FileEntry]) -> str:
+    """Return what stands for size and time of all files that the result of a package depends on."""
+    own = {f"{source}:{entry.path}": entry for entry in package.files}
+    lines = [f"{key} {entry.bytes} {entry.mtime_ns}" for key, entry in own.items()]
+    for key in inputs:
+        if key not in own:
+            entry = entries.get(key)
+            lines.append(f"{key} {entry.bytes} {entry.mtime_ns}" if entry else f"{key} gone")
+    return _digest(lines)
+
+
+def make_plan(workspace: Workspace, state: State, folder: Path, now: str) -> Plan:
+    """Return which packages of `workspace` must be read; `folder` is the cache, `now` the `version` in force."""
+    current = shape(workspace.sources)
+    entries = entries_by_name(workspace.sources)
+    read: list[tuple[Source, PackageFolder]] = []
+    reused: dict[Key, PackageState] = {}
+    for source in workspace.sources:
+        name = source.repository.name
+        known = state.sources[name].packages if name in state.sources and state.version == now else {}
+        for package in source.packages:
+            earlier = known.get(package.path)
+            same = earlier and _still_holds(workspace, folder, source, package, earlier, entries)
+            if same and (state.shape == current or _same_answers(workspace, folder, same)):
+                reused[name, package.path] = same
+            else:
+                read.append((source, package))
+    return Plan(now, current, tuple(read), reused)
+
+
+def entries_by_name(sources: Iterable[Source]) -> dict[str, FileEntry]:
+    """Return the entries of all files of a build by `repository:path`."""
+    found: dict[str, FileEntry] = {}
+    for source in sources:
+        name = source.repository.name
+        for files in (source.loose, *(package.files for package in source.packages)):
+            found.update((f"{name}:{entry.path}", entry) for entry in files)
+    return found
+
+
+def _still_holds(  # noqa: PLR0913, PLR0917 - called in one place
+    workspace: Workspace,
+    folder: Path,
+    source: Source,
+    package: PackageFolder,
+    earlier: PackageState,
+    entries: dict[str, FileEntry],
+) -> PackageState | None:
+    """Return the earlier result, with its stamp brought up to date, if nothing that it was read from differs."""
+    if earlier.listing != listing(package) or not cache.exists(folder, earlier.result):
+        return None
+    now = stamp(source.repository.name, package, earlier.inputs, entries)
+    if now == earlier.stamp:
+        return earlier
+    same = all(_content(workspace, key) == before for key, before in earlier.inputs.items())
+    return replace(earlier, stamp=now) if same else None
+
+
+def _content(workspace: Workspace, key: str) -> str | None:
+    """Return the digest of a file as it is now; None when it cannot be read."""
+    repository, _, path = key.partition(":")
+    source = workspace.source(repository)
+    try:
+        return digest((source.root / path).read_bytes()) if source else None
+    except OSError:
+        return None
+
+
+def _same_answers(workspace: Workspace, folder: Path, earlier: PackageState) -> bool:
+    found = cache.lookups(folder, earlier.result)
+    return found is not None and all(answer(workspace, lookup) == before for lookup, before in found.items())
+
+
+def _digest(lines: list[str]) -> str:
+    return hashlib.blake2b("\n".join(lines).encode("utf-8", "surrogateescape"), digest_size=_BYTES).hexdigest()

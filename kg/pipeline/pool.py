@@ -1,0 +1,192 @@
+"""A pool of worker processes in which a package that kills its worker, or never ends, costs itself only.
+
+Workers are forked where the system can, so that they share the indexes of the workspace. Each is given its next
+package before it has ended the one before, so that it never waits for the writing of the store. A worker whose
+pipe closes ends, so none outlives the build, however that ended.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import gc
+import multiprocessing
+import os
+import signal
+import time
+from collections import deque
+from dataclasses import dataclass, field
+from multiprocessing.connection import wait
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from kg.pipeline.work import Job, Outcome, failed, work
+
+if TYPE_CHECKING:
+    from collections.abc import Generator, Iterable, Iterator
+    from multiprocessing.connection import Connection
+    from multiprocessing.process import BaseProcess
+
+__all__ = ["PACKAGE_SECONDS", "Task", "run"]
+
+PACKAGE_SECONDS: Final = 300.0
+"""How long one package may take; the largest known takes some seconds."""
+
+_AHEAD: Final = 2
+_FIRST_OWN_FILE: Final = 3
+"""Files below are the standard streams."""
+_GC_THRESHOLD: Final = 100_000
+
+
+class Task(NamedTuple):
+    """A package to read."""
+
+    source: str
+    name: str
+    path: str
+
+
+@dataclass(slots=True)
+class _Worker:
+    """A process with its pipe and what it was given, oldest first; `since` is when it began the oldest."""
+
+    process: BaseProcess
+    pipe: Connection
+    given: deque[Task] = field(default_factory=deque)
+    since: float = 0.0
+
+
+def run(
+    job: Job, tasks: Iterable[Task], jobs: int, deadline: float = PACKAGE_SECONDS
+) -> Generator[Outcome, None, None]:
+    """Yield the outcome of each task as it comes, read by up to `jobs` processes; the first tasks are begun first.
+
+    A task whose worker dies, or that takes more than `deadline` seconds, yields a problem KG121. Closing the
+    iterator ends all workers.
+    """
+    queue = deque(tasks)
+    pool = _Pool(job, max(1, min(jobs, len(queue))))
+    try:
+        while queue or pool.busy:
+            pool.hand_out(queue)
+            yield from pool.collect(queue, deadline)
+    finally:
+        pool.close()
+
+
+class _Pool:
+    """The workers of one build."""
+
+    def __init__(self, job: Job, size: int) -> None:
+        methods = multiprocessing.get_all_start_methods()
+        self._context = multiprocessing.get_context("fork" if "fork" in methods else None)
+        self._job = job
+        self._size = size
+        self._workers: list[_Worker] = []
+        gc.collect()
+        gc.freeze()
+
+    @property
+    def busy(self) -> bool:
+        """Whether any worker has something to do."""
+        return any(worker.given for worker in self._workers)
+
+    def hand_out(self, queue: deque[Task]) -> None:
+        """Give tasks to workers that have less than they can keep; start workers as long as there are tasks."""
+        while queue and len(self._workers) < self._size:
+            self._start()
+            self._give(self._workers[-1], queue)
+        for _ in range(_AHEAD):
+            for worker in sorted(self._workers, key=lambda one: len(one.given)):
+                if queue and len(worker.given) < _AHEAD:
+                    self._give(worker, queue)
+
+    def collect(self, queue: deque[Task], deadline: float) -> Iterator[Outcome]:
+        """Wait for outcomes and yield them; tasks of a worker that ended go back, but for the one that ended it."""
+        now = time.monotonic()
+        left = [worker.since + deadline - now for worker in self._workers if worker.given]
+        ready = wait([worker.pipe for worker in self._workers], timeout=max(0.0, min(left, default=0.0)))
+        for worker in list(self._workers):
+            if worker.pipe in ready:
+                yield from self._receive(worker, queue)
+            elif worker.given and time.monotonic() - worker.since > deadline:
+                yield from self._bury(worker, queue, f"the package took longer than {deadline:g} s and was left out")
+
+    def close(self) -> None:
+        """End all workers at once."""
+        for worker in self._workers:
+            worker.process.kill()
+        for worker in self._workers:
+            worker.process.join()
+            worker.pipe.close()
+        self._workers = []
+        gc.unfreeze()
+
+    def _start(self) -> None:
+        here, there = self._context.Pipe()
+        pipes = [worker.pipe for worker in self._workers]
+        forked = self._context.get_start_method() == "fork"
+        process = self._context.Process(
+            target=_serve, args=(self._job, there, [here, *pipes]), kwargs={"forked": forked}, daemon=True
+        )
+        process.start()
+        there.close()
+        self._workers.append(_Worker(process, here))
+
+    def _give(self, worker: _Worker, queue: deque[Task]) -> None:
+        if not worker.given:
+            worker.since = time.monotonic()
+        worker.given.append(queue.popleft())
+        with contextlib.suppress(OSError):  # a worker that has died is found by `collect`
+            worker.pipe.send(worker.given[-1])
+
+    def _receive(self, worker: _Worker, queue: deque[Task]) -> Iterator[Outcome]:
+        try:
+            outcome: Outcome = worker.pipe.recv()
+        except (EOFError, OSError):
+            worker.process.join()
+            message = f"the process that read the package ended with {_end(worker.process)}"
+            yield from self._bury(worker, queue, message)
+            return
+        worker.given.popleft()
+        worker.since = time.monotonic()
+        yield outcome
+
+    def _bury(self, worker: _Worker, queue: deque[Task], message: str) -> Iterator[Outcome]:
+        """Remove a worker and put its tasks back, but for the one it was at, which is yielded as failed."""
+        worker.process.kill()
+        worker.process.join()
+        worker.pipe.close()
+        self._workers.remove(worker)
+        culprit = worker.given.popleft() if worker.given else None
+        queue.extendleft(reversed(worker.given))
+        if culprit:
+            yield failed(*culprit, message)
+
+
+def _end(process: BaseProcess) -> str:
+    code = process.exitcode or 0
+    return f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
+
+
+def _serve(job: Job, pipe: Connection, others: list[Connection], *, forked: bool) -> None:
+    """Read packages until the pipe closes; Ctrl-C is the business of the process that started this one."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # A copy of another end of a pipe would keep this worker from seeing that the build has ended, and a copy of a
+    # lock would outlive the build.
+    for other in others:
+        other.close()
+    if forked:
+        os.closerange(_FIRST_OWN_FILE, pipe.fileno())
+        os.closerange(pipe.fileno() + 1, os.sysconf("SC_OPEN_MAX"))
+    gc.set_threshold(_GC_THRESHOLD)
+    with contextlib.suppress(EOFError, OSError):
+        while True:
+            task: Task = pipe.recv()
+            pipe.send(_attempt(job, task))
+    os._exit(0)
+
+
+def _attempt(job: Job, task: Task) -> Outcome:
+    try:
+        return work(job, task.source, task.path)
+    except Exception as error:  # noqa: BLE001 - a defect costs the package it shows in, and is reported by name
+        return failed(*task, f"{type(error).__name__}: {error}")

@@ -1,0 +1,140 @@
+"""What a build tells while it runs and when it has ended."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kg.facts import Problem, Repository
+
+__all__ = ["BuildReport", "PackageResult", "Report", "Silent", "SourceReport"]
+
+
+@dataclass(frozen=True, slots=True)
+class PackageResult:
+    """What one package gave.
+
+    `counts` has the keys of `kg.graph.Counts`; `unresolved` counts the names that are not known by the reason why.
+    """
+
+    source: str
+    name: str
+    path: str
+    counts: Mapping[str, int]
+    unresolved: Mapping[str, int]
+    problems: tuple[Problem, ...] = ()
+    seconds: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class SourceReport:
+    """What became of one source: how many of its packages were read, taken from the last build, or are gone.
+
+    `problems` are those that belong to none of its packages.
+    """
+
+    repository: Repository
+    packages: tuple[PackageResult, ...]
+    read: int
+    reused: int
+    removed: int
+    problems: tuple[Problem, ...] = ()
+
+    def total(self, what: str) -> int:
+        """Return the sum over the packages of a key of `PackageResult.counts`."""
+        return sum(package.counts.get(what, 0) for package in self.packages)
+
+
+@dataclass(frozen=True, slots=True)
+class BuildReport:
+    """What a build did; `generation` is the snapshot it made, None when nothing had changed. Times in seconds."""
+
+    sources: tuple[SourceReport, ...]
+    generation: int | None
+    seconds: float
+    jobs: int
+
+    @property
+    def read(self) -> int:
+        """How many packages were read."""
+        return sum(source.read for source in self.sources)
+
+    @property
+    def reused(self) -> int:
+        """How many packages were as the last build left them."""
+        return sum(source.reused for source in self.sources)
+
+    @property
+    def problems(self) -> tuple[tuple[str, Problem], ...]:
+        """All problems with the name of their source."""
+        found = []
+        for source in self.sources:
+            listed = [*source.problems, *(one for package in source.packages for one in package.problems)]
+            found += [(source.repository.name, one) for one in listed]
+        return tuple(found)
+
+    def total(self, what: str) -> int:
+        """Return the sum over all sources of a key of `PackageResult.counts`."""
+        return sum(source.total(what) for source in self.sources)
+
+    def unresolved(self) -> dict[str, int]:
+        """Return how many names are not known by the reason why, the most frequent first."""
+        found: dict[str, int] = {}
+        for source in self.sources:
+            for package in source.packages:
+                for reason, number in package.unresolved.items():
+                    found[reason] = found.get(reason, 0) + number
+        return dict(sorted(found.items(), key=lambda item: (-item[1], item[0])))
+
+
+class Report(Protocol):
+    """Who is told of the progress of a build; every call comes from the process that called `build`."""
+
+    def fetching(self, message: str) -> None:
+        """Tell what happens to a git address."""
+        ...
+
+    def source(self, repository: Repository, packages: int, problems: tuple[Problem, ...]) -> None:
+        """Tell of a source that was found, with how many packages."""
+        ...
+
+    def planned(self, read: int, reused: int, jobs: int) -> None:
+        """Tell how many packages will be read, and how many are as the last build left them."""
+        ...
+
+    def done(self, result: PackageResult) -> None:
+        """Tell that a package was read."""
+        ...
+
+    def writing(self, triples: int) -> None:
+        """Tell that so many triples go into the store."""
+        ...
+
+    def finished(self, report: BuildReport) -> None:
+        """Tell that the build has ended and is in force."""
+        ...
+
+
+class Silent:
+    """A report that says nothing."""
+
+    def fetching(self, message: str) -> None:
+        """Take note of what happens to a git address."""
+
+    def source(self, repository: Repository, packages: int, problems: tuple[Problem, ...]) -> None:
+        """Take note of a source."""
+
+    def planned(self, read: int, reused: int, jobs: int) -> None:
+        """Take note of the plan."""
+
+    def done(self, result: PackageResult) -> None:
+        """Take note of a package that was read."""
+
+    def writing(self, triples: int) -> None:
+        """Take note of the writing."""
+
+    def finished(self, report: BuildReport) -> None:
+        """Take note of the end."""

@@ -1,0 +1,86 @@
+"""From what a user names (folders, git addresses, lists of both) to sources that are scanned."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from kg.corpus.sources import ListedSource, fetch_source, is_address, parse_source, read_list
+from kg.corpus.workspace import Source, scan_tree
+from kg.errors import Place, SourceError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from kg.pipeline.report import Report
+
+__all__ = ["gather"]
+
+
+def gather(named: Iterable[str], checkouts: Path, report: Report) -> tuple[Source, ...]:
+    """Return the sources that `named` stands for, each once; a workspace with several checkouts gives one each.
+
+    Git addresses (`URL`, `URL@ref`) are cloned below the folder `checkouts`.
+
+    Raises:
+        SourceError: KG101 for what does not exist, KG102 when there is no package in any, KG103 when git fails.
+    """
+    found: dict[str, Source] = {}
+    for listed in (one for text in named for one in _listed(text)):
+        for source in scan_tree(_folder(listed, checkouts, report)):
+            _add(found, source)
+    if not any(source.packages for source in found.values()):
+        places = ", ".join(str(source.root) for source in found.values())
+        raise SourceError("KG102", f"there is no ROS package in {places or 'what was named'}")
+    for source in found.values():
+        report.source(source.repository, len(source.packages), source.problems)
+    return tuple(found.values())
+
+
+def _listed(text: str) -> Iterator[ListedSource]:
+    """Yield what `text` names: an address, a folder, or what a file lists."""
+    if is_address(text):
+        yield parse_source(text)
+        return
+    path = Path(text).expanduser().absolute()
+    if path.is_file():
+        yield from read_list(path)
+    elif path.is_dir():
+        yield ListedSource(str(path))
+    else:
+        raise SourceError("KG101", "there is no such folder, address or list of sources", place=Place(text))
+
+
+def _folder(listed: ListedSource, checkouts: Path, report: Report) -> Path:
+    if not is_address(listed.address):
+        return Path(listed.address)
+    words = re.sub(r"[^A-Za-z0-9._-]+", "+", listed.address.partition("://")[2] or listed.address)
+    unique = hashlib.blake2b(f"{listed.address}@{listed.ref}".encode(), digest_size=4).hexdigest()
+    return fetch_source(listed.address, listed.ref, checkouts / f"{words[-80:]}-{unique}", report.fetching)
+
+
+def _add(found: dict[str, Source], source: Source) -> None:
+    """Add a source: two folders of one checkout are one source, two checkouts of one repository are told apart."""
+    name, number = source.repository.name, 1
+    while name in found and found[name].root != source.root:
+        number += 1
+        name = f"{source.repository.name}~{number}"
+    if name in found:
+        source = _joined(found[name], source)
+    found[name] = replace(source, repository=replace(source.repository, name=name))
+
+
+def _joined(first: Source, second: Source) -> Source:
+    packages = {package.path: package for package in (*first.packages, *second.packages)}
+    owned = {entry.path for package in packages.values() for entry in package.files}
+    loose = {entry.path: entry for entry in (*first.loose, *second.loose) if entry.path not in owned}
+    return replace(
+        first,
+        packages=tuple(packages[path] for path in sorted(packages)),
+        loose=tuple(loose[path] for path in sorted(loose)),
+        problems=tuple(dict.fromkeys((*first.problems, *second.problems))),
+        links=tuple(dict.fromkeys((*first.links, *second.links))),
+    )

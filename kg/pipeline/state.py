@@ -1,0 +1,103 @@
+"""What a build leaves behind for the next one: which packages gave what, from which files.
+
+It stands in `.kg/cache/state.json`. It is never needed to answer queries; when it is lost or not readable,
+everything is read again.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass, field
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.facts import Problem, Repository
+from kg.pipeline.report import PackageResult
+from kg.store.layout import write_atomically
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+__all__ = ["PackageState", "SourceState", "State", "load", "save"]
+
+_FORM: Final = 1
+
+
+@dataclass(frozen=True, slots=True)
+class PackageState:
+    """A package as it was read last.
+
+    `listing` is a digest of the paths of its files, `stamp` one of size and time of all that was read, `inputs`
+    the digest of each file read (`repository:path`), `result` the name of its result in the cache.
+    """
+
+    name: str
+    path: str
+    listing: str
+    stamp: str
+    inputs: dict[str, str]
+    result: str
+    counts: dict[str, int]
+    unresolved: dict[str, int]
+    problems: tuple[Problem, ...]
+
+    def report(self, source: str) -> PackageResult:
+        """Return what the report of a build says of the package."""
+        return PackageResult(source, self.name, self.path, self.counts, self.unresolved, self.problems)
+
+
+@dataclass(frozen=True, slots=True)
+class SourceState:
+    """A source as it was read last: `head` are the triples about itself, `quads` is the size of its graph."""
+
+    repository: Repository
+    problems: tuple[Problem, ...]
+    packages: dict[str, PackageState]
+    head: str
+    quads: int
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """All sources of a store.
+
+    `version` stands for everything in `kg` that results depend on, `shape` for the paths of all files of the build,
+    `generation` is the snapshot of the store that the sources stand in, `roots` what the user named.
+    """
+
+    version: str = ""
+    shape: str = ""
+    generation: int = 0
+    roots: tuple[str, ...] = ()
+    sources: dict[str, SourceState] = field(default_factory=dict)
+
+
+def load(cache: Path) -> State:
+    """Return the state that the last build left in the folder `cache`; an empty one when there is none to be read."""
+    try:
+        return _state(json.loads((cache / "state.json").read_bytes()))
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return State()
+
+
+def save(cache: Path, state: State) -> None:
+    """Leave `state` for the next build; OSError when it cannot be written."""
+    content = {"form": _FORM, **asdict(state)}
+    write_atomically(cache / "state.json", json.dumps(content, separators=(",", ":")).encode())
+
+
+def _state(content: dict[str, Any]) -> State:
+    if content.pop("form") != _FORM:
+        return State()
+    sources = {name: _source(source) for name, source in content.pop("sources").items()}
+    return State(**{**content, "roots": tuple(content["roots"])}, sources=sources)
+
+
+def _source(content: dict[str, Any]) -> SourceState:
+    packages = {path: _package(package) for path, package in content["packages"].items()}
+    problems = tuple(Problem(**problem) for problem in content["problems"])
+    repository = Repository(**content["repository"])
+    return SourceState(repository, problems, packages, content["head"], content["quads"])
+
+
+def _package(content: dict[str, Any]) -> PackageState:
+    return PackageState(**{**content, "problems": tuple(Problem(**problem) for problem in content["problems"])})

@@ -1,0 +1,76 @@
+"""What a worker process does with one package: files to facts, facts to triples, triples to bytes."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Final
+
+from kg.extract.package import ExtractSettings, extract_package
+from kg.facts import Problem, Resolution
+from kg.graph import Iris, count, package_triples
+from kg.pipeline import cache
+from kg.pipeline.report import PackageResult
+
+if TYPE_CHECKING:
+    from kg.facts import PackageFacts
+    from kg.pipeline.recording import RecordingWorkspace
+
+__all__ = ["Job", "Outcome", "failed", "work"]
+
+_UNKNOWN: Final = (Resolution.UNRESOLVED, Resolution.PARTIAL)
+_NO_REASON: Final = "no reason was noted"
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """What all workers share: the build, the base of IRIs and the limit of the size of a file in bytes."""
+
+    workspace: RecordingWorkspace
+    base: str
+    max_file_bytes: int
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What comes back of one package: the result packed for the cache, and what the report and the next build need."""
+
+    result: PackageResult
+    inputs: dict[str, str]
+    packed: bytes
+    reusable: bool = True
+
+
+def work(job: Job, source: str, path: str) -> Outcome:
+    """Extract the package in the folder `path` of a source; what goes wrong in the sources is in the problems."""
+    began = time.perf_counter()
+    found = job.workspace.source(source)
+    package = next(one for one in found.packages if one.path == path) if found else None
+    if found is None or package is None:
+        raise LookupError(f"{source}:{path}")
+    job.workspace.forget()
+    facts = extract_package(job.workspace, found, package, ExtractSettings(job.max_file_bytes))
+    content = package_triples(facts, Iris(job.base))
+    result = PackageResult(
+        source=source,
+        name=package.name,
+        path=path,
+        counts=asdict(count([facts], triples=content.count(b"\n"))),
+        unresolved=_reasons(facts),
+        problems=facts.problems,
+        seconds=time.perf_counter() - began,
+    )
+    return Outcome(result, dict(facts.inputs), cache.pack(content, job.workspace.lookups))
+
+
+def failed(source: str, name: str, path: str, message: str) -> Outcome:
+    """Return the outcome of a package whose worker gave none; it is read again by the next build."""
+    problem = Problem("KG121", message, path)
+    result = PackageResult(source, name, path, {"problems": 1}, {}, (problem,))
+    return Outcome(result, {}, cache.pack(b"", {}), reusable=False)
+
+
+def _reasons(facts: PackageFacts) -> dict[str, int]:
+    names = [*(one for node in facts.nodes for one in node.interfaces if one.resolution in _UNKNOWN)]
+    return dict(Counter(one.reason or _NO_REASON for one in names))

@@ -1,0 +1,184 @@
+"""The graphs of a build on their way into the store.
+
+A source of which little changed is patched: the triples that only its changed packages stated are taken out, the new
+ones put in. Otherwise its graph is written anew, from the cache and, while packages are still being read, from
+what is ready.
+"""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from importlib.metadata import version as installed_version
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from pyoxigraph import NamedNode
+
+from kg.errors import Place, StoreError
+from kg.graph import BuildRecord, Counts, Iris, build_triples, repository_triples
+from kg.graph.ontology_files import ontology_triples
+from kg.pipeline import cache
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from kg.corpus.workspace import Source
+    from kg.pipeline.plan import Key, Plan
+    from kg.pipeline.state import PackageState, SourceState, State
+    from kg.store.embedded import EmbeddedStore
+    from kg.store.transaction import EmbeddedTransaction
+
+__all__ = ["Writing", "Written", "untouched"]
+
+_FLUSH_BYTES: Final = 8 << 20
+_SMALL: Final = 10
+"""A source is patched when less than one in so many of its packages and of its triples change."""
+
+
+class Written(NamedTuple):
+    """What stands in the store about a source itself, as N-Triples, and how many triples its graph has."""
+
+    head: str
+    quads: int
+
+
+class Writing:
+    """Writes the graphs of the sources that changed; `triples` is how many were written."""
+
+    def __init__(  # noqa: PLR0913, PLR0917 - made in one place, of all that a build knows
+        self,
+        transaction: EmbeddedTransaction,
+        folder: Path,
+        state: State,
+        plan: Plan,
+        base: str,
+        trusted: set[str],
+    ) -> None:
+        self._transaction = transaction
+        self._folder = folder
+        self._state = state
+        self._plan = plan
+        self._iris = Iris(base)
+        self._trusted = trusted
+        self._patched: set[str] = set()
+        self._waiting: dict[str, list[bytes]] = {}
+        self.triples = 0
+
+    def begin(self, changed: list[Source]) -> None:
+        """Decide how each source is written, and empty the graphs of those that are written anew."""
+        self._patched = {source.repository.name for source in changed if self._is_small(source)}
+        anew = [source for source in changed if source.repository.name not in self._patched]
+        if not anew and self._state.version == self._plan.version:
+            return
+        ontology = NamedNode(self._iris.graph("ontology"))
+        graphs = {self._graph(source.repository.name): () for source in anew}
+        self._transaction.replace_graphs({**graphs, ontology: [ontology_triples()]})
+        for source in anew:
+            name = source.repository.name
+            for package in source.packages:
+                reused = self._plan.reused.get((name, package.path))
+                if reused:
+                    self._take(name, self._content(reused))
+
+    def add(self, source: Source, package: PackageState) -> None:
+        """Take a package that was read; those of a source that is patched wait for `finish`."""
+        name = source.repository.name
+        if name not in self._patched:
+            self._take(name, self._content(package))
+
+    def finish(
+        self, changed: list[Source], results: Mapping[Key, PackageState], started: datetime
+    ) -> dict[str, Written]:
+        """Write what is left of each source, and the record of its build; return what is in the store then."""
+        written = {}
+        for source in changed:
+            name = source.repository.name
+            head = repository_triples(source.repository, self._iris, source.problems)
+            if name in self._patched:
+                self._patch(source, head, results)
+            else:
+                self._take(name, head)
+                self._flush(name)
+            written[name] = Written(head.decode(), self._transaction.count(self._graph(name)))
+            packages = [results[name, package.path] for package in source.packages]
+            self._record(source, packages, written[name].quads, started)
+        return written
+
+    def _is_small(self, source: Source) -> bool:
+        """Tell whether so little of a source changed that its graph is patched."""
+        name = source.repository.name
+        earlier = self._state.sources.get(name)
+        if earlier is None or name not in self._trusted:
+            return False
+        gone = self._gone(source, earlier)
+        number = sum(one.repository.name == name for one, _ in self._plan.read)
+        triples = sum(package.counts.get("triples", 0) for package in gone)
+        return max(len(gone), number) * _SMALL < len(source.packages) and triples * _SMALL < earlier.quads
+
+    def _gone(self, source: Source, earlier: SourceState) -> list[PackageState]:
+        """Return the earlier results that do not hold any more."""
+        name = source.repository.name
+        return [package for path, package in earlier.packages.items() if (name, path) not in self._plan.reused]
+
+    def _patch(self, source: Source, head: bytes, results: Mapping[Key, PackageState]) -> None:
+        """Change the graph of a source by the triples that differ; other packages may state the same ones."""
+        name = source.repository.name
+        earlier = self._state.sources[name]
+        before = set(earlier.head.encode().splitlines(keepends=True))
+        after = set(head.splitlines(keepends=True))
+        for gone in self._gone(source, earlier):
+            before.update(self._content(gone).splitlines(keepends=True))
+        kept = []
+        for package in source.packages:
+            if (name, package.path) in self._plan.reused:
+                kept.append(self._plan.reused[name, package.path])
+            else:
+                after.update(self._content(results[name, package.path]).splitlines(keepends=True))
+        removed = before - after
+        for one in kept if removed else ():
+            removed.difference_update(self._content(one).splitlines(keepends=True))
+        added = after - before
+        self.triples += len(removed) + len(added)
+        self._transaction.patch_graph(self._graph(name), b"".join(sorted(removed)), b"".join(sorted(added)))
+
+    def _take(self, name: str, content: bytes) -> None:
+        waiting = self._waiting.setdefault(name, [])
+        waiting.append(content)
+        self.triples += content.count(b"\n")
+        if sum(map(len, waiting)) > _FLUSH_BYTES:
+            self._flush(name)
+
+    def _flush(self, name: str) -> None:
+        self._transaction.load(self._graph(name), self._waiting.pop(name, []))
+
+    def _content(self, package: PackageState) -> bytes:
+        content = cache.triples(self._folder, package.result)
+        if content is None:
+            cache.remove(self._folder, package.result)
+            message = f"the cached result of the package {package.name} is damaged"
+            raise StoreError(
+                "KG303", message, place=Place(str(self._folder)), hint="Build again; it will be read anew."
+            )
+        return content
+
+    def _graph(self, name: str) -> NamedNode:
+        return NamedNode(self._iris.source_graph(name))
+
+    def _record(self, source: Source, packages: list[PackageState], quads: int, started: datetime) -> None:
+        """Add the record of the reading of one source to the graph `builds`."""
+        keys = Counts.__dataclass_fields__
+        totals = {key: sum(package.counts.get(key, 0) for package in packages) for key in keys}
+        totals |= {"packages": len(packages), "triples": quads}
+        totals["problems"] += len(source.problems)
+        record = BuildRecord(
+            source.repository, started, datetime.now(UTC), installed_version("kg-ros"), Counts(**totals)
+        )
+        self._transaction.append(NamedNode(self._iris.graph("builds")), build_triples(record, self._iris))
+
+
+def untouched(store: EmbeddedStore, base: str, sources: Mapping[str, SourceState]) -> set[str]:
+    """Return those of `sources` whose graphs have the size that the last build gave them."""
+    iris = Iris(base)
+    with store.read() as snapshot:
+        sizes = {name: snapshot.count(NamedNode(iris.source_graph(name))) for name in sources}
+    return {name for name, source in sources.items() if sizes[name] == source.quads}
