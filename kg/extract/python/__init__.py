@@ -1,1 +1,20 @@
 """What Python code declares: nodes, their interfaces and parameters."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from kg.corpus.reading import Reader
+    from kg.corpus.workspace import PackageFolder
+    from kg.extract.buildmodel import BuildModel
+    from kg.extract.marks import Extracted
+
+__all__ = ["read_nodes"]
+
+
+def read_nodes(reader: Reader, package: PackageFolder, build: BuildModel) -> list[Extracted]:
+    """Return the Python nodes of a package, with the frameworks that each uses."""
+    from kg.extract.python.nodes import read_nodes as read  # noqa: PLC0415 - tree-sitter loads only when code is read
+
+    return read(reader, package, build)

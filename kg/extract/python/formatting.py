@@ -1,0 +1,145 @@
+"""Strings made of strings, as Python makes them: literals, `%`, `str.format`, and methods of `str`.
+
+Source: docs.python.org/3/library/string.html#format-string-syntax and stdtypes.html#printf-style-string-formatting.
+What a replacement field with a width or precision makes of a value is not computed: it stays a hole.
+"""
+
+from __future__ import annotations
+
+import ast
+import warnings
+from string import Formatter
+from typing import TYPE_CHECKING, Final
+
+from kg.extract.python.entities import Items, Nothing, Table
+from kg.extract.values import Number, Text, Truth, Unknown, concatenate
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from kg.extract.python.entities import Thing
+    from kg.extract.values import Value
+
+__all__ = ["STRING_METHODS", "decode_literal", "format_braces", "format_percent", "stringify"]
+
+_HOLE: Final = Unknown("part of it is not known")
+_INTEGER: Final = frozenset("diu")
+
+
+def decode_literal(prefix: str, body: str) -> str:
+    """Return the text of a string literal, `prefix` being the letters and quotes it begins with."""
+    letters = prefix.rstrip("'\"").lower()
+    if "r" in letters or "\\" not in body:
+        return body
+    quote = prefix[len(letters) :] or '"'
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            value = ast.literal_eval(f"{quote}{body}{quote}")
+    except (SyntaxError, ValueError):
+        return body
+    return value if isinstance(value, str) else body
+
+
+def stringify(value: Thing) -> Value:
+    """Return what `str(value)` gives, or a value that becomes a hole."""
+    if isinstance(value, Text | Number):
+        return value
+    if isinstance(value, Truth):
+        return Text.of(str(value.value))
+    if isinstance(value, Nothing):
+        return Text.of("None")
+    return value if isinstance(value, Unknown) else _HOLE
+
+
+def format_percent(template: Text, value: Thing) -> Text:
+    """Return `template % value`."""
+    known = template.known
+    if known is None:
+        return concatenate(template, _HOLE)
+    arguments = list(value.items) if isinstance(value, Items) else [value]
+    pieces: list[Value] = []
+    rest = known
+    while "%" in rest:
+        before, _, rest = rest.partition("%")
+        pieces.append(Text.of(before))
+        piece, rest = _directive(rest, arguments, value)
+        pieces.append(piece)
+    return _carry(template, concatenate(*pieces, Text.of(rest)))
+
+
+def _directive(rest: str, arguments: list[Thing], whole: Thing) -> tuple[Value, str]:
+    """Return what the directive at the start of `rest` (after `%`) gives, and the text behind it."""
+    if rest.startswith("%"):
+        return Text.of("%"), rest[1:]
+    key = None
+    if rest.startswith("(") and ")" in rest:
+        key, _, rest = rest[1:].partition(")")
+    flags = len(rest) - len(rest.lstrip("#0- +.123456789*"))
+    kind = rest[flags : flags + 1]
+    if key is not None:
+        value = whole.get(Text.of(key)) if isinstance(whole, Table) else None
+    else:
+        value = arguments.pop(0) if arguments else None
+    return _converted(value, kind, plain=flags == 0), rest[flags + 1 :]
+
+
+def _converted(value: Thing | None, kind: str, *, plain: bool) -> Value:
+    if value is None or not plain:
+        return _HOLE
+    if kind == "s":
+        return stringify(value)
+    if kind in _INTEGER and isinstance(value, Number):
+        return Text.of(str(int(value.value)))
+    return _HOLE if not isinstance(value, Text | Unknown) else stringify(value)
+
+
+def format_braces(template: Text, positional: Sequence[Thing], named: dict[str, Thing]) -> Text:
+    """Return `template.format(*positional, **named)`."""
+    known = template.known
+    if known is None:
+        return concatenate(template, _HOLE)
+    try:
+        fields = list(Formatter().parse(known))
+    except ValueError:
+        return concatenate(_HOLE)
+    pieces: list[Value] = []
+    counter = iter(range(len(fields)))
+    for literal, name, spec, _ in fields:
+        pieces.append(Text.of(literal))
+        if name is not None:
+            key = name or str(next(counter))
+            pieces.append(_HOLE if spec else _field(key, positional, named))
+    return _carry(template, concatenate(*pieces))
+
+
+def _field(key: str, positional: Sequence[Thing], named: dict[str, Thing]) -> Value:
+    if key.isdigit():
+        return stringify(positional[int(key)]) if int(key) < len(positional) else _HOLE
+    return stringify(named[key]) if key in named else _HOLE
+
+
+def _carry(template: Text, made: Text) -> Text:
+    """Return `made` with what is known of the template's own origin."""
+    return concatenate(Text(("",), template.resolution, template.parameter, template.reason), made)
+
+
+def _strip(method: str) -> Callable[[str, list[str]], str]:
+    def apply(text: str, given: list[str]) -> str:
+        stripped: str = getattr(text, method)(*given[:1])
+        return stripped
+
+    return apply
+
+
+STRING_METHODS: Final[dict[str, Callable[[str, list[str]], str]]] = {
+    **{name: _strip(name) for name in ("strip", "lstrip", "rstrip", "removeprefix", "removesuffix")},
+    "lower": lambda text, _: text.lower(),
+    "upper": lambda text, _: text.upper(),
+    "title": lambda text, _: text.title(),
+    "capitalize": lambda text, _: text.capitalize(),
+    "encode": lambda text, _: text,
+    "decode": lambda text, _: text,
+    "replace": lambda text, given: text.replace(given[0], given[1]) if len(given) > 1 else text,
+}
+"""Methods that give a string for a string that is known and arguments that are known."""

@@ -1,0 +1,494 @@
+"""What names and attributes mean: bindings that reach a place, parameters and their callers, objects and their classes."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, Final
+
+from kg.extract.python.entities import (
+    ArgumentsParsed,
+    Bound,
+    ClassRef,
+    Dotted,
+    FunctionRef,
+    Instance,
+    Items,
+    Made,
+    ModuleRef,
+    Nothing,
+    ParameterRead,
+    Super,
+    Table,
+    Thunk,
+    plain,
+)
+from kg.extract.python.flow import END, agreeing, reaching
+from kg.extract.python.syntax import code, strip_parentheses
+from kg.extract.python.unit import MODULE
+from kg.extract.values import Number, Text, Truth, Unknown, concatenate
+from kg.facts import Resolution
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from tree_sitter import Node
+
+    from kg.extract.python.entities import Alternatives, Choice, Frame, Thing
+    from kg.extract.python.program import Program
+    from kg.extract.python.unit import Binding, Scope, Unit
+
+__all__ = ["Lookups"]
+
+_NOT_BOUND: Final = Unknown("nothing in the code gives it a value")
+_NO_CALLER: Final = Unknown("it is a parameter of a function whose callers are not known")
+_COMPUTED: Final = Unknown("it is computed when the program runs")
+_MAX_ROUNDS: Final = 24
+_PARAMETER_FIELDS: Final = frozenset(
+    {"value", "string_value", "integer_value", "double_value", "bool_value", "string_array_value", "double_array_value",
+     "integer_array_value", "bool_array_value"}
+)  # fmt: skip
+
+
+class Lookups(ABC):
+    """The part of the evaluator that finds out what names and attributes mean."""
+
+    def __init__(self, program: Program) -> None:
+        self.program = program
+        self.active: set[tuple[int, int]] = set()
+        self.steps = 0
+        self.cuts = 0
+        self.memory: dict[tuple[tuple[int, int], frozenset[tuple[tuple[int, int], int]]], Alternatives] = {}
+        self._decided: dict[tuple[int, int], bool | None] = {}
+        self.main: Unit | None = None
+        self._setters: dict[int, dict[str, list[Scope]]] = {}
+
+    @abstractmethod
+    def evaluate(self, node: Node, frame: Frame, choice: Choice) -> Alternatives:
+        """Return what an expression can be."""
+
+    @abstractmethod
+    def thunk(self, thunk: Thunk, choice: Choice) -> Alternatives:
+        """Return what an argument can be."""
+
+    @abstractmethod
+    def combined(
+        self, thunks: Iterable[Thunk | Node], frame: Frame, choice: Choice
+    ) -> list[tuple[list[Thing], Choice]]:
+        """Return the combinations of the alternatives of several expressions."""
+
+    @abstractmethod
+    def frames_of(self, scope: Scope, instance: Instance | None) -> list[Frame]:
+        """Return the known runs of a function, an open one when none is known."""
+
+    @abstractmethod
+    def returned(self, function: FunctionRef, call: Node | None, frame: Frame, choice: Choice) -> Alternatives:
+        """Return what a call of a function of the build gives."""
+
+    @abstractmethod
+    def option(self, parsed: ArgumentsParsed, name: str) -> Thing:
+        """Return the default of a command line option."""
+
+    @abstractmethod
+    def open_instance(self, klass: Scope) -> Instance:
+        """Return an object of a class that was made nobody knows where."""
+
+    def name(self, name: str, position: int, frame: Frame, choice: Choice) -> Alternatives:
+        """Return what a name means at a place in a frame, looking outwards through the scopes around it."""
+        at: Frame | None = frame
+        while at is not None:
+            if not (at.scope.kind == "class" and at is not frame) and name not in at.scope.globals:
+                found = self.local(name, position, at, choice)
+                if found:
+                    return found
+            position, at = END, at.lexical
+        return self.module_name(name, frame, choice)
+
+    def module_name(self, name: str, frame: Frame, choice: Choice) -> Alternatives:
+        """Return what a name means that no scope around the frame binds as a variable."""
+        unit = frame.scope.unit
+        static = self.program.global_name(unit, name)
+        if static is not None:
+            return [(static, choice)]
+        module = self.program.module_frame(unit)
+        found = self.local(name, END, module, choice) if frame is not module else []
+        found = found or self.assigned_globally(name, module, choice)
+        if found:
+            return found
+        for other in self.program.star_modules(unit):
+            starred = self.local(name, END, self.program.module_frame(other), choice)
+            if starred:
+                return starred
+        return [(self.outside_name(name, frame), choice)]
+
+    def outside_name(self, name: str, frame: Frame) -> Thing:
+        """Return a name that comes from `from package import *` outside of the build, or a builtin."""
+        stars = [
+            module for module in frame.scope.unit.stars if self.program.find_module(module, frame.scope.unit) is None
+        ]
+        return Dotted(self.program.starred_path(name, stars) or f"builtins.{name}")
+
+    def assigned_globally(self, name: str, module: Frame, choice: Choice) -> Alternatives:
+        """Return what functions assign to a name that they declare `global`."""
+        found: Alternatives = []
+        for scope in module.scope.unit.scopes:
+            if name in scope.globals and name in scope.bindings:
+                for frame in self.frames_of(scope, None):
+                    found.extend(self.bound(scope.bindings[name], END, frame, choice)[0])
+        return found
+
+    def local(self, name: str, position: int, frame: Frame, choice: Choice) -> Alternatives:
+        """Return what the frame's own scope gives to a name; nothing when it does not bind it."""
+        scope = frame.scope
+        found, certain = self.bound(scope.bindings.get(name, ()), position, frame, choice)
+        if certain:
+            return found
+        if scope.kind == "function" and (name in scope.parameters.positional or self._is_rest(name, scope)):
+            return found + self.parameter(name, frame, choice)
+        if name in scope.functions:
+            return [*found, (FunctionRef(scope.functions[name], frame), choice)]
+        if name in scope.classes:
+            return [*found, (ClassRef(scope.classes[name]), choice)]
+        if not found and scope.bindings.get(name) and scope.name != MODULE:
+            return self.bound(scope.bindings[name], END, frame, choice)[0]
+        return found
+
+    def _is_rest(self, name: str, scope: Scope) -> bool:
+        return name in (scope.parameters.rest, scope.parameters.keywords)
+
+    def bound(
+        self, bindings: Iterable[Binding], position: int, frame: Frame, choice: Choice
+    ) -> tuple[Alternatives, bool]:
+        """Return what bindings that reach a place give, and whether one of them must hold there."""
+        reached, certain = reaching(bindings, position, frame, choice)
+        found: Alternatives = []
+        for binding, after in reached:
+            if self.possible(binding.arms, frame, choice):
+                found.extend(self.binding(binding, frame, after))
+        return found, certain
+
+    def binding(self, binding: Binding, frame: Frame, choice: Choice) -> Alternatives:
+        """Return what one binding gives to its name."""
+        if binding.value is None:
+            return [(_COMPUTED, choice)]
+        if binding.kind == "augment":
+            values = self.augmented(binding, frame, choice)
+        else:
+            values = self.evaluate(binding.value, frame, choice)
+        if binding.kind == "for":
+            values = [row for value, after in values for row in self.each_round(binding, value, frame, after)]
+        return [(_through(unpacked(value, binding.path)), after) for value, after in values]
+
+    def augmented(self, binding: Binding, frame: Frame, choice: Choice) -> Alternatives:
+        """Return what `name += value` leaves."""
+        node = binding.value
+        left = node.child_by_field_name("left") if node is not None else None
+        right = node.child_by_field_name("right") if node is not None else None
+        if node is None or left is None or right is None or not code(node.child_by_field_name("operator")) == "+=":
+            return [(_COMPUTED, choice)]
+        rows = self.combined((left, right), frame, choice)
+        return [(_sum(values[0], values[1]), after) for values, after in rows]
+
+    def each_round(self, binding: Binding, value: Thing, frame: Frame, choice: Choice) -> Alternatives:
+        """Return what a loop variable takes, round by round, or in the round that was chosen."""
+        rounds, key = self.rounds(value), (frame.id, binding.loop)
+        if rounds is None:
+            return [(value if isinstance(value, Unknown) else _COMPUTED, choice)]
+        if key in choice:
+            return [(rounds[choice[key]], choice)] if choice[key] < len(rounds) else []
+        return [(item, {**choice, key: index}) for index, item in enumerate(rounds)]
+
+    def rounds(self, value: Thing) -> list[Thing] | None:
+        """Return what iterating over a value gives; None when that is not known."""
+        if isinstance(value, Items):
+            return list(value.items[:_MAX_ROUNDS])
+        if isinstance(value, Table):
+            return [key for key, _ in value.items[:_MAX_ROUNDS]]
+        return None
+
+    def parameter(self, name: str, frame: Frame, choice: Choice) -> Alternatives:
+        """Return what a parameter of the frame's function can be."""
+        scope = frame.scope
+        if name == scope.receiver and name not in frame.arguments:
+            return [(self._receiver(frame), choice)]
+        if name == scope.parameters.rest:
+            return [(Items(tuple(values)), after) for values, after in self.combined(frame.rest, frame, choice)]
+        if name == scope.parameters.keywords:
+            rows = self.combined(frame.keywords.values(), frame, choice)
+            return [
+                (Table(tuple(zip(map(Text.of, frame.keywords), values, strict=True))), after) for values, after in rows
+            ]
+        if name in frame.arguments:
+            return [(_through(value), after) for value, after in self.thunk(frame.arguments[name], choice)]
+        if frame.open:
+            return self.from_callers(name, frame, choice)
+        return self.default(name, frame, choice)
+
+    def _receiver(self, frame: Frame) -> Thing:
+        owner = frame.scope.owner
+        if frame.instance is None and owner is not None and "classmethod" in frame.scope.decorators:
+            return ClassRef(owner)
+        if frame.instance is None and owner is not None:
+            frame.instance = self.open_instance(owner)
+        return frame.instance or _NO_CALLER
+
+    def default(self, name: str, frame: Frame, choice: Choice) -> Alternatives:
+        """Return the default value of a parameter that no argument was given for."""
+        node = frame.scope.parameters.defaults.get(name)
+        if node is None:
+            return [(_NO_CALLER, choice)]
+        around = frame.lexical or self.program.module_frame(frame.scope.unit)
+        return [(_through(value), after) for value, after in self.evaluate(node, around, choice)]
+
+    def from_callers(self, name: str, frame: Frame, choice: Choice) -> Alternatives:
+        """Return what the calls of a function pass for a parameter, when its frame stands for all of them."""
+        known = [other for other in self.frames_of(frame.scope, frame.instance) if not other.open]
+        key = (frame.id, -1)
+        found: Alternatives = []
+        for index, other in enumerate(known):
+            if choice.get(key, index) == index:
+                found.extend(self.parameter(name, other, {**choice, key: index}))
+        return found or self.default(name, frame, choice)
+
+    def assigned_here(self, node: Node, frame: Frame, choice: Choice) -> Alternatives | None:
+        """Return what `self.name` was given earlier in the same function, where it must have been."""
+        bindings = frame.scope.bindings.get(code(node)) if frame.scope.bindings else None
+        if not bindings:
+            return None
+        found, certain = self.bound(bindings, node.start_byte, frame, choice)
+        return found if certain and found else None
+
+    def member(self, value: Thing, name: str, frame: Frame, choice: Choice) -> Alternatives:
+        """Return the attribute `name` of a value."""
+        if isinstance(value, Instance):
+            return self.instance_member(value, name, self.program.lineage(value.klass), choice)
+        if isinstance(value, Super):
+            lineage = self.program.lineage(value.instance.klass)
+            rest = lineage[lineage.index(value.after) + 1 :] if value.after in lineage else lineage[1:]
+            return self.instance_member(value.instance, name, rest, choice)
+        if isinstance(value, ClassRef):
+            return self.class_member(value.scope, name, choice)
+        if isinstance(value, ModuleRef):
+            return self.module_member(value, name, choice)
+        if isinstance(value, ArgumentsParsed):
+            return [(self.option(value, name), choice)]
+        return [(self.outside_member(value, name, frame), choice)]
+
+    def outside_member(self, value: Thing, name: str, frame: Frame) -> Thing:
+        """Return an attribute of something that is not made in the build."""
+        if isinstance(value, Dotted):
+            return self.program.static_member(value, name, frame.scope.unit) or _COMPUTED
+        if isinstance(value, ParameterRead):
+            return value.value if name in _PARAMETER_FIELDS else Bound(f"parameter.{name}", value)
+        if isinstance(value, Made):
+            return Bound(f"{value.path}.{name}", value)
+        for kind, prefix in ((Text, "str"), (Items, "list"), (Table, "dict")):
+            if isinstance(value, kind):
+                return Bound(f"{prefix}.{name}", value)
+        return Bound(f"?.{name}", value)
+
+    def module_member(self, value: ModuleRef, name: str, choice: Choice) -> Alternatives:
+        """Return a name of a module of the build."""
+        static = self.program.static_member(value, name, value.unit)
+        if static is not None:
+            return [(static, choice)]
+        return self.name(name, END, self.program.module_frame(value.unit), choice)
+
+    def class_member(self, klass: Scope, name: str, choice: Choice) -> Alternatives:
+        """Return an attribute of a class, from itself or the nearest base that has it."""
+        for base in self.program.lineage(klass):
+            if isinstance(base, Dotted):
+                return [(Dotted(f"{base.path}.{name}"), choice)]
+            around = self.program.scope_frame(base.parent) if base.parent else self.program.module_frame(base.unit)
+            if name in base.functions:
+                return [(FunctionRef(base.functions[name], around), choice)]
+            if name in base.classes:
+                return [(ClassRef(base.classes[name]), choice)]
+            found = self.class_variable(base, name, choice)
+            if found:
+                return found
+        return [(_NOT_BOUND, choice)]
+
+    def class_variable(self, klass: Scope, name: str, choice: Choice) -> Alternatives:
+        """Return what the body of a class gives to a name."""
+        if name not in klass.bindings:
+            return []
+        around = self.program.scope_frame(klass.parent) if klass.parent else None
+        return self.bound(klass.bindings[name], END, self.program.new_frame(klass, around), choice)[0]
+
+    def instance_member(
+        self, instance: Instance, name: str, lineage: list[Scope | Dotted], choice: Choice
+    ) -> Alternatives:
+        """Return an attribute of an object: a method, what methods assign to it, or a class variable."""
+        outside = None
+        for base in lineage:
+            if isinstance(base, Dotted):
+                outside = outside or base
+            elif name in base.functions:
+                return self.method(base.functions[name], instance, choice)
+        found = self.assigned(instance, name, choice)
+        for base in lineage:
+            if not found and not isinstance(base, Dotted):
+                found = self.class_variable(base, name, choice)
+        if found:
+            return found
+        return [(Bound(f"{outside.path}.{name}", instance) if outside else _NOT_BOUND, choice)]
+
+    def method(self, scope: Scope, instance: Instance, choice: Choice) -> Alternatives:
+        """Return a method bound to its object, or what a property gives."""
+        around = self.program.scope_frame(scope.parent.parent) if scope.parent and scope.parent.parent else None
+        function = FunctionRef(scope, around or self.program.module_frame(scope.unit), instance)
+        if any(name.endswith("property") for name in scope.decorators):
+            return self.returned(function, None, self.program.module_frame(scope.unit), choice)
+        return [(function, choice)]
+
+    def assigned(self, instance: Instance, name: str, choice: Choice) -> Alternatives:
+        """Return what the methods of an object's classes assign to its attribute."""
+        found: Alternatives = []
+        for klass in self.program.lineage(instance.klass):
+            for method in self.setters(klass).get(name, ()) if not isinstance(klass, Dotted) else ():
+                bindings = method.bindings[f"{method.receiver}.{name}"]
+                for frame in self.frames_of(method, instance):
+                    merged = agreeing(choice, frame.choice)
+                    found.extend(self.bound(bindings, END, frame, merged)[0] if merged is not None else ())
+        known = [row for row in found if not isinstance(row[0], Nothing | Unknown)]
+        return known or found
+
+    def setters(self, klass: Scope) -> dict[str, list[Scope]]:
+        """Return, for each attribute of its objects, the methods of a class that assign it."""
+        key = id(klass)
+        if key not in self._setters:
+            found: dict[str, list[Scope]] = {}
+            for method in klass.functions.values():
+                prefix = f"{method.receiver}."
+                for bound_name in method.bindings:
+                    if bound_name.startswith(prefix) and not bound_name.endswith("[]"):
+                        found.setdefault(bound_name.removeprefix(prefix), []).append(method)
+            self._setters[key] = found
+        return self._setters[key]
+
+    def item(self, value: Thing, key: Thing, node: Node, frame: Frame, choice: Choice) -> Alternatives:
+        """Return `value[key]`, `node` being the expression of the value."""
+        if isinstance(value, Items) and isinstance(key, Number):
+            index = int(key.value)
+            inside = -len(value.items) <= index < len(value.items)
+            return [(value.items[index] if inside else _COMPUTED, choice)]
+        if isinstance(value, Table):
+            got = value.get(key)
+            if got is not None:
+                return [(got, choice)]
+            if plain(key) is None:
+                return [(held, choice) for _, held in value.items] or [(_COMPUTED, choice)]
+        if isinstance(value, ArgumentsParsed):
+            return (
+                [(unpacked(value, (int(plain(key) or 0),)), choice)]
+                if isinstance(key, Number)
+                else [(_COMPUTED, choice)]
+            )
+        if isinstance(value, Dotted) and value.path == "sys.argv":
+            return [(Unknown("it is given on the command line"), choice)]
+        return self.stored(key, node, frame, choice) or [(value if isinstance(value, Unknown) else _COMPUTED, choice)]
+
+    def stored(self, key: Thing, node: Node, frame: Frame, choice: Choice) -> Alternatives:
+        """Return what `name[key] = value` stored before, in the same scope."""
+        bindings = frame.scope.bindings.get(code(node) + "[]", ())
+        found: Alternatives = []
+        for binding in bindings:
+            known = self.evaluate(binding.key, frame, choice)[0][0] if binding.key is not None else None
+            if known is not None and plain(known) is not None and plain(known) == plain(key):
+                found.extend(self.binding(binding, frame, choice))
+        return found
+
+    def possible(self, arms: Iterable[tuple[int, int]], frame: Frame, choice: Choice) -> bool:
+        """Tell whether branches can be taken, as far as their conditions rest on arguments that are known."""
+        for start, number in arms:
+            node = frame.scope.unit.ifs.get(start)
+            condition = node.child_by_field_name("condition") if node is not None else None
+            if condition is None:
+                continue
+            key = (condition.id, frame.id)
+            if key not in self._decided:
+                self._decided[key] = None
+                self._decided[key] = self.decide(condition, frame, choice)
+            decided = self._decided[key]
+            if decided is not None and decided != (number == 0):
+                return False
+        return True
+
+    def decide(self, condition: Node, frame: Frame, choice: Choice) -> bool | None:
+        """Return the truth of a condition about names that have one value in this frame; None when not known."""
+        condition = strip_parentheses(condition)
+        if condition.type == "not_operator":
+            inner = condition.child_by_field_name("argument")
+            decided = self.decide(inner, frame, choice) if inner is not None else None
+            return None if decided is None else not decided
+        if condition.type == "comparison_operator":
+            return self.compare(condition, frame, choice)
+        return _truthiness(self.certain(condition, frame, choice))
+
+    def compare(self, node: Node, frame: Frame, choice: Choice) -> bool | None:
+        """Return the truth of `a == b`, `a != b`, `a is b`, `a is not b`."""
+        operator = " ".join(child.type for child in node.children if not child.is_named)
+        if node.named_child_count != 2 or operator not in ("==", "!=", "is", "is not", "is  not"):  # noqa: PLR2004 - two sides
+            return None
+        left, right = (self.certain(side, frame, choice) for side in node.named_children)
+        if left is None or right is None:
+            return None
+        if isinstance(left, Nothing) or isinstance(right, Nothing):
+            same = isinstance(left, Nothing) and isinstance(right, Nothing)
+        elif plain(left) is None or plain(right) is None:
+            return None
+        else:
+            same = plain(left) == plain(right)
+        return same if operator in ("==", "is") else not same
+
+    def certain(self, node: Node, frame: Frame, choice: Choice) -> Thing | None:
+        """Return the one value of a literal, or of a name bound once; None for anything that may change."""
+        if node.type == "identifier":
+            name, scope = code(node), frame.scope
+            if name == "__name__":
+                return Text.of("__main__" if scope.unit is self.main else scope.unit.file.path)
+            bound_here = len(scope.bindings.get(name, ()))
+            if bound_here > (0 if scope.kind == "function" and name in scope.parameters.positional else 1):
+                return None
+        elif node.type not in ("string", "integer", "float", "true", "false", "none"):
+            return None
+        values = self.evaluate(node, frame, choice)
+        if len(values) != 1 or not isinstance(values[0][0], Text | Number | Truth | Nothing):
+            return None
+        value = values[0][0]
+        changeable = isinstance(value, Text) and (value.known is None or value.resolution not in _FIRM)
+        return None if changeable else value
+
+
+_FIRM: Final = (Resolution.LITERAL, Resolution.CONSTANT)
+
+
+def unpacked(value: Thing, path: tuple[int, ...]) -> Thing:
+    """Return the part of a value that unpacking takes."""
+    for index in path:
+        if isinstance(value, ArgumentsParsed):
+            return value if index == 0 else _COMPUTED
+        if not isinstance(value, Items) or index >= len(value.items):
+            return value if isinstance(value, Unknown) else _COMPUTED
+        value = value.items[index]
+    return value
+
+
+def _through(value: Thing) -> Thing:
+    return value.through_constant() if isinstance(value, Text) else value
+
+
+def _sum(left: Thing, right: Thing) -> Thing:
+    if isinstance(left, Items) and isinstance(right, Items):
+        return Items(left.items + right.items)
+    if isinstance(left, Text):
+        return concatenate(left, right if isinstance(right, Text | Number | Truth | Unknown) else _COMPUTED)
+    return _COMPUTED
+
+
+def _truthiness(value: Thing | None) -> bool | None:
+    if isinstance(value, Nothing):
+        return False
+    if isinstance(value, Text | Number | Truth):
+        return bool(plain(value))
+    return None

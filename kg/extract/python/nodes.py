@@ -1,0 +1,151 @@
+"""From the build model to nodes: every script, entry point and program of a package, run in outline from its root."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import PurePosixPath
+from typing import TYPE_CHECKING
+
+from kg.extract.marks import Extracted
+from kg.extract.python.declare import declare
+from kg.extract.python.entities import Dotted, FunctionRef
+from kg.extract.python.evaluate import Evaluator
+from kg.extract.python.program import Program, mentions_ros
+from kg.extract.python.reach import reach
+from kg.extract.python.walk import Walk
+from kg.facts import FileKind, Location, NodeKind, NodeType
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kg.corpus.reading import Reader
+    from kg.corpus.workspace import PackageFolder
+    from kg.extract.buildmodel import BuildModel
+    from kg.extract.python.declare import Declarations
+    from kg.extract.python.entities import Frame
+    from kg.extract.python.unit import Scope, Unit
+
+__all__ = ["read_nodes"]
+
+
+@dataclass(frozen=True, slots=True)
+class _Root:
+    """Where a node begins: the top level of a file, or a function of an entry point."""
+
+    name: str
+    executable: str | None
+    kind: NodeKind
+    path: str
+    function: str | None = None
+
+
+def read_nodes(reader: Reader, package: PackageFolder, build: BuildModel) -> list[Extracted]:
+    """Return the Python nodes of a package: scripts, entry points, other programs, then node classes nobody starts."""
+    program = Program(reader)
+    found: list[Extracted] = []
+    started: set[int] = set()
+    for root in _roots(reader, package, build):
+        unit = program.unit(reader.file(root.path))
+        if unit is not None:
+            extracted = _read_root(program, unit, root, started)
+            if extracted is not None:
+                found.append(extracted)
+    found.extend(_classes(program, reader, package, started))
+    return found
+
+
+def _roots(reader: Reader, package: PackageFolder, build: BuildModel) -> Iterator[_Root]:
+    seen: set[str] = set()
+    for entry in build.entry_points:
+        if entry.path is not None:
+            seen.add(entry.path)
+            yield _Root(entry.name, entry.name, NodeKind.EXECUTABLE, entry.path, entry.function)
+    for script in build.scripts:
+        if script.path not in seen:
+            seen.add(script.path)
+            yield _Root(script.name.removesuffix(".py"), script.name, NodeKind.SCRIPT, script.path)
+    for path in _python_files(package):
+        data = reader.read(path) if path not in seen else None
+        if data is not None and b"__main__" in data and mentions_ros(data):
+            yield _Root(PurePosixPath(path).stem, None, NodeKind.SCRIPT, path)
+
+
+def _python_files(package: PackageFolder) -> Iterator[str]:
+    for entry in package.files:
+        if entry.kind is FileKind.PYTHON:
+            yield entry.path
+
+
+def _read_root(program: Program, unit: Unit, root: _Root, started: set[int]) -> Extracted | None:
+    module = program.module_frame(unit)
+    frames: list[Frame] = [module]
+    function = program.global_name(unit, root.function) if root.function else None
+    scopes: list[Scope] = [unit.module]
+    evaluator = Evaluator(program)
+    if isinstance(function, FunctionRef):
+        scopes.append(function.scope)
+        frames.append(evaluator.frame_for(function, None, module))
+    elif root.function is None:
+        evaluator.main = unit
+    return _extract(program, evaluator, scopes, frames, root, started)
+
+
+def _extract(
+    program: Program, evaluator: Evaluator, scopes: list[Scope], frames: list[Frame], root: _Root, started: set[int]
+) -> Extracted | None:
+    found = reach(program, scopes)
+    evaluator.sites = found.sites()
+    walk = Walk(evaluator, found)
+    walk.run(frames)
+    made = [site for site in walk.sites if site.api.kind == "node"]
+    if not made:
+        return None
+    started.update(id(instance.klass) for instance in evaluator.instances.values())
+    declared = declare(walk.sites, evaluator, program.reader.source.repository.name)
+    sources = {frame.frame.scope.unit.file.path for frame in walk.sites} | {root.path}
+    ros = 1 if any(site.api.ros == 1 for site in made) else 2
+    return Extracted(_node(root, declared, ros, tuple(sorted(sources))), tuple(declared.marks))
+
+
+def _node(root: _Root, declared: Declarations, ros: int, sources: tuple[str, ...]) -> NodeType:
+    lines = [
+        site.call.start_point.row + 1 for site, _ in declared.nodes if site.frame.scope.unit.file.path == root.path
+    ]
+    return NodeType(
+        name=root.name,
+        kind=root.kind,
+        language="python",
+        ros=ros,
+        location=Location(root.path, lines[0] if lines else 1),
+        executable=root.executable,
+        node_name=declared.name,
+        sources=sources,
+        interfaces=tuple(declared.interfaces),
+        parameters=tuple(declared.parameters),
+    )
+
+
+def _classes(program: Program, reader: Reader, package: PackageFolder, started: set[int]) -> Iterator[Extracted]:
+    """Yield the ROS 2 node classes of a package that none of its programs starts."""
+    for path in _python_files(package):
+        data = reader.read(path)
+        if data is None or b"rclpy" not in data or b"class " not in data:
+            continue
+        unit = program.unit(reader.file(path))
+        for klass in unit.classes if unit is not None else ():
+            lineage = program.lineage(klass)
+            if id(klass) not in started and any(isinstance(base, Dotted) and _is_node(base) for base in lineage):
+                extracted = _read_class(program, klass, started)
+                if extracted is not None:
+                    yield extracted
+
+
+def _is_node(base: Dotted) -> bool:
+    return base.path.startswith("rclpy.") and base.path.rpartition(".")[2] in ("Node", "LifecycleNode")
+
+
+def _read_class(program: Program, klass: Scope, started: set[int]) -> Extracted | None:
+    evaluator = Evaluator(program)
+    instance = evaluator.open_instance(klass)
+    root = _Root(klass.name, None, NodeKind.CLASS, klass.unit.file.path)
+    return _extract(program, evaluator, [klass], [instance.frame] if instance.frame else [], root, started)

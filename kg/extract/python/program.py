@@ -1,0 +1,264 @@
+"""The modules of a build as far as they are asked for: files read once, imports and base classes resolved."""
+
+from __future__ import annotations
+
+import builtins
+from functools import cache
+from typing import TYPE_CHECKING, Final
+
+from kg.extract.python.entities import ClassRef, Dotted, Frame, FunctionRef, ModuleRef
+from kg.extract.python.index import index_file
+from kg.extract.python.syntax import code, first_error
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from tree_sitter import Node
+
+    from kg.corpus.reading import Reader
+    from kg.corpus.workspace import FilePath
+    from kg.extract.python.entities import Thing
+    from kg.extract.python.unit import Import, Scope, Unit
+
+__all__ = ["FRAMEWORKS", "GENERATED", "ROS_WORDS", "Program", "mentions_ros"]
+
+FRAMEWORKS: Final = frozenset(
+    {
+        "rospy", "rclpy", "tf", "tf2_ros", "tf2_py", "actionlib", "message_filters", "diagnostic_updater",
+        "dynamic_reconfigure", "interactive_markers", "bondpy", "roslib", "genpy", "image_transport", "rosgraph",
+        "ddynamic_reconfigure_python", "launch", "launch_ros", "rosidl_runtime_py", "std_msgs", "numpy", "cv_bridge",
+    }
+)  # fmt: skip
+"""Packages whose Python interface is known by name, so that their own sources are not followed."""
+
+GENERATED: Final = frozenset({"msg", "srv", "action", "cfg"})
+"""Modules that are generated from interface definitions."""
+
+ROS_WORDS: Final = (b"rospy", b"rclpy", b"roslib", b"actionlib", b"tf2_ros", b"message_filters", b"jsk_topic_tools")
+
+
+def mentions_ros(source: bytes) -> bool:
+    """Tell whether a file can hold anything of ROS at all."""
+    return any(word in source for word in ROS_WORDS)
+
+
+_BUILTINS: Final = frozenset(vars(builtins)) | {"unicode", "xrange", "raw_input", "basestring", "long", "unichr"}
+
+
+@cache
+def _standard_types() -> frozenset[str]:
+    from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415 - loaded only where several imports compete
+
+    names = (*get_typestore(Stores.ROS1_NOETIC).types, *get_typestore(Stores.ROS2_HUMBLE).types)
+    return frozenset(names)
+
+
+def is_standard(package: str, name: str) -> bool:
+    """Tell whether a message type belongs to the interfaces that every ROS distribution carries."""
+    return f"{package}/msg/{name}" in _standard_types()
+
+
+def _interface_name(name: str) -> str:
+    for suffix in ("Request", "Response", "Goal", "Result", "Feedback", "Action"):
+        if name.endswith(suffix) and name != suffix:
+            return name.removesuffix(suffix)
+    return name
+
+
+class Program:
+    """All modules read for one package, by file."""
+
+    def __init__(self, reader: Reader) -> None:
+        self.reader = reader
+        self.units: dict[FilePath, Unit | None] = {}
+        self._frames = 0
+        self._module_frames: dict[int, Frame] = {}
+        self._globals: dict[tuple[int, str], Thing | None] = {}
+        self._mro: dict[int, list[Scope | Dotted]] = {}
+
+    def unit(self, file: FilePath) -> Unit | None:
+        """Return the index of a file; None when it cannot be read."""
+        if file not in self.units:
+            source = self.reader.read(file)
+            self.units[file] = None if source is None else self._index(file, source)
+        return self.units[file]
+
+    def _index(self, file: FilePath, source: bytes) -> Unit:
+        unit = index_file(file, source)
+        line = first_error(unit.module.node)
+        if line is not None:
+            self.reader.problem("KG115", "part of the file does not parse as Python", file.path, line)
+        return unit
+
+    def new_frame(self, scope: Scope, lexical: Frame | None = None) -> Frame:
+        """Return a new frame of a scope."""
+        self._frames += 1
+        return Frame(self._frames, scope, lexical=lexical)
+
+    def module_frame(self, unit: Unit) -> Frame:
+        """Return the one run of a module's top level."""
+        key = id(unit)
+        if key not in self._module_frames:
+            self._module_frames[key] = self.new_frame(unit.module)
+        return self._module_frames[key]
+
+    def scope_frame(self, scope: Scope) -> Frame:
+        """Return a frame for what stands around a scope: the module's, or one of a function with unknown caller."""
+        if scope.kind == "module":
+            return self.module_frame(scope.unit)
+        frame = self.new_frame(scope, self.scope_frame(scope.parent) if scope.parent else None)
+        frame.open = True
+        return frame
+
+    def find_module(self, dotted: str, unit: Unit) -> Unit | None:
+        """Return the module of that name as imported in `unit`; None when it is not in the build."""
+        first = dotted.partition(".")[0]
+        if first in FRAMEWORKS or not dotted.strip("."):
+            return self._folder_module(dotted, unit)
+        file = self.reader.workspace.module(dotted, near=unit.file)
+        return self.unit(file) if file and file != unit.file else None
+
+    def _folder_module(self, dotted: str, unit: Unit) -> Unit | None:
+        if dotted.strip("."):
+            return None
+        file = self.reader.workspace.module(dotted + "__init__", near=unit.file)
+        return self.unit(file) if file and file != unit.file else None
+
+    def imported(self, item: Import, unit: Unit) -> Thing:
+        """Return what an import binds its name to."""
+        if item.attribute is None:
+            module = self.find_module(item.module, unit)
+            return ModuleRef(module) if module else Dotted(item.module)
+        return self.member_of_module(item.module, item.attribute, unit)
+
+    def member_of_module(self, module: str, attribute: str, unit: Unit) -> Thing:
+        """Return `attribute` of the module `module` as seen from `unit`."""
+        outside = Dotted(f"{module.lstrip('.')}.{attribute}".lstrip("."))
+        if GENERATED & set(module.split(".")[1:]) or (attribute in GENERATED and not module.startswith(".")):
+            return outside
+        found = self.find_module(module, unit)
+        if found:
+            inside = self.global_name(found, attribute)
+            if inside is not None:
+                return inside
+        separator = "" if module.endswith(".") else "."
+        below = self.find_module(f"{module}{separator}{attribute}", unit)
+        return ModuleRef(below) if below else outside
+
+    def global_name(self, unit: Unit, name: str) -> Thing | None:
+        """Return the function, class or import of a module; None for anything else (variables are evaluated)."""
+        key = (id(unit), name)
+        if key not in self._globals:
+            self._globals[key] = None
+            self._globals[key] = self._find_global(unit, name)
+        return self._globals[key]
+
+    def _find_global(self, unit: Unit, name: str) -> Thing | None:
+        scope = unit.module
+        if name in scope.classes:
+            return ClassRef(scope.classes[name])
+        if name in scope.functions:
+            return FunctionRef(scope.functions[name], self.module_frame(unit))
+        if name in scope.bindings:
+            return None
+        if name in unit.imports:
+            return self.imported(unit.imports[name], unit)
+        return self._starred(unit, name)
+
+    def _starred(self, unit: Unit, name: str) -> Thing | None:
+        for module in unit.stars:
+            found = self.find_module(module, unit) if not GENERATED & set(module.split(".")) else None
+            inside = self.global_name(found, name) if found else None
+            if inside is not None:
+                return inside
+        return None
+
+    def star_modules(self, unit: Unit) -> Iterator[Unit]:
+        """Yield the modules of the build whose names are all imported."""
+        for module in unit.stars:
+            found = self.find_module(module, unit) if not GENERATED & set(module.split(".")) else None
+            if found:
+                yield found
+
+    def starred_path(self, name: str, modules: list[str]) -> str | None:
+        """Return the full name of what `from module import *` of one of the modules outside of the build gives.
+
+        Interface types are looked up among the definitions of the build; else one module alone is taken for it.
+        """
+        if name in _BUILTINS or not name[:1].isalpha():
+            return None
+        generated = [module for module in modules if module.rpartition(".")[2] in GENERATED]
+        if not name[0].isupper():
+            return f"{modules[0]}.{name}" if len(modules) == 1 and not generated else None
+        for module in generated:
+            package, _, kind = module.rpartition(".")
+            if self.reader.workspace.definition(package, _interface_name(name), kind):
+                return f"{module}.{name}"
+        for module in generated:
+            if is_standard(module.partition(".")[0], name):
+                return f"{module}.{name}"
+        others = [module for module in generated if self.reader.workspace.package(module.partition(".")[0]) is None]
+        return f"{others[0]}.{name}" if len(others) == 1 else None
+
+    def lineage(self, klass: Scope) -> list[Scope | Dotted]:
+        """Return a class with its bases, nearest first; bases outside of the build are `Dotted`."""
+        key = id(klass)
+        if key not in self._mro:
+            self._mro[key] = [klass]
+            found: list[Scope | Dotted] = [klass]
+            for base in klass.bases():
+                for item in self._base(klass, base):
+                    if item not in found:
+                        found.append(item)
+            self._mro[key] = found
+        return self._mro[key]
+
+    def _base(self, klass: Scope, base: Node) -> list[Scope | Dotted]:
+        named = self.static(base, klass)
+        if isinstance(named, ClassRef) and named.scope is not klass:
+            return self.lineage(named.scope)
+        return [named if isinstance(named, Dotted) else Dotted(f"?.{code(base)}")]
+
+    def static(self, node: Node, scope: Scope) -> Thing | None:
+        """Return what a plain or dotted name means, without looking at variables."""
+        if node.type == "identifier":
+            return self._static_name(code(node), scope)
+        if node.type == "attribute":
+            held, attribute = node.child_by_field_name("object"), code(node.child_by_field_name("attribute"))
+            value = self.static(held, scope) if held is not None else None
+            return self.static_member(value, attribute, scope.unit)
+        return None
+
+    def _static_name(self, name: str, scope: Scope) -> Thing | None:
+        around: Scope | None = scope.parent
+        while around is not None and around.kind != "module":
+            if name in around.classes and around.classes[name] is not scope:
+                return ClassRef(around.classes[name])
+            around = around.parent
+        return self.global_name(scope.unit, name)
+
+    def static_member(self, value: Thing | None, attribute: str, unit: Unit) -> Thing | None:
+        """Return an attribute of a module or of something outside of the build."""
+        if isinstance(value, Dotted):
+            path = f"{value.path}.{attribute}"
+            if value.path.partition(".")[0] in FRAMEWORKS or GENERATED & set(path.split(".")[1:]):
+                return Dotted(path)
+            found = self.find_module(value.path, unit)
+            inside = self.global_name(found, attribute) if found else None
+            return inside or Dotted(path)
+        if isinstance(value, ModuleRef):
+            inside = self.global_name(value.unit, attribute)
+            if inside is not None:
+                return inside
+            return self.submodule(value.unit, attribute)
+        return None
+
+    def submodule(self, unit: Unit, name: str) -> Thing | None:
+        """Return the module `name` of a package that is a folder, or a generated module of it."""
+        path = unit.file.path
+        if name in GENERATED:
+            return Dotted(f"{path.removesuffix('/__init__.py').rpartition('/')[2]}.{name}")
+        if not path.endswith("/__init__.py"):
+            return None
+        below = self.find_module(f".{name}", unit)
+        return ModuleRef(below) if below else None

@@ -1,0 +1,98 @@
+"""Where Python code meets tree-sitter: one parser, one query for everything the reader indexes, texts of nodes.
+
+The grammar of tree-sitter covers Python 2 as well (`print x`, `exec code`, backticks, `except X, error`).
+Nodes are found by the query, in C; nothing walks a whole tree in Python, so depth costs nothing.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING, Final
+
+import tree_sitter_python
+from tree_sitter import Language, Parser, Query, QueryCursor
+
+if TYPE_CHECKING:
+    from tree_sitter import Node, Tree
+
+__all__ = ["argument_nodes", "captures", "code", "first_error", "parse", "strip_parentheses"]
+
+
+_PATTERNS: Final = """
+(call) @call
+(function_definition) @function
+(class_definition) @class
+(assignment) @assign
+(augmented_assignment) @augment
+(named_expression) @walrus
+(for_statement) @for
+(for_in_clause) @clause
+(list_comprehension) @comprehension
+(generator_expression) @comprehension
+(dictionary_comprehension) @comprehension
+(set_comprehension) @comprehension
+(with_item) @with
+(return_statement) @return
+(yield) @return
+(import_statement) @import
+(import_from_statement) @import
+(global_statement) @global
+(decorated_definition) @decorated
+(if_statement) @if
+(if_statement consequence: (block) @arm)
+(if_statement alternative: (_) @arm)
+(except_clause) @except
+"""
+
+
+@cache
+def _language() -> Language:
+    return Language(tree_sitter_python.language())
+
+
+@cache
+def _query(patterns: str) -> Query:
+    return Query(_language(), patterns)
+
+
+def parse(source: bytes) -> Tree:
+    """Return the syntax tree of a file; what does not parse stands in ERROR nodes."""
+    return Parser(_language()).parse(source)
+
+
+def captures(root: Node) -> dict[str, list[Node]]:
+    """Return the nodes that the index of a file is made of, by kind."""
+    return QueryCursor(_query(_PATTERNS)).captures(root)
+
+
+def first_error(root: Node) -> int | None:
+    """Return the line of the first part that does not parse."""
+    if not root.has_error:
+        return None
+    errors = QueryCursor(_query("(ERROR) @error (MISSING) @error")).captures(root).get("error", ())
+    return min((node.start_point.row + 1 for node in errors), default=None)
+
+
+def code(node: Node | None) -> str:
+    """Return the text of a node, and nothing for no node."""
+    return (node.text or b"").decode() if node is not None else ""
+
+
+def strip_parentheses(node: Node) -> Node:
+    """Return the expression inside of any parentheses around it."""
+    while node.type == "parenthesized_expression" and node.named_child_count:
+        inner = [child for child in node.named_children if child.type != "comment"]
+        if len(inner) != 1:
+            return node
+        node = inner[0]
+    return node
+
+
+def argument_nodes(call: Node) -> list[Node]:
+    """Return the arguments of a call (or the bases of a class) as written, without comments."""
+    arguments = call.child_by_field_name("arguments") or call.child_by_field_name("superclasses")
+    if arguments is None:
+        return []
+    if arguments.type == "generator_expression":
+        return [arguments]
+    return [child for child in arguments.named_children if child.type != "comment"]

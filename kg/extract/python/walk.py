@@ -1,0 +1,197 @@
+"""Running a node's code in outline: from its root through all calls that can lead to a declaration.
+
+Every call of a relevant function makes a frame; what remains unreached though it is named (callbacks, methods
+that a framework calls) is run at the end, on the objects there are, with parameters that its callers decide.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from kg.extract.python.api import API_NAMES, Api, find_api
+from kg.extract.python.entities import Bound, ClassRef, Dotted, FunctionRef, Instance
+from kg.extract.python.flow import agreeing, with_arms
+from kg.extract.python.syntax import argument_nodes
+
+if TYPE_CHECKING:
+    from tree_sitter import Node
+
+    from kg.extract.python.entities import Choice, Frame, Thing
+    from kg.extract.python.evaluate import Evaluator
+    from kg.extract.python.reach import Reach
+    from kg.extract.python.unit import CallSite, Scope
+
+__all__ = ["Site", "Walk"]
+
+_MAX_DEPTH: Final = 24
+_MAX_FRAMES: Final = 4_000
+_MAX_FRAMES_OF_ONE: Final = 64
+
+
+@dataclass(frozen=True, slots=True)
+class Site:
+    """A call that declares something, in one frame; `skip` counts leading arguments that are the object itself."""
+
+    api: Api
+    call: Node
+    frame: Frame
+    choice: Choice
+    receiver: Thing | None
+    skip: int = 0
+
+
+class Walk:
+    """Collects the sites of one root."""
+
+    def __init__(self, evaluator: Evaluator, found: Reach) -> None:
+        self.evaluator = evaluator
+        self.program = evaluator.program
+        self.reach = found
+        self.sites: list[Site] = []
+        self.visited: set[int] = set()
+        self.counts: dict[int, int] = {}
+        self.pending: list[Frame] = []
+        self.names = API_NAMES | {found.scopes[key].name for key in found.relevant}
+
+    def run(self, roots: list[Frame]) -> None:
+        """Walk from the root's frames until nothing new is reached."""
+        self.pending.extend(reversed(roots))
+        for frame in self.module_frames():
+            self.pending.insert(0, frame)
+        self.drain()
+        self.evaluator.memory.clear()
+        while self.open_rest():
+            self.drain()
+
+    def module_frames(self) -> list[Frame]:
+        """Return the top levels of the modules that are imported."""
+        return [
+            self.program.module_frame(scope.unit)
+            for key, scope in self.reach.scopes.items()
+            if scope.kind == "module" and key in self.reach.relevant
+        ]
+
+    def drain(self) -> None:
+        """Run the frames that are waiting, the latest first."""
+        while self.pending and len(self.visited) < _MAX_FRAMES:
+            frame = self.pending.pop()
+            if frame.id not in self.visited:
+                self.visited.add(frame.id)
+                self.counts[id(frame.scope)] = self.counts.get(id(frame.scope), 0) + 1
+                self.visit(frame)
+
+    def visit(self, frame: Frame) -> None:
+        """Follow the calls of one frame, in the order of the text."""
+        imports = frame.scope.unit.imports
+        before = len(self.pending)
+        for call in frame.scope.calls:
+            imported = imports.get(call.name)
+            if call.name in self.names or (imported is not None and imported.attribute in self.names):
+                self.follow(call, frame)
+        self.pending[before:] = reversed(self.pending[before:])
+        if frame.scope.kind == "module":
+            for klass in frame.scope.classes.values():
+                if id(klass) in self.reach.relevant and klass.calls:
+                    self.pending.append(self.program.new_frame(klass, frame))
+
+    def follow(self, call: CallSite, frame: Frame) -> None:
+        """Follow one call to what it declares or to the functions it runs."""
+        choice = with_arms(frame.choice, frame, call.arms)
+        called = call.node.child_by_field_name("function")
+        if choice is None or called is None or not self.evaluator.possible(call.arms, frame, choice):
+            return
+        self.evaluator.steps = 0
+        seen = []
+        for value, after in self.evaluator.evaluate(called, frame, choice):
+            if value not in seen:
+                seen.append(value)
+                self.reached(value, call.node, frame, agreeing(choice, after) or choice)
+
+    def reached(self, value: Thing, call: Node, frame: Frame, choice: Choice) -> None:
+        """Note what a call reaches."""
+        if isinstance(value, Dotted):
+            explicit = value.path.endswith(".__init__")
+            receiver = self.first_argument(call, frame) if explicit else None
+            self.declare(value.path, call, frame, choice, receiver, skip=int(explicit))
+        elif isinstance(value, Bound):
+            self.declare(value.path, call, frame, choice, value.receiver, bound=True)
+        elif isinstance(value, ClassRef):
+            self.construct(value.scope, call, frame, choice)
+        elif isinstance(value, FunctionRef):
+            self.enqueue(self.evaluator.frame_for(value, call, frame), choice)
+
+    def first_argument(self, call: Node, frame: Frame) -> Thing | None:
+        """Return the object of `Base.__init__(self, ...)`."""
+        given = argument_nodes(call)
+        return self.evaluator.evaluate(given[0], frame, {})[0][0] if given else None
+
+    def declare(
+        self, path: str, call: Node, frame: Frame, choice: Choice, receiver: Thing | None, skip: int = 0, *,
+        bound: bool = False,
+    ) -> None:  # fmt: skip
+        """Note a call of something outside of the build when it declares anything."""
+        given = [node for node in argument_nodes(call) if node.type != "keyword_argument"]
+        api = find_api(path, bound=bound, arguments=len(given) - skip)
+        if api is not None:
+            self.sites.append(Site(api, call, frame, choice, receiver, skip))
+
+    def construct(self, klass: Scope, call: Node, frame: Frame, choice: Choice) -> None:
+        """Follow the making of an object: its `__init__`, or the one of a base outside of the build."""
+        instance = self.evaluator.instance(klass, call, frame)
+        if instance.frame is not None:
+            self.enqueue(instance.frame, choice)
+            return
+        for base in self.program.lineage(klass):
+            if isinstance(base, Dotted):
+                self.declare(base.path, call, frame, choice, instance)
+                return
+
+    def enqueue(self, frame: Frame, choice: Choice) -> None:
+        """Let a frame be run, if it can lead to anything and is not one too many."""
+        scope = frame.scope
+        relevant = id(scope) in self.reach.relevant
+        if relevant and frame.depth <= _MAX_DEPTH and self.counts.get(id(scope), 0) < _MAX_FRAMES_OF_ONE:
+            if frame.id in self.visited or frame in self.pending:
+                return
+            frame.choice = choice
+            self.pending.append(frame)
+
+    def open_rest(self) -> bool:
+        """Queue relevant functions that are named but were never called; tell whether there were any."""
+        for key in list(self.reach.scopes):
+            scope = self.reach.scopes[key]
+            if scope.kind == "function" and key in self.reach.relevant and key not in self.counts:
+                self.counts[key] = 0
+                for frame in self.frames_for_rest(scope):
+                    self.pending.append(frame)
+        return bool(self.pending) and len(self.visited) < _MAX_FRAMES
+
+    def frames_for_rest(self, scope: Scope) -> list[Frame]:
+        """Return frames in which a function that nobody calls is run."""
+        if scope.owner is None:
+            return self.evaluator.frames_of(scope, None)
+        objects = self.objects_of(scope)
+        if not objects and self.is_leaf(scope.owner):
+            objects = [self.evaluator.open_instance(scope.owner)]
+        return [frame for instance in objects for frame in self.evaluator.frames_of(scope, instance)]
+
+    def objects_of(self, scope: Scope) -> list[Instance]:
+        """Return the objects whose class has this very method."""
+        found = []
+        for instance in list(self.evaluator.instances.values()):
+            for base in self.program.lineage(instance.klass):
+                if not isinstance(base, Dotted) and scope.name in base.functions:
+                    if base.functions[scope.name] is scope:
+                        found.append(instance)
+                    break
+        return found
+
+    def is_leaf(self, klass: Scope) -> bool:
+        """Tell whether a class was named by the code that runs and no object is of a class derived from it."""
+        if id(klass) not in self.reach.scopes:
+            return False
+        return not any(
+            klass is not instance.klass and klass in self.program.lineage(instance.klass)
+            for instance in self.evaluator.instances.values()
+        )
