@@ -42,6 +42,7 @@ class CMakeFiles:
         self.generated: dict[str, tuple[str, str]] = {}
         """Files that configure_file makes, by their path below `BINARY`: the template and the text it becomes."""
         self._parsed: dict[str, list[Statement] | None] = {}
+        self._definitions: dict[tuple[str, int], Definition | None] = {}
         self._links = dict(reader.source.links)
         self._entries = {entry.path: entry for entry in package.files}
 
@@ -111,6 +112,12 @@ class CMakeFiles:
 
     def definition(self, name: str) -> Definition | None:
         """Return the macro or function `name` of this package, of one found, of the build, or of the known ones."""
+        key = (name, len(self.packages))
+        if key not in self._definitions:
+            self._definitions[key] = self._find_definition(name)
+        return self._definitions[key]
+
+    def _find_definition(self, name: str) -> Definition | None:
         workspace = self.reader.workspace
         for package in (self.package.name, *self.packages):
             library = _library(workspace, package, self.reader)

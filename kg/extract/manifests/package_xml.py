@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeVar
 
 from kg.corpus.xml import line_of, parse_xml
 from kg.extract.manifests.conditions import holds
 from kg.facts import Dependency, Location, Package, Person
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from lxml.etree import _Element
 
     from kg.corpus.files import PackageFolder
     from kg.corpus.reading import Reader
 
-__all__ = ["Manifest", "read_package_xml"]
+__all__ = ["Export", "Manifest", "read_package_xml"]
+
+Export = tuple[str, dict[str, str], str, int]
+"""Element, attributes, text and line of a child of `<export>`."""
+
+_Any = TypeVar("_Any")
 
 _DEPENDENCIES: Final = frozenset(
     {
@@ -52,10 +57,10 @@ _CLIENTS: Final = {
 
 @dataclass(frozen=True, slots=True)
 class Manifest:
-    """A package with what its manifest exports: (element, attributes, text, line) of each child of `<export>`."""
+    """A package with what its manifest exports."""
 
     package: Package
-    exports: tuple[tuple[str, dict[str, str], str, int], ...] = ()
+    exports: tuple[Export, ...] = ()
 
 
 def read_package_xml(reader: Reader, folder: PackageFolder) -> Manifest:
@@ -67,22 +72,22 @@ def read_package_xml(reader: Reader, folder: PackageFolder) -> Manifest:
         return Manifest(Package(folder.name, folder.path, ros, Location(path, 1), build_type=build_type))
     if folder.manifest.endswith("manifest.xml"):
         return _rosbuild(root, folder, path)
-    ros = _ros_version(root) or _by_build_files(reader, folder)
-    variables = {"ROS_VERSION": str(ros)}
-    exports = tuple(_exports(root, variables))
+    needed, exported = list(_dependencies(root)), list(_exports(root))
+    ros = _ros_version(needed, exported) or _by_build_files(reader, folder)
+    dependencies, exports = tuple(_under(ros, needed)), tuple(_under(ros, exported))
     package = Package(
         name=folder.name,
         path=folder.path,
         ros=ros,
         location=Location(path, line_of(root)),
         version=_text(root, "version"),
-        description=_description(root),
+        description=_text(root, "description"),
         format=int(attribute) if (attribute := str(root.get("format", "1"))).isdecimal() else None,
-        build_type=_build_type(root, exports, ros),
+        build_type=_build_type(dependencies, exports),
         licenses=tuple(filter(None, (_flat(element) for element in _all(root, "license")))),
         people=tuple(_people(root)),
         urls=tuple((str(e.get("type", "website")), text) for e in _all(root, "url") if (text := _flat(e))),
-        dependencies=tuple(_dependencies(root, variables)),
+        dependencies=dependencies,
         deprecated=next((text or "yes" for tag, _, text, _ in exports if tag == "deprecated"), None),
     )
     return Manifest(package, exports)
@@ -105,15 +110,11 @@ def _all(root: _Element, tag: str) -> Iterator[_Element]:
 
 def _flat(element: _Element) -> str:
     """Return the text of an element and what is in it, white space folded."""
-    return " ".join("".join(str(part) for part in element.itertext()).split())
+    return " ".join("".join(str(part) for part in element.itertext("*")).split())
 
 
 def _text(root: _Element, tag: str) -> str | None:
     return next((text for element in _all(root, tag) if (text := _flat(element))), None)
-
-
-def _description(root: _Element) -> str | None:
-    return _text(root, "description")
 
 
 def _people(root: _Element) -> Iterator[Person]:
@@ -123,40 +124,47 @@ def _people(root: _Element) -> Iterator[Person]:
             yield Person(_flat(element) or str(email or ""), str(email) if email else None, role)
 
 
-def _dependencies(root: _Element, variables: dict[str, str]) -> Iterator[Dependency]:
+def _dependencies(root: _Element) -> Iterator[tuple[str | None, Dependency]]:
+    """Yield the dependencies with their conditions."""
     for element in root:
-        if element.tag in _DEPENDENCIES and holds(element.get("condition"), variables):
+        if element.tag in _DEPENDENCIES:
             name = _flat(element)
             if name:
-                yield Dependency(name, str(element.tag), line_of(element))
+                yield element.get("condition"), Dependency(name, str(element.tag), line_of(element))
 
 
-def _exports(root: _Element, variables: dict[str, str]) -> Iterator[tuple[str, dict[str, str], str, int]]:
+def _exports(root: _Element) -> Iterator[tuple[str | None, Export]]:
+    """Yield what is exported with its conditions."""
     for export in _all(root, "export"):
         for element in export:
-            if not callable(element.tag) and holds(element.get("condition"), variables):
+            if not callable(element.tag):
                 attributes = {str(key): str(value) for key, value in element.attrib.items()}
-                yield str(element.tag), attributes, _flat(element), line_of(element)
+                yield element.get("condition"), (str(element.tag), attributes, _flat(element), line_of(element))
 
 
-def _build_type(root: _Element, exports: tuple[tuple[str, dict[str, str], str, int], ...], ros: int) -> str | None:
+def _under(ros: int, conditional: Iterable[tuple[str | None, _Any]]) -> Iterator[_Any]:
+    """Yield what holds under a version of ROS."""
+    variables = {"ROS_VERSION": str(ros)}
+    return (value for condition, value in conditional if holds(condition, variables))
+
+
+def _build_type(dependencies: tuple[Dependency, ...], exports: tuple[Export, ...]) -> str | None:
     """Return the exported build type, else that of the tool the package depends on; plain CMake is `cmake`."""
     exported = next((text for tag, _, text, _ in exports if tag == "build_type" and text), None)
     if exported:
         return exported
-    tools = {d.name for d in _dependencies(root, {"ROS_VERSION": str(ros)}) if d.kind == "buildtool_depend"}
+    tools = {dependency.name for dependency in dependencies if dependency.kind == "buildtool_depend"}
     if "catkin" in tools:
         return "catkin"
     return "ament_cmake" if any(tool.startswith("ament_cmake") for tool in tools) else "cmake"
 
 
-def _ros_version(root: _Element) -> int | None:
+def _ros_version(needed: list[tuple[str | None, Dependency]], exported: list[tuple[str | None, Export]]) -> int | None:
     """Return 2 or 1 by build tool and client libraries; a package for both is one of ROS 2; None when nothing tells."""
     for marks in (_TOOLS, _CLIENTS):
         for ros in (2, 1):
-            variables = {"ROS_VERSION": str(ros)}
-            names = {dependency.name for dependency in _dependencies(root, variables)}
-            types = {text for tag, _, text, _ in _exports(root, variables) if tag == "build_type"}
+            names = {dependency.name for dependency in _under(ros, needed)}
+            types = {text for tag, _, text, _ in _under(ros, exported) if tag == "build_type"}
             if not (names | types).isdisjoint(marks[ros]):
                 return ros
     return None
@@ -188,11 +196,11 @@ def _rosbuild(root: _Element, folder: PackageFolder, path: str) -> Manifest:
         path=folder.path,
         ros=1,
         location=Location(path, line_of(root)),
-        description=_description(root),
+        description=_text(root, "description"),
         build_type="rosbuild",
         licenses=tuple(part.strip() for part in (_text(root, "license") or "").split(",") if part.strip()),
         people=tuple(Person(name, role="author") for part in authors.split(",") if (name := part.strip())),
         urls=tuple(("website", text) for element in _all(root, "url") if (text := _flat(element))),
         dependencies=depends,
     )
-    return Manifest(package, tuple(_exports(root, {"ROS_VERSION": "1"})))
+    return Manifest(package, tuple(_under(1, _exports(root))))

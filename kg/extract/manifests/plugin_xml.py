@@ -85,7 +85,9 @@ def _plugin(element: _Element, library: str | None, path: str) -> PluginClass | 
         return None
     base = str(element.get("base_class_type") or element.get("base_class") or "").strip() or None
     description = element.find("description")
-    words = " ".join("".join(str(part) for part in description.itertext()).split()) if description is not None else ""
+    words = (
+        " ".join("".join(str(part) for part in description.itertext("*")).split()) if description is not None else ""
+    )
     return PluginClass(
         name=str(element.get("name") or kind).strip(),
         type=kind,

@@ -17,7 +17,7 @@ FULL = """<?xml version="1.0"?>
 <package format="3">
   <name>demo</name>
   <version compatibility="1.0.0">1.2.3</version>
-  <description>Drives <b>robots</b>
+  <description>Drives <b>robots</b><!-- and people -->
     around.</description>
   <maintainer email="a@example.org">Ada</maintainer>
   <author>Bob</author>
