@@ -1,0 +1,111 @@
+"""`kg build`: read sources into the store. `kg status`: what stands in it, and what has changed since."""
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from kg.cli.diagnostics import note, say
+from kg.cli.options import Base, Jobs, Json, MaxFileBytes, Store
+from kg.cli.output import Column, json_lines, listing, terminal
+from kg.cli.session import session
+from kg.cli.stores import existing, layout_of, writable
+from kg.render.text import count
+
+if TYPE_CHECKING:
+    from kg.graph.source_states import SourceState
+
+__all__ = ["build", "status"]
+
+Sources = Annotated[
+    list[str] | None,
+    typer.Argument(
+        metavar="SOURCE",
+        help="Folders, git addresses (URL or URL@REF), or files that list them; without any, what was read before.",
+    ),
+]
+Problems = Annotated[bool, typer.Option("--problems", help="List all problems and reasons, not only the first.")]
+
+
+def build(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    sources: Sources = None,
+    *,
+    problems: Problems = False,
+    jobs: Jobs = None,
+    max_file_bytes: MaxFileBytes = None,
+    base: Base = None,
+    json: Json = False,
+    store: Store = None,
+) -> None:
+    """Read ROS packages and write what they declare into the store.
+
+    A second build reads only what has changed. Files that cannot be read as they should are reported, the rest
+    is built. Interrupted at any moment, it leaves the store as it was. For example:
+
+        kg build ~/catkin_ws/src
+        kg build https://github.com/ros-planning/navigation.git@noetic-devel
+        kg build
+    """
+    from kg.cli.build_view import report_object, summary  # noqa: PLC0415 - start-up time
+    from kg.cli.progress import for_this_stream  # noqa: PLC0415 - start-up time
+    from kg.pipeline.build import build as run  # noqa: PLC0415 - start-up time
+
+    given = session(context).settings(store=store, jobs=jobs, max_file_bytes=max_file_bytes, base=base)
+    named = list(sources or ())
+    target = writable(given) if named else existing(given)
+    with for_this_stream() as progress:
+        report = run(named, target, given, progress, " ".join(["kg build", *named]))
+    for line in summary(report, target.layout.root, every=problems):
+        say(line)
+    if json:
+        json_lines([report_object(report)])
+
+
+def status(context: typer.Context, *, json: Json = False, store: Store = None) -> None:
+    """List the sources in the store: commit, counts, what stayed unresolved, and what a build would read again."""
+    from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
+    from kg.pipeline.pending import pending  # noqa: PLC0415 - start-up time
+    from kg.store.embedded import EmbeddedStore  # noqa: PLC0415 - start-up time
+
+    settings = session(context).settings(store=store)
+    layout = layout_of(settings)
+    with EmbeddedStore(layout).read() as snapshot:
+        states, quads, generation = sources(snapshot), snapshot.count(), snapshot.generation
+    changed = pending(layout, settings)
+    columns = (
+        Column("source", "name"),
+        Column("commit"),
+        Column("changed"),
+        *(Column(title, "number") for title in ("packages", "nodes", "unresolved", "problems")),
+        Column("read", spare=True),
+        Column("folder", "dim", spare=True),
+    )
+    rows = [_row(one, changed) for one in states]
+    listing(columns, rows, objects=(_object(one, changed) for one in states) if json else None)
+    if terminal() and not json:
+        note(f"{count(quads, 'quad')} in generation {generation} of {layout.root}")
+        if any(changed.values()):
+            note("`kg build` reads what has changed")
+
+
+def _change(name: str, changed: dict[str, tuple[str, ...] | None]) -> str:
+    if name not in changed:
+        return "not built here"
+    packages = changed[name]
+    if packages is None:
+        return "not there any more"
+    return count(len(packages), "package") if packages else "-"
+
+
+def _row(state: "SourceState", changed: dict[str, tuple[str, ...] | None]) -> tuple[object, ...]:
+    counts = state.counts
+    commit = f"{state.commit[:12]}{' + changes' if state.dirty else ''}" if state.commit else "-"
+    numbers = (counts.packages, counts.nodes, counts.unresolved, counts.problems)
+    read = (state.read or "").partition(".")[0].replace("T", " ")
+    return state.name, commit, _change(state.name, changed), *numbers, read, state.root
+
+
+def _object(state: "SourceState", changed: dict[str, tuple[str, ...] | None]) -> dict[str, Any]:
+    from dataclasses import asdict  # noqa: PLC0415 - start-up time
+
+    return {**asdict(state), "changed": changed.get(state.name)}

@@ -1,0 +1,48 @@
+"""What a build would read again, found out without reading it, fetching it or waiting for a writer."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from kg.corpus.sources import is_address
+from kg.errors import SourceError
+from kg.pipeline.plan import make_plan, version
+from kg.pipeline.recording import RecordingWorkspace
+from kg.pipeline.report import Silent
+from kg.pipeline.sources import gather
+from kg.pipeline.state import load
+
+if TYPE_CHECKING:
+    from kg.pipeline.state import State
+    from kg.settings import Settings
+    from kg.store.layout import Layout
+
+__all__ = ["pending"]
+
+
+def pending(layout: Layout, settings: Settings) -> dict[str, tuple[str, ...] | None]:
+    """Return for each source that builds have read the packages that a build would read again.
+
+    None stands for a source that is not there any more. Git addresses are looked at as they were fetched last.
+    """
+    state = load(layout.cache)
+    named = [root for root in _roots(state, layout) if Path(root).exists()]
+    found: dict[str, tuple[str, ...] | None] = dict.fromkeys(state.sources)
+    try:
+        sources = gather(named, layout.checkouts, Silent())
+    except SourceError:
+        return found
+    now = version(settings.base, settings.max_file_bytes)
+    plan = make_plan(RecordingWorkspace(sources), state, layout.cache, now)
+    for source in sources:
+        name = source.repository.name
+        found[name] = tuple(package.name for one, package in plan.read if one.repository.name == name)
+    return found
+
+
+def _roots(state: State, layout: Layout) -> list[str]:
+    """Return the folders that earlier builds read; for git addresses their clones."""
+    clones = [one.repository.root for one in state.sources.values()]
+    kept = str(layout.checkouts)
+    return [root for root in state.roots if not is_address(root)] + [one for one in clones if one.startswith(kept)]
