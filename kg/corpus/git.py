@@ -31,6 +31,13 @@ _SAFE: Final = (
     "gc.auto=0",
 )
 _PROTOCOLS: Final = "https:ssh:git:file"
+_ENVIRONMENT: Final = {
+    "GIT_TERMINAL_PROMPT": "0",
+    "GIT_OPTIONAL_LOCKS": "0",
+    "GIT_NO_LAZY_FETCH": "1",
+    "GIT_LFS_SKIP_SMUDGE": "1",
+    "LC_ALL": "C",
+}
 _QUICK_SECONDS: Final = 20.0
 _SCP: Final = re.compile(r"^(?:[^@/:\s]+@)?(?P<host>[^/:\s]+):(?!//)(?P<path>.+)$")
 _URL: Final = re.compile(
@@ -49,15 +56,19 @@ def describe(folder: Path) -> Repository:
         return _read_git_files(top)
 
 
-def run_git(arguments: tuple[str, ...], *, folder: Path | None = None, timeout: float | None = _QUICK_SECONDS) -> str:
-    """Return what `git` prints; raises `OSError` when it is missing and `SubprocessError` when it fails or is late."""
+def run_git(
+    arguments: tuple[str, ...],
+    *,
+    folder: Path | None = None,
+    timeout: float | None = _QUICK_SECONDS,
+    network: bool = False,
+) -> str:
+    """Return what `git` prints; raises `OSError` when it is missing and `SubprocessError` when it fails or is late.
+
+    Without `network` no protocol is allowed at all, so that a partial clone cannot fetch what it lacks.
+    """
     environment = {key: value for key, value in os.environ.items() if not key.startswith("GIT_")}
-    environment |= {
-        "GIT_TERMINAL_PROMPT": "0",
-        "GIT_OPTIONAL_LOCKS": "0",
-        "GIT_ALLOW_PROTOCOL": _PROTOCOLS,
-        "LC_ALL": "C",
-    }
+    environment |= _ENVIRONMENT | {"GIT_ALLOW_PROTOCOL": _PROTOCOLS if network else "none"}
     command = ("git", *_SAFE, *(("-C", str(folder)) if folder else ()), *arguments)
     done = subprocess.run(  # noqa: S603  (fixed program; addresses and paths stand behind `--`)
         command,
@@ -101,19 +112,36 @@ def _ask_git(top: Path) -> Repository:
         commit, branch = run_git(("rev-parse", "HEAD", "--abbrev-ref", "HEAD"), folder=top).splitlines()
     except subprocess.CalledProcessError:
         commit, branch = "", "HEAD"
-    changed = run_git(("status", "--porcelain", "--untracked-files=no", "--ignore-submodules=all"), folder=top)
-    remote = _pick_remote(_remotes(top))
-    name = _name(top, remote)
-    return Repository(name, str(top), commit or None, remote, None if branch == "HEAD" else branch, bool(changed))
+    configured = _configuration(top)
+    remotes = {
+        key.removeprefix("remote.").removesuffix(".url"): value
+        for key, value in configured
+        if key.startswith("remote.") and key.endswith(".url")
+    }
+    remote = _pick_remote(remotes)
+    name, changed = _name(top, remote), _changed(top, {key for key, _ in configured})
+    return Repository(name, str(top), commit or None, remote, None if branch == "HEAD" else branch, changed)
 
 
-def _remotes(top: Path) -> dict[str, str]:
+def _configuration(top: Path) -> list[tuple[str, str]]:
+    """Return the settings of the repository itself, in the order given."""
     try:
-        listed = run_git(("config", "--get-regexp", r"^remote\..*\.url$"), folder=top)
+        listed = run_git(("config", "--local", "--includes", "--null", "--list"), folder=top)
     except subprocess.CalledProcessError:
-        return {}
-    pairs = (line.partition(" ")[::2] for line in listed.splitlines())
-    return {key.removeprefix("remote.").removesuffix(".url"): url for key, url in pairs}
+        return []
+    return [(key, value) for key, _, value in (entry.partition("\n") for entry in listed.split("\0")) if key]
+
+
+def _changed(top: Path, keys: set[str]) -> bool:
+    """Tell whether files that git follows differ from the commit.
+
+    Comparing runs the programs that the repository's own settings name as filters; they are switched off first.
+    """
+    filters = sorted(key for key in keys if key.startswith("filter.") and key.endswith((".clean", ".process")))
+    off = tuple(word for key in filters for word in ("-c", f"{key}="))
+    needless = tuple(word for key in filters for word in ("-c", f"{key.rpartition('.')[0]}.required=false"))
+    status = ("status", "--porcelain", "--untracked-files=no", "--ignore-submodules=all")
+    return bool(run_git((*off, *needless, *status), folder=top))
 
 
 def _pick_remote(remotes: dict[str, str]) -> str | None:

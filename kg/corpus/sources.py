@@ -77,7 +77,7 @@ def fetch_source(url: str, ref: str | None, target: Path, progress: Callable[[st
             run_git(("init", "--quiet"), folder=target)
         progress(f"fetching {_without_password(url)}")
         wanted = ("fetch", "--quiet", "--depth=1", "--no-tags", "--no-recurse-submodules", "--", url, ref or "HEAD")
-        run_git(wanted, folder=target, timeout=_FETCH_SECONDS)
+        run_git(wanted, folder=target, timeout=_FETCH_SECONDS, network=True)
         progress(f"checking out {ref or 'the default branch'}")
         run_git(("config", "remote.origin.url", _without_password(url)), folder=target)
         run_git(("checkout", "--quiet", "--force", "--detach", "FETCH_HEAD"), folder=target, timeout=_FETCH_SECONDS)

@@ -118,14 +118,48 @@ def test_worktree_without_git(checkout: Path, tmp_path: Path, monkeypatch: pytes
     assert expected.branch == "side"
 
 
-def test_hooks_and_monitors_do_not_run(checkout: Path, tmp_path: Path) -> None:
-    """A repository cannot make the reading of its state run programs of its own."""
+@pytest.mark.parametrize(
+    "setting",
+    [
+        "core.fsmonitor",
+        "core.hooksPath",
+        "filter.evil.clean",
+        "filter.evil.process",
+        "core.sshCommand",
+        "diff.external",
+    ],
+)
+def test_settings_of_a_repository_run_nothing(checkout: Path, tmp_path: Path, setting: str) -> None:
+    """A repository cannot make the reading of its state run programs that its own settings name."""
     trace = tmp_path / "trace"
-    program = tmp_path / "monitor"
+    program = tmp_path / "post-index-change"
+    program.write_text(f"#!/bin/sh\ntouch {trace}\ncat\n")
+    program.chmod(0o755)
+    (checkout / ".gitattributes").write_text("* filter=evil\n")
+    run(checkout, "config", setting, str(tmp_path if setting == "core.hooksPath" else program))
+    (checkout / "file").write_text("new\n")
+    assert describe(checkout).dirty
+    assert not trace.exists()
+
+
+def test_partial_clone_fetches_nothing(checkout: Path, tmp_path: Path) -> None:
+    """A clone that lacks objects does not fetch them, and so does not run what its settings name for that."""
+    trace = tmp_path / "trace"
+    program = tmp_path / "ssh"
     program.write_text(f"#!/bin/sh\ntouch {trace}\n")
     program.chmod(0o755)
-    run(checkout, "config", "core.fsmonitor", str(program))
-    run(checkout, "config", "core.hooksPath", str(tmp_path))
+    for key, value in {
+        "core.repositoryFormatVersion": "1",
+        "extensions.partialClone": "origin",
+        "remote.origin.promisor": "true",
+        "remote.origin.url": "ssh://git@example.org/a/b",
+        "core.sshCommand": str(program),
+    }.items():
+        run(checkout, "config", key, value)
+    tree = run(checkout, "rev-parse", "HEAD^{tree}")
+    (checkout / ".git" / "objects" / tree[:2] / tree[2:]).unlink()
+    (checkout / "folder").mkdir()
+    describe(checkout / "folder")
     describe(checkout)
     assert not trace.exists()
 
