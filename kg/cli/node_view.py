@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 
@@ -10,7 +11,7 @@ from kg.graph.records import how_to_start
 from kg.render.text import printable, width
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from rich.console import RenderableType
     from rich.table import Table
@@ -60,7 +61,7 @@ class _Table:
         from rich.table import Table  # noqa: PLC0415 - start-up time
         from rich.text import Text  # noqa: PLC0415 - start-up time
 
-        short = self._width() > columns
+        places = self._places(columns)
         table = Table(box=SIMPLE_HEAD, show_header=False, pad_edge=False, show_edge=False, padding=(0, 2, 0, 0))
         for fold in (True, False, True, False):
             table.add_column(overflow="fold", no_wrap=not fold)
@@ -72,21 +73,27 @@ class _Table:
                 style = "dim" if row.dim else ""
                 name = Text(f"  {printable(row.cells[0])}", style=style or "bold")
                 rest = (Text(printable(cell), style=style) for cell in row.cells[1:])
-                table.add_row(name, *rest, _place(row.location, self.repository, self.links, short=short))
+                table.add_row(name, *rest, _place(row.location, self.repository, self.links, places))
         return table
 
-    def _width(self) -> int:
-        """Return the columns that the table takes with nothing folded or shortened."""
+    def _places(self, columns: int) -> dict[Location, str]:
+        """Return how to write each place: whole, without the folders that all share, or as the file's name alone."""
         rows = [row for _, rows in self.groups for row in rows]
-        cells = [[*row.cells, _where(row.location)] for row in rows]
-        return sum(max(width(printable(text)) for text in column) + 3 for column in zip(*cells, strict=True))
+        rest = sum(max(width(printable(row.cells[index])) for row in rows) + 3 for index in range(3)) + 2
+        whole = {row.location: _where(row.location) for row in rows}
+        shared = len(os.path.commonpath([place.rpartition("/")[0] or "." for place in whole.values()] or ["."]))
+        shorter = {
+            place: f"…{text[shared:]}" if text[shared:].startswith("/") else text for place, text in whole.items()
+        }
+        names = {place: text.rpartition("/")[2] for place, text in whole.items()}
+        fitting = (one for one in (whole, shorter) if max(map(width, one.values())) + rest <= columns)
+        return next(fitting, names)
 
 
 def node_view(record: NodeRecord, links: Links, columns: int, *, every: bool) -> tuple[RenderableType, ...]:
     """Return what to show of a node on so many columns; `every` adds what frameworks make by themselves.
 
-    Where the lines are too narrow for paths, places are shown as the name of the file and its line; their links
-    still lead to the whole path.
+    Where the lines are too narrow for whole paths their beginnings are left out; the links still lead to the file.
     """
     from rich.text import Text  # noqa: PLC0415 - start-up time
 
@@ -139,12 +146,12 @@ def _where(location: Location) -> str:
     return f"{location.repository}:{location}" if location.repository else str(location)
 
 
-def _place(location: Location, repository: str, links: Links, *, short: bool = False) -> Text:
+def _place(location: Location, repository: str, links: Links, shown: Mapping[Location, str] | None = None) -> Text:
     from rich.text import Text  # noqa: PLC0415 - start-up time
 
     address = links.to(repository, location)
-    shown = _where(location).rpartition("/")[2] if short else _where(location)
-    return Text(printable(shown), style=f"dim link {address}" if address else "dim")
+    text = shown[location] if shown else _where(location)
+    return Text(printable(text), style=f"dim link {address}" if address else "dim")
 
 
 def _groups(node: NodeType, *, every: bool) -> list[tuple[str, list[_Row]]]:
