@@ -19,7 +19,7 @@ from kg.names import join, normalise, resolve
 if TYPE_CHECKING:
     from kg.extract.python.api import Slot
     from kg.extract.python.arguments import Arguments
-    from kg.extract.python.entities import Choice, Frame, Thing
+    from kg.extract.python.entities import Choice, Thing
     from kg.extract.python.evaluate import Evaluator
     from kg.extract.python.walk import Site
 
@@ -102,15 +102,13 @@ class _Reader:
         name, namespace = rows[0][0] if rows else (Nothing(), Nothing())
         known = name.known if isinstance(name, Text) else None
         self.found.nodes.append((site, known))
-        if isinstance(site.receiver, Instance):
-            key = id(site.receiver)
-        else:
-            key = hash((site.call.start_byte, site.frame.id))
+        made = self.holder(site.receiver)
+        key = made if made is not None else hash((site.call.start_byte, site.frame.id))
         self.namespaces[key] = (namespace.pattern or "") if isinstance(namespace, Text) else ""
         if known:
             self.names[key] = known
 
-    def holder(self, site: Site, thing: Thing | None) -> int | None:
+    def holder(self, thing: Thing | None) -> int | None:
         """Return the key of the node that an interface belongs to."""
         if isinstance(thing, Instance):
             return id(thing)
@@ -124,7 +122,7 @@ class _Reader:
         rows = self.rows(site, [api.name, api.type, api.qos, api.node])
         for values, _ in _known_only(rows):
             name, kind, qos, node = values
-            holder = self.holder(site, node if api.node is not None else site.receiver)
+            holder = self.holder(node if api.node is not None else site.receiver)
             text = _as_name(name)
             pattern = _pattern(text)
             if pattern is not None:
@@ -159,7 +157,7 @@ class _Reader:
 
     def parameters(self, site: Site) -> None:
         """Note the parameters of `declare_parameters`."""
-        for (prefix, items), _ in self.rows(site, [site.api.namespace, site.api.default]):  # type: ignore[misc]
+        for (prefix, items), _ in self.rows(site, [site.api.namespace, site.api.default]):
             for name, default in declared_pairs(prefix, items):
                 self.add_parameter(site, name, default or Nothing())
 

@@ -28,7 +28,7 @@ _TOO_DEEP: Final = Unknown("it is computed in too many steps")
 _CIRCULAR: Final = Unknown("it depends on itself")
 _COMPUTED: Final = Unknown("it is computed when the program runs")
 _MAX_DEPTH: Final = 80
-_MAX_STEPS: Final = 20_000
+_MAX_STEPS: Final = 5_000
 MAX_ALTERNATIVES: Final = 32
 
 

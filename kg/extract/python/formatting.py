@@ -57,7 +57,7 @@ def format_percent(template: Text, value: Thing) -> Text:
     known = template.known
     if known is None:
         return concatenate(template, _HOLE)
-    arguments = list(value.items) if isinstance(value, Items) else [value]
+    arguments: list[Thing] = list(value.items) if isinstance(value, Items) else [value]
     pieces: list[Value] = []
     rest = known
     while "%" in rest:

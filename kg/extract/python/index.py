@@ -40,7 +40,7 @@ class _Sweep:
         self.arms: list[tuple[int, Arms]] = []
         self.comprehensions: list[tuple[int, int]] = []
         self.decorators: tuple[str, ...] = ()
-        order = {kind: rank for rank, kind in enumerate(("decorated", "if", "arm", "except", "class", "function"))}
+        order = {kind: rank for rank, kind in enumerate(("decorated", "arm", "except", "if", "class", "function"))}
         self.items = [
             (node.start_byte, -node.end_byte, order.get(kind, 9), kind, node)
             for kind, nodes in found.items()
@@ -143,7 +143,7 @@ class _Sweep:
         del node
         self.arms.append((end, (*self.here, (start, 0))))
 
-    def bind(self, target: Node, value: Node | None, kind: str, start: int, **rest: int) -> None:
+    def bind(self, target: Node, value: Node | None, kind: str, start: int, loop: int = -1) -> None:
         """Bind the target of an assignment to its value, part by part where it unpacks."""
         pending: list[tuple[Node, tuple[int, ...]]] = [(target, ())]
         while pending:
@@ -151,7 +151,7 @@ class _Sweep:
             if node.type in _TARGET_LISTS and len(path) < _MAX_UNPACKING:
                 pending.extend((child, (*path, index)) for index, child in enumerate(node.named_children))
             elif node.type in ("identifier", "attribute"):
-                self.add(Binding(code(node), kind, value, path, start, self.here, self.scope, **rest))
+                self.add(Binding(code(node), kind, value, path, start, self.here, self.scope, loop))
             elif node.type == "subscript":
                 self.bind_item(node, value, start)
 

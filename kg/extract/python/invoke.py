@@ -134,8 +134,9 @@ class Invocations(Library):
 
     def frame_for(self, function: FunctionRef, call: Node | None, frame: Frame) -> Frame:
         """Return the run of a function that a call in a frame makes; the same call gives the same run."""
-        plain = call is None or not argument_nodes(call)
-        key = (id(function.scope), id(function.instance), -1 if plain else call.start_byte, 0 if plain else frame.id)
+        given = call is not None and bool(argument_nodes(call))
+        place = (call.start_byte, frame.id) if call is not None and given else (-1, 0)
+        key = (id(function.scope), id(function.instance), *place)
         if key not in self._calls:
             made = self.program.new_frame(function.scope, function.lexical)
             made.caller, made.depth = frame, frame.depth + 1
@@ -172,9 +173,8 @@ class Invocations(Library):
     def frames_of(self, scope: Scope, instance: Instance | None) -> list[Frame]:
         """Return the known runs of a function (on an object); an open one when none is known."""
         key = (id(scope), id(instance))
-        if scope.name == "__init__" and instance is not None and instance.frame is not None:
-            if instance.frame.scope is scope:
-                return [instance.frame]
+        if instance is not None and instance.frame is not None and instance.frame.scope is scope:
+            return [instance.frame]
         if key not in self.runs and key not in self._searching:
             self._searching.add(key)
             for function, call, caller in self.callers(scope, instance):

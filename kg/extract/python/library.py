@@ -104,7 +104,7 @@ class Library(Lookups):
         if len(arguments.positional) < 2:  # noqa: PLR2004 - the value and the name
             return [(_COMPUTED, choice)]
         found: Alternatives = []
-        for (held, name), after in self.combined(arguments.positional[:2], frame, choice):  # type: ignore[misc]
+        for (held, name), after in self.combined(arguments.positional[:2], frame, choice):
             known = name.known if isinstance(name, Text) else None
             found.extend(self.member(held, known, frame, after) if known else [(_COMPUTED, after)])
         return found
@@ -169,7 +169,7 @@ class Library(Lookups):
         namespace = arguments.get(0, "namespace")
         if listed is None or namespace is None:
             return
-        for (prefix, items), _ in self.combined([namespace, listed], frame, {}):  # type: ignore[misc]
+        for (prefix, items), _ in self.combined([namespace, listed], frame, {}):
             for name, default in declared_pairs(prefix, items):
                 self._remember(name, default)
 
@@ -431,8 +431,8 @@ _PURE: Final[dict[str, Callable[[Thing, list[Thing], dict[str, Thing]], Thing]]]
     "collections.OrderedDict": _dictionary,
     "copy.copy": _first,
     "copy.deepcopy": _first,
-    **{path: _join_path for path in ("os.path.join", "posixpath.join", "rosgraph.names.ns_join", "roslib.names.ns_join",
-                                     "rospy.names.ns_join")},
+    **dict.fromkeys(("os.path.join", "posixpath.join"), _join_path),
+    **{f"{package}.names.ns_join": _join_path for package in ("rosgraph", "roslib", "rospy")},
     "str.join": _join,
     "str.format": _format,
     "str.split": _split,

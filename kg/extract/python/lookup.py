@@ -1,4 +1,4 @@
-"""What names and attributes mean: bindings that reach a place, parameters and their callers, objects and their classes."""
+"""What names and attributes mean: bindings that reach a place, parameters and callers, objects and their classes."""
 
 from __future__ import annotations
 
@@ -26,7 +26,6 @@ from kg.extract.python.flow import END, agreeing, reaching
 from kg.extract.python.syntax import code, strip_parentheses
 from kg.extract.python.unit import MODULE
 from kg.extract.values import Number, Text, Truth, Unknown, concatenate
-from kg.facts import Resolution
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -183,7 +182,7 @@ class Lookups(ABC):
         node = binding.value
         left = node.child_by_field_name("left") if node is not None else None
         right = node.child_by_field_name("right") if node is not None else None
-        if node is None or left is None or right is None or not code(node.child_by_field_name("operator")) == "+=":
+        if node is None or left is None or right is None or code(node.child_by_field_name("operator")) != "+=":
             return [(_COMPUTED, choice)]
         rows = self.combined((left, right), frame, choice)
         return [(_sum(values[0], values[1]), after) for values, after in rows]
@@ -442,25 +441,39 @@ class Lookups(ABC):
         return same if operator in ("==", "is") else not same
 
     def certain(self, node: Node, frame: Frame, choice: Choice) -> Thing | None:
-        """Return the one value of a literal, or of a name bound once; None for anything that may change."""
-        if node.type == "identifier":
-            name, scope = code(node), frame.scope
-            if name == "__name__":
-                return Text.of("__main__" if scope.unit is self.main else scope.unit.file.path)
-            bound_here = len(scope.bindings.get(name, ()))
-            if bound_here > (0 if scope.kind == "function" and name in scope.parameters.positional else 1):
+        """Return the one value of a literal, or of a name that stands for one; None for anything that may change."""
+        for _ in range(_MAX_STEPS_TO_LITERAL):
+            if node.type != "identifier":
+                break
+            if code(node) == "__name__":
+                return Text.of("__main__" if frame.scope.unit is self.main else frame.scope.unit.file.path)
+            thunk = self.only_value(code(node), frame)
+            if thunk is None or thunk.node is None or thunk.frame is None:
                 return None
-        elif node.type not in ("string", "integer", "float", "true", "false", "none"):
+            node, frame = thunk.node, thunk.frame
+        return self.evaluate(node, frame, choice)[0][0] if node.type in _LITERALS else None
+
+    def only_value(self, name: str, frame: Frame) -> Thunk | None:
+        """Return the expression that gives a name its only value: an argument, a default or one assignment."""
+        scope = frame.scope
+        bindings = scope.bindings.get(name, ())
+        if scope.kind == "function" and name in scope.parameters.positional:
+            if bindings or frame.open:
+                return None
+            default = scope.parameters.defaults.get(name)
+            around = frame.lexical or self.program.module_frame(scope.unit)
+            return frame.arguments.get(name) or (Thunk(default, around) if default is not None else None)
+        if not bindings and scope.kind != "module":
+            module = self.program.module_frame(scope.unit)
+            assigned_elsewhere = any(name in other.globals for other in scope.unit.scopes)
+            return None if assigned_elsewhere else self.only_value(name, module)
+        if len(bindings) != 1 or bindings[0].kind != "assign" or bindings[0].arms or bindings[0].path:
             return None
-        values = self.evaluate(node, frame, choice)
-        if len(values) != 1 or not isinstance(values[0][0], Text | Number | Truth | Nothing):
-            return None
-        value = values[0][0]
-        changeable = isinstance(value, Text) and (value.known is None or value.resolution not in _FIRM)
-        return None if changeable else value
+        return Thunk(bindings[0].value, frame)
 
 
-_FIRM: Final = (Resolution.LITERAL, Resolution.CONSTANT)
+_LITERALS: Final = frozenset({"string", "integer", "float", "true", "false", "none"})
+_MAX_STEPS_TO_LITERAL: Final = 8
 
 
 def unpacked(value: Thing, path: tuple[int, ...]) -> Thing:

@@ -39,6 +39,16 @@ class _Root:
     function: str | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class _Start:
+    """All that the run of one root begins with."""
+
+    root: _Root
+    evaluator: Evaluator
+    scopes: list[Scope]
+    frames: list[Frame]
+
+
 def read_nodes(reader: Reader, package: PackageFolder, build: BuildModel) -> list[Extracted]:
     """Return the Python nodes of a package: scripts, entry points, other programs, then node classes nobody starts."""
     program = Program(reader)
@@ -78,31 +88,28 @@ def _python_files(package: PackageFolder) -> Iterator[str]:
 
 def _read_root(program: Program, unit: Unit, root: _Root, started: set[int]) -> Extracted | None:
     module = program.module_frame(unit)
-    frames: list[Frame] = [module]
+    start = _Start(root, Evaluator(program), [unit.module], [module])
     function = program.global_name(unit, root.function) if root.function else None
-    scopes: list[Scope] = [unit.module]
-    evaluator = Evaluator(program)
     if isinstance(function, FunctionRef):
-        scopes.append(function.scope)
-        frames.append(evaluator.frame_for(function, None, module))
+        start.scopes.append(function.scope)
+        start.frames.append(start.evaluator.frame_for(function, None, module))
     elif root.function is None:
-        evaluator.main = unit
-    return _extract(program, evaluator, scopes, frames, root, started)
+        start.evaluator.main = unit
+    return _extract(start, started)
 
 
-def _extract(
-    program: Program, evaluator: Evaluator, scopes: list[Scope], frames: list[Frame], root: _Root, started: set[int]
-) -> Extracted | None:
-    found = reach(program, scopes)
+def _extract(start: _Start, started: set[int]) -> Extracted | None:
+    evaluator, root = start.evaluator, start.root
+    found = reach(evaluator.program, start.scopes)
     evaluator.sites = found.sites()
     walk = Walk(evaluator, found)
-    walk.run(frames)
+    walk.run(start.frames)
     made = [site for site in walk.sites if site.api.kind == "node"]
     if not made:
         return None
     started.update(id(instance.klass) for instance in evaluator.instances.values())
-    declared = declare(walk.sites, evaluator, program.reader.source.repository.name)
-    sources = {frame.frame.scope.unit.file.path for frame in walk.sites} | {root.path}
+    declared = declare(walk.sites, evaluator, evaluator.program.reader.source.repository.name)
+    sources = {site.frame.scope.unit.file.path for site in walk.sites} | {root.path}
     ros = 1 if any(site.api.ros == 1 for site in made) else 2
     return Extracted(_node(root, declared, ros, tuple(sorted(sources))), tuple(declared.marks))
 
@@ -145,7 +152,8 @@ def _is_node(base: Dotted) -> bool:
 
 
 def _read_class(program: Program, klass: Scope, started: set[int]) -> Extracted | None:
-    evaluator = Evaluator(program)
-    instance = evaluator.open_instance(klass)
-    root = _Root(klass.name, None, NodeKind.CLASS, klass.unit.file.path)
-    return _extract(program, evaluator, [klass], [instance.frame] if instance.frame else [], root, started)
+    start = _Start(_Root(klass.name, None, NodeKind.CLASS, klass.unit.file.path), Evaluator(program), [klass], [])
+    instance = start.evaluator.open_instance(klass)
+    if instance.frame is not None:
+        start.frames.append(instance.frame)
+    return _extract(start, started)

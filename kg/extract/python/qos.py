@@ -35,7 +35,7 @@ _PREFIXES: Final = ("rmw_qos_", "reliability_", "durability_", "history_", "poli
 
 
 def preset(path: str) -> Qos | None:
-    """Return the preset profile that a name of `rclpy.qos` stands for (`qos_profile_sensor_data`, `QoSPresetProfiles.X`)."""
+    """Return the preset that a name of `rclpy.qos` stands for (`qos_profile_sensor_data`, `QoSPresetProfiles.X`)."""
     parts = path.removesuffix(".value").split(".")
     name = parts[-1].lower()
     if "QoSPresetProfiles" in parts or name.startswith("qos_profile_"):

@@ -163,9 +163,9 @@ def _declares(program: Program, scope: Scope) -> bool:
     imports = scope.unit.imports
     for call in scope.calls:
         alias = imports.get(call.name)
-        if call.name in API_NAMES or (alias is not None and alias.attribute in API_NAMES):
-            if _calls_api(program, scope, call):
-                return True
+        named = call.name in API_NAMES or (alias is not None and alias.attribute in API_NAMES)
+        if named and _calls_api(program, scope, call):
+            return True
     return scope.owner is not None and scope.name == "__init__" and _has_declaring_base(program, scope.owner)
 
 

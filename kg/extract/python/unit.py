@@ -162,7 +162,7 @@ class Unit:
 
 
 _WORD_BYTES: Final = bytes(
-    byte if chr(byte).isalnum() or byte == ord("_") or byte > 0x7F else 0x20 for byte in range(256)
+    byte if chr(byte).isalnum() or byte == ord("_") or not chr(byte).isascii() else 0x20 for byte in range(256)
 )
 
 _SKIPPED: Final = frozenset({"keyword_separator", "positional_separator", "comment"})

@@ -41,6 +41,16 @@ class Site:
     skip: int = 0
 
 
+@dataclass(frozen=True, slots=True)
+class _Called:
+    """Something outside of the build that is called; `skip` counts arguments in front that are the object itself."""
+
+    path: str
+    receiver: Thing | None
+    skip: int = 0
+    bound: bool = False
+
+
 class Walk:
     """Collects the sites of one root."""
 
@@ -113,9 +123,9 @@ class Walk:
         if isinstance(value, Dotted):
             explicit = value.path.endswith(".__init__")
             receiver = self.first_argument(call, frame) if explicit else None
-            self.declare(value.path, call, frame, choice, receiver, skip=int(explicit))
+            self.declare(_Called(value.path, receiver, int(explicit)), call, frame, choice)
         elif isinstance(value, Bound):
-            self.declare(value.path, call, frame, choice, value.receiver, bound=True)
+            self.declare(_Called(value.path, value.receiver, bound=True), call, frame, choice)
         elif isinstance(value, ClassRef):
             self.construct(value.scope, call, frame, choice)
         elif isinstance(value, FunctionRef):
@@ -126,15 +136,12 @@ class Walk:
         given = argument_nodes(call)
         return self.evaluator.evaluate(given[0], frame, {})[0][0] if given else None
 
-    def declare(
-        self, path: str, call: Node, frame: Frame, choice: Choice, receiver: Thing | None, skip: int = 0, *,
-        bound: bool = False,
-    ) -> None:  # fmt: skip
+    def declare(self, called: _Called, call: Node, frame: Frame, choice: Choice) -> None:
         """Note a call of something outside of the build when it declares anything."""
         given = [node for node in argument_nodes(call) if node.type != "keyword_argument"]
-        api = find_api(path, bound=bound, arguments=len(given) - skip)
+        api = find_api(called.path, bound=called.bound, arguments=len(given) - called.skip)
         if api is not None:
-            self.sites.append(Site(api, call, frame, choice, receiver, skip))
+            self.sites.append(Site(api, call, frame, choice, called.receiver, called.skip))
 
     def construct(self, klass: Scope, call: Node, frame: Frame, choice: Choice) -> None:
         """Follow the making of an object: its `__init__`, or the one of a base outside of the build."""
@@ -144,7 +151,7 @@ class Walk:
             return
         for base in self.program.lineage(klass):
             if isinstance(base, Dotted):
-                self.declare(base.path, call, frame, choice, instance)
+                self.declare(_Called(base.path, instance), call, frame, choice)
                 return
 
     def enqueue(self, frame: Frame, choice: Choice) -> None:
