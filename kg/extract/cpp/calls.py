@@ -1,0 +1,306 @@
+"""The engine: finds the uses of the tables in reached code and reads each as facts."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final
+
+from kg.extract.cpp import syntax
+from kg.extract.cpp.callbacks import callback_types
+from kg.extract.cpp.context import EMPTY
+from kg.extract.cpp.handles import joined_name
+from kg.extract.cpp.matching import Matcher
+from kg.extract.cpp.parameters import read_parameter
+from kg.extract.cpp.qos import read_qos
+from kg.extract.cpp.sites import call_around
+from kg.extract.cpp.unit import Expr
+from kg.extract.marks import Mark
+from kg.extract.values import Handle, Text, Unknown, worse
+from kg.facts import Interface, Location, Resolution
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from tree_sitter import Node
+
+    from kg.extract.cpp.api import CallSpec, MarkSpec, TypeSpec
+    from kg.extract.cpp.context import Context, Site
+    from kg.extract.cpp.evaluate import Evaluator
+    from kg.extract.cpp.unit import Unit
+    from kg.facts import Parameter, Role
+
+__all__ = ["Finder"]
+
+_NAMESPACE_UNKNOWN: Final = "the namespace of its node handle is not known"
+
+
+class Finder:
+    """Reads the interfaces, parameters and marks of one program."""
+
+    def __init__(self, evaluator: Evaluator) -> None:
+        self._evaluator = evaluator
+        self._api = evaluator.api
+        self._program = evaluator.program
+        self._matcher = Matcher(evaluator)
+        self.interfaces: dict[tuple[object, ...], Interface] = {}
+        self.parameters: dict[tuple[object, ...], Parameter] = {}
+        self.marks: dict[Mark, None] = {}
+        self.ros: set[int] = set()
+
+    def run(self) -> None:
+        """Read every unit of the program."""
+        for unit in tuple(self._program.units.values()):
+            source = unit.source
+            for name in self._api.calls:
+                if name.encode() in source:
+                    self._calls(unit, name)
+            for name in self._api.parameters:
+                if name.encode() in source:
+                    self._parameters(unit, name)
+            for name in (*self._api.types, *self._aliases(unit)):
+                if name.encode() in source:
+                    self._types(unit, name)
+            for name, mark in self._api.marks.items():
+                if name.encode() in source:
+                    self._marked(unit, name, mark)
+
+    def _uses(self, unit: Unit, name: str) -> Iterator[tuple[Node, Node]]:
+        for node in unit.occurrences(name):
+            call = call_around(node)
+            if call is not None and self._program.runs(unit, node.start_byte):
+                yield node, call
+
+    def _calls(self, unit: Unit, name: str) -> None:
+        for node, call in self._uses(unit, name):
+            self._evaluator.restart()
+            where = Expr.of(unit, call)
+            function = call.child_by_field_name("function")
+            called = syntax.callee(function) if function is not None else None
+            if called is None:
+                continue
+            given = [Expr.of(unit, a) for a in syntax.arguments(call.child_by_field_name("arguments"))]
+            spec = self._matcher.call(self._api.calls[name], where, called, given)
+            if spec is not None:
+                handle = given[spec.handle] if spec.handle is not None else None
+                if spec.handle is None and called.receiver is not None:
+                    handle = where.child(called.receiver)
+                self._interface(spec, where, node, called, given, handle)
+
+    def _interface(  # noqa: PLR0913 - the parts of one call
+        self, spec: CallSpec, where: Expr, node: Node, called: syntax.Callee, given: list[Expr], handle: Expr | None
+    ) -> None:
+        evaluator = self._evaluator
+        place = self._location(where.unit, node)
+        self.ros.add(spec.ros)
+        for holder, after in evaluator.values(handle, EMPTY) if handle is not None else [(Handle(), EMPTY)]:
+            for name, chosen in evaluator.texts(given[spec.name], after):
+                kinds = self._kinds(spec, where, called, given, chosen)
+                qos = (
+                    read_qos(evaluator, given[spec.qos], chosen)
+                    if spec.qos is not None and spec.qos < len(given)
+                    else None
+                )
+                for kind in kinds:
+                    made = _interface(spec.role, holder, name, kind, place, syntax.text(given[spec.name].node))
+                    made = replace(made, qos=qos)
+                    self._add(made, spec.mark)
+                    if spec.camera:
+                        self._add(_camera_info(made), None)
+
+    def _kinds(
+        self, spec: CallSpec, where: Expr, called: syntax.Callee, given: list[Expr], context: Context
+    ) -> list[str | None]:
+        """Return the types of an interface in the context of its name."""
+        types = self._evaluator.types
+        if spec.fixed is not None:
+            return [spec.fixed]
+        found: list[str | None] = []
+        template = syntax.arguments(called.template)
+        if spec.template is not None and spec.template < len(template):
+            found = [kind for kind, _ in types.message(where.child(template[spec.template]), context)]
+        elif spec.receiver_template and called.receiver is not None:
+            settled = types.of(where.child(called.receiver), context)
+            if settled is not None and settled.arguments:
+                found = [kind for kind, _ in types.message(settled.arguments[0], context)]
+        if not any(found) and spec.callback is not None and spec.callback < len(given):
+            found = [kind for kind, _ in callback_types(self._evaluator, given[spec.callback], context)][:1]
+        if not any(found) and spec.typed is not None and spec.typed < len(given):
+            settled = types.of(given[spec.typed], context)
+            found = [types.as_message(settled)] if settled is not None else []
+        if not any(found) and spec.spelled is not None and spec.spelled < len(given):
+            texts = [
+                value.known
+                for value, _ in self._evaluator.texts(given[spec.spelled], context)
+                if isinstance(value, Text)
+            ]
+            found = [_spelled(text) for text in texts]
+        kept = list(dict.fromkeys(kind for kind in found if kind is not None))
+        return list(kept) or [None]
+
+    def _parameters(self, unit: Unit, name: str) -> None:
+        for node, call in self._uses(unit, name):
+            self._evaluator.restart()
+            where = Expr.of(unit, call)
+            function = call.child_by_field_name("function")
+            called = syntax.callee(function) if function is not None else None
+            if called is None:
+                continue
+            given = [Expr.of(unit, a) for a in syntax.arguments(call.child_by_field_name("arguments"))]
+            spec = self._matcher.parameter(self._api.parameters[name], where, called, given)
+            if spec is None:
+                continue
+            self.ros.add(spec.ros)
+            for found in read_parameter(self._evaluator, spec, where, called, given, self._location(unit, node)):
+                self.parameters.setdefault((found.name, found.access, found.location), found)
+
+    def _aliases(self, unit: Unit) -> list[str]:
+        """Return the names that a unit gives to types of the tables."""
+        names = self._api.types
+        return [
+            name for name, nodes in unit.aliases.items() if any(syntax.simple_name(node) in names for node in nodes)
+        ]
+
+    def _types(self, unit: Unit, name: str) -> None:
+        for node in unit.occurrences(name):
+            if not self._program.runs(unit, node.start_byte):
+                continue
+            for site in self._evaluator.sites.constructed_at(unit, node):
+                self._evaluator.restart()
+                found = self._matcher.type(site)
+                if found is not None:
+                    self._constructed(found[0], site, found[1], unit, node)
+
+    def _constructed(self, spec: TypeSpec, site: Site, template: tuple[Expr, ...], unit: Unit, node: Node) -> None:
+        evaluator = self._evaluator
+        given = list(site.arguments)
+        place = self._location(unit, node)
+        if spec.mark is not None and spec.role is None:
+            self._server(spec, given, template, place)
+            return
+        if spec.role is None or (not given and spec.constant is None):
+            return
+        handles, index = self._handles(spec, given)
+        self.ros.add(spec.ros)
+        for holder, after in handles:
+            if spec.constant is not None:
+                names: list[tuple[Text | Unknown, Context]] = [(Text.of(spec.constant), after)]
+            elif index < len(given):
+                names = evaluator.texts(given[index], after)
+            else:
+                continue
+            for name, chosen in names:
+                written = syntax.text(given[index].node) if spec.constant is None else None
+                for kind in self._template_kinds(spec, template, chosen):
+                    made = _interface(spec.role, holder, name, kind, place, written)
+                    self._add(made, spec.mark)
+
+    def _handles(self, spec: TypeSpec, given: list[Expr]) -> tuple[list[tuple[object, Context]], int]:
+        """Return the handles of a construction and the index of the name after a handle that may be left out."""
+        evaluator = self._evaluator
+        if spec.handle is None or spec.handle >= len(given):
+            return [(Handle(Text.of("~" if spec.private else "")), EMPTY)], max(spec.name - 1, 0)
+        found = evaluator.values(given[spec.handle], EMPTY)
+        if spec.floating and any(isinstance(value, Text) for value, _ in found):
+            return [(Handle(), EMPTY)], spec.name - 1
+        if (
+            spec.floating
+            and not any(isinstance(value, Handle) for value, _ in found)
+            and not self._is_handle(given[spec.handle])
+        ):
+            return [(Handle(), EMPTY)], spec.name - 1
+        return [(value, chosen) for value, chosen in found], spec.name
+
+    def _is_handle(self, where: Expr) -> bool:
+        kind = self._evaluator.types.of(where, EMPTY)
+        return kind is not None and kind.name in self._api.handles
+
+    def _template_kinds(self, spec: TypeSpec, template: tuple[Expr, ...], context: Context) -> list[str | None]:
+        if spec.fixed is not None:
+            return [spec.fixed]
+        if spec.template is None or spec.template >= len(template):
+            return [None]
+        found = [kind for kind, _ in self._evaluator.types.message(template[spec.template], context)]
+        return [
+            kind.removesuffix(spec.drop) if kind is not None and spec.drop else kind for kind in dict.fromkeys(found)
+        ]
+
+    def _server(self, spec: TypeSpec, given: list[Expr], template: tuple[Expr, ...], place: Location) -> None:
+        """Mark a `dynamic_reconfigure` server with its namespace and configuration."""
+        kinds = [kind for kind, _ in self._evaluator.types.message(template[0], EMPTY)] if template else [None]
+        namespaces: list[str] = []
+        if given:
+            for value, _ in self._evaluator.values(given[-1] if len(given) > 1 else given[0], EMPTY):
+                if isinstance(value, Handle):
+                    namespaces.append(value.namespace.pattern or "")
+        for kind in kinds:
+            for namespace in namespaces or ["~"]:
+                detail = kind.removesuffix("Config") if kind is not None else None
+                self.marks.setdefault(Mark(spec.mark or "", place, namespace, detail))
+
+    def _marked(self, unit: Unit, name: str, spec: MarkSpec) -> None:
+        for node in unit.occurrences(name):
+            if node.type != "type_identifier" and call_around(node) is None:
+                continue
+            if not self._program.runs(unit, node.start_byte) or (unit.captured("using") and _is_using(node)):
+                continue
+            place = self._location(unit, node)
+            if spec.detail is None:
+                self.marks.setdefault(Mark(spec.key, place))
+                continue
+            for site in self._evaluator.sites.constructed_at(unit, node):
+                if spec.detail < len(site.arguments):
+                    for value, _ in self._evaluator.texts(site.arguments[spec.detail], EMPTY):
+                        if isinstance(value, Text) and value.pattern is not None:
+                            self.marks.setdefault(Mark(spec.key, place, detail=value.pattern))
+
+    def _add(self, made: Interface, mark: str | None) -> None:
+        key = (made.role, made.name, made.type, made.location, made.parameter)
+        self.interfaces.setdefault(key, made)
+        if mark is not None and made.name is not None:
+            self.marks.setdefault(Mark(mark, made.location, detail=made.name))
+
+    def _location(self, unit: Unit, node: Node) -> Location:
+        other = None if unit.file.repository == self._program.project.repository else unit.file.repository
+        return Location(unit.file.path, unit.line(node.start_byte), other)
+
+
+def _interface(  # noqa: PLR0913 - the parts of one fact
+    role: Role, holder: object, name: Text | Unknown, kind: str | None, place: Location, written: str | None
+) -> Interface:
+    shown = " ".join(written.split()) if written is not None else None
+    if isinstance(name, Unknown):
+        return Interface(role, None, kind, Resolution.UNRESOLVED, place, written=shown, reason=name.reason)
+    known_handle = isinstance(holder, Handle)
+    namespace = holder.namespace if isinstance(holder, Handle) else Text.of("")
+    full = joined_name(namespace, name)
+    pattern = full.pattern
+    resolution, reason = full.resolution, full.reason
+    if pattern is None:
+        resolution = resolution if resolution is Resolution.LAUNCH_ARGUMENT else Resolution.UNRESOLVED
+        reason = reason or "nothing of it is known"
+    elif None in full.parts:
+        resolution = (
+            worse(Resolution.PARTIAL, resolution) if resolution is not Resolution.UNRESOLVED else Resolution.PARTIAL
+        )
+        reason = reason or "a part of it is computed at run time"
+    elif not known_handle and not pattern.startswith(("/", "~")):
+        resolution, reason = worse(resolution, Resolution.PARTIAL), _NAMESPACE_UNKNOWN
+    return Interface(role, pattern, kind, resolution, place, written=shown, parameter=full.parameter, reason=reason)
+
+
+def _camera_info(image: Interface) -> Interface:
+    """Return the `camera_info` that stands beside an image topic (image_transport/camera_common.cpp)."""
+    name = image.name
+    if name is not None:
+        head, slash, _ = name.rpartition("/")
+        name = f"{head}{slash}camera_info"
+    return replace(image, name=name, type="sensor_msgs/CameraInfo", origin="image_transport")
+
+
+def _spelled(text: str | None) -> str | None:
+    pieces = [piece for piece in (text or "").split("/") if piece not in ("msg", "srv", "action")]
+    return "/".join(pieces) if len(pieces) == 2 else None  # noqa: PLR2004 - package and type
+
+
+def _is_using(node: Node) -> bool:
+    return any(parent.type in ("using_declaration", "friend_declaration") for parent in syntax.outward(node, 4))

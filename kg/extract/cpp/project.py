@@ -1,0 +1,164 @@
+"""The files of C++ that the extraction of one package sees: its own, and on demand those of other packages.
+
+Files are read through `kg.corpus.reading.Reader`, which records them. Parsed files of other packages are
+kept for the next package of the same process, within a bound.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from typing import TYPE_CHECKING, Final
+
+from kg.corpus.files import FilePath
+from kg.extract.cpp.unit import Unit, included
+from kg.facts import FileKind
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from kg.corpus.files import PackageFolder
+    from kg.corpus.reading import Reader
+
+__all__ = ["FRAMEWORKS", "Project"]
+
+FRAMEWORKS: Final = frozenset(
+    ["roscpp", "rclcpp", "rclcpp_lifecycle", "rclcpp_action", "rclcpp_components", "image_transport", "message_filters", "tf", "tf2", "tf2_ros", "actionlib", "nodelet", "dynamic_reconfigure", "diagnostic_updater", "bondcpp", "bond", "pluginlib", "class_loader", "camera_info_manager", "interactive_markers", "pcl_ros", "point_cloud_transport", "realtime_tools", "self_test", "roslib", "rosconsole", "rostime", "roscpp_core", "roscpp_serialization", "roscpp_traits", "cpp_common", "xmlrpcpp", "rosbag", "rosbag_storage", "topic_tools_interface", "cv_bridge", "image_geometry", "laser_geometry", "tf2_eigen", "tf2_geometry_msgs", "tf2_sensor_msgs", "tf2_kdl", "tf_conversions", "eigen_conversions", "rcutils", "rmw", "rcl", "rcpputils", "rosidl_runtime_cpp", "ament_index_cpp", "lifecycle_msgs", "hardware_interface_testing"]
+)
+"""Packages whose inside is known to the tables of calls and marks; their headers are never followed."""
+
+_OWN: Final = tuple(
+    word.encode() for word in ("ros::", "ros/", "rclcpp", "NodeHandle", "Node", "nodelet", "advertise", "create_")
+)
+_FOREIGN: Final = tuple(
+    word.encode()
+    for word in (
+        "NodeHandle",
+        "rclcpp::Node",
+        "LifecycleNode",
+        "create_publisher",
+        "create_subscription",
+        "create_service",
+        "create_client",
+        "declare_parameter",
+        "advertise",
+        "nodelet::",
+        "SimpleActionServer",
+        "SimpleActionClient",
+        "NodeT",
+        "ros::param",
+        "ros::service",
+    )
+)
+_CACHE_BYTES: Final = 6 << 20
+_MOST_HEADERS: Final = 600
+_cache: OrderedDict[FilePath, Unit] = OrderedDict()
+
+
+class Project:
+    """The C++ of one package and of what it includes."""
+
+    def __init__(self, reader: Reader, package: PackageFolder) -> None:
+        self.reader = reader
+        self.package = package
+        self.repository = reader.source.repository.name
+        self._units: dict[FilePath, Unit | None] = {}
+        self._headers: dict[FilePath, tuple[FilePath, ...]] = {}
+        self._direct: dict[FilePath, tuple[FilePath, ...]] = {}
+
+    def own(self, path: str) -> FilePath:
+        """Return the key of a file of this source."""
+        return FilePath(self.repository, path)
+
+    def is_own(self, file: FilePath) -> bool:
+        """Tell whether a file belongs to the package that is read."""
+        return self.reader.workspace.owner(file) is self.package
+
+    def sources(self) -> list[FilePath]:
+        """Return the C++ files of the package."""
+        return [self.own(entry.path) for entry in self.package.files if entry.kind is FileKind.CPP]
+
+    def unit(self, file: FilePath) -> Unit | None:
+        """Return the parsed file; None if it cannot be read."""
+        if file not in self._units:
+            data = self.reader.read(file)
+            self._units[file] = None if data is None else self._parse(file, data)
+        return self._units[file]
+
+    def _parse(self, file: FilePath, data: bytes) -> Unit:
+        if self.is_own(file):
+            return Unit(file, data)
+        known = _cache.get(file)
+        if known is not None and known.source == data:
+            _cache.move_to_end(file)
+            return known
+        made = _cache[file] = Unit(file, data)
+        total = sum(len(unit.source) for unit in _cache.values())
+        while total > _CACHE_BYTES and len(_cache) > 1:
+            total -= len(_cache.popitem(last=False)[1].source)
+        return made
+
+    def relevant(self, file: FilePath) -> bool:
+        """Tell whether the words of a file are such that it can bear on the interface of a node."""
+        data = self.reader.read(file)
+        if data is None:
+            return False
+        return any(word in data for word in (_OWN if self.is_own(file) else _FOREIGN))
+
+    def contains(self, file: FilePath, word: bytes) -> bool:
+        """Tell whether a file has these bytes."""
+        data = self.reader.read(file)
+        return data is not None and word in data
+
+    def include(self, file: FilePath, path: str) -> FilePath | None:
+        """Return what `#include "path"` means in `file`, unless it is of a framework or not in the build."""
+        found = self.reader.workspace.include(path, near=file)
+        if found is None:
+            return None
+        owner = self.reader.workspace.owner(found)
+        framework = owner is not None and owner is not self.package and owner.name in FRAMEWORKS
+        return None if framework else found
+
+    def _includes(self, file: FilePath) -> tuple[FilePath, ...]:
+        known = self._direct.get(file)
+        if known is None:
+            data = self.reader.read(file)
+            paths = included(data) if data is not None else []
+            found = (self.include(file, path) for path in paths)
+            known = self._direct[file] = tuple(dict.fromkeys(header for header in found if header is not None))
+        return known
+
+    def headers(self, file: FilePath) -> tuple[FilePath, ...]:
+        """Return all headers of the build that a file includes, directly or not, nearest first."""
+        known = self._headers.get(file)
+        if known is None:
+            seen = {file: None}
+            pending = [file]
+            while pending and len(seen) < _MOST_HEADERS:
+                level = [header for current in pending for header in self._includes(current)]
+                pending = [header for header in dict.fromkeys(level) if header not in seen]
+                seen.update(dict.fromkeys(pending))
+            known = self._headers[file] = tuple(seen)[1:]
+        return known
+
+    def implementations(self, header: FilePath, name: str) -> list[FilePath]:
+        """Return the files of another package's folder that define methods of the class `name` of its header."""
+        owner = self.reader.workspace.owner(header)
+        if owner is None:
+            return []
+        pattern = f"{name}::".encode()
+        entries = (entry for entry in owner.files if entry.kind is FileKind.CPP and _is_source(entry.path))
+        files = (FilePath(header.repository, entry.path) for entry in entries)
+        return [file for file in files if file != header and self.contains(file, pattern)]
+
+    def find(self, file: FilePath, word: str) -> Iterable[Unit]:
+        """Yield the headers of a file that hold a word, nearest first."""
+        pattern = word.encode()
+        for header in self.headers(file):
+            if self.contains(header, pattern):
+                unit = self.unit(header)
+                if unit is not None:
+                    yield unit
+
+
+def _is_source(path: str) -> bool:
+    return path.endswith((".cpp", ".cc", ".cxx", ".c++", ".hxx", "_impl.hpp", "_impl.h", ".C", ".tpp", ".ipp"))

@@ -1,0 +1,242 @@
+"""The tables of ROS 2: rclcpp and the libraries that make interfaces on its nodes.
+
+Sources: the headers of rclcpp, rclcpp_lifecycle, rclcpp_action, image_transport, message_filters and tf2_ros.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from kg.extract.cpp import syntax
+from kg.extract.cpp.api import CallSpec, MarkSpec, ParameterSpec, TypeSpec
+from kg.extract.cpp.handles import below, value_of_parameter
+from kg.extract.values import Handle, Text, Unknown
+from kg.facts import Access, Role
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kg.extract.cpp.context import Context
+    from kg.extract.cpp.evaluate import Alternatives, Evaluator
+    from kg.extract.cpp.syntax import Callee
+    from kg.extract.cpp.types import TypeName
+    from kg.extract.cpp.unit import Class, Expr
+
+__all__ = ["Ros2"]
+
+_NODE: Final = frozenset({"Node", "LifecycleNode"})
+_FREE: Final = frozenset({"rclcpp"})
+_ACTION: Final = frozenset({"rclcpp_action"})
+_IMAGE: Final = "sensor_msgs/Image"
+_TRANSPORT: Final = frozenset({"image_transport"})
+
+_CALLS: Final[dict[str, tuple[CallSpec, ...]]] = {
+    "create_publisher": (
+        CallSpec(2, Role.PUBLISHES, receivers=_NODE, template=0, qos=1),
+        CallSpec(2, Role.PUBLISHES, name=1, handle=0, scopes=_FREE, template=0, least=2, qos=2),
+        CallSpec(
+            2,
+            Role.PUBLISHES,
+            name=1,
+            handle=0,
+            scopes=_TRANSPORT,
+            fixed=_IMAGE,
+            least=2,
+            qos=2,
+            mark="image_transport.publisher",
+        ),
+    ),
+    "create_subscription": (
+        CallSpec(2, Role.SUBSCRIBES, receivers=_NODE, template=0, callback=2, least=2, qos=1),
+        CallSpec(2, Role.SUBSCRIBES, name=1, handle=0, scopes=_FREE, template=0, callback=3, least=3, qos=2),
+        CallSpec(
+            2,
+            Role.SUBSCRIBES,
+            name=1,
+            handle=0,
+            scopes=_TRANSPORT,
+            fixed=_IMAGE,
+            least=3,
+            qos=4,
+            mark="image_transport.subscriber",
+        ),
+    ),
+    "create_camera_publisher": (
+        CallSpec(
+            2,
+            Role.PUBLISHES,
+            name=1,
+            handle=0,
+            scopes=_TRANSPORT,
+            fixed=_IMAGE,
+            least=2,
+            camera=True,
+            mark="image_transport.publisher",
+        ),
+    ),
+    "create_camera_subscription": (
+        CallSpec(
+            2,
+            Role.SUBSCRIBES,
+            name=1,
+            handle=0,
+            scopes=_TRANSPORT,
+            fixed=_IMAGE,
+            least=2,
+            camera=True,
+            mark="image_transport.subscriber",
+        ),
+    ),
+    "create_service": (
+        CallSpec(2, Role.SERVICES, receivers=_NODE, template=0, least=2, qos=2),
+        CallSpec(2, Role.SERVICES, name=1, handle=0, scopes=_FREE, template=0, least=3, qos=3),
+    ),
+    "create_client": (
+        CallSpec(2, Role.CLIENTS, receivers=_NODE, template=0, most=3, qos=1),
+        CallSpec(2, Role.ACTION_CLIENTS, name=1, handle=0, scopes=_ACTION, template=0, least=2, most=4),
+        CallSpec(2, Role.ACTION_CLIENTS, name=4, handle=0, scopes=_ACTION, template=0, least=5),
+        CallSpec(2, Role.CLIENTS, name=1, handle=0, scopes=_FREE, template=0, least=2, most=5),
+    ),
+    "create_server": (
+        CallSpec(2, Role.ACTION_SERVERS, name=1, handle=0, scopes=_ACTION, template=0, least=5, most=7),
+        CallSpec(2, Role.ACTION_SERVERS, name=4, handle=0, scopes=_ACTION, template=0, least=8, most=10),
+    ),
+    "create_generic_publisher": (CallSpec(2, Role.PUBLISHES, receivers=_NODE, spelled=1, least=3, qos=2),),
+    "create_generic_subscription": (CallSpec(2, Role.SUBSCRIBES, receivers=_NODE, spelled=1, least=4, qos=2),),
+}
+
+
+def _method(access: Access, least: int, most: int, **rest: int | bool | None) -> ParameterSpec:
+    output, default = rest.get("output"), rest.get("default")
+    return ParameterSpec(
+        2,
+        access,
+        0,
+        None if output is None else int(output),
+        None if default is None else int(default),
+        bool(rest.get("returns")),
+        frozenset(),
+        least,
+        most,
+        _NODE,
+    )
+
+
+_PARAMETERS: Final[dict[str, tuple[ParameterSpec, ...]]] = {
+    "declare_parameter": (_method(Access.DECLARE, 1, 4, default=1, returns=True),),
+    "get_parameter": (
+        _method(Access.READ, 1, 1, returns=True),
+        _method(Access.READ, 2, 2, output=1),
+    ),
+    "get_parameter_or": (
+        _method(Access.READ, 3, 3, output=1, default=2),
+        _method(Access.READ, 2, 2, default=1, returns=True),
+    ),
+    "has_parameter": (_method(Access.READ, 1, 1),),
+    "undeclare_parameter": (_method(Access.WRITE, 1, 1),),
+}
+
+_TYPES: Final[dict[str, TypeSpec]] = {
+    "Subscriber": TypeSpec(2, Role.SUBSCRIBES, scopes=frozenset({"message_filters"}), qos=2),
+    "InterProcessPollingSubscriber": TypeSpec(2, Role.SUBSCRIBES, qos=2),
+    "DiagnosticsInterface": TypeSpec(
+        2, Role.PUBLISHES, template=None, fixed="diagnostic_msgs/DiagnosticArray", constant="/diagnostics"
+    ),
+}
+"""Besides rclcpp's own: the polling subscriber and diagnostics of `autoware_utils`, which many packages build upon."""
+_MARKS: Final[dict[str, MarkSpec]] = {}
+_SAME_NODE: Final = frozenset({"shared_from_this", "get_node", "getNode", "node"})
+
+
+class Ros2:
+    """The dialect of rclcpp."""
+
+    calls = _CALLS
+    types = _TYPES
+    parameters = _PARAMETERS
+    marks = _MARKS
+    handles = frozenset({"Node", "LifecycleNode"})
+
+    def evaluate(
+        self, evaluator: Evaluator, where: Expr, called: Callee, given: list[Expr], context: Context
+    ) -> Alternatives | None:
+        """Return nodes below nodes, and values of parameters."""
+        name, receiver = called.name, called.receiver
+        if name in ("create_sub_node", "create_subnode") and given:
+            parent = evaluator.values(where.child(receiver), context) if receiver is not None else [(Handle(), context)]
+            return below(evaluator, list(parent), given[0])
+        if name.startswith("get_node_") and name.endswith("_interface") and receiver is not None:
+            return evaluator.values(where.child(receiver), context)
+        if name in _SAME_NODE and not given and name == "shared_from_this":
+            return [(Handle(), context)]
+        for spec in _PARAMETERS.get(name, ()):
+            if spec.returns and spec.least <= len(given) <= spec.most:
+                return self._parameter(evaluator, spec, where, called, given, context)
+        return None
+
+    def _parameter(
+        self,
+        evaluator: Evaluator,
+        spec: ParameterSpec,
+        where: Expr,
+        called: Callee,
+        given: list[Expr],
+        context: Context,
+    ) -> Alternatives:
+        if spec.access is Access.READ and spec.default is None:
+            return self._declared(evaluator, given, context)
+        return value_of_parameter(evaluator, spec, None, given, context)
+
+    def _declared(self, evaluator: Evaluator, given: list[Expr], context: Context) -> Alternatives:
+        """Return the default that a parameter was declared with, anywhere in the node."""
+        found: Alternatives = []
+        for name, chosen in evaluator.texts(given[0], context):
+            wanted = name.known if isinstance(name, Text) else None
+            declared = evaluator.declared_default(wanted) if wanted is not None else None
+            spec = _PARAMETERS["declare_parameter"][0]
+            if declared is not None:
+                arguments = [given[0], declared]
+                found += value_of_parameter(evaluator, spec, None, arguments, chosen)
+            else:
+                found += value_of_parameter(evaluator, spec, None, given[:1], chosen)
+        return found
+
+    def construct(
+        self, evaluator: Evaluator, kind: TypeName, given: list[Expr], context: Context
+    ) -> Alternatives | None:
+        """Return the handle that a node is."""
+        if kind.name in _NODE or (kind.name == "ImageTransport" and given):
+            return [(Handle(), context)]
+        cls = evaluator.types.class_of(kind)
+        if cls is not None and self.is_node(evaluator, cls):
+            return [(Handle(), context)]
+        return None
+
+    def output(  # noqa: PLR0913 - the signature of the protocol
+        self,
+        evaluator: Evaluator,
+        where: Expr,
+        called: Callee,
+        given: list[Expr],
+        index: int,
+        context: Context,
+        previous: Callable[[Context], Alternatives],
+    ) -> Alternatives | None:
+        """Return what `get_parameter` and `get_parameter_or` leave in a variable."""
+        for spec in _PARAMETERS.get(called.name, ()):
+            if spec.output == index and spec.least <= len(given) <= spec.most:
+                if spec.default is None:
+                    found = self._declared(evaluator, given, context)
+                    known = [pair for pair in found if isinstance(pair[0], Text) and pair[0].known is not None]
+                    return known or value_of_parameter(evaluator, spec, None, given, context, previous)
+                return value_of_parameter(evaluator, spec, None, given, context, previous)
+        return None
+
+    def is_node(self, evaluator: Evaluator, cls: Class) -> bool:
+        """Tell whether a class derives from `rclcpp::Node` or a lifecycle node."""
+        return any(
+            syntax.simple_name(base) in _NODE for member in evaluator.program.family(cls) for base in member.bases
+        )
+
+
+_ = Unknown
