@@ -217,6 +217,11 @@ CATALOGUE: dict[str, CodeEntry] = {
         "A defect in `kg` stopped the extraction of one package; the rest was built.",
         "Please report it with the message and, if you can, the package.",
     ),
+    "KG122": CodeEntry(
+        "too much to evaluate",
+        "A CMakeLists.txt computes more than is followed while reading; what it declared until then was read.",
+        "Nothing to do unless nodes of that package are missing.",
+    ),
     "KG301": CodeEntry(
         "no store",
         "No store was found in this folder or the folders above it.",

@@ -44,6 +44,8 @@ def read_cmake(reader: Reader, folder: PackageFolder, package: Package) -> Colle
     files.packages.update(dict.fromkeys(names))
     run = Run(files, _scope(folder, package), HANDLERS | target_handlers(model))
     run.run_file(path, own_folder=True)
+    if run.exhausted:
+        reader.problem("KG122", "the file computes more than is followed", path, run.location.line)
     return model
 
 

@@ -7,6 +7,7 @@ import re
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.manifests.arithmetic import compute
+from kg.extract.manifests.cmake_patterns import keep_matching, replace_all
 from kg.extract.manifests.cmake_run import BINARY, SOURCE
 from kg.extract.manifests.cmake_scope import split_list
 
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
 __all__ = ["HANDLERS"]
 
-_LONGEST_PATTERN: Final = 200
+_PATTERN_WORK: Final = 1000
 _FIND_WORDS: Final = frozenset({"REQUIRED", "QUIET", "EXACT", "MODULE", "CONFIG", "NO_MODULE", "GLOBAL"})
 
 
@@ -63,10 +64,7 @@ def _list(run: Run, words: list[str]) -> None:
 def _filter(items: list[str], rest: list[str]) -> list[str]:
     if len(rest) < 3:  # noqa: PLR2004  (list(FILTER NAME INCLUDE REGEX pattern))
         return items
-    pattern = _pattern(rest[2])
-    if pattern is None:
-        return items
-    return [item for item in items if bool(pattern.search(item)) is (rest[0] == "INCLUDE")]
+    return keep_matching(rest[2], items, wanted=rest[0] == "INCLUDE")
 
 
 def _transform(items: list[str], rest: list[str]) -> list[str]:
@@ -76,7 +74,7 @@ def _transform(items: list[str], rest: list[str]) -> list[str]:
         case ["PREPEND", text, *_]:
             return [text + item for item in items]
         case ["REPLACE", pattern, text, *_]:
-            return [_replace(pattern, text, item) for item in items]
+            return [replace_all(pattern, text, item) for item in items]
         case ["TOLOWER" | "TOUPPER" | "STRIP" as how, *_]:
             return [_CASES[how](item) for item in items]
     return items
@@ -117,7 +115,7 @@ def _string(run: Run, words: list[str]) -> None:
     certain = run.certain
     match words:
         case ["REGEX", "REPLACE", pattern, text, name, *rest]:
-            run.scope.set(name, _replace(pattern, text, "".join(rest)), certain=certain)
+            run.scope.set(name, replace_all(pattern, text, "".join(rest)), certain=certain)
         case ["REPLACE", old, new, name, *rest] if old:
             run.scope.set(name, "".join(rest).replace(old, new), certain=certain)
         case ["TOLOWER" | "TOUPPER" | "STRIP" as how, text, name]:
@@ -130,31 +128,6 @@ def _string(run: Run, words: list[str]) -> None:
             run.scope.set(name, "".join(rest) + run.scope.variables.get(name, ""), certain=certain)
         case ["JOIN", glue, name, *rest]:
             run.scope.set(name, glue.join(rest), certain=certain)
-
-
-def _pattern(written: str) -> re.Pattern[str] | None:
-    """Return a regular expression of CMake as one of Python; None for those that could run for ever or are none."""
-    if len(written) > _LONGEST_PATTERN or re.search(r"[+*]\)?[+*]|\)[+*]", written):
-        return None
-    try:
-        return re.compile(written)
-    except re.error:
-        return None
-
-
-def _replace(written: str, replacement: str, text: str) -> str:
-    pattern = _pattern(written)
-    if pattern is None:
-        return text
-
-    def fill(match: re.Match[str]) -> str:
-        return re.sub(r"\\(\d)", lambda number: _group(match, int(number[1])), replacement)
-
-    return pattern.sub(fill, text)
-
-
-def _group(match: re.Match[str], number: int) -> str:
-    return (match[number] or "") if number <= len(match.groups()) else ""
 
 
 def _get_filename_component(run: Run, words: list[str]) -> None:
@@ -206,6 +179,7 @@ def _glob(run: Run, words: list[str], *, recurse: bool) -> list[str]:
     found: dict[str, None] = {}
     for pattern in words:
         if pattern not in skipped and pattern not in {"LIST_DIRECTORIES", "true", "false"}:
+            run.spend(_PATTERN_WORK + 4 * run.files.size)
             for path in run.files.glob(pattern, run.folder, recurse=recurse):
                 whole = posixpath.join(SOURCE, path)
                 found[posixpath.relpath(whole, relative) if relative else whole] = None

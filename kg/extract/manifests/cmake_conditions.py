@@ -6,6 +6,7 @@ import operator
 import re
 from typing import TYPE_CHECKING, Final
 
+from kg.extract.manifests.cmake_patterns import matches
 from kg.extract.manifests.cmake_scope import split_list
 
 if TYPE_CHECKING:
@@ -28,7 +29,6 @@ _ORDER: Final[dict[str, Callable[[float, float], bool]]] = {
 _TEXTS: Final = frozenset({"STREQUAL", "STRLESS", "STRGREATER", "MATCHES", "IN_LIST", "PATH_EQUAL"})
 _BINARY: Final = frozenset(_ORDER) | _TEXTS | {f"VERSION_{name}" for name in _ORDER}
 _DEEPEST: Final = 40
-_LONGEST_PATTERN: Final = 200
 
 
 class Token:
@@ -130,7 +130,7 @@ class _Parser:
         if one is None or other is None:
             return None
         if how == "MATCHES":
-            return _matches(one, right.text)
+            return matches(right.text, one)
         if how.startswith("VERSION_"):
             return _compare_versions(one, how.removeprefix("VERSION_"), other)
         if how in _ORDER:
@@ -148,16 +148,6 @@ def _in_list(element: str | None, scope: Scope, name: str) -> bool | None:
     if element is None or name in scope.uncertain or name not in scope.variables:
         return None
     return element in split_list(scope.variables[name])
-
-
-def _matches(text: str, pattern: str) -> bool | None:
-    """Return whether CMake's regular expression matches; None for one that is no Python one or not plain."""
-    if len(pattern) > _LONGEST_PATTERN or re.search(r"[+*]\)?[+*]|\)[+*]", pattern):
-        return None
-    try:
-        return re.search(pattern, text) is not None
-    except re.error:
-        return None
 
 
 def _compare_numbers(one: str, how: str, other: str) -> bool | None:

@@ -46,6 +46,11 @@ class CMakeFiles:
         self._links = dict(reader.source.links)
         self._entries = {entry.path: entry for entry in package.files}
 
+    @property
+    def size(self) -> int:
+        """How many files the package has, which is what a pattern costs."""
+        return len(self._entries)
+
     def parse(self, path: str) -> list[Statement] | None:
         """Return the statements of a CMake file; None, and a problem, when it cannot be read."""
         if path not in self._parsed:

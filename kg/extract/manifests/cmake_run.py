@@ -30,7 +30,9 @@ SOURCE: Final = "/@source"
 BINARY: Final = "/@binary"
 """Stands for the root of the build folder; nothing below it exists."""
 
-_MOST_STATEMENTS: Final = 100_000
+_STATEMENT: Final = 200
+"""What running a statement costs, where looking at one character or file costs one."""
+_MOST_WORK: Final = 20_000_000
 _DEEPEST_CALLS: Final = 40
 _MOST_ROUNDS: Final = 2_000
 
@@ -77,13 +79,18 @@ class Run:
         self.certain = True
         self._frame = _Frame("", SOURCE)
         self._depth = 0
-        self._statements = 0
+        self._work = 0
         self._line = 1
 
     @property
     def location(self) -> Location:
         """The command being run; within a macro or function the outermost call of it."""
         return self._frame.call or Location(self._frame.path, self._line)
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether the work that a package may cost is used up; nothing is run any more then."""
+        return self._work > _MOST_WORK
 
     @property
     def folder(self) -> str:
@@ -115,13 +122,17 @@ class Run:
     def execute(self, statements: Sequence[Statement]) -> _Flow:
         """Run statements in a row; stops early for return, break and continue, and when the budget is used up."""
         for statement in statements:
-            self._statements += 1
-            if self._statements > _MOST_STATEMENTS:
+            self._work += _STATEMENT
+            if self.exhausted:
                 return _Flow.RETURN
             flow = self._command(statement) if isinstance(statement, Command) else self._block(statement)
             if flow is not _Flow.NEXT:
                 return flow
         return _Flow.NEXT
+
+    def spend(self, work: int) -> None:
+        """Count work that a command does beyond its own arguments."""
+        self._work += work
 
     def arguments(self, command: Command) -> list[str]:
         """Return the arguments after evaluation; `certain` then tells whether all of them are known for sure."""
@@ -132,6 +143,7 @@ class Run:
                 found.append(argument.text)
                 continue
             text, certain = self.scope.expand(argument.text)
+            self._work += len(text)
             self.certain = self.certain and certain
             if argument.form == "quoted":
                 found.append(text)
@@ -159,6 +171,7 @@ class Run:
         if self._depth >= _DEEPEST_CALLS:
             return
         values = self.arguments(command)
+        self.spend(len(self.scope.variables))
         outer, frame, before = self.scope, self._frame, dict(self.scope.variables)
         self._frame = _Frame(frame.path, frame.folder, self.location)
         if not definition.macro:
@@ -209,6 +222,7 @@ class Run:
 
     def _if(self, block: Block) -> _Flow:
         outer = self.scope
+        self.spend(4 * len(outer.variables))
         outcomes: list[Scope] = []
         for command, body in block.branches:
             verdict = True if command.name == "else" else decide(self._tokens(command), self.scope)

@@ -75,7 +75,9 @@ class Scope:
 
     def merge(self, others: list[Scope]) -> None:
         """Take over what branches made of this scope, of which any may have been the one taken."""
-        names = {name for other in others for name in other.variables.keys() | self.variables.keys()}
+        before, doubtful = self.variables.items(), self.uncertain
+        names = {name for other in others for name, _ in other.variables.items() ^ before}
+        names.update(name for other in others for name in other.uncertain ^ doubtful)
         for name in names:
             values = {other.variables.get(name): None for other in others}
             if len(values) == 1:

@@ -14,13 +14,14 @@ __all__ = ["Argument", "Block", "Command", "Statement", "SyntaxFault", "parse", 
 _GAP: Final = re.compile(r"(?:\s|#\[(?P<level>=*)\[.*?\](?P=level)\]|#(?!\[=*\[)[^\n]*)+", re.DOTALL)
 _NAME: Final = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)[ \t]*\(")
 _ARGUMENT: Final = re.compile(
-    r"""\[(?P<level>=*)\[\n?(?P<bracket>.*?)\](?P=level)\]
-      | "(?P<quoted>(?:[^"\\]|\\.)*+)"
+    r"""
+        "(?P<quoted>(?:[^"\\]|\\.)*+)"
       | (?P<paren>[()])
       | (?P<unquoted>(?:\$\([A-Za-z0-9_]*\)|[^\s()\#"\\]|\\.|(?<=[^\s()\#])"(?:[^"\\]|\\.)*+")++)
     """,
     re.DOTALL | re.VERBOSE,
 )
+_BRACKET: Final = re.compile(r"\[(={0,40})\[\n?")
 _CONTINUED: Final = re.compile(r"\\\n")
 _OPENERS: Final = {
     "if": "endif",
@@ -84,32 +85,17 @@ def parse_commands(text: str, into: list[Command] | None = None) -> list[Command
     """Return the commands of a file; raises `SyntaxFault`, with those before the fault left in `into`."""
     into = [] if into is None else into
     text = text.replace("\r\n", "\n")
-    lines = _LineCounter(text)
+    lexer = _Lexer(text)
     position = _skip(text, 0)
     while position < len(text):
         match = _NAME.match(text, position)
+        line = lexer.line(position)
         if match is None:
-            raise SyntaxFault("a command is expected here", lines.at(position))
-        line = lines.at(position)
-        arguments, position = _arguments(text, match.end(), lines, line)
+            raise SyntaxFault("a command is expected here", line)
+        arguments, position = lexer.arguments(match.end(), line)
         into.append(Command(match[1].lower(), tuple(arguments), line))
         position = _skip(text, position)
     return into
-
-
-class _LineCounter:
-    """Counts lines up to positions that only grow."""
-
-    def __init__(self, text: str) -> None:
-        self._text = text
-        self._position = 0
-        self._line = 1
-
-    def at(self, position: int) -> int:
-        """Return the line of a position, which must not lie before the last one asked for."""
-        self._line += self._text.count("\n", self._position, position)
-        self._position = position
-        return self._line
 
 
 def _skip(text: str, position: int) -> int:
@@ -117,32 +103,52 @@ def _skip(text: str, position: int) -> int:
     return match.end() if match else position
 
 
-def _arguments(text: str, position: int, lines: _LineCounter, start: int) -> tuple[list[Argument], int]:
-    found: list[Argument] = []
-    depth = 0
-    while True:
-        position = _skip(text, position)
-        match = _ARGUMENT.match(text, position)
+class _Lexer:
+    """Reads arguments and counts lines, at positions that only grow."""
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+        self._position = 0
+        self._line = 1
+        self._unclosed: set[str] = set()
+        """Closing brackets that do not stand in the rest of the text, so that it is searched once for each."""
+
+    def line(self, position: int) -> int:
+        """Return the line of a position, which must not lie before the last one asked for."""
+        self._line += self._text.count("\n", self._position, position)
+        self._position = position
+        return self._line
+
+    def arguments(self, position: int, start: int) -> tuple[list[Argument], int]:
+        """Return the arguments from behind the parenthesis that opens them, and the position behind its match."""
+        found: list[Argument] = []
+        depth = 0
+        while True:
+            position = _skip(self._text, position)
+            if position >= len(self._text):
+                raise SyntaxFault("the command is not closed", start)
+            argument, position = self._argument(position)
+            if argument.form == "paren":
+                depth += 1 if argument.text == "(" else -1
+                if depth < 0:
+                    return found, position
+            found.append(argument)
+
+    def _argument(self, position: int) -> tuple[Argument, int]:
+        line = self.line(position)
+        bracket = _BRACKET.match(self._text, position)
+        closing = f"]{bracket[1]}]" if bracket else ""
+        if bracket and closing not in self._unclosed:
+            end = self._text.find(closing, bracket.end())
+            if end >= 0:
+                return Argument(self._text[bracket.end() : end], "bracket", line), end + len(closing)
+            self._unclosed.add(closing)
+        match = _ARGUMENT.match(self._text, position)
         if match is None:
-            message = "the command is not closed" if position >= len(text) else "an argument is expected here"
-            raise SyntaxFault(message, start if position >= len(text) else lines.at(position))
-        argument = _argument(match, lines.at(position))
-        position = match.end()
-        if argument.form == "paren":
-            depth += 1 if argument.text == "(" else -1
-            if depth < 0:
-                return found, position
-        found.append(argument)
-
-
-def _argument(match: re.Match[str], line: int) -> Argument:
-    if match["unquoted"] is not None:
-        return Argument(match["unquoted"], "unquoted", line)
-    if match["quoted"] is not None:
-        return Argument(_CONTINUED.sub("", match["quoted"]), "quoted", line)
-    if match["paren"] is not None:
-        return Argument(match["paren"], "paren", line)
-    return Argument(match["bracket"], "bracket", line)
+            raise SyntaxFault("an argument is expected here", line)
+        form = match.lastgroup or ""
+        text = _CONTINUED.sub("", match[form]) if form == "quoted" else match[form]
+        return Argument(text, form, line), match.end()
 
 
 def _blocks(commands: list[Command], faults: list[SyntaxFault]) -> list[Statement]:

@@ -156,6 +156,14 @@ add_executable(last)
     assert {"first", "last"} >= set(names(tmp_path, text)) >= {"first"}
 
 
+def test_work_is_bounded(tmp_path: Path) -> None:
+    """A file that computes for ever is stopped, and that is said."""
+    text = "foreach(i RANGE 2000)\nforeach(j RANGE 2000)\nset(x a)\nendforeach()\nendforeach()\nadd_executable(late)"
+    reader = reader_of(tmp_path, {"CMakeLists.txt": f"add_executable(first)\n{text}"})
+    assert [target.name for target in model_of(reader).targets] == ["first"]
+    assert [code for code, _ in codes(reader.problems)] == ["KG122"]
+
+
 def test_deep_nesting(tmp_path: Path) -> None:
     """5,000 nested ifs neither crash nor hide what stands outside of them."""
     text = "add_executable(a)\n" + "if(X)\n" * 5000 + "endif()\n" * 5000 + "add_executable(b)\n"
