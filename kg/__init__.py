@@ -1,1 +1,45 @@
-"""`kg`: an embedded SPARQL triplestore with reasoning rules that knows ROS nodes and what robots can do with them."""
+"""`kg`: an embedded SPARQL triplestore with reasoning rules that knows ROS nodes and what robots can do with them.
+
+The names below are the public API; each is loaded when it is first used, so that `import kg` costs nothing.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Final
+
+if TYPE_CHECKING:
+    from kg.api import build, nodes, open_store, sparql
+    from kg.errors import Exit, GraphError, KgError, Place, QueryError, SourceError, StoreError, UsageError
+
+__all__ = [
+    "Exit",
+    "GraphError",
+    "KgError",
+    "Place",
+    "QueryError",
+    "SourceError",
+    "StoreError",
+    "UsageError",
+    "__version__",
+    "build",
+    "nodes",
+    "open_store",
+    "sparql",
+]
+
+_API: Final = frozenset({"build", "nodes", "open_store", "sparql"})
+
+
+def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from importlib.metadata import version  # noqa: PLC0415 - few ask, and it searches the installation
+
+        return version("kg-ros")
+    if name in __all__:
+        return getattr(import_module("kg.api" if name in _API else "kg.errors"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return __all__

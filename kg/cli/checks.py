@@ -11,10 +11,10 @@ from importlib.metadata import PackageNotFoundError, requires, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from kg.cli.stores import layout_of
 from kg.errors import CATALOGUE, KgError, StoreError
 from kg.render.text import count
 from kg.resources import folder
+from kg.store.opening import layout_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -139,7 +139,7 @@ def _content(layout: Layout) -> Check:
     return Check(
         "store",
         "ok",
-        f"{layout.root}: generation {generation} of {len(layout.numbers())} kept, "
+        f"{layout.root}: generation {generation} ({len(layout.numbers())} kept), "
         f"{count(quads, 'quad')} in {count(graphs, 'graph')}, {held / 1e6:,.1f} MB",
     )
 

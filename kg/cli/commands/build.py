@@ -8,8 +8,8 @@ from kg.cli.diagnostics import note, say
 from kg.cli.options import Base, Jobs, Json, MaxFileBytes, Store
 from kg.cli.output import Column, json_lines, listing, terminal
 from kg.cli.session import session
-from kg.cli.stores import existing, layout_of, writable
 from kg.render.text import count
+from kg.store.opening import existing, layout_of, writable
 
 if TYPE_CHECKING:
     from kg.graph.source_states import SourceState

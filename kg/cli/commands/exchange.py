@@ -10,10 +10,10 @@ from kg.cli.names import UnknownNameError
 from kg.cli.options import Base, Store
 from kg.cli.output import write_bytes
 from kg.cli.session import session
-from kg.cli.stores import existing, reading, writable
 from kg.errors import Place, QueryError, UsageError
 from kg.query.similar import did_you_mean
 from kg.render.text import count
+from kg.store.opening import existing, reading, writable
 
 if TYPE_CHECKING:
     from pyoxigraph import NamedNode, RdfFormat

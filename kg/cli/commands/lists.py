@@ -9,8 +9,8 @@ from kg.cli.diagnostics import note
 from kg.cli.options import Json, Store
 from kg.cli.output import Column, listing, terminal
 from kg.cli.session import session
-from kg.cli.stores import reading
 from kg.render.text import count
+from kg.store.opening import reading
 
 if TYPE_CHECKING:
     from kg.graph.overview import Channel

@@ -11,9 +11,9 @@ from kg.cli.names import one_node
 from kg.cli.options import Json, Store
 from kg.cli.output import json_lines, line_width, show, terminal, write_bytes
 from kg.cli.session import session
-from kg.cli.stores import reading
 from kg.errors import Place, UsageError
 from kg.render.text import count
+from kg.store.opening import reading
 
 if TYPE_CHECKING:
     from kg.cli.links import Links

@@ -9,9 +9,9 @@ from kg.cli.names import known_package
 from kg.cli.options import Json, PackageName, Store
 from kg.cli.output import Column, listing, terminal
 from kg.cli.session import session
-from kg.cli.stores import reading
 from kg.errors import UsageError
 from kg.render.text import count
+from kg.store.opening import reading
 
 if TYPE_CHECKING:
     from kg.graph.reading import NodeRecord

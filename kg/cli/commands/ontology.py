@@ -9,9 +9,9 @@ from kg.cli.diagnostics import report, say
 from kg.cli.options import Json, Store
 from kg.cli.output import Column, json_lines, listing, terminal, write
 from kg.cli.session import session
-from kg.cli.stores import reading
 from kg.errors import Exit
 from kg.render.text import count
+from kg.store.opening import reading
 
 if TYPE_CHECKING:
     from kg.graph.findings import OntologyCheck

@@ -1,4 +1,4 @@
-"""Which store a command works on: the one named by the settings, else the nearest `.kg` in this folder or above."""
+"""Which store is worked on: the one named by the settings, else the nearest `.kg` in this folder or above."""
 
 from __future__ import annotations
 

@@ -1,0 +1,97 @@
+"""The public API: what a program does with `kg`; `import kg` offers these names and loads them when they are used.
+
+    import kg
+
+    kg.build(["~/catkin_ws/src"])
+    for node in kg.nodes(package="move_base"):
+        print(node["node"], [topic["name"] for topic in node["publishes"]])
+    answer = kg.sparql("SELECT ?node { ?node a ros:Node }")
+
+`store` is the folder of a store; without it the settings decide, as on the command line. Errors are `kg.KgError`.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from kg import settings
+from kg.query import core
+from kg.store import opening
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from pathlib import Path
+
+    from pyoxigraph import Literal, NamedNode
+
+    from kg.pipeline.report import BuildReport, Report
+    from kg.query.result import Result
+    from kg.store.embedded import EmbeddedStore
+
+__all__ = ["build", "nodes", "open_store", "sparql"]
+
+
+def open_store(store: str | Path | None = None) -> EmbeddedStore:
+    """Return a store that exists.
+
+    Raises:
+        StoreError: KG301 when there is none.
+    """
+    return opening.existing(settings.load({"store": store}))
+
+
+def build(
+    sources: Sequence[str | Path] = (),
+    *,
+    store: str | Path | None = None,
+    jobs: int | None = None,
+    report: Report | None = None,
+) -> BuildReport:
+    """Read `sources` (folders, git addresses, or files that list them) into the store, and return what was done.
+
+    A store is made where there is none. Without sources, those of earlier builds are read again; only what has
+    changed is. `jobs` is the number of processes, `report` is told of the progress.
+
+    Raises:
+        SourceError: KG101, KG102, KG103 when a source cannot be read at all.
+        StoreError: KG301 without sources and store, KG302 while another process writes, KG304 when the disk is full.
+    """
+    from kg.pipeline.build import build as run  # noqa: PLC0415 - who only asks loads no reader of sources
+
+    given = settings.load({"store": store, "jobs": jobs})
+    target = opening.writable(given) if sources else opening.existing(given)
+    return run([str(source) for source in sources], target, given, report, "kg.build")
+
+
+def nodes(*, package: str | None = None, store: str | Path | None = None) -> list[dict[str, Any]]:
+    """Return the node types of the store, or of one package, as `kg nodes --json` writes them (docs/formats.md).
+
+    Raises:
+        StoreError: KG301 when there is no store.
+    """
+    from kg.graph.reading import node_records  # noqa: PLC0415 - who queries needs no records
+    from kg.graph.records import node_object  # noqa: PLC0415 - the same
+
+    with open_store(store).read() as snapshot:
+        return [node_object(record) for record in node_records(snapshot, package=package)]
+
+
+def sparql(
+    text: str,
+    *,
+    parameters: Mapping[str, NamedNode | Literal] | None = None,
+    timeout: float | None = None,
+    limit: int | None = None,
+    store: str | Path | None = None,
+) -> Result:
+    """Run a SPARQL query over the union of all graphs and return its whole answer; the usual prefixes are known.
+
+    `parameters` are terms for variables of the query, `timeout` is in seconds, `limit` caps rows or triples and the
+    answer says whether there were more.
+
+    Raises:
+        QueryError: KG501 not SPARQL, KG502 refused, KG503 deadline, KG505 parameter.
+        StoreError: KG301 when there is no store.
+    """
+    with open_store(store).read() as snapshot:
+        return core.run(snapshot, text, parameters=parameters, timeout=timeout, limit=limit)

@@ -1,0 +1,76 @@
+"""What `import kg` offers, by name and signature; a change here is a change for users and goes into the changelog."""
+
+from __future__ import annotations
+
+import inspect
+from typing import TYPE_CHECKING, Final
+
+import pytest
+from repository import ROOT
+
+import kg
+from kg.query.result import Boolean
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+SIGNATURES: Final = {
+    "build": "(sources: 'Sequence[str | Path]' = (), *, store: 'str | Path | None' = None, jobs: 'int | None' = None, "
+    "report: 'Report | None' = None) -> 'BuildReport'",
+    "nodes": "(*, package: 'str | None' = None, store: 'str | Path | None' = None) -> 'list[dict[str, Any]]'",
+    "open_store": "(store: 'str | Path | None' = None) -> 'EmbeddedStore'",
+    "sparql": "(text: 'str', *, parameters: 'Mapping[str, NamedNode | Literal] | None' = None, "
+    "timeout: 'float | None' = None, limit: 'int | None' = None, store: 'str | Path | None' = None) -> 'Result'",
+}
+ERRORS: Final = {"GraphError", "KgError", "QueryError", "SourceError", "StoreError", "UsageError"}
+
+
+def test_the_public_names_are_these() -> None:
+    """`kg.__all__` and `dir(kg)` are the functions, the errors, and what errors carry."""
+    assert set(kg.__all__) == {*SIGNATURES, *ERRORS, "Exit", "Place", "__version__"}
+    assert dir(kg) == sorted(kg.__all__)
+
+
+@pytest.mark.parametrize("name", SIGNATURES)
+def test_signatures_do_not_change_by_accident(name: str) -> None:
+    """Each function has the arguments that its users rely on, and a docstring."""
+    function = getattr(kg, name)
+    assert str(inspect.signature(function)) == SIGNATURES[name]
+    assert inspect.getdoc(function)
+
+
+@pytest.mark.parametrize("name", ERRORS)
+def test_errors_have_one_base(name: str) -> None:
+    """Who catches `kg.KgError` catches all."""
+    assert issubclass(getattr(kg, name), kg.KgError)
+
+
+def test_a_name_that_is_not_there_is_an_attribute_error() -> None:
+    """A wrong name fails as with any module."""
+    with pytest.raises(AttributeError, match="bild"):
+        _ = kg.bild
+
+
+def test_the_version_is_that_of_the_installation() -> None:
+    """`kg.__version__` is the version of pyproject.toml."""
+    assert f'version = "{kg.__version__}"' in (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+
+
+def test_a_program_builds_and_asks(tmp_path: Path) -> None:
+    """Build, list and query work from Python, on a store of one's own."""
+    store = tmp_path / "store"
+    report = kg.build([ROOT / "examples" / "workspace" / "rover"], store=store, jobs=1)
+    assert report.read == 2
+    assert {node["package"] for node in kg.nodes(store=store)} == {"rover_core", "rover_robot"}
+    answer = kg.sparql('ASK { ?node rnkg:name "base_controller" }', store=store)
+    assert isinstance(answer, Boolean)
+    assert answer.value
+    assert kg.build(store=store).read == 0
+
+
+def test_without_a_store_the_error_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Asking where there is no store is KG301, with the exit code for stores."""
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(kg.StoreError) as caught:
+        kg.nodes()
+    assert (caught.value.code, caught.value.exit_code) == ("KG301", kg.Exit.STORE)
