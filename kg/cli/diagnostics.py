@@ -59,7 +59,8 @@ def _paint(style: str, text: str, *, on: bool) -> str:
 
 
 def say(text: str = "") -> None:
-    """Write a line of words."""
+    """Write a line of words, after the data that was written before it."""
+    sys.stdout.flush()
     sys.stderr.write(text + "\n")
     sys.stderr.flush()
 

@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-import os
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 
+from kg.cli.interface_table import Row, interface_table, place_text
 from kg.facts import Access, NodeKind, Resolution, Role
 from kg.graph.records import how_to_start
-from kg.render.text import printable, width
+from kg.render.text import printable
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Sequence
 
     from rich.console import RenderableType
-    from rich.table import Table
     from rich.text import Text
 
     from kg.cli.links import Links
-    from kg.facts import Interface, Location, NodeType, Parameter
+    from kg.facts import Interface, NodeType, Parameter
     from kg.graph.reading import NodeRecord
 
 __all__ = ["left_out", "node_view"]
@@ -35,61 +33,6 @@ _DONE: Final = {Access.DECLARE: "declared", Access.READ: "read", Access.WRITE: "
 _LANGUAGES: Final = {"cpp": "C++", "python": "Python"}
 
 
-@dataclass(frozen=True, slots=True)
-class _Row:
-    """A line of the table; `dim` for what a framework makes by itself."""
-
-    cells: tuple[str, str, str]
-    location: Location
-    dim: bool
-
-
-@dataclass(slots=True)
-class _Table:
-    """The groups of rows of one node on their way into a table."""
-
-    repository: str
-    links: Links
-    groups: list[tuple[str, list[_Row]]] = field(default_factory=list)
-
-    def add(self, title: str, rows: list[_Row]) -> None:
-        self.groups.append((title, rows))
-
-    def fitted(self, columns: int) -> Table:
-        """Return the table for so many columns."""
-        from rich.box import SIMPLE_HEAD  # noqa: PLC0415 - start-up time
-        from rich.table import Table  # noqa: PLC0415 - start-up time
-        from rich.text import Text  # noqa: PLC0415 - start-up time
-
-        places = self._places(columns)
-        table = Table(box=SIMPLE_HEAD, show_header=False, pad_edge=False, show_edge=False, padding=(0, 2, 0, 0))
-        for fold in (True, False, True, False):
-            table.add_column(overflow="fold", no_wrap=not fold)
-        for number, (title, rows) in enumerate(self.groups):
-            if number:
-                table.add_row()
-            table.add_row(Text(title, style="bold cyan"))
-            for row in rows:
-                style = "dim" if row.dim else ""
-                name = Text(f"  {printable(row.cells[0])}", style=style or "bold")
-                rest = (Text(printable(cell), style=style) for cell in row.cells[1:])
-                table.add_row(name, *rest, _place(row.location, self.repository, self.links, places))
-        return table
-
-    def _places(self, columns: int) -> dict[Location, str]:
-        """Return how to write each place: whole, without the folders that all share, or as the file's name alone."""
-        rows = [row for _, rows in self.groups for row in rows]
-        rest = sum(max(width(printable(row.cells[index])) for row in rows) + 3 for index in range(3)) + 2
-        whole = {row.location: _where(row.location) for row in rows}
-        shared = len(os.path.commonpath([place.rpartition("/")[0] or "." for place in whole.values()] or ["."]))
-        shorter = {
-            place: f"…{text[shared:]}" if text[shared:].startswith("/") else text for place, text in whole.items()
-        }
-        names = {place: text.rpartition("/")[2] for place, text in whole.items()}
-        fitting = (one for one in (whole, shorter) if max(map(width, one.values())) + rest <= columns)
-        return next(fitting, names)
-
-
 def node_view(record: NodeRecord, links: Links, columns: int, *, every: bool) -> tuple[RenderableType, ...]:
     """Return what to show of a node on so many columns; `every` adds what frameworks make by themselves.
 
@@ -97,10 +40,10 @@ def node_view(record: NodeRecord, links: Links, columns: int, *, every: bool) ->
     """
     from rich.text import Text  # noqa: PLC0415 - start-up time
 
-    table = _Table(record.repository, links)
-    for title, rows in _groups(record.node, every=every):
-        table.add(title, rows)
-    return (*_header(record, links), *((Text(), table.fitted(columns)) if table.groups else ()))
+    groups = _groups(record.node, every=every)
+    if not groups:
+        return tuple(_header(record, links))
+    return (*_header(record, links), Text(), interface_table(groups, record.repository, links, columns))
 
 
 def left_out(node: NodeType) -> int:
@@ -125,7 +68,7 @@ def _header(record: NodeRecord, links: Links) -> Iterable[Text]:
         yield _field("plugin", node.plugin + (f" (a {node.base_class})" if node.base_class else ""))
     if node.node_name and node.node_name != node.name:
         yield _field("name", f"calls itself {node.node_name}")
-    yield Text.assemble(_field("declared", ""), _place(node.location, record.repository, links))
+    yield Text.assemble(_field("declared", ""), place_text(node.location, record.repository, links))
     others = [path for path in node.sources if path != node.location.path]
     if others:
         yield _field("sources", _some(others))
@@ -142,20 +85,8 @@ def _some(paths: Sequence[str], most: int = 4) -> str:
     return ", ".join(paths[:most]) + more
 
 
-def _where(location: Location) -> str:
-    return f"{location.repository}:{location}" if location.repository else str(location)
-
-
-def _place(location: Location, repository: str, links: Links, shown: Mapping[Location, str] | None = None) -> Text:
-    from rich.text import Text  # noqa: PLC0415 - start-up time
-
-    address = links.to(repository, location)
-    text = shown[location] if shown else _where(location)
-    return Text(printable(text), style=f"dim link {address}" if address else "dim")
-
-
-def _groups(node: NodeType, *, every: bool) -> list[tuple[str, list[_Row]]]:
-    groups: list[tuple[str, list[_Row]]] = []
+def _groups(node: NodeType, *, every: bool) -> list[tuple[str, list[Row]]]:
+    groups: list[tuple[str, list[Row]]] = []
     for role, title in _TITLES.items():
         chosen = [one for one in node.interfaces if one.role is role and (every or not one.implicit)]
         chosen.sort(key=lambda one: one.implicit)
@@ -164,9 +95,9 @@ def _groups(node: NodeType, *, every: bool) -> list[tuple[str, list[_Row]]]:
     return [(title, rows) for title, rows in groups if rows]
 
 
-def _interface(fact: Interface) -> _Row:
+def _interface(fact: Interface) -> Row:
     name = fact.name if fact.name is not None else "(not resolved)"
-    return _Row((name, fact.type or "(type not known)", _how(fact)), fact.location, fact.implicit)
+    return Row(name, fact.type or "(type not known)", _how(fact), fact.location, fact.implicit)
 
 
 def _how(fact: Interface) -> str:
@@ -186,7 +117,7 @@ def _how(fact: Interface) -> str:
     return ", ".join(word for word in words if word)
 
 
-def _parameters(facts: Iterable[Parameter], *, every: bool) -> list[_Row]:
+def _parameters(facts: Iterable[Parameter], *, every: bool) -> list[Row]:
     """Return one row a parameter, although code may read and write it at many places."""
     named: dict[Any, list[Parameter]] = {}
     for fact in facts:
@@ -196,14 +127,14 @@ def _parameters(facts: Iterable[Parameter], *, every: bool) -> list[_Row]:
     return [_parameter(group) for group in sorted(named.values(), key=lambda group: group[0].implicit)]
 
 
-def _parameter(facts: Sequence[Parameter]) -> _Row:
+def _parameter(facts: Sequence[Parameter]) -> Row:
     order = [Access.DECLARE, Access.READ, Access.WRITE]
     first, *others = sorted(facts, key=lambda one: (order.index(one.access), str(one.location)))
     default = next((one.default for one in (first, *others) if one.default is not None), None)
     kind = next((one.type for one in (first, *others) if one.type), "")
     words = [f"= {default}" if default is not None else "", _accesses((first, *others))]
     name = first.name if first.name is not None else "(not resolved)"
-    return _Row((name, kind, "  ".join(word for word in words if word)), first.location, first.implicit)
+    return Row(name, kind, "  ".join(word for word in words if word), first.location, first.implicit)
 
 
 def _accesses(facts: Sequence[Parameter]) -> str:

@@ -1,0 +1,108 @@
+"""A table of interfaces that fits the terminal: paths become short, then remarks go below what they are about."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from kg.render.text import printable, width
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from rich.table import Table
+    from rich.text import Text
+
+    from kg.cli.links import Links
+    from kg.facts import Location
+
+__all__ = ["Row", "interface_table", "place_text"]
+
+_GAP: Final = 3
+_LEAST_REMARK: Final = 16
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A line of the table; `dim` for what a framework makes by itself."""
+
+    name: str
+    type: str
+    remark: str
+    location: Location
+    dim: bool
+
+
+@dataclass(frozen=True, slots=True)
+class _Layout:
+    """How places are written, and whether remarks stand below the types; columns with a width are not folded."""
+
+    places: Mapping[Location, str]
+    type_width: int | None = None
+    place_width: int | None = None
+    stacked: bool = False
+
+
+def interface_table(groups: Sequence[tuple[str, Sequence[Row]]], repository: str, links: Links, columns: int) -> Table:
+    """Return a rich table of groups with their titles, for a terminal of so many columns."""
+    from rich.box import SIMPLE_HEAD  # noqa: PLC0415 - start-up time
+    from rich.table import Table  # noqa: PLC0415 - start-up time
+    from rich.text import Text  # noqa: PLC0415 - start-up time
+
+    rows = [row for _, listed in groups for row in listed]
+    layout = _layout(rows, columns)
+    table = Table(box=SIMPLE_HEAD, show_header=False, pad_edge=False, show_edge=False, padding=(0, 2, 0, 0))
+    table.add_column(overflow="fold")
+    table.add_column(overflow="fold", min_width=layout.type_width)
+    if not layout.stacked:
+        table.add_column(overflow="fold")
+    table.add_column(overflow="fold", min_width=layout.place_width)
+    for number, (title, listed) in enumerate(groups):
+        if number:
+            table.add_row()
+        table.add_row(Text(title, style="bold cyan"))
+        for row in listed:
+            style = "dim" if row.dim else ""
+            name = Text(f"  {printable(row.name)}", style=style or "bold")
+            place = place_text(row.location, repository, links, layout.places[row.location])
+            middle = [printable(row.type), printable(row.remark)]
+            if layout.stacked:
+                middle = ["\n".join(filter(None, middle))]
+            table.add_row(name, *(Text(text, style=style) for text in middle), place)
+    return table
+
+
+def place_text(location: Location, repository: str, links: Links, shown: str | None = None) -> Text:
+    """Return a place as rich text that links to the file."""
+    from rich.text import Text  # noqa: PLC0415 - start-up time
+
+    address = links.to(repository, location)
+    text = _where(location) if shown is None else shown
+    return Text(printable(text), style=f"dim link {address}" if address else "dim")
+
+
+def _where(location: Location) -> str:
+    return f"{location.repository}:{location}" if location.repository else str(location)
+
+
+def _layout(rows: Sequence[Row], columns: int) -> _Layout:
+    """Return the first layout that fits; the last one is folded when not even that does."""
+    whole = {row.location: _where(row.location) for row in rows}
+    names = {place: text.rpartition("/")[2] for place, text in whole.items()}
+    remark = max(width(row.remark) for row in rows)
+    types = max(width(row.type) for row in rows)
+    sides = max(width(row.name) for row in rows) + 2 + types + _GAP
+    choices = ((whole, remark), (_without_shared(whole), remark), (names, min(remark, _LEAST_REMARK)))
+    for places, kept in choices:
+        last = max(map(width, places.values()))
+        if sides + kept + 2 * _GAP + last <= columns:
+            return _Layout(places, types, last)
+    last = max(map(width, names.values()))
+    return _Layout(names, types, last, stacked=True) if sides + _GAP + last <= columns else _Layout(names, stacked=True)
+
+
+def _without_shared(places: Mapping[Location, str]) -> dict[Location, str]:
+    """Return places without the folders that all of them share."""
+    shared = len(os.path.commonpath([text.rpartition("/")[0] or "." for text in places.values()]))
+    return {place: f"…{text[shared:]}" if text[shared : shared + 1] == "/" else text for place, text in places.items()}
