@@ -77,7 +77,7 @@ _FUNCTIONS: Final[dict[str, Api]] = {
     "rospy.get_param_cached": _parameter(Access.READ, Slot(1, ("default",))),
     "rospy.has_param": _parameter(Access.READ),
     "rospy.search_param": _parameter(Access.READ),
-    "rospy.set_param": _parameter(Access.WRITE),
+    "rospy.set_param": _parameter(Access.WRITE, Slot(1, ("param_value",))),
     "rospy.delete_param": _parameter(Access.WRITE),
     "actionlib.SimpleActionServer": _topic(Role.ACTION_SERVERS, _ACTION_NAME, _ACTION_TYPE),
     "actionlib.ActionServer": _topic(Role.ACTION_SERVERS, _ACTION_NAME, _ACTION_TYPE),

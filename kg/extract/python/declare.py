@@ -13,7 +13,7 @@ from kg.extract.python.program import GENERATED
 from kg.extract.python.qos import quality
 from kg.extract.python.syntax import code
 from kg.extract.values import HOLE, Number, Text, Truth, Unknown
-from kg.facts import Interface, Location, Parameter, Resolution, Role
+from kg.facts import Access, Interface, Location, Parameter, Resolution, Role
 from kg.names import join, normalise, resolve
 
 if TYPE_CHECKING:
@@ -125,9 +125,9 @@ class _Reader:
             holder = self.holder(node if api.node is not None else site.receiver)
             text = _as_name(name)
             pattern = _pattern(text)
+            namespace = self.namespaces.get(holder or 0, "")
             if pattern is not None:
-                pattern = join(self.namespaces.get(holder or 0, ""), normalise(pattern))
-            node_name = self.names.get(holder or 0) or self.found.name
+                pattern = join(namespace, normalise(pattern))
             self.found.interfaces.append(
                 Interface(
                     role=api.role,
@@ -135,13 +135,20 @@ class _Reader:
                     type=interface_type(kind, api.role),
                     resolution=_resolution(text, pattern),
                     location=self.location(site),
-                    resolved=resolve(pattern, node_name or "node") if pattern is not None else None,
+                    resolved=self.resolved(pattern, holder, namespace),
                     written=self.written(site, api.name),
                     parameter=text.parameter,
                     qos=quality(qos) if api.qos is not None else None,
                     reason=None if pattern is not None and HOLE not in text.parts else text.reason or _NO_REASON,
                 )
             )
+
+    def resolved(self, name: str | None, holder: int | None, namespace: str) -> str | None:
+        """Return a name for the node started alone; the namespace stands in front of all but private names."""
+        if name is None:
+            return None
+        node = self.names.get(holder or 0) or self.found.name or "node"
+        return resolve(name, node, namespace if name.startswith("~") else "/")
 
     def written(self, site: Site, slot: Slot | None) -> str | None:
         """Return the expression of an argument as it stands in the code."""
@@ -165,7 +172,7 @@ class _Reader:
         """Add one parameter."""
         text = _as_name(name)
         pattern = _pattern(text)
-        kind, written = parameter_type(default), as_yaml(default)
+        kind, written = parameter_type(default), None if site.api.access is Access.WRITE else as_yaml(default)
         if site.api.access is None:
             return
         self.found.parameters.append(

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Reach", "reach"]
 
-_PLAIN_BASES = frozenset({"builtins.object", "rclpy.node.Node", "rclpy.lifecycle.LifecycleNode", "enum.Enum"})
+_PLAIN_BASES = frozenset({"builtins.object", "rclpy.node.Node", "enum.Enum", "builtins.Exception"})
 
 
 class Reach:
@@ -116,20 +116,18 @@ class Reach:
             if isinstance(value, ClassRef | FunctionRef):
                 yield value.scope
             elif isinstance(value, ModuleRef):
-                yield from _named(value.unit, words)
-                yield from self.members(value, words)
-            elif isinstance(value, Dotted):
-                yield from self.members(value, words)
+                yield from self.members(value.unit, words)
         for other in self.program.star_modules(unit):
-            yield from _named(other, words)
+            yield from self.members(other, words)
 
-    def members(self, value: Thing, words: set[str], depth: int = 3) -> Iterator[Scope]:
-        """Yield functions and classes of modules below an imported package (`import a.b` and then `a.b.f`)."""
-        for word in words if depth and isinstance(value, ModuleRef) else ():
-            if isinstance(value, ModuleRef):
-                inside = self.program.submodule(value.unit, word)
-                if isinstance(inside, ModuleRef):
-                    yield from _named(inside.unit, words)
+    def members(self, unit: Unit, words: set[str], depth: int = 3) -> Iterator[Scope]:
+        """Yield what is named of a module: its functions and classes, what it imports, modules below it."""
+        for word in words:
+            value = self.program.global_name(unit, word) or self.program.submodule(unit, word)
+            if isinstance(value, ClassRef | FunctionRef):
+                yield value.scope
+            elif isinstance(value, ModuleRef) and depth and value.unit is not unit:
+                yield from self.members(value.unit, words, depth - 1)
 
     def mark_relevant(self) -> None:
         """Find the scopes that call something of the tables, and all that name them, directly or not."""
@@ -191,8 +189,3 @@ def _unit_of(value: Thing | None) -> Unit | None:
     if isinstance(value, ModuleRef):
         return value.unit
     return value.scope.unit if isinstance(value, ClassRef | FunctionRef) else None
-
-
-def _named(unit: Unit, words: set[str]) -> Iterator[Scope]:
-    yield from (scope for name, scope in unit.module.functions.items() if name in words)
-    yield from (scope for name, scope in unit.module.classes.items() if name in words)

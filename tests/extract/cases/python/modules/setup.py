@@ -1,0 +1,4 @@
+from distutils.core import setup
+from catkin_pkg.python_setup import generate_distutils_setup
+
+setup(**generate_distutils_setup(packages=["demo"], package_dir={"": "src"}))

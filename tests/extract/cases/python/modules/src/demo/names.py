@@ -1,0 +1,2 @@
+PREFIX = "core"
+STATUS = PREFIX + "/status"
