@@ -24,18 +24,20 @@ __all__ = ["OntologyCheck", "ShapeFinding", "check", "default_ontologies", "onto
 
 
 def check(paths: Iterable[Path] | None = None) -> tuple[OntologyCheck, ...]:
-    """Return the verdict of HermiT on each ontology alone and, when there are several, on all of them together.
+    """Return the verdict of HermiT on each ontology alone, and last on all of them together.
 
-    Without `paths` it is about the ontologies that `kg` brings along. Raise `GraphError`: KG601 for a file that does
-    not parse, KG603 without Java, KG605 without owlready2.
+    Without `paths` it is about the ontologies that `kg` brings along; with them about the files given, each alone and
+    together with those that `kg` brings along, which they may build on. Raise `GraphError`: KG601 for a file that
+    does not parse, KG603 without Java, KG605 without owlready2.
     """
     archive = hermit()
     if archive is None:
         raise _missing("owlready2")
     java = _java()
-    listed = default_ontologies() if paths is None else tuple(paths)
-    together = [listed] if len(listed) > 1 else []
-    return tuple(_check(files, java, archive) for files in [*((path,) for path in listed), *together])
+    ours = default_ontologies()
+    alone = ours if paths is None else tuple(paths)
+    together = ours + tuple(path for path in alone if path not in ours)
+    return tuple(_check(files, java, archive) for files in [*((path,) for path in alone), together])
 
 
 def _check(files: tuple[Path, ...], java: str, archive: Path) -> OntologyCheck:
