@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from kg.pipeline.recording import Lookup
 
-__all__ = ["exists", "keep_only", "lookups", "pack", "remove", "store", "triples"]
+__all__ = ["exists", "keep_only", "lookups", "pack", "store", "triples"]
 
 _LEVEL: Final = 1
 _ENDING: Final = ".z"
@@ -36,9 +36,7 @@ def pack(content: bytes, found: Mapping[Lookup, str]) -> bytes:
 def store(folder: Path, packed: bytes) -> str:
     """Write a packed result and return its name; OSError when it cannot be written."""
     name = hashlib.blake2b(packed, digest_size=16).hexdigest()
-    path = folder / f"{name}{_ENDING}"
-    if not path.exists():
-        write_atomically(path, packed, durable=False)
+    write_atomically(folder / f"{name}{_ENDING}", packed, durable=False)
     return name
 
 
@@ -60,11 +58,6 @@ def lookups(folder: Path, name: str) -> dict[Lookup, str] | None:
 def exists(folder: Path, name: str) -> bool:
     """Tell whether a result is there, without reading it."""
     return (folder / f"{name}{_ENDING}").exists()
-
-
-def remove(folder: Path, name: str) -> None:
-    """Remove a result that turned out to be damaged."""
-    (folder / f"{name}{_ENDING}").unlink(missing_ok=True)
 
 
 def keep_only(folder: Path, names: Iterable[str]) -> None:

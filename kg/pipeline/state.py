@@ -17,9 +17,10 @@ from kg.store.layout import write_atomically
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["PackageState", "SourceState", "State", "load", "save"]
+__all__ = ["PackageState", "SourceState", "State", "discard", "load", "save"]
 
 _FORM: Final = 1
+_NAME: Final = "state.json"
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +75,7 @@ class State:
 def load(cache: Path) -> State:
     """Return the state that the last build left in the folder `cache`; an empty one when there is none to be read."""
     try:
-        return _state(json.loads((cache / "state.json").read_bytes()))
+        return _state(json.loads((cache / _NAME).read_bytes()))
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return State()
 
@@ -82,7 +83,12 @@ def load(cache: Path) -> State:
 def save(cache: Path, state: State) -> None:
     """Leave `state` for the next build; OSError when it cannot be written."""
     content = {"form": _FORM, **asdict(state)}
-    write_atomically(cache / "state.json", json.dumps(content, separators=(",", ":")).encode())
+    write_atomically(cache / _NAME, json.dumps(content, separators=(",", ":")).encode())
+
+
+def discard(cache: Path) -> None:
+    """Make the next build read everything again."""
+    (cache / _NAME).unlink(missing_ok=True)
 
 
 def _state(content: dict[str, Any]) -> State:

@@ -17,6 +17,7 @@ from kg.errors import Place, StoreError
 from kg.graph import BuildRecord, Counts, Iris, build_triples, repository_triples
 from kg.graph.ontology_files import ontology_triples
 from kg.pipeline import cache
+from kg.pipeline.state import discard
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -154,7 +155,7 @@ class Writing:
     def _content(self, package: PackageState) -> bytes:
         content = cache.triples(self._folder, package.result)
         if content is None:
-            cache.remove(self._folder, package.result)
+            discard(self._folder)
             message = f"the cached result of the package {package.name} is damaged"
             raise StoreError(
                 "KG303", message, place=Place(str(self._folder)), hint="Build again; it will be read anew."

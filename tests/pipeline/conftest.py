@@ -1,0 +1,95 @@
+"""A workspace of small packages, written anew for each test."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import pytest
+from pyoxigraph import RdfFormat
+
+from kg.pipeline.build import build
+from kg.settings import load
+from kg.store.embedded import EmbeddedStore
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from kg.pipeline.report import BuildReport
+
+MANIFEST = """<package format="2"><name>{name}</name><version>1.0.0</version><description>A test.</description>
+<maintainer email="a@example.org">A</maintainer><license>MIT</license><depend>roscpp</depend></package>"""
+NODE = """#include <ros/ros.h>
+#include <std_msgs/String.h>
+#include "shared/topics.hpp"
+int main(int argc, char** argv) {{
+  ros::init(argc, argv, "{name}");
+  ros::NodeHandle handle;
+  ros::Publisher publisher = handle.advertise<std_msgs::String>(SHARED_TOPIC, 1);
+  ros::Publisher own = handle.advertise<std_msgs::String>("{topic}", 1);
+}}
+"""
+CMAKE = "project({name})\nfind_package(catkin REQUIRED roscpp)\nadd_executable({name}_node src/node.cpp)\n"
+
+
+@dataclass(frozen=True, slots=True)
+class Bench:
+    """A workspace, a store, and what tests do with them."""
+
+    source: Path
+    store: EmbeddedStore
+
+    def package(self, name: str, topic: str = "chatter") -> None:
+        """Write a package with one node that publishes the shared topic and one of its own."""
+        folder = self.source / name
+        (folder / "src").mkdir(parents=True, exist_ok=True)
+        (folder / "package.xml").write_text(MANIFEST.format(name=name))
+        (folder / "CMakeLists.txt").write_text(CMAKE.format(name=name))
+        (folder / "src" / "node.cpp").write_text(NODE.format(name=name, topic=topic))
+
+    def header(self, package: str, topic: str) -> None:
+        """Write the header that names the shared topic into a package."""
+        folder = self.source / package / "include" / "shared"
+        folder.mkdir(parents=True, exist_ok=True)
+        (self.source / package / "package.xml").write_text(MANIFEST.format(name=package))
+        (folder / "topics.hpp").write_text(f'#pragma once\n#define SHARED_TOPIC "{topic}"\n')
+
+    def build(self, *named: str, jobs: int = 2) -> BuildReport:
+        """Build the sources named, by default the workspace."""
+        return build(named or [str(self.source)], self.store, load({"jobs": jobs}, environment={}))
+
+    def content(self) -> list[str]:
+        """Return all quads of sources, sorted."""
+        with self.store.read() as snapshot:
+            lines = snapshot.dump(RdfFormat.N_QUADS).decode().splitlines()
+        return sorted(line for line in lines if "/graph/source/" in line.rpartition(" <")[2])
+
+    def topics(self) -> set[str]:
+        """Return the names of all topics in the store."""
+        with self.store.read() as snapshot:
+            text = "SELECT ?n { ?t a ros:Topic ; rdfs:label ?n }"
+            prefixes = {
+                "ros": "http://data.mksmart.org/onto-ros/class#",
+                "rdfs": "http://www.w3.org/2000/01/rdf-schema#",
+            }
+            return {row["n"].value for row in snapshot.query(text, prefixes=prefixes)}  # type: ignore[union-attr]
+
+    def sibling(self, name: str) -> Bench:
+        """Return the same workspace with another, empty store."""
+        return Bench(self.source, EmbeddedStore.create(self.store.layout.root.with_name(name)))
+
+
+@pytest.fixture(autouse=True)
+def _one_version(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let results depend on the settings only, so that editing `kg` while tests run does not disturb them."""
+    monkeypatch.setattr("kg.pipeline.build.version", lambda base, limit: f"{base} {limit}")
+
+
+@pytest.fixture
+def bench(tmp_path: Path) -> Bench:
+    """A workspace with a package for the header and two with nodes."""
+    made = Bench(tmp_path / "src", EmbeddedStore.create(tmp_path / ".kg"))
+    made.header("shared", "/first")
+    made.package("one")
+    made.package("two", "talk")
+    return made

@@ -1,0 +1,109 @@
+"""Tests of builds that are ended from outside: kill -9 and Ctrl-C at many moments."""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from pipeline.conftest import Bench
+
+BUILD = """
+import sys
+from pathlib import Path
+from kg.pipeline import build as module
+from kg.settings import load
+from kg.store.embedded import EmbeddedStore
+module.version = lambda base, limit: sys.argv[3]
+store = EmbeddedStore.create(Path(sys.argv[1]))
+print("ready", flush=True)
+module.build([sys.argv[2]], store, load({"jobs": 2}, environment={}))
+"""
+
+
+def _start(bench: Bench, version: str) -> subprocess.Popen[bytes]:
+    """Start a build that reads everything, in a process group of its own, and return when it begins."""
+    command = [sys.executable, "-c", BUILD, str(bench.store.layout.root), str(bench.source), version]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
+    assert process.stdout is not None
+    assert process.stdout.readline() == b"ready\n"
+    return process
+
+
+def _members(group: int) -> list[int]:
+    """Return the processes of a group that have not ended."""
+    found = []
+    for folder in Path("/proc").iterdir():
+        if folder.name.isdigit():
+            try:
+                state, _, its_group = (folder / "stat").read_text().rpartition(")")[2].split()[:3]
+            except OSError:
+                continue
+            if int(its_group) == group and state != "Z":
+                found.append(int(folder.name))
+    return found
+
+
+@pytest.fixture
+def built(bench: Bench) -> Bench:
+    """A workspace of some packages, built."""
+    for number in range(12):
+        bench.package(f"many{number}", f"topic{number}")
+    bench.build()
+    return bench
+
+
+def test_kill_at_any_moment(built: Bench) -> None:
+    """After kill -9 at a dozen moments the store is as before or as after, opens, and can be written."""
+    began = time.perf_counter()
+    _start(built, "whole").wait()
+    whole = time.perf_counter() - began
+    before = built.content()
+    generator = random.Random(7)  # noqa: S311 - moments, not secrets
+    for number in range(12):
+        process = _start(built, f"version {number}")
+        time.sleep(whole * generator.uniform(0.02, 0.9))
+        process.kill()
+        process.wait()
+        assert built.content() == before
+    deadline = time.monotonic() + 20
+    while _members(process.pid) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert not _members(process.pid)
+    built.package("many1", "changed")
+    built.build()
+    assert "/changed" in built.topics()
+    assert len(built.store.layout.numbers()) == 1
+    assert not list(built.store.layout.root.rglob("*.tmp"))
+
+
+def test_interrupt_ends_workers_and_keeps_the_store(built: Bench) -> None:
+    """Ctrl-C ends the build and its workers, and leaves neither a generation nor temporary files."""
+    before = built.content()
+    for delay in (0.3, 0.6):
+        process = _start(built, f"interrupted {delay}")
+        time.sleep(delay)
+        os.killpg(process.pid, signal.SIGINT)
+        _, errors = process.communicate(timeout=20)
+        assert process.returncode in {0, 130, -signal.SIGINT}
+        assert process.returncode == 0 or b"KeyboardInterrupt" in errors
+        assert not _members(process.pid)
+        assert built.content() == before
+        assert len(built.store.layout.numbers()) == 1
+
+
+def test_a_killed_build_does_not_keep_others_out(built: Bench) -> None:
+    """The lock of a killed build is free as soon as it is gone, even while its workers still end."""
+    process = _start(built, "killed")
+    time.sleep(0.4)
+    process.kill()
+    process.wait()
+    assert built.build().read in {0, 15}

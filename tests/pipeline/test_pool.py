@@ -1,0 +1,64 @@
+"""Tests of workers that die, hang, or meet a defect."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from contextlib import closing
+
+import pytest
+
+from kg.pipeline import pool
+from kg.pipeline.pool import Task, run
+from kg.pipeline.recording import RecordingWorkspace
+from kg.pipeline.report import PackageResult
+from kg.pipeline.work import Job, Outcome
+
+TASKS = [Task("local/x", f"p{number}", f"p{number}") for number in range(9)]
+
+
+def _work(_job: Job, source: str, path: str) -> Outcome:
+    """Behave as the number of the package says."""
+    if path == "p3":
+        os.kill(os.getpid(), signal.SIGKILL)
+    if path == "p4":
+        raise ValueError("a defect")
+    if path == "p5":
+        time.sleep(60)
+    return Outcome(PackageResult(source, path, path, {}, {}), {}, path.encode())
+
+
+@pytest.mark.parametrize("jobs", [1, 3])
+def test_one_package_costs_itself_only(monkeypatch: pytest.MonkeyPatch, jobs: int) -> None:
+    """A package that kills its worker, raises, or never ends is reported by name; all others are read."""
+    monkeypatch.setattr(pool, "work", _work)
+    job = Job(RecordingWorkspace([]), "https://example.org/", 1)
+    outcomes = {outcome.result.path: outcome for outcome in run(job, TASKS, jobs, deadline=1.5)}
+    assert set(outcomes) == {task.path for task in TASKS}
+    messages = {
+        path: outcome.result.problems[0].message for path, outcome in outcomes.items() if outcome.result.problems
+    }
+    assert messages == {
+        "p3": "the process that read the package ended with signal SIGKILL",
+        "p4": "ValueError: a defect",
+        "p5": "the package took longer than 1.5 s and was left out",
+    }
+    assert {outcome.result.problems[0].code for outcome in outcomes.values() if outcome.result.problems} == {"KG121"}
+    assert not any(outcomes[path].reusable for path in messages)
+
+
+def test_closing_ends_the_workers(monkeypatch: pytest.MonkeyPatch) -> None:
+    """When the one who reads the outcomes stops, no worker stays, however busy."""
+    monkeypatch.setattr(pool, "work", _work)
+    job = Job(RecordingWorkspace([]), "https://example.org/", 1)
+    with closing(run(job, [TASKS[0], *[TASKS[5]] * 4], 3)) as outcomes:
+        next(outcomes)
+        children = _children()
+        assert children
+    assert not _children() & children
+
+
+def _children() -> set[int]:
+    with open(f"/proc/self/task/{os.getpid()}/children") as file:  # noqa: PTH123 - no file in the sense of a path
+        return {int(number) for number in file.read().split()}
