@@ -40,7 +40,16 @@ _STRUCTURE: Final = """
 """
 _NAMES: Final = frozenset({"identifier", "field_identifier", "type_identifier", "namespace_identifier"})
 _SHELLS: Final = frozenset({"translation_unit", "expression_statement", "parenthesized_expression", "comma_expression"})
+_CLASS_HEAD: Final = 200
+"""Bytes that `class MACRO Name` fits in."""
 _WORD: Final = frozenset(b"abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_")
+
+
+@cache
+def _shells() -> Query:
+    """Return the query for what stands where a function has its type and is a class without a body."""
+    kinds = "[(class_specifier name: (type_identifier) @macro) (struct_specifier name: (type_identifier) @macro)]"
+    return Query(syntax.LANGUAGE, f"(function_definition type: {kinds})")
 
 
 @cache
@@ -250,6 +259,9 @@ class Unit:
         self.file = file
         self.source = source
         self.tree = syntax.parse(source)
+        hidden = _visibility_macros(self.tree.root_node) if _may_hide_classes(source) else []
+        if hidden:
+            self.tree = syntax.parse(_blanked(source, hidden))
         self.root = self.tree.root_node
         self._occurrences: dict[str, list[Node]] = {}
         self.memory: dict[Hashable, Any] = {}
@@ -411,6 +423,33 @@ class Unit:
             if name is not None and value is not None:
                 found[syntax.text(name)] = syntax.text(value).strip()
         return found
+
+
+def _may_hide_classes(source: bytes) -> bool:
+    """Tell, without the tree, whether two words stand between `class` or `struct` and what follows a class name."""
+    for keyword in (b"class ", b"struct "):
+        position = source.find(keyword)
+        while position >= 0:
+            head = source[position : position + _CLASS_HEAD].partition(b"{")[0].partition(b":")[0].partition(b";")[0]
+            words = head.split()
+            if len(words) > 2 and words[2] not in (b"final", b"="):  # noqa: PLR2004 - keyword, macro, name
+                return True
+            position = source.find(keyword, position + len(keyword))
+    return False
+
+
+def _visibility_macros(root: Node) -> list[Node]:
+    """Return the macros in `class MACRO Name : Base {...};`, which the grammar takes for the name of the class."""
+    found = QueryCursor(_shells()).captures(root).get("macro", [])
+    return [node for node in found if node.parent is not None and node.parent.child_by_field_name("body") is None]
+
+
+def _blanked(source: bytes, nodes: list[Node]) -> bytes:
+    """Return a source with nodes as spaces, so that all places stay true."""
+    changed = bytearray(source)
+    for node in nodes:
+        changed[node.start_byte : node.end_byte] = b" " * (node.end_byte - node.start_byte)
+    return bytes(changed)
 
 
 def _arrange(unit: Unit, captures: dict[str, list[Node]]) -> _Structure:
