@@ -115,6 +115,14 @@ def test_what_cannot_be_known_says_why(found: dict[str, Entry]) -> None:
     assert all(entry.get("reason") for entry in unresolved)
 
 
+def test_every_field_is_documented(found: dict[str, Entry]) -> None:
+    """Each field of a node, an interface and a parameter stands in docs/formats.md."""
+    documented = (ROOT / "docs" / "formats.md").read_text(encoding="utf-8")
+    fields = {key for node in found.values() for key in node}
+    fields |= {key for node in found.values() for kind in LISTS for entry in node[kind] for key in entry}
+    assert not [field for field in sorted(fields) if f"`{field}`" not in documented]
+
+
 def test_every_line_of_the_truth_exists() -> None:
     """The truth itself is not stale: each line it names mentions what stands there."""
     for node in EXPECTED:

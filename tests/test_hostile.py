@@ -71,7 +71,9 @@ BROKEN: Final[dict[str, tuple[str, Callable[[Path], None]]]] = {
     "encoding": ("latin.cpp", lambda package: write(package / "src" / "latin.cpp", b"// \xfcber\nint x;\n")),
     "nested code": (
         "deep.cpp",
-        lambda package: write(package / "src" / "deep.cpp", "int x = " + "(" * _DEEP + "1" + ")" * _DEEP + ";\n"),
+        lambda package: write(
+            package / "src" / "deep.cpp", _NODE + "int x = " + "(" * _DEEP + "1" + ")" * _DEEP + ";\n"
+        ),
     ),
     "nested XML": (
         "package.xml",
