@@ -36,17 +36,30 @@ _BUILD_DEPENDENCIES: Final = frozenset({"depend", "build_depend", "build_export_
 def read_cmake(reader: Reader, folder: PackageFolder, package: Package) -> Collected:
     """Run the package's CMakeLists.txt, if it has one, and return what it declared."""
     model = Collected()
-    path = folder.join("CMakeLists.txt")
     files = CMakeFiles(reader, folder)
-    if not files.exists(path):
-        return model
     names = [dependency.name for dependency in package.dependencies]
     files.packages.update(dict.fromkeys(names))
     run = Run(files, _scope(folder, package), HANDLERS | target_handlers(model))
-    run.run_file(path, own_folder=True)
-    if run.exhausted:
-        reader.problem("KG122", "the file computes more than is followed", path, run.location.line)
+    for path in _entrances(files, folder):
+        run.run_file(path, own_folder=True)
+    if run.stopped:
+        reader.problem("KG122", "the file computes more than is followed", run.stopped.path, run.stopped.line)
     return model
+
+
+def _entrances(files: CMakeFiles, folder: PackageFolder) -> list[str]:
+    """Return the CMakeLists.txt to run: the package's own; of loose code without one, the topmost of its folders."""
+    path = folder.join("CMakeLists.txt")
+    if files.exists(path) or folder.manifest:
+        return [path] if files.exists(path) else []
+    found = sorted(
+        (e.path for e in folder.files if e.path.endswith("/CMakeLists.txt")), key=lambda path: path.count("/")
+    )
+    tops: list[str] = []
+    for path in sorted(found, key=lambda path: path.count("/")):
+        if not any(path.startswith(posixpath.dirname(top) + "/") for top in tops):
+            tops.append(path)
+    return tops
 
 
 def _scope(folder: PackageFolder, package: Package) -> Scope:

@@ -77,6 +77,8 @@ class Run:
         self.handlers = handlers
         self.definitions: dict[str, Definition] = {}
         self.certain = True
+        self.stopped: Location | None = None
+        """Where the work that a package may cost was used up; nothing is run any more then."""
         self._frame = _Frame("", SOURCE)
         self._depth = 0
         self._work = 0
@@ -86,11 +88,6 @@ class Run:
     def location(self) -> Location:
         """The command being run; within a macro or function the outermost call of it."""
         return self._frame.call or Location(self._frame.path, self._line)
-
-    @property
-    def exhausted(self) -> bool:
-        """Whether the work that a package may cost is used up; nothing is run any more then."""
-        return self._work > _MOST_WORK
 
     @property
     def folder(self) -> str:
@@ -123,7 +120,8 @@ class Run:
         """Run statements in a row; stops early for return, break and continue, and when the budget is used up."""
         for statement in statements:
             self._work += _STATEMENT
-            if self.exhausted:
+            if self._work > _MOST_WORK:
+                self.stopped = self.stopped or self.location
                 return _Flow.RETURN
             flow = self._command(statement) if isinstance(statement, Command) else self._block(statement)
             if flow is not _Flow.NEXT:
