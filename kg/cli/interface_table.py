@@ -104,5 +104,6 @@ def _layout(rows: Sequence[Row], columns: int) -> _Layout:
 
 def _without_shared(places: Mapping[Location, str]) -> dict[Location, str]:
     """Return places without the folders that all of them share."""
-    shared = len(os.path.commonpath([text.rpartition("/")[0] or "." for text in places.values()]))
-    return {place: f"…{text[shared:]}" if text[shared : shared + 1] == "/" else text for place, text in places.items()}
+    common = os.path.commonprefix([text.rpartition("/")[0] + "/" for text in places.values()])
+    shared = common.rfind("/")
+    return {place: f"…{text[shared:]}" if shared > 0 else text for place, text in places.items()}

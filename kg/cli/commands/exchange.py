@@ -116,19 +116,14 @@ def forget(context: typer.Context, sources: Sources, *, base: Base = None, store
 
         kg forget github.com/acme/rover
     """
-    from pyoxigraph import NamedNode  # noqa: PLC0415 - start-up time
-
-    from kg.graph.iris import Iris  # noqa: PLC0415 - start-up time
+    from kg.pipeline.forgetting import forget as drop  # noqa: PLC0415 - start-up time
 
     settings = session(context).settings(store=store, base=base)
     target = existing(settings)
-    iris = Iris(settings.base)
     with target.read() as snapshot:
         for name in sources:
             _graph(snapshot, settings.base, name, None)
-    with target.write("kg forget") as transaction:
-        for name in sources:
-            transaction.drop_graph(NamedNode(iris.source_graph(name)))
+    drop(target, settings.base, sources)
     say(f"forgot {', '.join(sources)}")
 
 

@@ -1,0 +1,118 @@
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from kg.resources import folder
+
+if TYPE_CHECKING:
+    from cli.program import Program
+
+
+@pytest.fixture
+def workspace(tmp_path: Path) -> Path:
+    """Return a copy of the example workspace."""
+    return Path(shutil.copytree(folder("examples") / "workspace", tmp_path / "ws"))
+
+
+def test_a_build_tells_what_it_read_and_found(kg: Program, workspace: Path) -> None:
+    """Words go to standard error: one line a package, then the sums, and where the store is."""
+    run = kg("build", str(workspace))
+    assert (run.code, run.out) == (0, "")
+    assert "source local/ws: 5 packages" in run.err
+    assert "read rover_robot: 6 nodes, " in run.err
+    assert "read 5 packages of 1 source in " in run.err
+    assert "unresolved " in run.err
+    assert run.err.endswith("store .kg\n")
+
+
+def test_a_second_build_says_that_nothing_changed(kg: Program, workspace: Path) -> None:
+    """Without names it reads what was read before, and only what changed."""
+    kg("build", str(workspace))
+    assert "nothing changed in 5 packages of 1 source" in kg("build").err
+    source = workspace / "rover" / "rover_robot" / "src" / "arm_server.cpp"
+    source.write_text(source.read_text() + "\n// changed\n")
+    assert "1 package" in kg("status").out
+    assert "read 1 package of 1 source, 4 unchanged in " in kg("build").err
+
+
+def test_the_report_is_data_when_asked_for(kg: Program, workspace: Path) -> None:
+    """`--json` writes the report to standard output."""
+    report = json.loads(kg("build", str(workspace), "--json").out)
+    assert report["counts"]["packages"] == report["read"] == 5
+    assert report["counts"]["unresolved"] == sum(report["unresolved"].values())
+    assert report["sources"][0]["name"] == "local/ws"
+
+
+def test_problems_are_listed_by_file_as_one_can_open_it(kg: Program, workspace: Path) -> None:
+    """Ten problems are shown with the rest counted; `--problems` shows all; the exit code stays 0."""
+    for number in range(12):
+        (workspace / "rover" / "rover_core" / "msg" / f"Bad{number}.msg").write_text("int32 = = =\n")
+    run = kg("build", "ws")
+    assert run.code == 0
+    assert "problems 12 in 12 files; the rest was built:" in run.err
+    assert "  ws/rover/rover_core/msg/Bad0.msg:1: KG118 " in run.err
+    assert "  and 2 more (--problems lists all)" in run.err
+    assert run.err.count("KG118") == 10
+    assert kg("build", "--problems").err.count("KG118") == 12
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "words"),
+    [
+        (["build", "gone"], 3, "error[KG101]"),
+        (["build", "."], 3, "error[KG102]"),
+        (["build"], 4, "error[KG301]"),
+        (["build", "--jobs", "none", "."], 2, "error[KG002]: --jobs is 'none'"),
+    ],
+)
+def test_what_cannot_be_built_ends_with_its_code(kg: Program, arguments: list[str], code: int, words: str) -> None:
+    """A missing folder, one without packages, no store and a bad option are told apart."""
+    run = kg(*arguments)
+    assert run.code == code
+    assert words in run.err
+    assert "\nhelp: " in run.err
+
+
+def test_status_tells_a_source_that_is_gone(kg: Program, workspace: Path) -> None:
+    """What was built and is not there any more is said so."""
+    kg("build", str(workspace))
+    shutil.rmtree(workspace)
+    assert "not there any more" in kg("status").out
+    assert json.loads(kg("status", "--json").out)["changed"] is None
+
+
+def test_the_store_named_by_the_environment_is_used(kg: Program, workspace: Path, tmp_path: Path) -> None:
+    """KG_STORE names the store for building and for asking."""
+    kg("build", str(workspace), KG_STORE="elsewhere")
+    assert (tmp_path / "elsewhere" / "current").is_file()
+    assert "base_controller" in kg("nodes", KG_STORE="elsewhere").out
+
+
+def test_ctrl_c_ends_a_build_in_one_line_and_leaves_the_store(kg: Program, workspace: Path, tmp_path: Path) -> None:
+    """Interrupted, a build says so without a traceback, ends with 130, and the store is as it was."""
+    kg("build", str(workspace))
+    for path in workspace.rglob("*.cpp"):
+        path.write_text(path.read_text() + "\n// changed\n")
+    command = [sys.executable, "-m", "kg", "build"]
+    process = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    assert process.stderr is not None
+    assert process.stderr.readline().startswith("source ")
+    os.killpg(process.pid, signal.SIGINT)
+    words = process.stderr.read()
+    assert process.wait() == 130
+    assert "Traceback" not in words
+    assert words.endswith("interrupted\n")
+    deadline = time.monotonic() + 10
+    while "nothing changed" not in (said := kg("build").err) and time.monotonic() < deadline:
+        assert "error" not in said
+    assert "base_controller" in kg("nodes").out

@@ -1,0 +1,54 @@
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+from cli.rover import build
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from cli.program import Program
+
+
+def checks(out: str) -> dict[str, dict[str, str]]:
+    """Return the checks of `kg doctor --json` by subject."""
+    return {found["subject"]: found for found in map(json.loads, out.splitlines())}
+
+
+def test_a_healthy_installation_has_nothing_wrong(kg: Program, tmp_path: Path) -> None:
+    """Everything needed is there, and the store is told with its size."""
+    build(tmp_path / ".kg")
+    run = kg("doctor", "--json", KG_JOBS="2")
+    found = checks(run.out)
+    assert run.code == 0
+    assert "499 quads in 3 graphs" in found["store"]["finding"]
+    assert {found[name]["state"] for name in ("Python", "kg", "pyoxigraph", "typer", "git", "writer", "disk")} == {"ok"}
+    assert found["setting jobs"]["finding"] == "2 (from KG_JOBS)"
+
+
+def test_a_damaged_store_is_wrong_and_gets_its_way_out(kg: Program, tmp_path: Path) -> None:
+    """What is wrong is marked, the way out is below it, and the exit code says that something was found."""
+    build(tmp_path / ".kg")
+    (tmp_path / ".kg" / "current").write_text("rubbish")
+    run = kg("doctor")
+    assert run.code == 1
+    assert "wrong  store" in run.out
+    assert "kg build" in run.out.partition("wrong  store")[2].splitlines()[1]
+    assert run.err == "1 thing is wrong\n"
+
+
+def test_a_missing_program_is_wrong(kg: Program) -> None:
+    """Without git on the path commits are not known."""
+    run = kg("doctor", "--json", PATH="/nowhere")
+    assert run.code == 1
+    assert checks(run.out)["git"]["state"] == "wrong"
+    assert checks(run.out)["Java"]["state"] == "note"
+
+
+def test_no_store_is_no_fault(kg: Program) -> None:
+    """Before the first build there is none, unless one was named."""
+    assert checks(kg("doctor", "--json").out)["store"]["state"] == "note"
+    named = kg("doctor", "--json", "--store", "gone")
+    assert named.code == 1
+    assert checks(named.out)["store"]["state"] == "wrong"

@@ -1,0 +1,67 @@
+from __future__ import annotations
+
+import io
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from rich.console import Console
+
+from kg.cli.interface_table import Row, interface_table
+from kg.cli.links import Links
+from kg.facts import Location
+
+FOLDER = "ws/src/rover/rover_base/src"
+ROWS = [
+    Row("cmd_vel", "geometry_msgs/Twist", "parameter input_topic", Location(f"{FOLDER}/driver.cpp", 21), False),
+    Row("~/status", "std_msgs/String", "", Location(f"{FOLDER}/../include/status.hpp", 8), True),
+]
+
+
+def drawn(rows: list[Row], columns: int) -> str:
+    """Return the table as a terminal of so many columns shows it."""
+    console = Console(file=io.StringIO(), width=columns, color_system=None)
+    with console.capture() as captured:
+        console.print(interface_table([("publishes", rows)], "local/ws", Links({}), columns))
+    return captured.get()
+
+
+def test_wide_terminals_show_whole_paths() -> None:
+    """Where there is room, nothing is left out."""
+    assert f"{FOLDER}/driver.cpp:21" in drawn(ROWS, 130)
+
+
+def test_narrower_ones_leave_out_the_folders_that_all_share() -> None:
+    """What tells places apart stays."""
+    shown = drawn(ROWS, 105)
+    assert " …/driver.cpp:21" in shown
+    assert FOLDER not in shown
+
+
+@pytest.mark.parametrize("columns", [64, 80])
+def test_narrow_ones_show_the_file_and_its_line(columns: int) -> None:
+    """Names, types, files and lines are whole; remarks may go below."""
+    shown = drawn(ROWS, columns)
+    assert all(part in shown for part in ("cmd_vel", "geometry_msgs/Twist", " driver.cpp:21", "parameter"))
+
+
+@given(
+    st.lists(
+        st.builds(
+            Row,
+            st.text("abc/~", min_size=1, max_size=40),
+            st.text("abc/", min_size=1, max_size=40),
+            st.text("abc ", max_size=40),
+            st.builds(Location, st.text("abc/.", min_size=1, max_size=60), st.integers(1, 9999)),
+            st.booleans(),
+        ),
+        min_size=1,
+        max_size=5,
+    ),
+    st.integers(50, 200),
+)
+def test_no_line_is_wider_than_the_terminal_and_nothing_is_lost(rows: list[Row], columns: int) -> None:
+    """Whatever the names, lines keep to the width, and no letter of a name is left out."""
+    shown = drawn(rows, columns)
+    assert all(len(line) <= columns for line in shown.splitlines())
+    assert sum(map(str.isalpha, shown)) >= sum(sum(map(str.isalpha, row.name + row.type + row.remark)) for row in rows)
