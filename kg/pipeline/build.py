@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kg.corpus.sources import is_address
+from kg.errors import SourceError
 from kg.facts import FileKind
 from kg.pipeline import cache
 from kg.pipeline.plan import entries_by_name, listing, make_plan, stamp, version
@@ -88,6 +89,8 @@ class _Build:
 
     def run(self, named: tuple[str, ...]) -> BuildReport:
         """Do all of it under the lock of the store, which the caller holds."""
+        if not named and not self._state.roots:
+            raise SourceError("KG101", "no source is named, and no earlier build named one", hint="Name a folder.")
         sources = gather(named or self._state.roots, self._store.layout.checkouts, self._report)
         workspace = RecordingWorkspace(sources)
         now = version(self._settings.base, self._settings.max_file_bytes)

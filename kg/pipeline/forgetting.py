@@ -1,0 +1,55 @@
+"""Taking sources out of a store for good: their graphs, and their place among what a build without names reads."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from pyoxigraph import NamedNode
+
+from kg.graph.iris import Iris
+from kg.pipeline.state import load, save
+from kg.store.failure import translated
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kg.pipeline.state import State
+    from kg.store.embedded import EmbeddedStore
+
+__all__ = ["forget"]
+
+
+def forget(store: EmbeddedStore, base: str, names: Sequence[str], command: str = "kg forget") -> None:
+    """Take sources out of the store and out of what a build without names reads; names it does not know do nothing.
+
+    Raises:
+        StoreError: KG301 without data, KG302 while another process writes, KG304 when the disk is full.
+    """
+    iris = Iris(base)
+    with store.write(command) as transaction:
+        state = load(store.layout.cache)
+        for name in names:
+            transaction.drop_graph(NamedNode(iris.source_graph(name)))
+        generation = transaction.commit()
+        left = _without(state, frozenset(names))
+        current = generation if generation and state.generation + 1 == generation else state.generation
+        with translated(str(store.layout.cache)):
+            store.layout.cache.mkdir(parents=True, exist_ok=True)
+            save(store.layout.cache, replace(left, generation=current))
+
+
+def _without(state: State, names: frozenset[str]) -> State:
+    """Return the state without sources; a root stays as long as another source that stands in it does."""
+    kept = {name: source for name, source in state.sources.items() if name not in names}
+    gone = [source.repository.root for name, source in state.sources.items() if name in names]
+    left = [source.repository.root for source in kept.values()]
+
+    def stays(root: str) -> bool:
+        return any(_inside(folder, root) for folder in left) or not any(_inside(folder, root) for folder in gone)
+
+    return replace(state, sources=kept, roots=tuple(root for root in state.roots if stays(root)))
+
+
+def _inside(folder: str, root: str) -> bool:
+    return folder == root or folder.startswith(f"{root}/") or root.startswith(f"{folder}/")
