@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
@@ -104,6 +103,10 @@ def _layout(rows: Sequence[Row], columns: int) -> _Layout:
 
 def _without_shared(places: Mapping[Location, str]) -> dict[Location, str]:
     """Return places without the folders that all of them share."""
-    common = os.path.commonprefix([text.rpartition("/")[0] + "/" for text in places.values()])
-    shared = common.rfind("/")
-    return {place: f"…{text[shared:]}" if shared > 0 else text for place, text in places.items()}
+    folders = [text.split("/")[:-1] for text in places.values()]
+    shared = 0
+    for level in zip(*folders, strict=False):
+        if len(set(level)) > 1:
+            break
+        shared += len(level[0]) + 1
+    return {place: f"…/{text[shared:]}" if shared else text for place, text in places.items()}
