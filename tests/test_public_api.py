@@ -39,7 +39,7 @@ def test_signatures_do_not_change_by_accident(name: str) -> None:
     assert inspect.getdoc(function)
 
 
-@pytest.mark.parametrize("name", ERRORS)
+@pytest.mark.parametrize("name", sorted(ERRORS))
 def test_errors_have_one_base(name: str) -> None:
     """Who catches `kg.KgError` catches all."""
     assert issubclass(getattr(kg, name), kg.KgError)
