@@ -32,6 +32,8 @@ BINARY: Final = "/@binary"
 
 _STATEMENT: Final = 200
 """What running a statement costs, where looking at one character or file costs one."""
+_WORD: Final = 20
+"""What a command costs for each of its arguments."""
 _MOST_WORK: Final = 20_000_000
 _DEEPEST_CALLS: Final = 40
 _MOST_ROUNDS: Final = 2_000
@@ -119,14 +121,19 @@ class Run:
     def execute(self, statements: Sequence[Statement]) -> _Flow:
         """Run statements in a row; stops early for return, break and continue, and when the budget is used up."""
         for statement in statements:
-            self._work += _STATEMENT
-            if self._work > _MOST_WORK:
-                self.stopped = self.stopped or self.location
+            if not self._may_go_on():
                 return _Flow.RETURN
             flow = self._command(statement) if isinstance(statement, Command) else self._block(statement)
             if flow is not _Flow.NEXT:
                 return flow
         return _Flow.NEXT
+
+    def _may_go_on(self) -> bool:
+        """Count a statement or a round of a loop; tell whether the work allowed is not used up."""
+        self._work += _STATEMENT
+        if self._work > _MOST_WORK:
+            self.stopped = self.stopped or self.location
+        return self.stopped is None
 
     def spend(self, work: int) -> None:
         """Count work that a command does beyond its own arguments."""
@@ -147,6 +154,7 @@ class Run:
                 found.append(text)
             else:
                 found.extend(split_list(text))
+        self._work += _WORD * len(found)
         return found
 
     def _command(self, command: Command) -> _Flow:
@@ -259,7 +267,7 @@ class Run:
         name, before = arguments[0], self.scope.variables.get(arguments[0])
         for item in _items(arguments[1:], self.scope)[:_MOST_ROUNDS]:
             self.scope.set(name, item)
-            flow = self.execute(body)
+            flow = self.execute(body) if self._may_go_on() else _Flow.RETURN
             if flow is _Flow.RETURN:
                 return flow
             if flow is _Flow.BREAK:
@@ -272,7 +280,7 @@ class Run:
             verdict = decide(self._tokens(opener), self.scope)
             if verdict is False:
                 break
-            flow = self.execute(body)
+            flow = self.execute(body) if self._may_go_on() else _Flow.RETURN
             if flow is _Flow.RETURN and verdict:
                 return flow
             if flow in {_Flow.BREAK, _Flow.RETURN} or verdict is None:
