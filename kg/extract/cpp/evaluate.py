@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 from tree_sitter import Query, QueryCursor
 
 from kg.extract.cpp import library, syntax
-from kg.extract.cpp.context import Context, Site
+from kg.extract.cpp.context import Context, Memory, Site
 from kg.extract.cpp.flow import Flow
 from kg.extract.cpp.sites import Sites, call_around, fits
 from kg.extract.cpp.types import Types
@@ -21,7 +21,7 @@ from kg.extract.cpp.unit import Expr
 from kg.extract.values import Handle, Sequence, Text, Truth, Unknown, Value, concatenate
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Callable, Hashable, Iterable, Iterator
 
     from tree_sitter import Node
 
@@ -49,7 +49,9 @@ class Evaluator:
         self.sites = Sites(program)
         self.types = Types(program, self.sites)
         self.flow = Flow(self)
+        self.memory = Memory()
         self._steps = 0
+        self._cut = 0
         self._declared: dict[str, Expr] | None = None
         self._kinds: dict[str, Callable[[Expr, Context], Alternatives]] = {
             "identifier": self._name,
@@ -78,6 +80,7 @@ class Evaluator:
         """Return what an expression can be; never empty."""
         self._steps += 1
         if context.depth > _DEEPEST or self._steps > _STEPS:
+            self._cut += 1
             return [(Unknown("the code that makes it is too involved to follow"), context)]
         node = syntax.unwrap(where.node)
         simple = _literal(node)
@@ -86,20 +89,41 @@ class Evaluator:
         evaluate = self._kinds.get(node.type)
         if evaluate is None:
             return [(Unknown(f"it is computed at run time ({_shown(node)})"), context)]
-        found = evaluate(where.child(node), context.deeper())
-        return bounded([(value, chosen.at(context.depth)) for value, chosen in found])
+        inner = where.child(node)
+        moved = None if inner.at == node.start_byte else syntax.text(node)  # the node may be a macro's, of another tree
+        key = (where.unit, node.start_byte, node.end_byte, inner.at, moved)
+        return self.recalled(
+            key,
+            context,
+            lambda: bounded([(v, c.at(context.depth)) for v, c in evaluate(inner, context.deeper())]),
+        )
+
+    def recalled(self, key: Hashable, context: Context, evaluate: Callable[[], Alternatives]) -> Alternatives:
+        """Return what `evaluate` finds, from memory where the choices it depends on are the same as before."""
+        return self.memory.recall(key, context, lambda: self._counted(evaluate))
+
+    def _counted(self, evaluate: Callable[[], Alternatives]) -> tuple[Alternatives, bool]:
+        """Return what is found, and whether no bound was met on the way."""
+        cut = self._cut
+        found = evaluate()
+        return found, self._cut == cut
 
     def declared_default(self, parameter: str) -> Expr | None:
-        """Return the default that `declare_parameter` gives a ROS 2 parameter, wherever the node declares it."""
+        """Return the default that a ROS 2 parameter is declared with, wherever the node declares it."""
         if self._declared is None:
             self._declared = {}
-            for unit, node in self.program.sites("declare_parameter"):
-                call = call_around(node)
-                given = syntax.arguments(call.child_by_field_name("arguments")) if call is not None else []
-                name = syntax.literal(given[0]) if given else None
-                if name is not None and len(given) > 1:
-                    self._declared.setdefault(name, Expr.of(unit, given[1]))
+            for word in ("declare_parameter", *sorted(self.api.helpers)):
+                for unit, node in self.program.sites(word):
+                    self._note_default(unit, call_around(node))
         return self._declared.get(parameter)
+
+    def _note_default(self, unit: Unit, call: Node | None) -> None:
+        given = syntax.arguments(call.child_by_field_name("arguments")) if call is not None else []
+        names = [syntax.literal(argument) for argument in given[:2]]
+        for index, name in enumerate(names):
+            if name is not None and index + 1 < len(given) and self._declared is not None:
+                self._declared.setdefault(name, Expr.of(unit, given[index + 1]))
+                return
 
     def texts(self, where: Expr, context: Context) -> list[tuple[Text | Unknown, Context]]:
         """Return the alternatives as texts; what is no text is an `Unknown`."""

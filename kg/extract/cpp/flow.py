@@ -59,18 +59,27 @@ class Flow:
         self, found: list[Write], at: int, context: Context, kinds: frozenset[WriteKind] | None = None
     ) -> Alternatives:
         """Return the values that the writes before a byte leave, latest first."""
-        result: Alternatives = []
         before = [w for w in found if (w.name.start_byte < at and not w.node.start_byte <= at < w.end) or _loops(w, at)]
-        for index in range(len(before) - 1, -1, -1):
-            write = before[index]
-            if kinds is not None and write.kind not in kinds:
-                continue
-            values = self._written(write, context, before[:index])
+        relevant = [i for i in range(len(before)) if kinds is None or before[i].kind in kinds]
+        settling = [i for i in relevant if before[i].within[0] <= at < before[i].within[1]]
+        if not relevant:
+            return []
+        last = before[-1]
+        key = ("back", last.unit, last.name.start_byte, before[0].name.start_byte, len(before), kinds, tuple(settling))
+        evaluator = self._evaluator
+        return evaluator.recalled(key, context, lambda: self._latest(before, relevant, frozenset(settling), context))
+
+    def _latest(
+        self, before: list[Write], relevant: list[int], settling: frozenset[int], context: Context
+    ) -> Alternatives:
+        result: Alternatives = []
+        for index in reversed(relevant):
+            values = self._written(before[index], context, before[:index])
             if values is None:
                 continue
             result += values
-            if write.within[0] <= at < write.within[1]:
-                return _defaults(result)
+            if index in settling:
+                break
         return _defaults(result)
 
     def _written(self, write: Write, context: Context, earlier: list[Write]) -> Alternatives | None:
@@ -240,7 +249,7 @@ class Flow:
             return [(Unknown(f"{name} is a parameter"), context)]
         owner = self._program.owner(function)
         constructor = owner is not None and function.name == owner.name
-        key = ("this", owner) if constructor else function
+        key = function
         sites = self._evaluator.sites.constructions(owner) if constructor and owner else None
         return self._from_sites(function, index, key, sites, context)
 
@@ -333,16 +342,21 @@ class Flow:
         key = ("member", cls, name)
         if context.get(key):
             return [(Unknown(f"{name} depends on itself"), context)]
+        found = self._evaluator.recalled(key, context, lambda: self._anywhere(family, cls, name, context))
+        if not found and not any(name in base.fields for base in family):
+            return None
+        return found or [(Unknown(f"{name} is given no value in the code that was read"), context)]
+
+    def _anywhere(self, family: list[Class], cls: Class, name: str, context: Context) -> Alternatives:
+        """Return the values that any method of a class family, or the declaration, gives a member."""
+        key = ("member", cls, name)
         inner = context.bind(key, True)
         everyone = [*family, *self._program.derived(cls)]
         found = self._left(everyone, name, inner)
         declared = next((base for base in family if name in base.fields), None)
         if declared is not None and (not found or _unfinished(found)):
             found += self._initial(declared, name, inner)
-        if declared is None and not found:
-            return None
-        found = [(value, chosen.bind(key, None)) for value, chosen in _defaults(found)]
-        return found or [(Unknown(f"{name} is given no value in the code that was read"), context)]
+        return [(value, chosen.bind(key, None)) for value, chosen in _defaults(found)]
 
     def _left(self, classes: Iterable[Class], name: str, context: Context) -> Alternatives:
         """Return what the methods of some classes leave in a member."""
