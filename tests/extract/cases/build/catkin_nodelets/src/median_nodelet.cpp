@@ -1,0 +1,1 @@
+// src/median_nodelet.cpp

@@ -1,0 +1,1 @@
+// src/threshold_nodelet.cpp

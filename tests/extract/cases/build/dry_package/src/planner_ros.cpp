@@ -1,0 +1,1 @@
+// src/planner_ros.cpp
