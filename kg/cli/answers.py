@@ -6,9 +6,11 @@ from typing import TYPE_CHECKING, Final
 
 from kg.cli.diagnostics import note
 from kg.cli.output import Column, print_table, terminal, write, write_bytes
-from kg.query.formats import display, plain
+from kg.errors import QueryError
+from kg.query.formats import GRAPH_FORMATS, SOLUTION_FORMATS, display, plain
 from kg.query.formats import write as written
 from kg.query.result import Boolean, Graph, Solutions
+from kg.query.similar import did_you_mean
 from kg.render.text import count
 
 if TYPE_CHECKING:
@@ -27,11 +29,20 @@ _OTHER_NAMES: Final = {
 }
 
 
-def format_for(name: str, *, people: bool | None = None) -> str:
-    """Return the format meant by the setting `format`; `auto` is a table for people and TSV for programs."""
+def format_for(name: str) -> str:
+    """Return the format meant by the setting `format`; `auto` is a table for people and TSV for programs.
+
+    Raises:
+        QueryError: KG504 for a format that no answer can be written in.
+    """
     if name == "auto":
-        return "table" if (terminal() if people is None else people) else "tsv"
-    return _OTHER_NAMES.get(name, name)
+        return "table" if terminal() else "tsv"
+    found = _OTHER_NAMES.get(name, name)
+    known = ("table", *SOLUTION_FORMATS, *GRAPH_FORMATS)
+    if found not in known:
+        near = did_you_mean(name, known)
+        raise QueryError("KG504", f"there is no format `{name}`", hint=near or f"The formats are {', '.join(known)}.")
+    return found
 
 
 def answer(result: Result, name: str, *, automatic: bool = False) -> None:

@@ -8,11 +8,15 @@ __all__ = ["run"]
 
 
 def run() -> None:
-    """Run the command line of this process; even an interruption while modules load ends in one line."""
+    """Run the command line of this process; even what happens while modules load ends in a line or two."""
     try:
-        from kg.cli.app import app  # noqa: PLC0415 - so that Ctrl-C is caught while this loads
-
-        app()
+        from kg.cli.app import app  # noqa: PLC0415 - so that what goes wrong while this loads is caught
     except KeyboardInterrupt:
         sys.stderr.write("\ninterrupted\n")
         sys.exit(130)
+    except Exception as error:  # noqa: BLE001 - a damaged installation
+        from kg.cli.diagnostics import defect  # noqa: PLC0415 - the branch that needs it
+
+        defect(error)
+        sys.exit(70)
+    app()

@@ -136,7 +136,7 @@ def _listed(rows: Iterable[Any]) -> dict[str, list[str]]:
     found: defaultdict[str, list[str]] = defaultdict(list)
     for row in rows:
         found[row[0].value].append(row[1].value)
-    return {subject: sorted(values) for subject, values in found.items()}
+    return {subject: sorted(set(values)) for subject, values in found.items()}
 
 
 def _parts(graph: Queryable, which: str) -> dict[str, tuple[list[Interface], list[Parameter]]]:
