@@ -35,7 +35,9 @@ class CallSpec:
     type of the argument `typed`, else from the text of the argument `spelled`, else it is `fixed`.
     `least` and `most` bound the number of arguments. `qos` is the index of the quality of service.
     `camera` says that `camera_info` is made beside it, `mark` which framework it uses; `inherited` that a
-    class calls it as a method that it inherits.
+    class calls it as a method that it inherits, `explicit` that it needs a template argument to be meant.
+    With `specified`, the template argument of that index (or the one of the type of the argument 0 where the call has
+    none) is a class that holds name and type of the interface, as `autoware_component_interface_specs` has them.
     """
 
     ros: int
@@ -57,6 +59,8 @@ class CallSpec:
     inherited: bool = False
     service: bool = False
     receiver_template: bool = False
+    explicit: bool = False
+    specified: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +77,8 @@ class TypeSpec:
     name: int = 1
     template: int | None = 0
     fixed: str | None = None
-    constant: str | None = None
+    constants: tuple[tuple[str, str], ...] = ()
+    """Pairs of name and type where one object makes several interfaces of its own naming."""
     floating: bool = False
     scopes: frozenset[str] = frozenset()
     mark: str | None = None
@@ -100,6 +105,7 @@ class ParameterSpec:
 
     `output` is the argument that the value is written to, `default` the one with the default; `returns` tells
     whether the call is the value. `scopes` are as in `CallSpec`; where empty the call is a method of a handle.
+    A `helper` is a free function around such a method, in whatever namespace, that is taken for the method itself.
     """
 
     ros: int
@@ -112,6 +118,7 @@ class ParameterSpec:
     least: int = 1
     most: int = 6
     receivers: frozenset[str] = frozenset()
+    helper: bool = False
 
 
 class Dialect(Protocol):
@@ -122,6 +129,8 @@ class Dialect(Protocol):
     parameters: dict[str, tuple[ParameterSpec, ...]]
     marks: dict[str, MarkSpec]
     handles: frozenset[str]
+    wrappers: frozenset[str]
+    """Classes of widely used packages that tables stand for; they are not entered even where the build has them."""
 
     def evaluate(
         self, evaluator: Evaluator, where: Expr, called: Callee, given: list[Expr], context: Context
@@ -167,7 +176,9 @@ class Api:
                 self.parameters[name] = (*self.parameters.get(name, ()), *parameters)
             self.marks.update(dialect.marks)
         self.handles = frozenset().union(*(dialect.handles for dialect in self.dialects))
-        self.closed = frozenset(self.types) | frozenset(self.marks) | self.handles
+        self.helpers = frozenset(name for name, specs in self.parameters.items() if any(spec.helper for spec in specs))
+        self.wrappers = frozenset().union(*(dialect.wrappers for dialect in self.dialects))
+        self.closed = self.wrappers | frozenset(self.types) | frozenset(self.marks) | self.handles
 
     def evaluate(
         self, evaluator: Evaluator, where: Expr, called: Callee, given: list[Expr], context: Context

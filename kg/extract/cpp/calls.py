@@ -13,9 +13,10 @@ from kg.extract.cpp.matching import Matcher
 from kg.extract.cpp.parameters import read_parameter
 from kg.extract.cpp.qos import read_qos
 from kg.extract.cpp.sites import call_around
+from kg.extract.cpp.specifications import specifications, specified
 from kg.extract.cpp.unit import Expr
 from kg.extract.marks import Mark
-from kg.extract.values import Handle, Text, Unknown, worse
+from kg.extract.values import Handle, Text, Truth, Unknown, worse
 from kg.facts import Interface, Location, Resolution
 
 if TYPE_CHECKING:
@@ -67,8 +68,13 @@ class Finder:
     def _uses(self, unit: Unit, name: str) -> Iterator[tuple[Node, Node]]:
         for node in unit.occurrences(name):
             call = call_around(node)
-            if call is not None and self._program.runs(unit, node.start_byte):
+            if call is not None and self._program.runs(unit, node.start_byte) and not self._in_helper(unit, node):
                 yield node, call
+
+    def _in_helper(self, unit: Unit, node: Node) -> bool:
+        """Tell whether a call stands in a function that a table knows and whose calls are read instead."""
+        function = unit.function_at(node.start_byte)
+        return function is not None and function.name in self._api.helpers
 
     def _calls(self, unit: Unit, name: str) -> None:
         for node, call in self._uses(unit, name):
@@ -80,11 +86,21 @@ class Finder:
                 continue
             given = [Expr.of(unit, a) for a in syntax.arguments(call.child_by_field_name("arguments"))]
             spec = self._matcher.call(self._api.calls[name], where, called, given)
-            if spec is not None:
+            if spec is not None and spec.specified:
+                self._specified(spec, where, node, called, given)
+            elif spec is not None:
                 handle = given[spec.handle] if spec.handle is not None else None
                 if spec.handle is None and called.receiver is not None:
                     handle = where.child(called.receiver)
                 self._interface(spec, where, node, called, given, handle)
+
+    def _specified(self, spec: CallSpec, where: Expr, node: Node, called: syntax.Callee, given: list[Expr]) -> None:
+        """Read an interface whose name and type a class of its own specifies."""
+        place = self._location(where.unit, node)
+        for holder in specifications(self._evaluator, where, called, given):
+            self.ros.add(spec.ros)
+            for name, kind in specified(self._evaluator, holder):
+                self._add(_interface(spec.role, Handle(), name, kind, place, holder.name), None)
 
     def _interface(  # noqa: PLR0913 - the parts of one call
         self, spec: CallSpec, where: Expr, node: Node, called: syntax.Callee, given: list[Expr], handle: Expr | None
@@ -92,7 +108,7 @@ class Finder:
         evaluator = self._evaluator
         place = self._location(where.unit, node)
         self.ros.add(spec.ros)
-        for holder, after in evaluator.values(handle, EMPTY) if handle is not None else [(Handle(), EMPTY)]:
+        for holder, after in self._holders(handle):
             for name, chosen in evaluator.texts(given[spec.name], after):
                 kinds = self._kinds(spec, where, called, given, chosen)
                 qos = (
@@ -106,6 +122,14 @@ class Finder:
                     self._add(made, spec.mark)
                     if spec.camera:
                         self._add(_camera_info(made), None)
+
+    def _holders(self, handle: Expr | None) -> list[tuple[object, Context]]:
+        """Return the handles that an expression can be; what is not understood counts only where nothing is."""
+        if handle is None:
+            return [(Handle(), EMPTY)]
+        found = self._evaluator.values(handle, EMPTY)
+        known = [(value, chosen) for value, chosen in found if isinstance(value, Handle)]
+        return list(known or found)
 
     def _kinds(
         self, spec: CallSpec, where: Expr, called: syntax.Callee, given: list[Expr], context: Context
@@ -177,22 +201,28 @@ class Finder:
         if spec.mark is not None and spec.role is None:
             self._server(spec, given, template, place)
             return
-        if spec.role is None or (not given and spec.constant is None):
+        if spec.constants:
+            self._fixed(spec, given, place)
             return
         handles, index = self._handles(spec, given)
+        if spec.role is None or index >= len(given):
+            return
         self.ros.add(spec.ros)
+        written = syntax.text(given[index].node)
         for holder, after in handles:
-            if spec.constant is not None:
-                names: list[tuple[Text | Unknown, Context]] = [(Text.of(spec.constant), after)]
-            elif index < len(given):
-                names = evaluator.texts(given[index], after)
-            else:
-                continue
-            for name, chosen in names:
-                written = syntax.text(given[index].node) if spec.constant is None else None
+            for name, chosen in evaluator.texts(given[index], after):
                 for kind in self._template_kinds(spec, template, chosen):
                     made = _interface(spec.role, holder, name, kind, place, written)
                     self._add(made, spec.mark)
+
+    def _fixed(self, spec: TypeSpec, given: list[Expr], place: Location) -> None:
+        """Add the interfaces of an object that names them itself; an argument `false` switches them off."""
+        default = Handle(Text.of("~" if spec.private else ""))
+        for holder, _ in self._evaluator.values(given[0], EMPTY) if given else [(default, EMPTY)]:
+            if spec.role is not None and holder != Truth(value=False):
+                for name, kind in spec.constants:
+                    handle = holder if isinstance(holder, Handle) else default
+                    self._add(_interface(spec.role, handle, Text.of(name), kind, place, None), spec.mark)
 
     def _handles(self, spec: TypeSpec, given: list[Expr]) -> tuple[list[tuple[object, Context]], int]:
         """Return the handles of a construction and the index of the name after a handle that may be left out."""
@@ -208,7 +238,8 @@ class Finder:
             and not self._is_handle(given[spec.handle])
         ):
             return [(Handle(), EMPTY)], spec.name - 1
-        return [(value, chosen) for value, chosen in found], spec.name
+        known = [(value, chosen) for value, chosen in found if isinstance(value, Handle)]
+        return list(known or found), spec.name
 
     def _is_handle(self, where: Expr) -> bool:
         kind = self._evaluator.types.of(where, EMPTY)
@@ -270,6 +301,10 @@ def _interface(  # noqa: PLR0913 - the parts of one fact
     shown = " ".join(written.split()) if written is not None else None
     if isinstance(name, Unknown):
         return Interface(role, None, kind, Resolution.UNRESOLVED, place, written=shown, reason=name.reason)
+    if name.known == "":
+        return Interface(
+            role, None, kind, Resolution.UNRESOLVED, place, written=shown, reason="it is empty until run time"
+        )
     known_handle = isinstance(holder, Handle)
     namespace = holder.namespace if isinstance(holder, Handle) else Text.of("")
     full = joined_name(namespace, name)

@@ -16,12 +16,14 @@ from kg.extract.cpp.api import Api
 from kg.extract.cpp.calls import Finder
 from kg.extract.cpp.context import EMPTY
 from kg.extract.cpp.evaluate import Evaluator
+from kg.extract.cpp.loaded import loaded_nodelets
 from kg.extract.cpp.program import Program
 from kg.extract.cpp.project import FRAMEWORKS, Project
 from kg.extract.cpp.ros1 import Ros1
 from kg.extract.cpp.ros2 import Ros2
 from kg.extract.cpp.sites import call_around
 from kg.extract.cpp.unit import Expr
+from kg.extract.manifests import read_build
 from kg.extract.marks import Extracted, Mark
 from kg.extract.values import Text
 from kg.facts import Location, NodeKind, NodeType
@@ -67,7 +69,7 @@ class _Nodes:
         self._package = package
         self._build = build
         self._api = Api((Ros1(), Ros2()))
-        self._closed = self._api.closed if package.name in FRAMEWORKS else frozenset()
+        self._closed = self._api.closed if package.name in FRAMEWORKS else self._api.wrappers
 
     def read(self) -> list[Extracted]:
         """Return the nodes, in the order of the build files."""
@@ -208,8 +210,9 @@ class _Nodes:
         evaluator = Evaluator(program, self._api)
         finder = Finder(evaluator)
         finder.run()
-        interfaces = _settled(finder.interfaces.values())
-        parameters = tuple(finder.parameters.values())
+        found, more = self._loaded(evaluator) if cls is None else ([], [])
+        interfaces = _settled([*finder.interfaces.values(), *found])
+        parameters = (*finder.parameters.values(), *more)
         if not interfaces and not parameters and not finder.marks and not _initialises(program, node):
             return []
         ros = _ros(program, finder)
@@ -223,6 +226,31 @@ class _Nodes:
             node, ros=ros, node_name=named, sources=sources, interfaces=interfaces, parameters=_once(parameters)
         )
         return [Extracted(whole, tuple(finder.marks))]
+
+    def _loaded(self, evaluator: Evaluator) -> tuple[list[Interface], list[Parameter]]:
+        """Return what the nodelets that a program loads into itself make."""
+        interfaces: list[Interface] = []
+        parameters: list[Parameter] = []
+        for loaded in loaded_nodelets(evaluator):
+            package, _, _ = loaded.plugin.partition("/")
+            home = self._reading(package)
+            plugin = (
+                next((p for p in home._build.plugins if p.name == loaded.plugin), None) if home is not None else None
+            )  # noqa: SLF001 - of the same class
+            for extracted in home._plugin(plugin) if home is not None and plugin is not None else ():  # noqa: SLF001 - of the same class
+                kept = [i for i in extracted.node.interfaces if loaded.own or not (i.name or "").startswith("~")]
+                interfaces += [replace(i, name=loaded.renamed(i.name)) for i in kept]
+                parameters += extracted.node.parameters if loaded.own else ()
+        return interfaces, parameters
+
+    def _reading(self, package: str) -> _Nodes | None:
+        """Return the reading of a package of the build by its name."""
+        if package == self._package.name:
+            return self
+        found = self._project.reader.workspace.package(package)
+        if found is None or found[0] is not self._project.reader.source:
+            return None
+        return _Nodes(self._project.reader, found[1], read_build(self._project.reader, found[1]))
 
 
 def _last(name: str) -> str:

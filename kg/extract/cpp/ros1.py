@@ -146,12 +146,25 @@ _TYPES: Final[dict[str, TypeSpec]] = {
         scopes=frozenset({"image_transport"}),
         mark="image_transport.subscriber",
     ),
+    "Server": TypeSpec(1, None, scopes=frozenset({"dynamic_reconfigure"}), mark="dynamic_reconfigure.server"),
+    "Loader": TypeSpec(
+        1,
+        Role.SERVICES,
+        scopes=frozenset({"nodelet"}),
+        template=None,
+        private=True,
+        constants=(
+            ("load_nodelet", "nodelet/NodeletLoad"),
+            ("unload_nodelet", "nodelet/NodeletUnload"),
+            ("list", "nodelet/NodeletList"),
+        ),
+    ),
     "RealtimePublisher": TypeSpec(1, Role.PUBLISHES, scopes=frozenset({"realtime_tools"})),
     "Publisher": TypeSpec(
         1, Role.PUBLISHES, scopes=frozenset({"pcl_ros"}), fixed="sensor_msgs/PointCloud2", template=None
     ),
     "CameraInfoManager": TypeSpec(
-        1, Role.SERVICES, template=None, fixed="sensor_msgs/SetCameraInfo", constant="set_camera_info"
+        1, Role.SERVICES, template=None, constants=(("set_camera_info", "sensor_msgs/SetCameraInfo"),)
     ),
 }
 
@@ -180,6 +193,7 @@ class Ros1:
     types = _TYPES
     parameters = _PARAMETERS
     marks = _MARKS
+    wrappers: frozenset[str] = frozenset()
     handles = frozenset({"NodeHandle", "ImageTransport", "PointCloudTransport"})
 
     def evaluate(

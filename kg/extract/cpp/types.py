@@ -26,10 +26,38 @@ if TYPE_CHECKING:
 __all__ = ["TypeName", "Types"]
 
 POINTERS: Final = frozenset(
-    ["Ptr", "ConstPtr", "SharedPtr", "ConstSharedPtr", "UniquePtr", "ConstUniquePtr", "WeakPtr", "ConstWeakPtr", "element_type", "Impl", "SharedConstPtr", "shared_ptr_type"]
+    [
+        "Ptr",
+        "ConstPtr",
+        "SharedPtr",
+        "ConstSharedPtr",
+        "UniquePtr",
+        "ConstUniquePtr",
+        "WeakPtr",
+        "ConstWeakPtr",
+        "element_type",
+        "Impl",
+        "SharedConstPtr",
+        "shared_ptr_type",
+    ]
 )
 WRAPPERS: Final = frozenset(
-    ["shared_ptr", "unique_ptr", "weak_ptr", "scoped_ptr", "intrusive_ptr", "optional", "MessageEvent", "reference_wrapper", "atomic", "remove_reference_t", "decay_t", "remove_cv_t", "remove_const_t", "LoanedMessage"]
+    [
+        "shared_ptr",
+        "unique_ptr",
+        "weak_ptr",
+        "scoped_ptr",
+        "intrusive_ptr",
+        "optional",
+        "MessageEvent",
+        "reference_wrapper",
+        "atomic",
+        "remove_reference_t",
+        "decay_t",
+        "remove_cv_t",
+        "remove_const_t",
+        "LoanedMessage",
+    ]
 )
 _SECTIONS: Final = frozenset({"msg", "srv", "action"})
 _PARTS_OF_INTERFACE: Final = frozenset({"Request", "Response", "Goal", "Result", "Feedback"})
@@ -161,6 +189,10 @@ class Types:
             return self._program.owner(function)
         return unit.class_at(at)
 
+    def parameter(self, name: str, where: Expr, context: Context) -> list[tuple[Expr, Context]]:
+        """Return the types that a template parameter seen from a place is bound to; none if `name` is not one."""
+        return self._template(name, where, context) or []
+
     def _template(self, name: str, where: Expr, context: Context) -> list[tuple[Expr, Context]] | None:
         """Return what a template parameter is bound to; None if `name` is no template parameter there."""
         function = where.unit.function_at(where.at)
@@ -228,9 +260,14 @@ class Types:
         name = names[-1]
         sections = [i for i, part in enumerate(names[:-1]) if part in _SECTIONS]
         package = names[sections[-1] - 1] if sections and sections[-1] else names[-2] if len(names) > 1 else None
-        if package is not None and package not in _SECTIONS and self._program.find_class(name, kind.where.unit) is None:
+        if package is not None and package not in _SECTIONS and not self._is_class(name, package, kind.where.unit):
             return f"{package}/{_without_pointer(name)}"
         return self._by_include(_without_pointer(name), kind.where.unit)
+
+    def _is_class(self, name: str, namespace: str, unit: Unit) -> bool:
+        """Tell whether a qualified name is a class of the build rather than one generated from an interface."""
+        found = self._program.find_class(name, unit, (namespace,))
+        return found is not None and found.scope[-1:] == (namespace,)
 
     def _by_include(self, name: str, unit: Unit) -> str | None:
         """Return the interface type of an unqualified name by the generated header that the unit includes."""

@@ -161,6 +161,9 @@ def _by_method(parent: Node) -> _Found | None:
     if call is None or call.type != "call_expression" or field is None:
         return None
     method = syntax.simple_name(field)
+    listed = call.child_by_field_name("arguments")
+    if method == "clear" and listed is not None:
+        return (WriteKind.CONSTRUCT, listed, -1, None)
     given = syntax.arguments(call.child_by_field_name("arguments"))
     if not given:
         return None
