@@ -17,18 +17,24 @@ import pytest
 
 from kg.corpus.workspace import Workspace, scan
 from kg.extract.package import extract_package
+from kg.facts import Repository
 
 if TYPE_CHECKING:
     from kg.facts import Interface, NodeType, PackageFacts, Parameter
 
-CASES = sorted(path.parent for path in (Path(__file__).parent / "cases").glob("*/*/expected.json"))
+LANGUAGES = ("cpp", "python")
+CASES = [
+    path.parent
+    for language in LANGUAGES
+    for path in sorted((Path(__file__).parent / "cases" / language).glob("*/expected.json"))
+]
 ROLES = ("publishes", "subscribes", "services", "clients", "action_servers", "action_clients")
 Record = dict[str, Any]
 
 
 def extract(case: Path) -> list[PackageFacts]:
     """Return the facts of all packages of a case."""
-    workspace = Workspace([scan(case)])
+    workspace = Workspace([scan(case, Repository(f"local/{case.name}", str(case)))])
     return [extract_package(workspace, source, package) for source in workspace.sources for package in source.packages]
 
 

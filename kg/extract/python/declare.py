@@ -27,6 +27,7 @@ __all__ = ["Declarations", "declare"]
 
 _NO_REASON: Final = "it is computed when the program runs"
 _MAX_ROWS: Final = 64
+_STEPS_FOR_A_SITE: Final = 2_000
 
 
 @dataclass(slots=True)
@@ -48,11 +49,13 @@ def declare(sites: list[Site], evaluator: Evaluator, repository: str) -> Declara
     """Return what sites declare; `repository` is the source that the node belongs to."""
     evaluator.memory.clear()
     reader = _Reader(evaluator, repository)
+    evaluator.limit = _STEPS_FOR_A_SITE
     for site in sites:
+        evaluator.steps = 0
         if site.api.kind == "node":
             reader.node(site)
     for site in sites:
-        evaluator.steps = 0
+        evaluator.steps, evaluator.limit = 0, _STEPS_FOR_A_SITE
         if site.api.kind == "interface":
             reader.interface(site)
         elif site.api.kind == "parameter":

@@ -28,8 +28,9 @@ _TOO_DEEP: Final = Unknown("it is computed in too many steps")
 _CIRCULAR: Final = Unknown("it depends on itself")
 _COMPUTED: Final = Unknown("it is computed when the program runs")
 _MAX_DEPTH: Final = 80
-_MAX_STEPS: Final = 5_000
 MAX_ALTERNATIVES: Final = 32
+_MANY: Final = 8
+"""From this many alternatives on, those of one value are one, whatever choices they rest on."""
 
 
 class Evaluator(Invocations):
@@ -44,7 +45,7 @@ class Evaluator(Invocations):
             return handler(self, node, frame, choice)
         key = (node.id, frame.id)
         self.steps += 1
-        if key in self.active or len(self.active) >= _MAX_DEPTH or self.steps > _MAX_STEPS:
+        if key in self.active or len(self.active) >= _MAX_DEPTH or self.steps > self.limit:
             self.cuts += 1
             return [(_CIRCULAR if key in self.active else _TOO_DEEP, choice)]
         known = (key, frozenset(choice.items()))
@@ -53,7 +54,7 @@ class Evaluator(Invocations):
             self.active.add(key)
             found = _distinct(handler(self, node, frame, choice)) or [(_COMPUTED, choice)]
             self.active.discard(key)
-            if cuts != self.cuts:
+            if cuts != self.cuts and self.active:
                 return found
             self.memory[known] = found
         return self.memory[known]
@@ -274,12 +275,17 @@ def _operate(left: Thing, operator: str, right: Thing) -> Thing:
 
 
 def _distinct(found: Alternatives) -> Alternatives:
-    """Return the alternatives without repetitions, the known ones first choice, and not too many."""
+    """Return the alternatives without repetitions, one unknown at most, and not too many."""
     kept: Alternatives = []
+    unknown = False
     if len(found) <= 1:
         return found
     for item in found:
-        if item not in kept:
+        if isinstance(item[0], Unknown):
+            unknown, again = True, unknown
+            if again:
+                continue
+        if item not in kept and (len(kept) < _MANY or all(item[0] != other for other, _ in kept)):
             kept.append(item)
         if len(kept) >= MAX_ALTERNATIVES:
             break

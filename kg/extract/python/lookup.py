@@ -42,6 +42,8 @@ _NOT_BOUND: Final = Unknown("nothing in the code gives it a value")
 _NO_CALLER: Final = Unknown("it is a parameter of a function whose callers are not known")
 _COMPUTED: Final = Unknown("it is computed when the program runs")
 _MAX_ROUNDS: Final = 24
+_MAX_BINDINGS: Final = 12
+_STEPS: Final = 500
 _PARAMETER_FIELDS: Final = frozenset(
     {"value", "string_value", "integer_value", "double_value", "bool_value", "string_array_value", "double_array_value",
      "integer_array_value", "bool_array_value"}
@@ -55,6 +57,7 @@ class Lookups(ABC):
         self.program = program
         self.active: set[tuple[int, int]] = set()
         self.steps = 0
+        self.limit = _STEPS
         self.cuts = 0
         self.memory: dict[tuple[tuple[int, int], frozenset[tuple[tuple[int, int], int]]], Alternatives] = {}
         self._decided: dict[tuple[int, int], bool | None] = {}
@@ -160,7 +163,7 @@ class Lookups(ABC):
         """Return what bindings that reach a place give, and whether one of them must hold there."""
         reached, certain = reaching(bindings, position, frame, choice)
         found: Alternatives = []
-        for binding, after in reached:
+        for binding, after in reached[:_MAX_BINDINGS]:
             if self.possible(binding.arms, frame, choice):
                 found.extend(self.binding(binding, frame, after))
         return found, certain
@@ -342,13 +345,24 @@ class Lookups(ABC):
 
     def assigned(self, instance: Instance, name: str, choice: Choice) -> Alternatives:
         """Return what the methods of an object's classes assign to its attribute."""
+        key = ((id(instance), hash(name)), frozenset(choice.items()))
+        if key not in self.memory:
+            cuts = self.cuts
+            found = self._assigned(instance, name, choice)
+            if cuts != self.cuts and self.active:
+                return found
+            self.memory[key] = found
+        return self.memory[key]
+
+    def _assigned(self, instance: Instance, name: str, choice: Choice) -> Alternatives:
         found: Alternatives = []
         for klass in self.program.lineage(instance.klass):
             for method in self.setters(klass).get(name, ()) if not isinstance(klass, Dotted) else ():
                 bindings = method.bindings[f"{method.receiver}.{name}"]
                 for frame in self.frames_of(method, instance):
                     merged = agreeing(choice, frame.choice)
-                    found.extend(self.bound(bindings, END, frame, merged)[0] if merged is not None else ())
+                    if merged is not None and len(found) < _MAX_BINDINGS:
+                        found.extend(self.bound(bindings, END, frame, merged)[0])
         known = [row for row in found if not isinstance(row[0], Nothing | Unknown)]
         return known or found
 

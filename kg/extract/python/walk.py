@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 from kg.extract.python.api import API_NAMES, Api, find_api
 from kg.extract.python.entities import Bound, ClassRef, Dotted, FunctionRef, Instance
 from kg.extract.python.flow import agreeing, with_arms
-from kg.extract.python.syntax import argument_nodes
+from kg.extract.python.syntax import argument_nodes, code
 
 if TYPE_CHECKING:
     from tree_sitter import Node
@@ -27,6 +27,7 @@ __all__ = ["Site", "Walk"]
 _MAX_DEPTH: Final = 24
 _MAX_FRAMES: Final = 4_000
 _MAX_FRAMES_OF_ONE: Final = 64
+_STEPS_FOR_A_CALL: Final = 250
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,12 +112,14 @@ class Walk:
         called = call.node.child_by_field_name("function")
         if choice is None or called is None or not self.evaluator.possible(call.arms, frame, choice):
             return
-        self.evaluator.steps = 0
+        self.evaluator.steps, self.evaluator.limit = 0, _STEPS_FOR_A_CALL
         seen = []
-        for value, after in self.evaluator.evaluate(called, frame, choice):
-            if value not in seen:
+        on_self = _root_name(called) == frame.scope.receiver
+        for value, after in self.evaluator.evaluate(called, frame, {} if on_self else choice):
+            merged = agreeing(choice, after)
+            if value not in seen and merged is not None:
                 seen.append(value)
-                self.reached(value, call.node, frame, agreeing(choice, after) or choice)
+                self.reached(value, call.node, frame, merged)
 
     def reached(self, value: Thing, call: Node, frame: Frame, choice: Choice) -> None:
         """Note what a call reaches."""
@@ -176,6 +179,7 @@ class Walk:
 
     def frames_for_rest(self, scope: Scope) -> list[Frame]:
         """Return frames in which a function that nobody calls is run."""
+        self.evaluator.steps = 0
         if scope.owner is None:
             return self.evaluator.frames_of(scope, None)
         objects = self.objects_of(scope)
@@ -202,3 +206,14 @@ class Walk:
             klass is not instance.klass and klass in self.program.lineage(instance.klass)
             for instance in self.evaluator.instances.values()
         )
+
+
+_HOLDERS: Final = {"attribute": "object", "subscript": "value", "call": "function"}
+
+
+def _root_name(called: Node) -> str | None:
+    """Return the first name of `a.b[c].d`; None for anything else."""
+    node: Node | None = called
+    while node is not None and node.type in _HOLDERS:
+        node = node.child_by_field_name(_HOLDERS[node.type])
+    return code(node) if node is not None and node.type == "identifier" and node is not called else None
