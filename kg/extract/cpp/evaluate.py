@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from kg.extract.cpp.api import Api
     from kg.extract.cpp.program import Program
     from kg.extract.cpp.types import TypeName
-    from kg.extract.cpp.unit import Function
+    from kg.extract.cpp.unit import Function, Unit
 
 __all__ = ["Alternatives", "Evaluator"]
 
@@ -154,7 +154,22 @@ class Evaluator:
 
     def _qualified(self, where: Expr, context: Context) -> Alternatives:
         scope, inner = syntax.split_scope(where.node)
-        return self.flow.constant(syntax.simple_name(inner), scope, where, context)
+        name = syntax.simple_name(inner)
+        return self._trait(name, where, context) or self.flow.constant(name, scope, where, context)
+
+    def _trait(self, name: str, where: Expr, context: Context) -> Alternatives:
+        """Return what `T::name` is for the classes that a template parameter `T` is bound to."""
+        outer = where.node.child_by_field_name("scope")
+        if outer is None or outer.type != "namespace_identifier":
+            return []
+        found: Alternatives = []
+        for bound, chosen in self.types.parameter(syntax.text(outer), where, context):
+            for kind, settled in self.types.settle(bound, chosen):
+                cls = self.types.class_of(kind)
+                default = cls.fields[name][1] if cls is not None and name in cls.fields else None
+                if cls is not None and default is not None:
+                    found += [(value, settled) for value, _ in self.values(Expr.of(cls.unit, default), settled)]
+        return found
 
     def _field(self, where: Expr, context: Context) -> Alternatives:
         holder, field = where.node.child_by_field_name("argument"), where.node.child_by_field_name("field")

@@ -21,7 +21,33 @@ if TYPE_CHECKING:
 __all__ = ["add", "at", "compute", "construct", "evaluate", "number", "operands"]
 
 _SAME: Final = frozenset(
-    ["string", "c_str", "str", "data", "get", "move", "forward", "as_string", "value", "string_view", "to_string", "lexical_cast", "ref", "cref", "value_to_string", "std_string", "native", "generic_string", "clone", "trim", "as_int", "as_double", "as_bool", "value_or", "toStdString"]
+    [
+        "string",
+        "c_str",
+        "str",
+        "data",
+        "get",
+        "move",
+        "forward",
+        "as_string",
+        "value",
+        "string_view",
+        "to_string",
+        "lexical_cast",
+        "ref",
+        "cref",
+        "value_to_string",
+        "std_string",
+        "native",
+        "generic_string",
+        "clone",
+        "trim",
+        "as_int",
+        "as_double",
+        "as_bool",
+        "value_or",
+        "toStdString",
+    ]
 )
 _TEXTS: Final = frozenset({"string", "basic_string", "string_view", "path", "String", "stringstream", "ostringstream"})
 _CONTAINERS: Final = frozenset({"vector", "array", "list", "set", "deque", "initializer_list", "unordered_set"})

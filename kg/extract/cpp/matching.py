@@ -27,7 +27,7 @@ class Matcher:
 
     def call(self, specs: tuple[CallSpec, ...], where: Expr, called: Callee, given: list[Expr]) -> CallSpec | None:
         """Return the entry that a call is a use of."""
-        fitting = [s for s in specs if s.least <= len(given) <= s.most and max(s.name, s.handle or 0) < len(given)]
+        fitting = [spec for spec in specs if _fits(spec, called, given)]
         if not fitting:
             return None
         if called.scope:
@@ -42,6 +42,8 @@ class Matcher:
             return None
         cls = self._evaluator.types.class_around(where.unit, where.at)
         for spec in specs:
+            if spec.specified:
+                continue
             if spec.inherited and cls is not None:
                 return spec
             if spec.receivers and spec.ros == 2 and cls is not None:  # noqa: PLR2004 - in ROS 2 a class is its node
@@ -61,7 +63,7 @@ class Matcher:
     def _method(
         self, specs: list[CallSpec], kind: TypeName | None, called: Callee, given: list[Expr]
     ) -> CallSpec | None:
-        methods = [spec for spec in specs if spec.receivers]
+        methods = [spec for spec in specs if spec.receivers and (not spec.specified or _named(kind, spec))]
         if kind is None:
             return next((spec for spec in methods if not spec.receiver_template), None)
         name = kind.name.removesuffix("ConstPtr").removesuffix("Ptr")
@@ -90,9 +92,11 @@ class Matcher:
     ) -> ParameterSpec | None:
         """Return the entry that a call which handles a parameter is a use of."""
         fitting = [spec for spec in specs if spec.least <= len(given) <= spec.most]
+        if called.receiver is None and (helper := next((spec for spec in fitting if spec.helper), None)):
+            return helper
         if called.scope and called.receiver is None:
             return next((spec for spec in fitting if called.scope[-1] in spec.scopes), None)
-        methods = [spec for spec in fitting if not spec.scopes]
+        methods = [spec for spec in fitting if not spec.scopes and not spec.helper]
         if not methods:
             return None
         if called.receiver is None:
@@ -124,6 +128,17 @@ class Matcher:
                 if len(kind.parts) == 1 and any(scope in spec.scopes for scope in kind.where.unit.used_namespaces):
                     return spec, kind.arguments or site.template
         return None
+
+
+def _named(kind: TypeName | None, spec: CallSpec) -> bool:
+    return kind is not None and kind.name in spec.receivers
+
+
+def _fits(spec: CallSpec, called: Callee, given: list[Expr]) -> bool:
+    """Tell whether a call has the arguments that an entry needs."""
+    if not spec.least <= len(given) <= spec.most or (spec.explicit and called.template is None):
+        return False
+    return spec.specified or max(spec.name, spec.handle or 0) < len(given)
 
 
 def _used(where: Expr, spec: CallSpec) -> bool:

@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Final
 from kg.extract.cpp import syntax
 from kg.extract.cpp.api import CallSpec, MarkSpec, ParameterSpec, TypeSpec
 from kg.extract.cpp.handles import below, value_of_parameter
-from kg.extract.values import Handle, Text, Unknown
+from kg.extract.values import Handle, Text
 from kg.facts import Access, Role
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from tree_sitter import Node
 
     from kg.extract.cpp.context import Context
     from kg.extract.cpp.evaluate import Alternatives, Evaluator
@@ -25,13 +27,22 @@ if TYPE_CHECKING:
 __all__ = ["Ros2"]
 
 _NODE: Final = frozenset({"Node", "LifecycleNode"})
+_ADAPTOR: Final = frozenset({"NodeAdaptor"})
 _FREE: Final = frozenset({"rclcpp"})
 _ACTION: Final = frozenset({"rclcpp_action"})
 _IMAGE: Final = "sensor_msgs/Image"
 _TRANSPORT: Final = frozenset({"image_transport"})
 
 _CALLS: Final[dict[str, tuple[CallSpec, ...]]] = {
+    "publish": (
+        CallSpec(2, Role.PUBLISHES, receivers=frozenset({"DebugPublisher"}), template=0, least=2, explicit=True),
+    ),
+    "init_pub": (CallSpec(2, Role.PUBLISHES, receivers=_ADAPTOR, specified=True),),
+    "init_sub": (CallSpec(2, Role.SUBSCRIBES, receivers=_ADAPTOR, specified=True),),
+    "init_srv": (CallSpec(2, Role.SERVICES, receivers=_ADAPTOR, specified=True),),
+    "init_cli": (CallSpec(2, Role.CLIENTS, receivers=_ADAPTOR, specified=True),),
     "create_publisher": (
+        CallSpec(2, Role.PUBLISHES, receivers=_ADAPTOR, specified=True, least=0, explicit=True),
         CallSpec(2, Role.PUBLISHES, receivers=_NODE, template=0, qos=1),
         CallSpec(2, Role.PUBLISHES, name=1, handle=0, scopes=_FREE, template=0, least=2, qos=2),
         CallSpec(
@@ -47,6 +58,7 @@ _CALLS: Final[dict[str, tuple[CallSpec, ...]]] = {
         ),
     ),
     "create_subscription": (
+        CallSpec(2, Role.SUBSCRIBES, receivers=_ADAPTOR, specified=True, least=0, explicit=True),
         CallSpec(2, Role.SUBSCRIBES, receivers=_NODE, template=0, callback=2, least=2, qos=1),
         CallSpec(2, Role.SUBSCRIBES, name=1, handle=0, scopes=_FREE, template=0, callback=3, least=3, qos=2),
         CallSpec(
@@ -88,10 +100,12 @@ _CALLS: Final[dict[str, tuple[CallSpec, ...]]] = {
         ),
     ),
     "create_service": (
+        CallSpec(2, Role.SERVICES, receivers=_ADAPTOR, specified=True, least=0, explicit=True),
         CallSpec(2, Role.SERVICES, receivers=_NODE, template=0, least=2, qos=2),
         CallSpec(2, Role.SERVICES, name=1, handle=0, scopes=_FREE, template=0, least=3, qos=3),
     ),
     "create_client": (
+        CallSpec(2, Role.CLIENTS, receivers=_ADAPTOR, specified=True, least=0, explicit=True),
         CallSpec(2, Role.CLIENTS, receivers=_NODE, template=0, most=3, qos=1),
         CallSpec(2, Role.ACTION_CLIENTS, name=1, handle=0, scopes=_ACTION, template=0, least=2, most=4),
         CallSpec(2, Role.ACTION_CLIENTS, name=4, handle=0, scopes=_ACTION, template=0, least=5),
@@ -122,6 +136,11 @@ def _method(access: Access, least: int, most: int, **rest: int | bool | None) ->
     )
 
 
+def _helper(least: int, most: int) -> tuple[ParameterSpec, ...]:
+    """Return the entry of a free function `f(node, name, default)` that declares a parameter unless it is declared."""
+    return (ParameterSpec(2, Access.DECLARE, 1, None, 2, True, least=least, most=most, receivers=_NODE, helper=True),)
+
+
 _PARAMETERS: Final[dict[str, tuple[ParameterSpec, ...]]] = {
     "declare_parameter": (_method(Access.DECLARE, 1, 4, default=1, returns=True),),
     "get_parameter": (
@@ -132,20 +151,34 @@ _PARAMETERS: Final[dict[str, tuple[ParameterSpec, ...]]] = {
         _method(Access.READ, 3, 3, output=1, default=2),
         _method(Access.READ, 2, 2, default=1, returns=True),
     ),
+    "get_or_declare_parameter": _helper(2, 4),
+    "getOrDeclareParameter": _helper(2, 4),
+    "declare_or_get_parameter": (*_helper(2, 5), _method(Access.DECLARE, 1, 4, default=1, returns=True)),
+    "declare_parameter_if_not_declared": _helper(2, 4),
     "has_parameter": (_method(Access.READ, 1, 1),),
     "undeclare_parameter": (_method(Access.WRITE, 1, 1),),
 }
 
-_TYPES: Final[dict[str, TypeSpec]] = {
-    "Subscriber": TypeSpec(2, Role.SUBSCRIBES, scopes=frozenset({"message_filters"}), qos=2),
+_WRAPPERS: Final[dict[str, TypeSpec]] = {
     "InterProcessPollingSubscriber": TypeSpec(2, Role.SUBSCRIBES, qos=2),
     "DiagnosticsInterface": TypeSpec(
-        2, Role.PUBLISHES, template=None, fixed="diagnostic_msgs/DiagnosticArray", constant="/diagnostics"
+        2, Role.PUBLISHES, template=None, constants=(("/diagnostics", "diagnostic_msgs/DiagnosticArray"),)
     ),
 }
-"""Besides rclcpp's own: the polling subscriber and diagnostics of `autoware_utils`, which many packages build upon."""
+"""The polling subscriber and the diagnostics of `autoware_utils`, which many packages build upon."""
+_TYPES: Final[dict[str, TypeSpec]] = {
+    "Subscriber": TypeSpec(2, Role.SUBSCRIBES, scopes=frozenset({"message_filters"}), qos=2),
+    **_WRAPPERS,
+}
 _MARKS: Final[dict[str, MarkSpec]] = {}
-_SAME_NODE: Final = frozenset({"shared_from_this", "get_node", "getNode", "node"})
+_NAMES_OF_NODES: Final = {
+    "get_name": "~",
+    "get_fully_qualified_name": "~",
+    "get_namespace": "",
+    "get_effective_namespace": "",
+}
+"""A topic `name/x` of the node `name` is its private `~/x`."""
+_EXPANDING: Final = frozenset({"expand_topic_or_service_name", "resolve_topic_name", "resolve_service_name"})
 
 
 class Ros2:
@@ -156,6 +189,7 @@ class Ros2:
     parameters = _PARAMETERS
     marks = _MARKS
     handles = frozenset({"Node", "LifecycleNode"})
+    wrappers = frozenset({*_WRAPPERS, *_ADAPTOR, "DebugPublisher"})
 
     def evaluate(
         self, evaluator: Evaluator, where: Expr, called: Callee, given: list[Expr], context: Context
@@ -167,12 +201,23 @@ class Ros2:
             return below(evaluator, list(parent), given[0])
         if name.startswith("get_node_") and name.endswith("_interface") and receiver is not None:
             return evaluator.values(where.child(receiver), context)
-        if name in _SAME_NODE and not given and name == "shared_from_this":
+        if name == "shared_from_this" and not given:
             return [(Handle(), context)]
+        if name in _NAMES_OF_NODES and not given and self._is_node_here(evaluator, where, receiver, context):
+            return [(Text.of(_NAMES_OF_NODES[name]), context)]
+        if name in _EXPANDING and given:
+            return evaluator.values(given[0], context)
         for spec in _PARAMETERS.get(name, ()):
             if spec.returns and spec.least <= len(given) <= spec.most:
                 return self._parameter(evaluator, spec, where, called, given, context)
         return None
+
+    def _is_node_here(self, evaluator: Evaluator, where: Expr, receiver: Node | None, context: Context) -> bool:
+        """Tell whether a method is called on a node: its own class, or an object of a type that is one."""
+        if receiver is None:
+            cls = evaluator.types.class_around(where.unit, where.at)
+            return cls is not None and self.is_node(evaluator, cls)
+        return any(isinstance(value, Handle) for value, _ in evaluator.values(where.child(receiver), context))
 
     def _parameter(
         self,
@@ -207,6 +252,8 @@ class Ros2:
         """Return the handle that a node is."""
         if kind.name in _NODE or (kind.name == "ImageTransport" and given):
             return [(Handle(), context)]
+        if kind.name == "DebugPublisher" and len(given) > 1:
+            return below(evaluator, [(Handle(), context)], given[1])
         cls = evaluator.types.class_of(kind)
         if cls is not None and self.is_node(evaluator, cls):
             return [(Handle(), context)]
@@ -237,6 +284,3 @@ class Ros2:
         return any(
             syntax.simple_name(base) in _NODE for member in evaluator.program.family(cls) for base in member.bases
         )
-
-
-_ = Unknown
