@@ -5,15 +5,19 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.cli.diagnostics import note
-from kg.cli.output import Column, print_table, terminal, write, write_bytes
+from kg.cli.output import Column, Linked, line_width, print_table, terminal, write, write_bytes
+from kg.cli.places import fitted
 from kg.errors import QueryError
 from kg.query.formats import GRAPH_FORMATS, SOLUTION_FORMATS, display, plain
 from kg.query.formats import write as written
 from kg.query.result import Boolean, Graph, Solutions
 from kg.query.similar import did_you_mean
-from kg.render.text import count
+from kg.render.text import count, width
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kg.cli.links import Links
     from kg.query.result import Result
 
 __all__ = ["answer", "format_for", "table"]
@@ -45,10 +49,10 @@ def format_for(name: str) -> str:
     return found
 
 
-def answer(result: Result, name: str, *, automatic: bool = False) -> None:
+def answer(result: Result, name: str, *, automatic: bool = False, links: Links | None = None) -> None:
     """Write an answer in a format of `format_for`; an `automatic` one gives way to Turtle for a graph."""
     if name == "table" and isinstance(result, Solutions):
-        table(result)
+        table(result, links)
     elif name == "table" and isinstance(result, Boolean):
         write("yes" if result.value else "no")
     elif isinstance(result, Graph) and (automatic or name == "table"):
@@ -58,18 +62,41 @@ def answer(result: Result, name: str, *, automatic: bool = False) -> None:
     _remarks(result, name)
 
 
-def table(result: Solutions) -> None:
-    """Write rows as a table, numbers to the right."""
-    columns = []
-    for position, name in enumerate(result.variables):
-        values = [plain(row[position]) for row in result.rows if row[position] is not None]
-        number = bool(values) and all(
-            isinstance(value, int | float) and not isinstance(value, bool) for value in values
+def table(result: Solutions, links: Links | None = None) -> None:
+    """Write rows as a table: numbers to the right, `?file` and `?line` as one place that leads there."""
+    if not result.rows:
+        return
+    place: dict[str, int] = {
+        name: result.variables.index(name) for name in ("file", "line") if name in result.variables
+    }
+    joined = place if len(place) == len(("file", "line")) else {}
+    others = [index for index in range(len(result.variables)) if index not in joined.values()]
+    columns = [_column(result, index) for index in others]
+    rows: list[list[object]] = [[display(row[index]) for index in others] for row in result.rows]
+    if joined:
+        columns.append(Column("file:line", "dim"))
+        taken = sum(
+            max([width(columns[i].title), *(width(str(row[i])) for row in rows)]) + 3 for i in range(len(others))
         )
-        columns.append(Column(name, "number" if number else "text"))
-    rows = [[display(term) for term in row] for row in result.rows]
-    if rows:
-        print_table(columns, rows)
+        _add_places(rows, result, joined, line_width() - taken, links)
+    print_table(columns, rows)
+
+
+def _column(result: Solutions, index: int) -> Column:
+    values = [plain(row[index]) for row in result.rows if row[index] is not None]
+    number = bool(values) and all(isinstance(value, int | float) and not isinstance(value, bool) for value in values)
+    return Column(result.variables[index], "number" if number else "text")
+
+
+def _add_places(
+    rows: list[list[object]], result: Solutions, at: Mapping[str, int], room: int, links: Links | None
+) -> None:
+    """Add to each row its place, as long as there is room for."""
+    found = [(display(row[at["file"]]), display(row[at["line"]])) for row in result.rows]
+    shown = fitted([f"{file}:{line}" if line else file for file, line in found], room)
+    for row, (file, line), text in zip(rows, found, shown, strict=True):
+        address = links.find(file, int(line)) if links and line.isdigit() else None
+        row.append(Linked(text, address))
 
 
 def _remarks(result: Result, name: str) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
+from kg.cli.places import shortened
 from kg.render.text import printable, width
 
 if TYPE_CHECKING:
@@ -87,26 +88,16 @@ def _where(location: Location) -> str:
 
 def _layout(rows: Sequence[Row], columns: int) -> _Layout:
     """Return the first layout that fits; the last one is folded when not even that does."""
-    whole = {row.location: _where(row.location) for row in rows}
-    names = {place: text.rpartition("/")[2] for place, text in whole.items()}
+    locations = list({row.location: None for row in rows})
+    forms = [dict(zip(locations, form, strict=True)) for form in shortened([_where(one) for one in locations])]
+    whole, without_shared, names = forms
     remark = max(width(row.remark) for row in rows)
     types = max(width(row.type) for row in rows)
     sides = max(width(row.name) for row in rows) + 2 + types + _GAP
-    choices = ((whole, remark), (_without_shared(whole), remark), (names, min(remark, _LEAST_REMARK)))
+    choices = ((whole, remark), (without_shared, remark), (names, min(remark, _LEAST_REMARK)))
     for places, kept in choices:
         last = max(map(width, places.values()))
         if sides + kept + 2 * _GAP + last <= columns:
             return _Layout(places, types, last)
     last = max(map(width, names.values()))
     return _Layout(names, types, last, stacked=True) if sides + _GAP + last <= columns else _Layout(names, stacked=True)
-
-
-def _without_shared(places: Mapping[Location, str]) -> dict[Location, str]:
-    """Return places without the folders that all of them share."""
-    folders = [text.split("/")[:-1] for text in places.values()]
-    shared = 0
-    for level in zip(*folders, strict=False):
-        if len(set(level)) > 1:
-            break
-        shared += len(level[0]) + 1
-    return {place: f"…/{text[shared:]}" if shared else text for place, text in places.items()}

@@ -8,10 +8,11 @@ from socket import gethostname
 from typing import TYPE_CHECKING, Final
 from urllib.parse import quote
 
+from kg.facts import Location
+
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kg.facts import Location
     from kg.graph.source_states import SourceState
 
 __all__ = ["Links"]
@@ -33,6 +34,11 @@ class Links:
     def of(cls, sources: Sequence[SourceState]) -> Links:
         """Return the links for some sources."""
         return cls({one.name: one for one in sources})
+
+    def find(self, path: str, line: int) -> str | None:
+        """Return the address of a place whose source is not known: the file, where one source has it here."""
+        found = [name for name, source in self.sources.items() if source.root and (Path(source.root) / path).is_file()]
+        return self.to(found[0], Location(path, line)) if len(found) == 1 else None
 
     def to(self, repository: str, location: Location) -> str | None:
         """Return the address of a place: the file when it is here, else the page of its commit, else None."""

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Column",
+    "Linked",
     "console",
     "json_lines",
     "line_width",
@@ -43,6 +44,14 @@ class Column:
     title: str
     kind: str = "text"
     spare: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Linked:
+    """A cell that leads somewhere: terminals open `address` when its text is clicked."""
+
+    text: str
+    address: str | None
 
 
 def terminal() -> bool:
@@ -148,14 +157,26 @@ def make_table(columns: Sequence[Column], rows: Iterable[Sequence[object]], *, t
             no_wrap=number,
         )
     for row in cells:
-        table.add_row(*(row[index] for index in kept))
+        table.add_row(*(_drawn(row[index]) for index in kept))
     return table
 
 
-def _fitting(columns: Sequence[Column], cells: Sequence[Sequence[str]]) -> list[int]:
+def _drawn(cell: str | Linked) -> RenderableType:
+    from rich.text import Text  # noqa: PLC0415 - start-up time
+
+    if isinstance(cell, Linked):
+        return Text(cell.text, style=f"link {cell.address}" if cell.address else "")
+    return cell
+
+
+def _width(cell: str | Linked) -> int:
+    return width(cell.text if isinstance(cell, Linked) else cell)
+
+
+def _fitting(columns: Sequence[Column], cells: Sequence[Sequence[str | Linked]]) -> list[int]:
     """Return the positions of the columns that fit on a line, or that cannot be spared."""
     widths = [
-        max([width(column.title), *(width(row[index]) for row in cells)]) + 3 for index, column in enumerate(columns)
+        max([width(column.title), *(_width(row[index]) for row in cells)]) + 3 for index, column in enumerate(columns)
     ]
     kept = list(range(len(columns)))
     for index in reversed(range(len(columns))):
@@ -166,9 +187,11 @@ def _fitting(columns: Sequence[Column], cells: Sequence[Sequence[str]]) -> list[
     return kept
 
 
-def _cell(value: object) -> str:
+def _cell(value: object) -> str | Linked:
     if value is None:
         return ""
+    if isinstance(value, Linked):
+        return Linked(printable(value.text), value.address)
     if isinstance(value, int) and not isinstance(value, bool):
         return f"{value:,}"
     return printable(str(value))

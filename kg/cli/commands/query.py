@@ -7,12 +7,15 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from kg.cli.options import Format, Json, Limit, Store, Timeout
+from kg.cli.output import terminal
 from kg.cli.session import session
 from kg.errors import Place, UsageError
 from kg.store.opening import reading
 
 if TYPE_CHECKING:
+    from kg.cli.links import Links
     from kg.settings import Settings
+    from kg.store.snapshot import EmbeddedSnapshot
 
 __all__ = ["query"]
 
@@ -51,7 +54,15 @@ def query(  # noqa: PLR0913 - the options of a command
     typed, place = _text(text, file)
     with reading(settings) as snapshot:
         result = run(snapshot, typed, timeout=settings.timeout or None, limit=_limit(settings, chosen), path=place)
-    answer(result, chosen, automatic=settings.format == "auto" and not json)
+        links = _links(snapshot) if chosen == "table" and terminal() else None
+    answer(result, chosen, links=links, automatic=settings.format == "auto" and not json)
+
+
+def _links(snapshot: "EmbeddedSnapshot") -> "Links":
+    from kg.cli.links import Links  # noqa: PLC0415 - start-up time
+    from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
+
+    return Links.of(sources(snapshot))
 
 
 def _limit(settings: "Settings", chosen: str) -> int | None:

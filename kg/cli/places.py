@@ -1,0 +1,30 @@
+"""Places in source code that have to fit beside other things."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kg.render.text import width
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+__all__ = ["fitted", "shortened"]
+
+
+def shortened(places: Sequence[str]) -> tuple[list[str], ...]:
+    """Return places whole, without the folders that all of them share, and as the names of their files alone."""
+    folders = [place.split("/")[:-1] for place in places]
+    shared = 0
+    for level in zip(*folders, strict=False):
+        if len(set(level)) > 1:
+            break
+        shared += len(level[0]) + 1
+    without = [f"…/{place[shared:]}" if shared else place for place in places]
+    return list(places), without, [place.rpartition("/")[2] for place in places]
+
+
+def fitted(places: Sequence[str], room: int) -> list[str]:
+    """Return the longest form of places that fits in so many columns, else the shortest."""
+    *longer, shortest = shortened(places)
+    return next((form for form in longer if max(map(width, form), default=0) <= room), shortest)
