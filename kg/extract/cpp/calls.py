@@ -50,20 +50,16 @@ class Finder:
 
     def run(self) -> None:
         """Read every unit of the program."""
+        api = self._api
         for unit in tuple(self._program.units.values()):
-            source = unit.source
-            for name in self._api.calls:
-                if name.encode() in source:
-                    self._calls(unit, name)
-            for name in self._api.parameters:
-                if name.encode() in source:
-                    self._parameters(unit, name)
-            for name in (*self._api.types, *self._aliases(unit)):
-                if name.encode() in source:
-                    self._types(unit, name)
-            for name, mark in self._api.marks.items():
-                if name.encode() in source:
-                    self._marked(unit, name, mark)
+            for name in unit.having(tuple(api.calls)):
+                self._calls(unit, name)
+            for name in unit.having(tuple(api.parameters)):
+                self._parameters(unit, name)
+            for name in unit.having((*api.types, *self._aliases(unit))):
+                self._types(unit, name)
+            for name in unit.having(tuple(api.marks)):
+                self._marked(unit, name, api.marks[name])
 
     def _uses(self, unit: Unit, name: str) -> Iterator[tuple[Node, Node]]:
         for node in unit.occurrences(name):

@@ -343,6 +343,14 @@ class Unit:
         around = [names for start, end, names in self._structure.namespaces if start <= at < end]
         return tuple(name for names in around for name in names)
 
+    def having(self, words: tuple[str, ...]) -> tuple[str, ...]:
+        """Return those words that occur in the bytes of the file, a first and cheap look."""
+        key = ("having", words)
+        if key not in self.memory:
+            self.memory[key] = tuple(word for word in words if word.encode() in self.source)
+        found: tuple[str, ...] = self.memory[key]
+        return found
+
     def occurrences(self, word: str) -> list[Node]:
         """Return the names in the code that are exactly `word`."""
         found = self._occurrences.get(word)
