@@ -72,7 +72,8 @@ def _decode(text: str) -> str:
 def fragment(owner: str, kind: str, name: str | None, count: int = 1) -> str:
     """Return the IRI of the `count`-th part of `owner` (an IRI) that has this `kind` and `name` (None: not known)."""
     number = f"@{count}" if count > 1 else ""
-    return f"{owner}#{_segment(kind)}/{UNKNOWN if name is None else _path(name)}{number}"
+    mark = "/" if "#" in owner else "#"
+    return f"{owner}{mark}{_segment(kind)}/{UNKNOWN if name is None else _path(name)}{number}"
 
 
 @dataclass(frozen=True, slots=True)

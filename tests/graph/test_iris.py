@@ -65,6 +65,15 @@ def test_fragments_tell_parts_of_a_thing_apart(
     assert (iris[0] == iris[1]) == (one == other)
 
 
+def test_parts_of_parts() -> None:
+    """A part of a part has a valid IRI too: one `#`, and what follows stands behind the owner's."""
+    owner = fragment(IRIS.node("h/o/r", "p", "n"), "again", "")
+    part = fragment(owner, "publisher", "/scan")
+    assert NamedNode(part).value == part
+    assert part.startswith(owner)
+    assert part.count("#") == 1
+
+
 @given(owner=st.tuples(PART, PART, PART), name=PART)
 def test_a_part_is_never_a_thing_of_its_own(owner: tuple[str, str, str], name: str) -> None:
     """The IRI of an interface cannot be that of another node."""
