@@ -23,6 +23,8 @@ __all__ = ["FRAMEWORKS", "Project"]
 
 FRAMEWORKS: Final = frozenset(
     [
+        "autoware_agnocast_wrapper",
+        "autoware_component_interface_utils",
         "roscpp",
         "rclcpp",
         "rclcpp_lifecycle",

@@ -28,7 +28,7 @@ __all__ = ["Ros2"]
 
 _NODE: Final = frozenset({"Node", "LifecycleNode"})
 _ADAPTOR: Final = frozenset({"NodeAdaptor"})
-_FREE: Final = frozenset({"rclcpp"})
+_FREE: Final = frozenset({"rclcpp", "agnocast_wrapper", "agnocast"})
 _ACTION: Final = frozenset({"rclcpp_action"})
 _IMAGE: Final = "sensor_msgs/Image"
 _TRANSPORT: Final = frozenset({"image_transport"})
@@ -115,6 +115,9 @@ _CALLS: Final[dict[str, tuple[CallSpec, ...]]] = {
         CallSpec(2, Role.ACTION_SERVERS, name=1, handle=0, scopes=_ACTION, template=0, least=5, most=7),
         CallSpec(2, Role.ACTION_SERVERS, name=4, handle=0, scopes=_ACTION, template=0, least=8, most=10),
     ),
+    "create_polling_subscriber": (
+        CallSpec(2, Role.SUBSCRIBES, name=1, handle=0, scopes=frozenset({"polling"}), template=0, least=2, qos=2),
+    ),
     "create_generic_publisher": (CallSpec(2, Role.PUBLISHES, receivers=_NODE, spelled=1, least=3, qos=2),),
     "create_generic_subscription": (CallSpec(2, Role.SUBSCRIBES, receivers=_NODE, spelled=1, least=4, qos=2),),
 }
@@ -159,11 +162,15 @@ _PARAMETERS: Final[dict[str, tuple[ParameterSpec, ...]]] = {
     "undeclare_parameter": (_method(Access.WRITE, 1, 1),),
 }
 
+_POLLING: Final = TypeSpec(2, Role.SUBSCRIBES, qos=2)
+_DIAGNOSTICS: Final = TypeSpec(
+    2, Role.PUBLISHES, template=None, constants=(("/diagnostics", "diagnostic_msgs/DiagnosticArray"),)
+)
 _WRAPPERS: Final[dict[str, TypeSpec]] = {
-    "InterProcessPollingSubscriber": TypeSpec(2, Role.SUBSCRIBES, qos=2),
-    "DiagnosticsInterface": TypeSpec(
-        2, Role.PUBLISHES, template=None, constants=(("/diagnostics", "diagnostic_msgs/DiagnosticArray"),)
-    ),
+    "InterProcessPollingSubscriber": _POLLING,
+    "PollingSubscriber": _POLLING,
+    "DiagnosticsInterface": _DIAGNOSTICS,
+    "BasicDiagnosticsInterface": _DIAGNOSTICS,
 }
 """The polling subscriber and the diagnostics of `autoware_utils`, which many packages build upon."""
 _TYPES: Final[dict[str, TypeSpec]] = {
