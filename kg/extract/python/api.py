@@ -173,6 +173,7 @@ def find_api(path: str, *, bound: bool, arguments: int = 0) -> Api | None:
     `bound` tells that it is a method of an object; `arguments` counts the positional arguments, which tells the
     ROS 2 form of `message_filters.Subscriber(node, type, topic)` from the ROS 1 form.
     """
+    explicit = path.endswith(".__init__")
     path = path.removesuffix(".__init__")
     first, _, rest = path.partition(".")
     last = path.rpartition(".")[2]
@@ -182,5 +183,7 @@ def find_api(path: str, *, bound: bool, arguments: int = 0) -> Api | None:
         return _METHODS[last]
     if bound and last in _CONNECTION_METHODS and rest.rpartition(".")[0].rpartition(".")[2] in _CONNECTION_BASES:
         return _CONNECTION_METHODS[last]
+    if bound and not explicit:
+        return None
     found = _FUNCTIONS.get(f"{first}.{last}")
     return found if found is not None and found.kind != "connection" else None

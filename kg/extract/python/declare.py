@@ -241,7 +241,7 @@ def interface_type(value: Thing, role: Role) -> str | None:
     """Return `package/Type` of a generated class; a ROS 1 action drops its suffix `Action`."""
     if not isinstance(value, Dotted):
         return None
-    parts = value.path.split(".")
+    parts = value.path.replace("diagnostic_updater.", "diagnostic_msgs.msg.").split(".")
     inner = [index for index, part in enumerate(parts) if part in GENERATED]
     if not inner or inner[0] == 0 or inner[-1] == len(parts) - 1:
         return None

@@ -368,6 +368,18 @@ def _length(receiver: Thing, values: list[Thing], named: dict[str, Thing]) -> Th
     return _COMPUTED if elements is None else _number(len(elements))
 
 
+def _class_of(kind: str) -> Callable[[Thing, list[Thing], dict[str, Thing]], Thing]:
+    """`get_message_class("package/Type")` and its like."""
+
+    def apply(receiver: Thing, values: list[Thing], named: dict[str, Thing]) -> Thing:
+        del receiver, named
+        name = plain(values[0]) if values else None
+        package, _, last = name.partition("/") if isinstance(name, str) else ("", "", "")
+        return Dotted(f"{package}.{kind}.{last}") if package and last and "/" not in last else _COMPUTED
+
+    return apply
+
+
 def _string(receiver: Thing, values: list[Thing], named: dict[str, Thing]) -> Thing:
     del receiver, named
     return concatenate(formatting.stringify(values[0])) if values else Text.of("")
@@ -444,6 +456,8 @@ _PURE: Final[dict[str, Callable[[Thing, list[Thing], dict[str, Thing]], Thing]]]
     **{f"rospy.{name}": _text("~") for name in ("get_name", "get_caller_id", "names.get_caller_id")},
     "rospy.get_namespace": _text(""),
     "rospy.names.get_namespace": _text(""),
+    "roslib.message.get_message_class": _class_of("msg"),
+    "roslib.message.get_service_class": _class_of("srv"),
     "rospy.myargv": _command_line,
     "rospy.client.myargv": _command_line,
     "rclpy.qos.QoSProfile": _qos,

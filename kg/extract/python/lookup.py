@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Final
 
+from kg.extract.python.arguments import read_arguments
 from kg.extract.python.entities import (
     ArgumentsParsed,
     Bound,
@@ -44,6 +45,8 @@ _COMPUTED: Final = Unknown("it is computed when the program runs")
 _MAX_ROUNDS: Final = 24
 _MAX_BINDINGS: Final = 12
 _STEPS: Final = 500
+_NAME_FIELDS: Final = frozenset({"resolved_name", "name"})
+_NAMED: Final = frozenset({"Publisher", "Subscriber", "ServiceProxy", "Service"})
 _PARAMETER_FIELDS: Final = frozenset(
     {"value", "string_value", "integer_value", "double_value", "bool_value", "string_array_value", "double_array_value",
      "integer_array_value", "bool_array_value"}
@@ -281,6 +284,9 @@ class Lookups(ABC):
             return self.program.static_member(value, name, frame.scope.unit) or _COMPUTED
         if isinstance(value, ParameterRead):
             return value.value if name in _PARAMETER_FIELDS else Bound(f"parameter.{name}", value)
+        if isinstance(value, Made) and name in _NAME_FIELDS and value.path.rpartition(".")[2] in _NAMED:
+            first = read_arguments(value.call, value.frame).get(0, "name")
+            return self.thunk(first, {})[0][0] if first is not None else _COMPUTED
         if isinstance(value, Made):
             return Bound(f"{value.path}.{name}", value)
         for kind, prefix in ((Text, "str"), (Items, "list"), (Table, "dict")):

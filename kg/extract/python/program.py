@@ -47,15 +47,16 @@ _BUILTINS: Final = frozenset(vars(builtins)) | {"unicode", "xrange", "raw_input"
 
 @cache
 def _standard_types() -> frozenset[str]:
+    """Return the message types that every distribution of ROS carries, as `package/Type`."""
     from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415 - loaded only where several imports compete
 
     names = (*get_typestore(Stores.ROS1_NOETIC).types, *get_typestore(Stores.ROS2_HUMBLE).types)
-    return frozenset(names)
+    return frozenset(name.replace("/msg/", "/") for name in names)
 
 
-def is_standard(package: str, name: str) -> bool:
-    """Tell whether a message type belongs to the interfaces that every ROS distribution carries."""
-    return f"{package}/msg/{name}" in _standard_types()
+@cache
+def _standard_packages() -> frozenset[str]:
+    return frozenset(name.partition("/")[0] for name in _standard_types())
 
 
 def _interface_name(name: str) -> str:
@@ -187,18 +188,28 @@ class Program:
         """
         if name in _BUILTINS or not name[:1].isalpha():
             return None
-        generated = [module for module in modules if module.rpartition(".")[2] in GENERATED]
+        generated = list(dict.fromkeys(module for module in modules if module.rpartition(".")[2] in GENERATED))
         if not name[0].isupper():
             return f"{modules[0]}.{name}" if len(modules) == 1 and not generated else None
         for module in generated:
-            package, _, kind = module.rpartition(".")
-            if self.reader.workspace.definition(package, _interface_name(name), kind):
+            if self._defines(module, name):
                 return f"{module}.{name}"
-        for module in generated:
-            if is_standard(module.partition(".")[0], name):
+        for module in generated if len(generated) > 1 else ():
+            if f"{module.partition('.')[0]}/{name}" in _standard_types():
                 return f"{module}.{name}"
-        others = [module for module in generated if self.reader.workspace.package(module.partition(".")[0]) is None]
+        others = [module for module in generated if self._may_define(module, alone=len(generated) == 1)]
         return f"{others[0]}.{name}" if len(others) == 1 else None
+
+    def _defines(self, module: str, name: str) -> bool:
+        """Tell whether a package of the build defines the interface; an action's messages stand with the messages."""
+        package, _, kind = module.rpartition(".")
+        kinds = (kind, "action") if kind == "msg" else (kind,)
+        return any(self.reader.workspace.definition(package, _interface_name(name), each) for each in kinds)
+
+    def _may_define(self, module: str, *, alone: bool) -> bool:
+        """Tell whether a package could have interfaces that are not known here."""
+        package = module.partition(".")[0]
+        return self.reader.workspace.package(package) is None and (alone or package not in _standard_packages())
 
     def lineage(self, klass: Scope) -> list[Scope | Dotted]:
         """Return a class with its bases, nearest first; bases outside of the build are `Dotted`."""

@@ -168,24 +168,47 @@ class Walk:
             self.pending.append(frame)
 
     def open_rest(self) -> bool:
-        """Queue relevant functions that are named but were never called; tell whether there were any."""
-        for key in list(self.reach.scopes):
-            scope = self.reach.scopes[key]
-            if scope.kind == "function" and key in self.reach.relevant and key not in self.counts:
-                self.counts[key] = 0
-                for frame in self.frames_for_rest(scope):
-                    self.pending.append(frame)
+        """Queue relevant functions that are named but were never called; tell whether there were any.
+
+        Methods of objects that exist come first, then functions, then classes that nobody makes objects of,
+        those first that no call names: what one of them runs may call the others.
+        """
+        rest = [scope for key, scope in self.reach.scopes.items() if self.is_rest(key, scope)]
+        for scope in rest:
+            for instance in self.objects_of(scope) if scope.owner else ():
+                self.queue_open(scope, instance)
+        if not self.pending:
+            self.open_functions([scope for scope in rest if scope.owner is None])
+        if not self.pending:
+            self.open_class([scope for scope in rest if scope.owner is not None and self.is_leaf(scope.owner)])
         return bool(self.pending) and len(self.visited) < _MAX_FRAMES
 
-    def frames_for_rest(self, scope: Scope) -> list[Frame]:
-        """Return frames in which a function that nobody calls is run."""
+    def is_rest(self, key: int, scope: Scope) -> bool:
+        """Tell whether a scope is a relevant function that was never run."""
+        return scope.kind == "function" and key in self.reach.relevant and key not in self.counts
+
+    def queue_open(self, scope: Scope, instance: Instance | None) -> None:
+        """Queue a function that nobody calls."""
+        self.counts[id(scope)] = 0
         self.evaluator.steps = 0
-        if scope.owner is None:
-            return self.evaluator.frames_of(scope, None)
-        objects = self.objects_of(scope)
-        if not objects and self.is_leaf(scope.owner):
-            objects = [self.evaluator.open_instance(scope.owner)]
-        return [frame for instance in objects for frame in self.evaluator.frames_of(scope, instance)]
+        self.pending.extend(self.evaluator.frames_of(scope, instance))
+
+    def open_functions(self, scopes: list[Scope]) -> None:
+        """Queue functions without an object: those that no call names, else all."""
+        uncalled = [scope for scope in scopes if scope.name not in self.evaluator.sites]
+        for scope in uncalled or scopes:
+            self.queue_open(scope, None)
+
+    def open_class(self, methods: list[Scope]) -> None:
+        """Make an object of one class that nobody makes objects of, and queue its methods."""
+        owners = [method.owner for method in methods if method.owner is not None]
+        owner = min(owners, key=lambda klass: klass.name in self.evaluator.sites, default=None)
+        if owner is not None:
+            self.evaluator.steps = 0
+            instance = self.evaluator.open_instance(owner)
+            for method in methods:
+                if method.owner is owner:
+                    self.queue_open(method, instance)
 
     def objects_of(self, scope: Scope) -> list[Instance]:
         """Return the objects whose class has this very method."""
