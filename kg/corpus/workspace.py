@@ -133,8 +133,19 @@ class Workspace:
             inside = FilePath(near.repository, home.join(root + wanted)) if home else beside
             if inside in self._owners:
                 return inside
-        fits = [file for file in candidates if file.path == wanted or file.path.endswith("/" + wanted)]
+        fits = [
+            file
+            for file in candidates
+            if (file.path == wanted or file.path.endswith("/" + wanted)) and self._is_reachable(file, wanted, home)
+        ]
         return min(fits, key=lambda file: self._distance(file, near, home, "include/" + wanted), default=None)
+
+    def _is_reachable(self, file: FilePath, wanted: str, home: PackageFolder | None) -> bool:
+        """Tell whether a header may be meant: a plain name means one of another package only in its public folder."""
+        if "/" in wanted or (home is not None and self.owner(file) is home):
+            return True
+        folder, parent = posixpath.dirname(file.path), posixpath.dirname(posixpath.dirname(file.path))
+        return "include" in (posixpath.basename(folder), posixpath.basename(parent))
 
     def _distance(self, file: FilePath, near: FilePath, home: PackageFolder | None, tail: str) -> tuple[object, ...]:
         """Order candidates: own package, own source, public headers, short paths, then by name."""

@@ -35,6 +35,17 @@ def test_include_from_other_packages(tmp_path: Path) -> None:
     assert workspace.include("ase.hpp", near=near) is None
 
 
+def test_plain_names_are_not_taken_from_anywhere(tmp_path: Path) -> None:
+    """A name without a folder means a header of another package only when that stands in its public folder."""
+    files = ("a/src/n.cpp", "a/src/deep/own.h", "b/src/string.h", "c/include/public.h", "d/include/d/half.h")
+    workspace, name = build(tmp_path, *files)
+    near = FilePath(name, "a/src/n.cpp")
+    assert workspace.include("own.h", near=near) == (name, "a/src/deep/own.h")
+    assert workspace.include("string.h", near=near) is None
+    assert workspace.include("public.h", near=near) == (name, "c/include/public.h")
+    assert workspace.include("half.h", near=near) == (name, "d/include/d/half.h")
+
+
 def test_include_across_sources(tmp_path: Path) -> None:
     """A header of another source is found when this one has none."""
     (tmp_path / "one").mkdir()
