@@ -4,7 +4,7 @@ from typing import Annotated, Any, Final
 
 import typer
 
-from kg.cli.commands import build, config, doctor, exchange, explain, lists, node, nodes, ontology, query
+from kg.cli.commands import build, config, doctor, exchange, explain, lists, node, nodes, ontology, query, stats
 from kg.cli.diagnostics import MODE, Mode
 from kg.cli.group import KgCommand, KgGroup
 from kg.cli.options import Store, from_setting
@@ -36,6 +36,7 @@ COMMANDS: Final[tuple[tuple[str, str, Any], ...]] = (
     ("Ask", "nodes", nodes.nodes),
     ("Ask", "node", node.node),
     ("Ask", "query", query.query),
+    ("Ask", "stats", stats.stats),
     ("Ask", "packages", lists.packages),
     ("Ask", "topics", lists.topics),
     ("Ask", "services", lists.services),

@@ -9,6 +9,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
 from typing import TYPE_CHECKING, Final
 from xml.sax.saxutils import escape, quoteattr
 
@@ -31,6 +32,7 @@ _XSD: Final = "http://www.w3.org/2001/XMLSchema#"
 _STRING: Final = _XSD + "string"
 _INTEGERS: Final = frozenset({_XSD + "integer", _XSD + "int", _XSD + "long", _XSD + "nonNegativeInteger"})
 _DECIMALS: Final = frozenset({_XSD + "decimal", _XSD + "double", _XSD + "float"})
+_WHOLE: Final = re.compile(r"[+-]?[0-9]+")
 _NAMESPACE: Final = "http://www.w3.org/2005/sparql-results#"
 
 
@@ -134,8 +136,20 @@ def _bare(term: Term) -> str:
 def _tsv(result: Solutions) -> str:
     lines = ["\t".join(f"?{name}" for name in result.variables)]
     # The engine's own form of a term has its tabs and ends of lines escaped.
-    lines += ["\t".join("" if term is None else str(term).replace("\t", "\\t") for term in row) for row in result.rows]
+    lines += [
+        "\t".join("" if term is None else _turtle(term).replace("\t", "\\t") for term in row) for row in result.rows
+    ]
     return "".join(line + "\n" for line in lines)
+
+
+def _turtle(term: Term) -> str:
+    """Return a term as Turtle writes it, integers and booleans in their short form."""
+    if isinstance(term, Literal) and (
+        (term.datatype.value == f"{_XSD}integer" and _WHOLE.fullmatch(term.value))
+        or (term.datatype.value == f"{_XSD}boolean" and term.value in {"true", "false"})
+    ):
+        return term.value
+    return str(term)
 
 
 def _xml_term(term: Term) -> str:

@@ -1,28 +1,38 @@
 """`kg query`: SPARQL typed, from a file, or stored under a name."""
 
+import re
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
-from kg.cli.options import Format, Json, Limit, Store, Timeout
-from kg.cli.output import terminal
+from kg.cli.diagnostics import note
+from kg.cli.options import Format, Json, Limit, Queries, Store, Timeout
+from kg.cli.output import json_lines, listing, terminal, write
 from kg.cli.session import session
-from kg.errors import Place, UsageError
+from kg.errors import UsageError
 from kg.store.opening import reading
 
 if TYPE_CHECKING:
     from kg.cli.links import Links
+    from kg.query.stored import StoredQuery
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
 __all__ = ["query"]
 
+_NAME: Final = re.compile(r"[\w.-]+(/[\w.-]+)*")
+
 Text = Annotated[
     str | None,
     typer.Argument(metavar="QUERY", help="SPARQL, or the name of a stored query; - reads it from standard input."),
 ]
+Parameter = Annotated[
+    list[str] | None, typer.Option("--param", metavar="NAME=VALUE", help="Give a variable a value; as often as needed.")
+]
+Listed = Annotated[bool, typer.Option("--list", "-l", help="List the stored queries.")]
+HelpQuery = Annotated[bool, typer.Option("--help-query", help="Say what the stored query answers and takes.")]
 File = Annotated[Path | None, typer.Option("--file", "-f", metavar="FILE", help="Read the query from FILE.")]
 
 
@@ -31,13 +41,17 @@ def query(  # noqa: PLR0913 - the options of a command
     text: Text = None,
     *,
     file: File = None,
+    param: Parameter = None,
+    listed: Listed = False,
+    help_query: HelpQuery = False,
     format_name: Format = None,
     limit: Limit = None,
     timeout: Timeout = None,
+    queries: Queries = None,
     json: Json = False,
     store: Store = None,
 ) -> None:
-    """Ask the store in SPARQL 1.1.
+    """Ask the store: in SPARQL 1.1, or by a stored query.
 
     The prefixes ros, rnkg, rdf, rdfs, owl, xsd, prov, dcterms, skos, schema and sh are known; the default graph is
     the union of all graphs. Formats of rows: table, tsv, csv, json, xml, markdown, jsonl; of graphs: turtle,
@@ -45,17 +59,55 @@ def query(  # noqa: PLR0913 - the options of a command
 
         kg query 'SELECT ?node ?topic { ?n rnkg:publishes/rdfs:label ?topic ; rnkg:name ?node }'
         kg query -f mine.rq --format csv > answer.csv
+        kg query --list
+        kg query who-publishes --param topic=cmd_vel
     """
-    from kg.cli.answers import answer, format_for  # noqa: PLC0415 - start-up time
-    from kg.query.core import run  # noqa: PLC0415 - start-up time
+    settings = session(context).settings(store=store, format=format_name, limit=limit, timeout=timeout, queries=queries)
+    if listed:
+        _list(settings, json=json)
+        return
+    asked = _asked(text, file, settings)
+    if help_query:
+        _explain(asked, json=json)
+        return
+    _answer(asked, _pairs(param or []), settings, json=json)
 
-    settings = session(context).settings(store=store, format=format_name, limit=limit, timeout=timeout)
+
+def _list(settings: "Settings", *, json: bool) -> None:
+    from kg.cli.stored_view import COLUMNS, list_rows, query_object  # noqa: PLC0415 - start-up time
+    from kg.query.stored import discover  # noqa: PLC0415 - start-up time
+
+    found = discover(settings.queries).values()
+    listing(COLUMNS, list_rows(found), objects=map(query_object, found) if json else None)
+    if terminal() and not json:
+        note("`kg query NAME --help-query` shows one")
+
+
+def _explain(asked: "StoredQuery", *, json: bool) -> None:
+    from kg.cli.stored_view import manual, query_object  # noqa: PLC0415 - start-up time
+
+    if json:
+        json_lines([query_object(asked)])
+        return
+    for line in manual(asked):
+        write(line)
+
+
+def _answer(asked: "StoredQuery", values: dict[str, str], settings: "Settings", *, json: bool) -> None:
+    from kg.cli.answers import answer, format_for  # noqa: PLC0415 - start-up time
+    from kg.query.ask import ask, suggestion  # noqa: PLC0415 - start-up time
+    from kg.query.result import Solutions  # noqa: PLC0415 - start-up time
+
     chosen = "jsonl" if json else format_for(settings.format)
-    typed, place = _text(text, file)
+    timeout = settings.timeout or None
     with reading(settings) as snapshot:
-        result = run(snapshot, typed, timeout=settings.timeout or None, limit=_limit(settings, chosen), path=place)
+        result = ask(snapshot, asked, values, timeout=timeout, limit=_limit(settings, chosen))
+        nothing = isinstance(result, Solutions) and not result.rows
+        meant = suggestion(snapshot, asked, values, timeout=timeout) if nothing and values else None
         links = _links(snapshot) if chosen == "table" and terminal() else None
     answer(result, chosen, links=links, automatic=settings.format == "auto" and not json)
+    if meant:
+        note(meant)
 
 
 def _links(snapshot: "EmbeddedSnapshot") -> "Links":
@@ -71,19 +123,36 @@ def _limit(settings: "Settings", chosen: str) -> int | None:
     return (settings.limit or None) if asked or chosen == "table" else None
 
 
-def _text(text: str | None, file: Path | None) -> tuple[str, str]:
-    """Return the query and the name of the place it comes from."""
+def _pairs(given: list[str]) -> dict[str, str]:
+    """Return the values of parameters, given as `name=value`."""
+    found = {}
+    for pair in given:
+        name, sign, value = pair.partition("=")
+        if not sign or not name:
+            raise UsageError("KG003", f"`{pair}` is no parameter", hint="Write --param NAME=VALUE.")
+        found[name.strip().lstrip("?")] = value
+    return found
+
+
+def _asked(text: str | None, file: Path | None, settings: "Settings") -> "StoredQuery":
+    """Return the query that the arguments mean: typed, from a file or standard input, or stored under a name."""
+    from kg.query.stored import find, read  # noqa: PLC0415 - start-up time
+
     if (text is None) == (file is None):
         raise UsageError("KG003", "give a query or a file with one", hint="See `kg query --help`.")
     if text == "-" or str(file) == "-":
-        return sys.stdin.read(), "standard input"
-    if file is None:
-        return text or "", "query"
-    try:
-        return file.read_text(encoding="utf-8"), str(file)
-    except OSError as error:
-        raise UsageError(
-            "KG003", f"cannot be read: {error.strerror}", place=Place(str(file)), hint="Check the path."
-        ) from error
-    except UnicodeDecodeError as error:
-        raise UsageError("KG003", "is not UTF-8 text", place=Place(str(file)), hint="Save it as UTF-8.") from error
+        return _typed(sys.stdin.read(), "standard input")
+    if file is not None:
+        return read(file, str(file))
+    if text and _NAME.fullmatch(text):
+        return find(text, settings.queries)
+    return _typed(text or "", "query")
+
+
+def _typed(text: str, place: str) -> "StoredQuery":
+    """Return a query without a file; each of its variables can be given a value."""
+    from kg.query.stored import QueryParameter, StoredQuery  # noqa: PLC0415 - start-up time
+
+    names = dict.fromkeys(re.findall(r"[?$](\w+)", text))
+    parameters = tuple(QueryParameter(name, "string", "", "", None) for name in names)
+    return StoredQuery("that was given", Path(place), "", "", parameters, text)
