@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import shutil
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 from pyoxigraph import NamedNode
 
+from kg.pipeline.build import build
+from kg.resources import folder
+from kg.settings import load
 from kg.store.embedded import EmbeddedStore
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from pathlib import Path
 
     from kg.store.snapshot import EmbeddedSnapshot
 
@@ -28,12 +32,25 @@ DATA = b"""
 @pytest.fixture(scope="session")
 def snapshot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[EmbeddedSnapshot]:
     """A store with six triples, one of them in two graphs."""
-    root: Path = tmp_path_factory.mktemp("query")
+    root = tmp_path_factory.mktemp("query")
     store = EmbeddedStore.create(root / ".kg")
     with store.write("test") as transaction:
         first = DATA.splitlines(keepends=True)[1]
         transaction.replace_graphs(
             {NamedNode("https://example.org/g"): [DATA], NamedNode("https://example.org/h"): [first]}
         )
+    with store.read() as opened:
+        yield opened
+
+
+@pytest.fixture(scope="session")
+def examples(tmp_path_factory: pytest.TempPathFactory) -> Iterator[EmbeddedSnapshot]:
+    """The example workspace, and beside it the odd packages of `cases/odd`, in one store."""
+    root = tmp_path_factory.mktemp("examples")
+    # Outside of any checkout, so that the names of the sources do not depend on where the tests stand.
+    shutil.copytree(folder("examples") / "workspace", root / "examples")
+    shutil.copytree(Path(__file__).parent / "cases" / "odd", root / "odd")
+    store = EmbeddedStore.create(root / ".kg")
+    build([str(root / "examples"), str(root / "odd")], store, load({}, environment={}))
     with store.read() as opened:
         yield opened

@@ -1,0 +1,184 @@
+"""Queries kept as files: `queries/**/*.rq` of `kg` and of folders that users name.
+
+A file is SPARQL that runs as it stands, under a header of comments:
+
+    # Who publishes a topic                                     the title
+    #
+    # Nodes that publish a topic, with the line of code.        the description, any number of lines
+    #
+    # @param topic name "/cmd_vel" the topic                    name, type, example, what it is
+
+A parameter is a variable of the query with a block of data, `VALUES ?topic { UNDEF }`: what stands between the
+braces is its default, `UNDEF` means that it may be left out (see `kg.query.binding`). Types are `string`, `name` (a
+ROS name; its leading slash may be left out), `integer`, `boolean` and `iri`.
+
+The name of a query is its path below the folder without the ending, `explore/who-publishes`; its last part is
+enough where no other query has it. A folder `internal` holds queries that `kg` itself uses.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from pyoxigraph import Literal, NamedNode
+
+from kg import resources
+from kg.errors import Place, QueryError, UsageError
+from kg.query.binding import defaults
+from kg.query.similar import did_you_mean
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator, Mapping
+    from pathlib import Path
+
+__all__ = ["QueryParameter", "StoredQuery", "discover", "find", "internal", "read"]
+
+_PARAMETER = re.compile(r'@param\s+(?P<name>\w+)\s+(?P<type>\w+)\s+"(?P<example>[^"]*)"\s+(?P<description>.+)')
+_TYPES: Final = ("string", "name", "integer", "boolean", "iri")
+_INTERNAL: Final = "internal"
+
+
+@dataclass(frozen=True, slots=True)
+class QueryParameter:
+    """A parameter of a stored query; `default` is SPARQL, None when the parameter may be left out."""
+
+    name: str
+    type: str
+    example: str
+    description: str
+    default: str | None
+
+    def term(self, value: str) -> NamedNode | Literal:
+        """Return the term that a text stands for; QueryError KG505 when it is none of the parameter's type."""
+        try:
+            return _TERMS[self.type](value)
+        except ValueError as error:
+            message = f"`{value}` is no {self.type}, which the parameter {self.name} needs"
+            raise QueryError("KG505", message, hint=f'For example {self.name}="{self.example}".') from error
+
+
+def _name(value: str) -> Literal:
+    return Literal("/" + value.strip().lstrip("/"))
+
+
+def _integer(value: str) -> Literal:
+    return Literal(int(value))
+
+
+def _boolean(value: str) -> Literal:
+    words = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
+    if value.lower() not in words:
+        raise ValueError(value)
+    return Literal(words[value.lower()])
+
+
+_TERMS: Final[dict[str, Callable[[str], NamedNode | Literal]]] = {
+    "string": Literal,
+    "name": _name,
+    "integer": _integer,
+    "boolean": _boolean,
+    "iri": NamedNode,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class StoredQuery:
+    """A query with its documentation; `text` is the whole file, so that lines in errors are those of the file."""
+
+    name: str
+    path: Path
+    title: str
+    description: str
+    parameters: tuple[QueryParameter, ...]
+    text: str
+
+    def bind(self, values: Mapping[str, str]) -> dict[str, NamedNode | Literal]:
+        """Return the terms of parameters given as text; QueryError KG505 for a name that the query does not have."""
+        known = {parameter.name: parameter for parameter in self.parameters}
+        for name in values:
+            if name not in known:
+                takes = f"It takes {', '.join(known)}." if known else "It takes none."
+                hint = did_you_mean(name, known) or takes
+                raise QueryError("KG505", f"the query {self.name} has no parameter `{name}`", hint=hint)
+        return {name: known[name].term(value) for name, value in values.items()}
+
+
+def read(path: Path, name: str) -> StoredQuery:
+    """Return the query in a file.
+
+    Raises:
+        QueryError: KG505 when the header describes a parameter that the query does not have, or not as it should.
+        UsageError: KG001 when the file cannot be read.
+    """
+    try:
+        text = path.read_text("utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise UsageError("KG001", f"the query cannot be read: {error}", place=Place(str(path))) from error
+    lines = list(_header(text))
+    prose = [line for line in lines if not line.startswith("@")]
+    title, *rest = prose or [""]
+    blocks = defaults(text)
+    parameters = tuple(
+        _parameter(path, number, line, blocks) for number, line in enumerate(lines, 1) if line.startswith("@")
+    )
+    return StoredQuery(name, path, title or name, "\n".join(rest).strip(), parameters, text)
+
+
+def _header(text: str) -> Iterator[str]:
+    """Yield the comments at the beginning of a query, without their marks."""
+    for line in text.splitlines():
+        if not line.startswith("#"):
+            return
+        yield line.removeprefix("#").strip()
+
+
+def _parameter(path: Path, number: int, line: str, blocks: Mapping[str, str]) -> QueryParameter:
+    match = _PARAMETER.fullmatch(line)
+    place = Place(str(path), number)
+    if match is None or match["type"] not in _TYPES:
+        hint = f'Write: @param NAME TYPE "EXAMPLE" DESCRIPTION, with a TYPE of {", ".join(_TYPES)}.'
+        raise QueryError("KG505", f"`{line}` describes no parameter", place=place, hint=hint)
+    if match["name"] not in blocks:
+        message = f"the query has no block of data for its parameter {match['name']}"
+        raise QueryError("KG505", message, place=place, hint=f"Add VALUES ?{match['name']} {{ UNDEF }} to the query.")
+    default = blocks[match["name"]]
+    given = None if default.upper() == "UNDEF" else default
+    return QueryParameter(match["name"], match["type"], match["example"], match["description"], given)
+
+
+def discover(folders: Iterable[Path] = ()) -> dict[str, StoredQuery]:
+    """Return the queries of `kg` and of `folders` by name, sorted; those of later folders win."""
+    found: dict[str, StoredQuery] = {}
+    for folder in (resources.folder("queries"), *folders):
+        for path in sorted(folder.rglob("*.rq")):
+            parts = path.relative_to(folder).with_suffix("").parts
+            if parts[0] != _INTERNAL:
+                name = "/".join(parts)
+                found[name] = read(path, name)
+    return dict(sorted(found.items()))
+
+
+def find(name: str, folders: Iterable[Path] = ()) -> StoredQuery:
+    """Return the query called `name`, whole or by its last part.
+
+    Raises:
+        UsageError: KG001 with what was probably meant, or with the queries that share the last part.
+    """
+    known = discover(folders)
+    if name in known:
+        return known[name]
+    same = [query for path, query in known.items() if path.rpartition("/")[2] == name]
+    if len(same) == 1:
+        return same[0]
+    if same:
+        names = ", ".join(query.name for query in same)
+        raise UsageError("KG001", f"several queries are called `{name}`: {names}", hint="Give the whole name.")
+    hint = did_you_mean(name, [*known, *(path.rpartition("/")[2] for path in known)])
+    raise UsageError("KG001", f"there is no stored query `{name}`", hint=hint or "`kg query --list` lists them.")
+
+
+def internal(name: str) -> str:
+    """Return the text of a query that `kg` itself uses."""
+    return (resources.folder("queries") / _INTERNAL / f"{name}.rq").read_text("utf-8")

@@ -1,0 +1,154 @@
+"""Tests of stored queries: each answers rows that stand in a file, and their headers say what is true."""
+
+from __future__ import annotations
+
+import csv
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from kg import resources
+from kg.errors import QueryError, UsageError
+from kg.query.ask import ask, suggestion
+from kg.query.result import Solutions
+from kg.query.stored import discover, find, internal, read
+
+if TYPE_CHECKING:
+    from kg.store.snapshot import EmbeddedSnapshot
+
+EXPECTED = Path(__file__).parent / "expected"
+QUERIES = discover()
+VARYING = {"commit", "dirty"}
+"""What differs between a checkout and an installation."""
+
+
+def _example(name: str) -> dict[str, str]:
+    """Return the example of the first parameter of a query, for those that have one."""
+    return {parameter.name: parameter.example for parameter in QUERIES[name].parameters[:1]}
+
+
+def _table(result: Solutions) -> list[list[str]]:
+    columns = [index for index, name in enumerate(result.variables) if name not in VARYING]
+    rows = [[str(getattr(row[index], "value", "")) for index in columns] for row in result.rows]
+    return [[result.variables[index] for index in columns], *rows]
+
+
+@pytest.mark.parametrize("name", QUERIES)
+def test_rows(examples: EmbeddedSnapshot, name: str) -> None:
+    """The query answers the rows of its file, which has some; KG_WRITE_EXPECTED=1 writes the files anew."""
+    values = _example(name)
+    result = ask(examples, QUERIES[name], values)
+    assert isinstance(result, Solutions)
+    table = _table(result)
+    path = EXPECTED / f"{name}.csv"
+    if os.environ.get("KG_WRITE_EXPECTED"):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with path.open("w", newline="", encoding="utf-8") as file:
+            csv.writer(file, lineterminator="\n").writerows(table)
+    with path.open(newline="", encoding="utf-8") as file:
+        expected = list(csv.reader(file))
+    assert len(expected) > 1
+    assert table == expected
+
+
+@pytest.mark.parametrize("name", [name for name, query in QUERIES.items() if query.parameters])
+def test_examples_restrict(examples: EmbeddedSnapshot, name: str) -> None:
+    """The value of the example leaves some of the rows that the query answers without it, and only those."""
+    whole, part = ask(examples, QUERIES[name], {}), ask(examples, QUERIES[name], _example(name))
+    assert isinstance(whole, Solutions)
+    assert isinstance(part, Solutions)
+    assert 0 < len(part.rows) < len(whole.rows)
+    assert set(part.rows) <= set(whole.rows)
+
+
+@pytest.mark.parametrize("name", QUERIES)
+def test_headers(name: str) -> None:
+    """Each query has a title and says what it answers."""
+    assert QUERIES[name].title != name
+
+
+def test_every_expectation_has_its_query() -> None:
+    """No file of expected rows is left over."""
+    assert {path.relative_to(EXPECTED).with_suffix("").as_posix() for path in EXPECTED.rglob("*.csv")} == set(QUERIES)
+
+
+def test_names_with_or_without_slash(examples: EmbeddedSnapshot) -> None:
+    """A ROS name is found without its leading slash."""
+    query = find("who-publishes")
+    with_slash, without = (ask(examples, query, {"topic": name}) for name in ("/odom", "odom"))
+    assert isinstance(with_slash, Solutions)
+    assert isinstance(without, Solutions)
+    assert with_slash.rows == without.rows
+
+
+def test_find_by_last_part_and_by_guess() -> None:
+    """The last part of a name is enough, and a slip is answered by what was meant."""
+    assert find("who-publishes") is not None
+    assert find("explore/who-publishes").name == "explore/who-publishes"
+    with pytest.raises(UsageError) as caught:
+        find("who-publish")
+    assert caught.value.code == "KG001"
+    assert "who-publishes" in (caught.value.hint or "")
+
+
+def test_folders_of_users(tmp_path: Path) -> None:
+    """Queries of a user's folder are found beside those of kg, and one of the same name takes its place."""
+    (tmp_path / "mine.rq").write_text("# Mine\nSELECT * { ?s ?p ?o }\n")
+    (tmp_path / "explore").mkdir()
+    (tmp_path / "explore" / "topics.rq").write_text("# My topics\nASK { ?s ?p ?o }\n")
+    found = discover([tmp_path])
+    assert found["mine"].title == "Mine"
+    assert found["explore/topics"].title == "My topics"
+    assert set(found) >= set(QUERIES)
+
+
+def test_unknown_parameter() -> None:
+    """A parameter that a query does not have is KG505 with those it has."""
+    with pytest.raises(QueryError) as caught:
+        find("who-publishes").bind({"topik": "/scan"})
+    assert caught.value.code == "KG505"
+    assert "`topic`" in (caught.value.hint or "")
+
+
+@pytest.mark.parametrize(
+    ("kind", "good", "bad"), [("integer", "7", "seven"), ("boolean", "yes", "maybe"), ("iri", "urn:a", "no iri")]
+)
+def test_values_have_types(tmp_path: Path, kind: str, good: str, bad: str) -> None:
+    """A value that is not of its parameter's type is KG505 with the example."""
+    path = tmp_path / "q.rq"
+    path.write_text(f'# T\n# @param x {kind} "{good}" a value\nSELECT ?x {{ VALUES ?x {{ UNDEF }} }}\n')
+    query = read(path, "q")
+    assert query.bind({"x": good})
+    with pytest.raises(QueryError) as caught:
+        query.bind({"x": bad})
+    assert caught.value.code == "KG505"
+    assert good in (caught.value.hint or "")
+
+
+@pytest.mark.parametrize(
+    "text", ["# T\n# @param x\nSELECT ?x { VALUES ?x { UNDEF } }", '# T\n# @param y string "" a value\nSELECT ?x { }']
+)
+def test_wrong_headers_have_a_place(tmp_path: Path, text: str) -> None:
+    """A header that describes no parameter, or none of the query, is told with file and line."""
+    path = tmp_path / "q.rq"
+    path.write_text(text)
+    with pytest.raises(QueryError) as caught:
+        read(path, "q")
+    assert caught.value.place is not None
+    assert (caught.value.place.path, caught.value.place.line) == (str(path), 2)
+
+
+def test_suggestions(examples: EmbeddedSnapshot) -> None:
+    """When a value is not in the store, those alike are suggested; when it is, nothing is."""
+    query = find("who-publishes")
+    assert "`/scan_filtered`" in (suggestion(examples, query, {"topic": "/scan_filterd"}) or "")
+    assert suggestion(examples, query, {"topic": "/scan_filtered"}) is None
+
+
+def test_internal_queries_are_not_listed() -> None:
+    """Queries that kg itself uses are read by name, not offered."""
+    assert "SELECT" in internal("relations")
+    assert not any(name.startswith("internal/") for name in QUERIES)
+    assert (resources.folder("queries") / "internal").is_dir()
