@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final, TypeVar
 
 from kg.corpus.xml import line_of, parse_xml
 from kg.extract.manifests.conditions import holds
-from kg.facts import Dependency, Location, Package, Person
+from kg.facts import Dependency, FileKind, Location, Package, Person
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -179,8 +179,20 @@ def _by_build_files(reader: Reader, folder: PackageFolder) -> int:
             return 2
         if text and (b"catkin" in text or b"rosbuild" in text):
             return 1
-    files = [entry for entry in folder.files if entry.path.endswith((".launch.py", ".launch.xml"))]
-    return 2 if files else 1
+    if folder.manifest is None:
+        return _by_code(reader, folder)
+    return 2 if any(entry.path.endswith((".launch.py", ".launch.xml")) for entry in folder.files) else 1
+
+
+def _by_code(reader: Reader, folder: PackageFolder) -> int:
+    """Return the version of ROS whose client libraries the first file that names one names, else 1."""
+    for entry in folder.files:
+        text = reader.read(entry.path) if entry.kind in {FileKind.CPP, FileKind.PYTHON} else None
+        if text and any(word in text for word in (b"rclcpp", b"rclpy")):
+            return 2
+        if text and any(word in text for word in (b"rospy", b"ros/ros.h")):
+            return 1
+    return 1
 
 
 def _rosbuild(root: _Element, folder: PackageFolder, path: str) -> Manifest:

@@ -3,15 +3,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import pytest
-from extract.workspaces import codes, reader_of
+from extract.workspaces import codes, reader_of, written
 
+from kg.corpus.reading import Reader
 from kg.extract.manifests.package_xml import read_package_xml
 from kg.facts import Dependency, Person
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-    from kg.corpus.reading import Reader
 
 FULL = """<?xml version="1.0"?>
 <package format="3">
@@ -102,6 +101,15 @@ def test_version_by_build_files(tmp_path: Path) -> None:
     assert ros(tmp_path / "a", **{"CMakeLists.txt": "find_package(ament_cmake)"}) == 2
     assert ros(tmp_path / "b", **{"CMakeLists.txt": "find_package(catkin)"}) == 1
     assert ros(tmp_path / "c", **{"launch/x.launch.py": ""}) == 2
+
+
+@pytest.mark.parametrize(("code", "expected"), [("import rclpy\n", 2), ("import rospy\n", 1), ("import os\n", 1)])
+def test_version_of_loose_code(tmp_path: Path, code: str, expected: int) -> None:
+    """Code without a manifest is of the version whose client library it uses."""
+    workspace = written(tmp_path / "loose", {"a.txt": "x", "b.py": "import os\n", "c.py": code})
+    found = workspace.package("loose")
+    assert found is not None
+    assert read_package_xml(Reader(workspace, *found), found[1]).package.ros == expected
 
 
 @pytest.mark.parametrize(
