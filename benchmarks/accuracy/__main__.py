@@ -4,7 +4,8 @@
 
 A SOURCE is a checkout (a folder); each is a build of its own unless `--together` is given, which lets packages of one
 source use those of another. `--truth` is a folder of `*.jsonl` truth files or one of them, `--scorer` the scoring
-program. A truth record counts when its repository is among the sources at the commit that it names. Typical uses:
+program. A truth record counts when it names a package and its repository is among the sources at the commit that it
+names. Typical uses:
 
     # the whole table
     python benchmarks/accuracy checkouts/* --truth truth --scorer score_interfaces.py
@@ -49,7 +50,7 @@ def main() -> None:
     files = sorted(options.truth.glob("*.jsonl")) if options.truth.is_dir() else [options.truth]
     rows = []
     for file in files:
-        truths = scorer.lines(file)
+        truths = [truth for truth in scorer.lines(file) if truth.get("package")]
         if options.package:
             truths = [truth for truth in truths if truth["package"] == options.package]
         for level in LEVELS:
