@@ -63,6 +63,7 @@ class Evaluator:
             "binary_expression": self._binary,
             "conditional_expression": self._conditional,
             "concatenated_string": self._concatenated,
+            "ERROR": self._literal_and_macro,
             "initializer_list": self._list,
             "compound_literal_expression": self._compound,
             "new_expression": self._compound,
@@ -207,7 +208,7 @@ class Evaluator:
         site = Site(where, tuple(given), tuple(where.child(a) for a in syntax.arguments(called.template)), context)
         cls = self.types.class_of(self.types.of(where.child(called.receiver), context)) if called.receiver else None
         found: Alternatives = []
-        for function in self.program.functions(called.name):
+        for function in self.program.functions(called.name, where.unit):
             owner = self.program.owner(function)
             if cls is not None and owner is not None and owner not in self.program.family(cls):
                 continue
@@ -247,6 +248,12 @@ class Evaluator:
 
     def _concatenated(self, where: Expr, context: Context) -> Alternatives:
         return self.joined([where.child(child) for child in syntax.arguments(where.node)], context)
+
+    def _literal_and_macro(self, where: Expr, context: Context) -> Alternatives:
+        """Return `"text" MACRO`, whose second part the grammar takes for an error."""
+        literal = where.node.prev_named_sibling
+        pieces = [literal, *where.node.named_children] if literal is not None else where.node.named_children
+        return self.joined([where.child(piece) for piece in pieces], context)
 
     def _list(self, where: Expr, context: Context) -> Alternatives:
         rows = self.product([where.child(child) for child in syntax.arguments(where.node)], context)

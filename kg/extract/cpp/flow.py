@@ -221,7 +221,7 @@ class Flow:
         known = evaluator.api.output(evaluator, call, called, given, write.index, context, previous)
         if known is not None:
             return known
-        for other in self._program.functions(called.name):
+        for other in self._program.functions(called.name, write.unit):
             if write.index < len(other.parameters) and fits(other, len(given)) and context.get(other) is None:
                 parameter = other.parameters[write.index]
                 if not parameter.name or not _mutable(other, write.index):

@@ -72,11 +72,20 @@ class Program:
             self._functions.setdefault(function.name, []).append(function)
             if function.owner is not None:
                 self._methods.setdefault(function.owner, []).append(function)
+        self._add_homes(unit)
         for cls in unit.classes:
             if cls.name in self.words:
                 self._enliven(cls)
         for function in unit.functions:
             self._consider(function)
+
+    def _add_homes(self, unit: Unit) -> None:
+        """Add the headers of the classes whose methods a unit defines."""
+        for name in {f.owner for f in unit.functions if f.inside is None and f.owner is not None}:
+            if name not in self._classes:
+                for header in self.project.find(unit.file, name):
+                    if any(cls.name == name for cls in header.classes):
+                        self._add(header)
 
     def start(self, function: Function) -> None:
         """Reach a function, and all that follows from it."""
@@ -176,9 +185,16 @@ class Program:
         """Return the functions with bodies of a class."""
         return [function for function in self._methods.get(cls.name, ()) if self.owner(function) is cls]
 
-    def functions(self, name: str) -> list[Function]:
-        """Return the loaded functions of a name."""
-        return self._functions.get(name, [])
+    def functions(self, name: str, near: Unit | None = None) -> list[Function]:
+        """Return the loaded functions of a name; if there are none, those in the headers of the unit `near`."""
+        found = self._functions.get(name, [])
+        if not found and near is not None:
+            for header in self.project.find(near.file, name):
+                found = [function for function in header.functions if function.name == name]
+                if found:
+                    self._functions[name] = found
+                    break
+        return found
 
     def owner(self, function: Function) -> Class | None:
         """Return the class that a function is a method of."""

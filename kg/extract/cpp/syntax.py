@@ -54,6 +54,7 @@ _DECLARATORS: Final = frozenset(
         "attributed_declarator",
     }
 )
+_NO_ARGUMENTS: Final = frozenset({"comment", "preproc_if", "preproc_ifdef", "ERROR"})
 _DEEPEST: Final = 60
 
 
@@ -111,10 +112,17 @@ def unwrap(node: Node) -> Node:
 
 
 def arguments(node: Node | None) -> list[Node]:
-    """Return the expressions of an argument list, an initialiser list or a template argument list."""
-    if node is None:
-        return []
-    return [child for child in node.named_children if child.type not in ("comment", "preproc_if", "preproc_ifdef")]
+    """Return the expressions of an argument list, an initialiser list or a template argument list.
+
+    `"text" MACRO` does not parse: there the error node stands for both.
+    """
+    found: list[Node] = []
+    for child in node.named_children if node is not None else ():
+        if child.type == "ERROR" and found and found[-1].type == "string_literal":
+            found[-1] = child
+        elif child.type not in _NO_ARGUMENTS:
+            found.append(child)
+    return found
 
 
 @dataclass(frozen=True, slots=True)

@@ -198,6 +198,9 @@ class Types:
         function = where.unit.function_at(where.at)
         if function is not None:
             index, default = _template_index(function.node, name)
+            owner = self._program.owner(function) if function.inside is None else None
+            if index >= 0 and owner is not None and _is_template(owner.node):
+                return self._from_sites(owner, index, default, where, context, self._instantiations(owner))
             if index >= 0:
                 return self._from_sites(function, index, default, where, context, self._sites.calls(function))
         cls = self.class_around(where.unit, where.at)
@@ -409,6 +412,10 @@ def _template_index(node: Node, name: str) -> tuple[int, Node | None]:
         if named is not None and syntax.text(named) == name:
             return index, parameter.child_by_field_name("default_type")
     return -1, None
+
+
+def _is_template(node: Node) -> bool:
+    return node.parent is not None and node.parent.type == "template_declaration"
 
 
 def _without_pointer(name: str) -> str:
