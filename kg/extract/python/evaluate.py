@@ -175,7 +175,7 @@ class Evaluator(Invocations):
             return [(_COMPUTED, choice)]
         found: Alternatives = []
         for (value, index), after in ((row, after) for row, after in self.combined((held, key), frame, choice)):
-            found.extend(self.item(value, index, held, frame, after))
+            found.extend(self.item(value, index, node, frame, after))
         return found
 
     def binary(self, node: Node, frame: Frame, choice: Choice) -> Alternatives:

@@ -18,18 +18,20 @@ from kg.extract.python.entities import (
     ModuleRef,
     Nothing,
     ParameterRead,
+    QosValue,
     Super,
     Table,
     Thunk,
     plain,
 )
 from kg.extract.python.flow import END, agreeing, reaching
+from kg.extract.python.qos import changed
 from kg.extract.python.syntax import code, strip_parentheses
 from kg.extract.python.unit import MODULE
 from kg.extract.values import Number, Text, Truth, Unknown, concatenate
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
 
     from tree_sitter import Node
 
@@ -179,9 +181,39 @@ class Lookups(ABC):
             values = self.augmented(binding, frame, choice)
         else:
             values = self.evaluate(binding.value, frame, choice)
+        if binding.kind == "assign" and not binding.path:
+            values = [(self.completed(value, binding, frame), after) for value, after in values]
         if binding.kind == "for":
             values = [row for value, after in values for row in self.each_round(binding, value, frame, after)]
         return [(_through(unpacked(value, binding.path)), after) for value, after in values]
+
+    def completed(self, value: Thing, binding: Binding, frame: Frame) -> Thing:
+        """Return a value with what statements after its making add to it: elements of a list, policies of a profile."""
+        if isinstance(value, Items) and not value.items:
+            return Items(tuple(self.appended(binding, frame)))
+        if isinstance(value, QosValue):
+            return self.refined(value, binding, frame)
+        return value
+
+    def appended(self, binding: Binding, frame: Frame) -> Iterator[Thing]:
+        """Yield what is appended to a list that was made empty, in its scope or, for attributes, in its class."""
+        owner = binding.scope.owner if "." in binding.name else None
+        for scope in owner.functions.values() if owner is not None else (binding.scope,):
+            calls = [call for call in scope.calls if call.name == "append" and _held(call.node) == binding.name]
+            frames = [frame] if scope is binding.scope else self.frames_of(scope, frame.instance) if calls else []
+            for call in calls:
+                for where in frames:
+                    argument = read_arguments(call.node, where).get(0)
+                    yield from (value for value, _ in self.thunk(argument, {})) if argument is not None else ()
+
+    def refined(self, value: QosValue, binding: Binding, frame: Frame) -> QosValue:
+        """Return a profile with the policies that are assigned to its attributes."""
+        changes = {}
+        for field in ("reliability", "durability", "history", "depth"):
+            later = binding.scope.bindings.get(f"{binding.name}.{field}")
+            if later:
+                changes[field] = self.bound(later, END, frame, {})[0][0][0]
+        return QosValue(changed(value.qos, changes)) if changes else value
 
     def augmented(self, binding: Binding, frame: Frame, choice: Choice) -> Alternatives:
         """Return what `name += value` leaves."""
@@ -386,7 +418,10 @@ class Lookups(ABC):
         return self._setters[key]
 
     def item(self, value: Thing, key: Thing, node: Node, frame: Frame, choice: Choice) -> Alternatives:
-        """Return `value[key]`, `node` being the expression of the value."""
+        """Return `value[key]`, `node` being the whole expression."""
+        held = node.child_by_field_name("value")
+        if held is None:
+            return [(_COMPUTED, choice)]
         if isinstance(value, Items) and isinstance(key, Number):
             index = int(key.value)
             inside = -len(value.items) <= index < len(value.items)
@@ -396,7 +431,7 @@ class Lookups(ABC):
             if got is not None:
                 return [(got, choice)]
             if plain(key) is None:
-                return [(held, choice) for _, held in value.items] or [(_COMPUTED, choice)]
+                return self.any_item(value, (frame.id, _place_of_key(node)), choice)
         if isinstance(value, ArgumentsParsed):
             return (
                 [(unpacked(value, (int(plain(key) or 0),)), choice)]
@@ -405,7 +440,15 @@ class Lookups(ABC):
             )
         if isinstance(value, Dotted) and value.path == "sys.argv":
             return [(Unknown("it is given on the command line"), choice)]
-        return self.stored(key, node, frame, choice) or [(value if isinstance(value, Unknown) else _COMPUTED, choice)]
+        return self.stored(key, held, frame, choice) or [(value if isinstance(value, Unknown) else _COMPUTED, choice)]
+
+    def any_item(self, value: Table, place: tuple[int, int], choice: Choice) -> Alternatives:
+        """Return the values of a dictionary for a key that is not known, the same for every use of the key."""
+        if place in choice:
+            inside = choice[place] < len(value.items)
+            return [(value.items[choice[place]][1] if inside else _COMPUTED, choice)]
+        listed = [(held, {**choice, place: index}) for index, (_, held) in enumerate(value.items[:_MAX_ROUNDS])]
+        return [*listed] or [(_COMPUTED, choice)]
 
     def stored(self, key: Thing, node: Node, frame: Frame, choice: Choice) -> Alternatives:
         """Return what `name[key] = value` stored before, in the same scope."""
@@ -505,6 +548,19 @@ def unpacked(value: Thing, path: tuple[int, ...]) -> Thing:
             return value if isinstance(value, Unknown) else _COMPUTED
         value = value.items[index]
     return value
+
+
+def _held(call: Node) -> str:
+    """Return the expression whose method is called."""
+    called = call.child_by_field_name("function")
+    return code(called.child_by_field_name("object")) if called is not None else ""
+
+
+def _place_of_key(node: Node) -> int:
+    """Return a number that stands for the key of `value[key]`: one for each name, else one for each place."""
+    key = node.child_by_field_name("subscript")
+    named = key is not None and key.type == "identifier"
+    return -2 - sum(byte << 8 * index for index, byte in enumerate(code(key).encode())) if named else node.end_byte
 
 
 def _through(value: Thing) -> Thing:

@@ -6,6 +6,7 @@ to the default profile: reliable, volatile, keep last.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.python.entities import Dotted, QosValue
@@ -15,7 +16,7 @@ from kg.facts import Qos
 if TYPE_CHECKING:
     from kg.extract.python.entities import Thing
 
-__all__ = ["preset", "quality", "read_qos"]
+__all__ = ["changed", "preset", "quality", "read_qos"]
 
 _DEFAULT: Final = Qos("reliable", "volatile", "keep_last", 10)
 
@@ -62,6 +63,13 @@ def read_qos(values: list[Thing], named: dict[str, Thing]) -> Qos:
         history=fields.get("history", _DEFAULT.history),
         depth=int(depth.value) if isinstance(depth, Number) else None,
     )
+
+
+def changed(qos: Qos, values: dict[str, Thing]) -> Qos:
+    """Return a profile with some of its fields given other values."""
+    depth = values.get("depth")
+    policies = {name: _policy(value, name) for name, value in values.items() if name != "depth"}
+    return replace(qos, **policies, depth=int(depth.value) if isinstance(depth, Number) else qos.depth)
 
 
 def _policy(value: Thing, field: str) -> str | None:

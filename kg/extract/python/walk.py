@@ -128,7 +128,8 @@ class Walk:
             receiver = self.first_argument(call, frame) if explicit else None
             self.declare(_Called(value.path, receiver, int(explicit)), call, frame, choice)
         elif isinstance(value, Bound):
-            self.declare(_Called(value.path, value.receiver, bound=True), call, frame, choice)
+            if not self.declare(_Called(value.path, value.receiver, bound=True), call, frame, choice):
+                self.by_name(value, call, frame, choice)
         elif isinstance(value, ClassRef):
             self.construct(value.scope, call, frame, choice)
         elif isinstance(value, FunctionRef):
@@ -139,12 +140,23 @@ class Walk:
         given = argument_nodes(call)
         return self.evaluator.evaluate(given[0], frame, {})[0][0] if given else None
 
-    def declare(self, called: _Called, call: Node, frame: Frame, choice: Choice) -> None:
-        """Note a call of something outside of the build when it declares anything."""
+    def by_name(self, value: Bound, call: Node, frame: Frame, choice: Choice) -> None:
+        """Follow a method of an object that is not known to the only class that has a method of this name."""
+        first, _, name = value.path.rpartition(".")
+        methods = [method for method in self.reach.methods.get(name, ()) if id(method) in self.reach.relevant]
+        if first != "?" or len(methods) != 1:
+            return
+        for instance in self.objects_of(methods[0]):
+            function = FunctionRef(methods[0], self.evaluator.around(methods[0]), instance)
+            self.enqueue(self.evaluator.frame_for(function, call, frame), choice)
+
+    def declare(self, called: _Called, call: Node, frame: Frame, choice: Choice) -> bool:
+        """Note a call of something outside of the build when it declares anything, and tell whether it does."""
         given = [node for node in argument_nodes(call) if node.type != "keyword_argument"]
         api = find_api(called.path, bound=called.bound, arguments=len(given) - called.skip)
         if api is not None:
             self.sites.append(Site(api, call, frame, choice, called.receiver, called.skip))
+        return api is not None
 
     def construct(self, klass: Scope, call: Node, frame: Frame, choice: Choice) -> None:
         """Follow the making of an object: its `__init__`, or the one of a base outside of the build."""
