@@ -18,6 +18,7 @@ from kg.extract.cpp.flow import Flow
 from kg.extract.cpp.sites import Sites, call_around, fits
 from kg.extract.cpp.types import Types
 from kg.extract.cpp.unit import Expr
+from kg.extract.cpp.variables import writes
 from kg.extract.values import Handle, Sequence, Text, Truth, Unknown, Value, concatenate
 
 if TYPE_CHECKING:
@@ -197,7 +198,7 @@ class Evaluator:
         if known is None:
             known = library.evaluate(self, where, called, given, context)
         if known is None:
-            known = self._into(where, called, given, context)
+            known = self._lambda(where, called, given, context) or self._into(where, called, given, context)
         if known is None and called.receiver is None:
             kind = self.types.of(where, context)
             known = self.construct(kind, given, context) if kind is not None else None
@@ -217,6 +218,21 @@ class Evaluator:
                 for result in returned(function):
                     found += [(value, context) for value, _ in self.values(result, inner)]
         return found or None
+
+    def _lambda(self, where: Expr, called: syntax.Callee, given: list[Expr], context: Context) -> Alternatives:
+        """Return what a lambda of the same function returns when it is called like this."""
+        unit, function = where.unit, where.unit.function_at(where.at)
+        if function is None or called.receiver is not None or called.scope:
+            return []
+        found: Alternatives = []
+        for write in writes(unit, called.name, function.start, function.end):
+            if write.node.type == "lambda_expression" and write.name.start_byte < where.at:
+                inner = context.bind(("lambda", unit, write.node.start_byte), Site(where, tuple(given)))
+                for node in QueryCursor(_RETURNS).captures(write.node).get("return", []):
+                    if node.named_children and not _in_lambda(node, write.node):
+                        result = Expr.of(unit, node.named_children[0])
+                        found += [(value, context) for value, _ in self.values(result, inner)]
+        return found
 
     def construct(self, kind: TypeName | None, given: list[Expr], context: Context) -> Alternatives | None:
         """Return what an object of a type made from arguments is; None if the type says nothing."""
@@ -317,10 +333,10 @@ def returned(function: Function) -> Iterator[Expr]:
 
 def _in_lambda(node: Node, end: Node) -> bool:
     for parent in syntax.outward(node):
-        if parent.type == "lambda_expression":
-            return True
         if parent.id == end.id:
             break
+        if parent.type == "lambda_expression":
+            return True
     return False
 
 

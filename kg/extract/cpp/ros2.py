@@ -5,11 +5,12 @@ Sources: the headers of rclcpp, rclcpp_lifecycle, rclcpp_action, image_transport
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.cpp import syntax
 from kg.extract.cpp.api import CallSpec, MarkSpec, ParameterSpec, TypeSpec
-from kg.extract.cpp.handles import below, value_of_parameter
+from kg.extract.cpp.handles import below, camera_info_beside, value_of_parameter
 from kg.extract.values import Handle, Text
 from kg.facts import Access, Role
 
@@ -185,7 +186,14 @@ _NAMES_OF_NODES: Final = {
     "get_effective_namespace": "",
 }
 """A topic `name/x` of the node `name` is its private `~/x`."""
-_EXPANDING: Final = frozenset({"expand_topic_or_service_name", "resolve_topic_name", "resolve_service_name"})
+_EXPANDING: Final = frozenset(
+    {
+        "expand_topic_or_service_name",
+        "resolve_topic_name",
+        "resolve_topic_or_service_name",
+        "resolve_service_name",
+    }
+)
 
 
 class Ros2:
@@ -214,6 +222,12 @@ class Ros2:
             return [(Text.of(_NAMES_OF_NODES[name]), context)]
         if name in _EXPANDING and given:
             return evaluator.values(given[0], context)
+        if name == "getCameraInfoTopic" and given:
+            return [(_beside(v), c) if isinstance(v, Text) else (v, c) for v, c in evaluator.values(given[0], context)]
+        if name == "getCameraInfoTopic" and given:
+            return [
+                (camera_info_beside(v) if isinstance(v, Text) else v, c) for v, c in evaluator.texts(given[0], context)
+            ]
         for spec in _PARAMETERS.get(name, ()):
             if spec.returns and spec.least <= len(given) <= spec.most:
                 return self._parameter(evaluator, spec, where, called, given, context)
@@ -291,3 +305,10 @@ class Ros2:
         return any(
             syntax.simple_name(base) in _NODE for member in evaluator.program.family(cls) for base in member.bases
         )
+
+
+def _beside(image: Text) -> Text:
+    """Return the topic of the camera information that stands beside an image topic (image_transport/camera_common)."""
+    *before, last = image.parts
+    head, slash, _ = (last or "").rpartition("/")
+    return replace(image, parts=(*before, f"{head}{slash}camera_info"))
