@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from kg.extract.cpp.evaluate import Alternatives, Evaluator
     from kg.extract.cpp.unit import Expr
 
-__all__ = ["as_parameter", "below", "joined_name", "sub_handle", "value_of_parameter"]
+__all__ = ["as_parameter", "below", "camera_info_beside", "joined_name", "sub_handle", "value_of_parameter"]
 
 
 def joined_name(namespace: Text, name: Text) -> Text:
@@ -36,6 +36,16 @@ def joined_name(namespace: Text, name: Text) -> Text:
     from_namespace = bool(prefix) and not body.startswith(("/", "~"))
     resolution = worse(name.resolution, namespace.resolution) if from_namespace else name.resolution
     return replace(name, parts=tuple(parts), resolution=resolution, reason=name.reason or namespace.reason)
+
+
+def camera_info_beside(image: Text) -> Text:
+    """Return the `camera_info` topic beside an image topic (`image_transport::getCameraInfoTopic`)."""
+    kept = list(image.parts)
+    while kept:
+        last = kept.pop()
+        if last is not None and "/" in last:
+            return replace(image, parts=(*kept, last[: last.rindex("/") + 1] + "camera_info"))
+    return replace(image, parts=("camera_info",)) if image.known is not None else replace(image, parts=(HOLE,))
 
 
 def sub_handle(parent: Value, name: Value) -> Value:
