@@ -4,7 +4,7 @@ from typing import Annotated, Any, Final
 
 import typer
 
-from kg.cli.commands import build, config, doctor, exchange, explain, lists, node, nodes, ontology, query, stats
+from kg.cli.commands import build, config, demo, doctor, exchange, explain, lists, node, nodes, ontology, query, stats
 from kg.cli.diagnostics import MODE, Mode
 from kg.cli.group import KgCommand, KgGroup
 from kg.cli.options import Store, from_setting
@@ -31,6 +31,7 @@ Start with `kg demo`, or with `kg build FOLDER` and then `kg nodes`.
 """
 
 COMMANDS: Final[tuple[tuple[str, str, Any], ...]] = (
+    ("Start", "demo", demo.demo),
     ("Start", "build", build.build),
     ("Start", "status", build.status),
     ("Ask", "nodes", nodes.nodes),

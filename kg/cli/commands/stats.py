@@ -1,6 +1,6 @@
 """`kg stats`: the figures of the graph."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import typer
 
@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from kg.query.stats import Statistics
 
 __all__ = ["stats"]
+
+_MOST: Final = 12
 
 
 def stats(context: typer.Context, *, json: Json = False, store: Store = None) -> None:
@@ -40,17 +42,17 @@ def stats(context: typer.Context, *, json: Json = False, store: Store = None) ->
                 write(f"{section}\t{name}\t{figure}")
 
 
-def _sections(found: "Statistics") -> list[tuple[str, list[tuple[str, object]]]]:
+def _sections(found: "Statistics", most: int | None = None) -> list[tuple[str, list[tuple[str, object]]]]:
     connected = found.connectivity
     return [
-        ("entities", [*found.entities, ("all", connected.entities)]),
-        ("triples", [*found.triples, ("quads in the store", found.quads)]),
+        ("entities", [*found.entities, ("all", sum(number for _, number in found.entities))]),
         ("entities per node", [(name, f"{figure:.2f}") for name, figure in found.per_node]),
         ("neighbours", [(name, f"{figure:.2f}") for name, figure in found.degree_by_kind]),
         (
             "graph",
             [
-                ("relations between entities", connected.relations),
+                ("entities", connected.entities),
+                ("relations between them", connected.relations),
                 ("neighbours, mean", f"{connected.degree:.2f}"),
                 ("neighbours, most", connected.highest),
                 ("entities without any", connected.isolated),
@@ -60,14 +62,26 @@ def _sections(found: "Statistics") -> list[tuple[str, list[tuple[str, object]]]]
                 ("shortest path, longest", connected.longest),
             ],
         ),
+        ("triples", [*_triples(found, most), ("quads in the store", found.quads)]),
     ]
+
+
+def _triples(found: "Statistics", most: int | None) -> list[tuple[str, int]]:
+    """Return the number of triples by property, the rarer ones together when there are more than `most`."""
+    from kg.query.prefixes import shorten  # noqa: PLC0415 - start-up time
+
+    shown = [(shorten(iri).strip("<>"), number) for iri, number in found.triples[:most]]
+    rest = found.triples[len(shown) :]
+    return [*shown, *([(f"{len(rest)} other properties", sum(number for _, number in rest))] if rest else [])]
 
 
 def _tables(found: "Statistics") -> None:
     from rich.columns import Columns  # noqa: PLC0415 - start-up time
 
     tables = [
-        make_table((Column(section, "name"), Column("", "number")), rows) for section, rows in _sections(found) if rows
+        make_table((Column(section, "name"), Column("", "number")), rows)
+        for section, rows in _sections(found, _MOST)
+        if rows
     ]
     show(Columns(tables, padding=(1, 4)))
     connected = found.connectivity

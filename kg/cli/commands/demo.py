@@ -1,0 +1,129 @@
+"""`kg demo`: the example workspace, built and asked five questions."""
+
+import sys
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
+
+from kg.cli.diagnostics import colored, say
+from kg.cli.output import write
+from kg.cli.session import session
+from kg.errors import UsageError
+from kg.render.text import count
+from kg.resources import folder
+
+if TYPE_CHECKING:
+    from kg.cli.links import Links
+    from kg.query.stored import StoredQuery
+    from kg.settings import Settings
+    from kg.store.embedded import EmbeddedStore
+    from kg.store.snapshot import EmbeddedSnapshot
+
+__all__ = ["demo"]
+
+QUESTIONS: Final = (
+    "demo/laser-scans",
+    "demo/who-talks-to-whom",
+    "demo/called-services",
+    "demo/named-by-parameters",
+    "demo/made-at-run-time",
+)
+Keep = Annotated[
+    str | None,
+    typer.Option("--store", "-s", metavar="FOLDER", help="Keep the store in FOLDER; by default it is thrown away."),
+]
+
+
+def demo(context: typer.Context, *, store: Keep = None) -> None:
+    """Build the example workspace, a rover on ROS 1 and a drone on ROS 2, and ask it five questions.
+
+    Needs no robot, no ROS and no network.
+    """
+    chosen = store or session(context).flags.get("store")
+    settings = session(context).settings(store=chosen)
+    workspace = folder("examples") / "workspace"
+    if not workspace.is_dir():
+        raise UsageError("KG003", f"the example workspace is not there: {workspace}", hint="Install kg again.")
+    with ExitStack() as stack:
+        target = _store(stack, str(chosen) if chosen else None)
+        _build(target, workspace, settings)
+        bold = ("\x1b[1m", "\x1b[0m") if colored(sys.stdout) else ("", "")
+        with target.read() as snapshot:
+            _ask_all(snapshot, settings, bold)
+    for line in _next(str(chosen) if chosen else None):
+        write(line)
+
+
+def _store(stack: ExitStack, kept: str | None) -> "EmbeddedStore":
+    from tempfile import TemporaryDirectory  # noqa: PLC0415 - start-up time
+
+    from kg.store.embedded import EmbeddedStore  # noqa: PLC0415 - start-up time
+
+    root = Path(kept) if kept else Path(stack.enter_context(TemporaryDirectory(prefix="kg-demo-"))) / ".kg"
+    return EmbeddedStore.create(root)
+
+
+def _build(target: "EmbeddedStore", workspace: Path, settings: "Settings") -> None:
+    from kg.pipeline.build import build  # noqa: PLC0415 - start-up time
+
+    say(f"reading {workspace}")
+    report = build([str(workspace)], target, settings, command="kg demo")
+    found = [count(report.total(key), noun) for key, noun in (("nodes", "node"), ("interfaces", "interface"))]
+    say(f"found {' with '.join(found)} in {count(report.total('packages'), 'package')}, in {report.seconds:.1f} s")
+
+
+def _ask_all(snapshot: "EmbeddedSnapshot", settings: "Settings", bold: tuple[str, str]) -> None:
+    from kg.cli.links import Links  # noqa: PLC0415 - start-up time
+    from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
+    from kg.query.stored import find  # noqa: PLC0415 - start-up time
+
+    links = Links.of(sources(snapshot))
+    for number, name in enumerate(QUESTIONS, 1):
+        query = find(name)
+        write(f"\n{bold[0]}{number}. {query.title}{bold[1]}\n")
+        _ask(snapshot, query, settings, links)
+
+
+def _ask(snapshot: "EmbeddedSnapshot", query: "StoredQuery", settings: "Settings", links: "Links") -> None:
+    from kg.cli.answers import table  # noqa: PLC0415 - start-up time
+    from kg.query.ask import ask  # noqa: PLC0415 - start-up time
+    from kg.query.result import Solutions  # noqa: PLC0415 - start-up time
+
+    for line in query.text.splitlines():
+        if line and not line.startswith("#"):
+            write(f"    {line}")
+    write()
+    result = ask(snapshot, query, {}, timeout=settings.timeout or None)
+    if isinstance(result, Solutions):
+        table(result, links)
+
+
+def _next(kept: str | None) -> list[str]:
+    if kept is None:
+        return [
+            "",
+            "The store of this demo is thrown away. Keep one and look around:",
+            "",
+            "    kg demo --store demo",
+            "    kg --store demo nodes",
+            "    kg --store demo node flight_controller",
+            "    kg --store demo query --list",
+            "",
+            "Or read sources of your own:",
+            "",
+            "    kg build ~/catkin_ws/src",
+        ]
+    return [
+        "",
+        f"The store is kept in {kept}. Look around:",
+        "",
+        f"    kg --store {kept} nodes",
+        f"    kg --store {kept} node flight_controller",
+        f"    kg --store {kept} query --list",
+        "",
+        "Or read sources of your own:",
+        "",
+        "    kg build ~/catkin_ws/src",
+    ]
