@@ -232,6 +232,8 @@ class Types:
         for unit, node in self._program.sites(cls.name):
             parent = node.parent
             if parent is not None and parent.type in ("template_type", "template_method", "template_function"):
+                if any(outer.type == "template_instantiation" for outer in syntax.outward(parent, 3)):
+                    continue
                 given = syntax.arguments(parent.child_by_field_name("arguments"))
                 around = self.class_around(unit, node.start_byte)
                 if given and around is not cls:
