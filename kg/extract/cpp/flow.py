@@ -372,7 +372,9 @@ class Flow:
     def _initial(self, cls: Class, name: str, context: Context) -> Alternatives:
         for write in writes(cls.unit, name, cls.start, cls.end):
             if write.type is not None and cls.unit.function_at(write.name.start_byte) is None:
-                return self._written(write, context, []) or []
+                found = self._written(write, context, []) or []
+                empty = write.kind is WriteKind.DECLARE
+                return [pair for pair in found if not (empty and isinstance(pair[0], Text))]
         return []
 
     def field(self, name: str, holder: Expr, where: Expr, context: Context) -> Alternatives:

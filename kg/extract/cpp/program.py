@@ -9,6 +9,7 @@ This is coarser than a call graph and needs no types; it keeps apart the executa
 from __future__ import annotations
 
 from collections import deque
+from itertools import takewhile
 from typing import TYPE_CHECKING
 
 from kg.extract.cpp import syntax
@@ -46,7 +47,7 @@ class Program:
         self._owners: dict[Function, Class | None] = {}
         self._found: dict[tuple[FilePath, str], Class | None] = {}
         self._bases: dict[Class, tuple[list[Class], bool]] = {}
-        self._queue: deque[frozenset[str]] = deque()
+        self._queue: deque[tuple[frozenset[str], Unit, tuple[str, ...]]] = deque()
 
     def load(self, files: Iterable[FilePath]) -> None:
         """Add source files with the headers that bear on interfaces."""
@@ -74,10 +75,17 @@ class Program:
                 self._methods.setdefault(function.owner, []).append(function)
         self._add_homes(unit)
         for cls in unit.classes:
-            if cls.name in self.words:
+            if cls.name in self.words and self._meant(cls):
                 self._enliven(cls)
         for function in unit.functions:
             self._consider(function)
+
+    def _meant(self, cls: Class) -> bool:
+        """Tell whether reached code that mentions the name of a class can mean that class."""
+        places: list[Function | Class] = [*self.reached, *self.live]
+        return len(self._classes[cls.name]) == 1 or any(
+            self.find_class(cls.name, place.unit, place.scope) is cls for place in places if cls.name in place.words
+        )
 
     def _add_homes(self, unit: Unit) -> None:
         """Add the headers of the classes whose methods a unit defines."""
@@ -104,22 +112,26 @@ class Program:
         for node in unit.captured("global"):
             declarator = node.child_by_field_name("declarator")
             if declarator is not None and declarator.type != "function_declarator":
-                self._queue.append(unit.words(node))
+                self._queue.append((unit.words(node), unit, ()))
         self._run()
 
     def _run(self) -> None:
         while self._queue:
-            for word in sorted(self._queue.popleft() - self.words):
-                self.words.add(word)
-                for cls in tuple(self._classes.get(word, ())):
+            words, unit, scope = self._queue.popleft()
+            for word in sorted(words.intersection(self._classes)):
+                one = self._classes[word]
+                cls = one[0] if len(one) == 1 else self.find_class(word, unit, scope)
+                if cls is not None:
                     self._enliven(cls)
+            for word in sorted(words - self.words):
+                self.words.add(word)
                 for function in tuple(self._functions.get(word, ())):
                     self._consider(function)
 
     def _reach(self, function: Function) -> None:
         if function not in self.reached:
             self.reached[function] = None
-            self._queue.append(function.words)
+            self._queue.append((function.words, function.unit, function.scope))
 
     def _consider(self, function: Function) -> None:
         if function in self.reached:
@@ -144,7 +156,7 @@ class Program:
         if cls in self.live or cls.name in self._closed:
             return
         self.live[cls] = None
-        self._queue.append(cls.words)
+        self._queue.append((cls.words, cls.unit, (*cls.scope, cls.name)))
         for base in self.bases(cls)[0]:
             self._enliven(base)
         if not cls.unit.file.path.endswith((".cpp", ".cc", ".cxx")):
@@ -242,10 +254,7 @@ class Program:
 
 
 def _shared(one: tuple[str, ...], other: tuple[str, ...]) -> int:
-    """Return how many names at the end of two scopes agree."""
-    count = 0
-    for left, right in zip(reversed(one), reversed(other), strict=False):
-        if left != right:
-            break
-        count += 1
-    return count
+    """Return how many names at the beginning or at the end of two scopes agree."""
+    ahead = sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(one, other, strict=False)))
+    behind = takewhile(lambda pair: pair[0] == pair[1], zip(reversed(one), reversed(other), strict=False))
+    return max(ahead, sum(1 for _ in behind))
