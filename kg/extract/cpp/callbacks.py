@@ -151,9 +151,8 @@ def _of_variable(evaluator: Evaluator, where: Expr, context: Context, depth: int
             yield from callback_types(evaluator, write.value, context, depth + 1)
         elif write.kind is WriteKind.PARAMETER:
             index = next((i for i, p in enumerate(function.parameters) if p.name == name), None)
-            for site in evaluator.sites.calls(function) if index is not None else ():
+            for site, chosen in evaluator.flow.entries(function, context) if index is not None else ():
                 if index is not None and index < len(site.arguments):
-                    chosen = context.bind(function, site)
                     yield from callback_types(evaluator, site.arguments[index], chosen, depth + 1)
 
 

@@ -247,22 +247,22 @@ class Flow:
         index = next((i for i, p in enumerate(function.parameters) if p.name == name), None)
         if index is None:
             return [(Unknown(f"{name} is a parameter"), context)]
-        owner = self._program.owner(function)
-        constructor = owner is not None and function.name == owner.name
-        key = function
-        sites = self._evaluator.sites.constructions(owner) if constructor and owner else None
-        return self._from_sites(function, index, key, sites, context)
+        return self._from_sites(function, index, context)
 
-    def _from_sites(
-        self, function: Function, index: int, key: object, sites: list[Site] | None, context: Context
-    ) -> Alternatives:
-        evaluator = self._evaluator
-        chosen = context.get(key)
+    def entries(self, function: Function, context: Context) -> list[tuple[Site, Context]]:
+        """Return the calls that can have led into a function: the one chosen before, or each of them."""
+        chosen = context.get(function)
         if isinstance(chosen, Site):
-            candidates = [(chosen, context)]
-        else:
-            found = evaluator.sites.calls(function) if sites is None else sites
-            candidates = [(site, context.bind(key, site)) for site in found if fits(function, len(site.arguments))]
+            return [(chosen, context)]
+        owner = self._program.owner(function)
+        sites = self._evaluator.sites
+        constructor = owner is not None and function.name == owner.name
+        found = sites.constructions(owner) if constructor and owner is not None else sites.calls(function)
+        return [(site, context.bind(function, site)) for site in found if fits(function, len(site.arguments))]
+
+    def _from_sites(self, function: Function, index: int, context: Context) -> Alternatives:
+        evaluator = self._evaluator
+        candidates = self.entries(function, context)
         result: Alternatives = []
         for site, bound in candidates:
             if index < len(site.arguments):
