@@ -25,7 +25,7 @@ class Slot:
 
 @dataclass(frozen=True, slots=True)
 class Api:
-    """What a call declares; `kind` is interface, parameter, parameters, node or mark."""
+    """What a call declares; `kind` is interface, parameter, parameters, node, gui or mark."""
 
     kind: str
     role: Role | None = None
@@ -143,6 +143,7 @@ _METHODS: Final[dict[str, Api]] = {
         "parameters", namespace=Slot(0, ("namespace",)), default=Slot(1, ("parameters",)), access=Access.DECLARE, ros=2
     ),
     "get_parameter": Api("parameter", name=Slot(0, ("name",)), access=Access.READ, ros=2),
+    "main": Api("gui", name=Slot(1, ("standalone",))),
     "get_parameter_or": Api("parameter", name=Slot(0, ("name",)), access=Access.READ, ros=2),
 }
 
@@ -151,6 +152,9 @@ _CONNECTION_METHODS: Final[dict[str, Api]] = {
     "advertise_camera": _topic(Role.PUBLISHES, Slot(0, ("name",)), _DATA_CLASS),
 }
 """Methods that classes inherit from jsk_topic_tools' transports when those are not in the build."""
+
+_GUI_MAIN: Final = "rqt_gui.main.Main.main"
+"""Starts a plugin of rqt by its name or class; no other method called `main` means anything."""
 
 _CONNECTION_BASES: Final = frozenset({"ConnectionBasedTransport", "DiagnosticTransport", "LazyTransport"})
 
@@ -179,6 +183,8 @@ def find_api(path: str, *, bound: bool, arguments: int = 0) -> Api | None:
     last = path.rpartition(".")[2]
     if first == "message_filters" and last == "Subscriber":
         return _ROS2_FUNCTIONS[f"{first}.{last}"] if arguments > 2 else _ROS1_FILTER  # noqa: PLR2004 - see above
+    if last == "main" and path != _GUI_MAIN:
+        return None
     if bound and last in _METHODS:
         return _METHODS[last]
     if bound and last in _CONNECTION_METHODS and rest.rpartition(".")[0].rpartition(".")[2] in _CONNECTION_BASES:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from kg.extract.python.evaluate import Evaluator
     from kg.extract.python.walk import Site
 
-__all__ = ["Declarations", "declare"]
+__all__ = ["Declarations", "declare", "plugin_asked"]
 
 _NO_REASON: Final = "it is computed when the program runs"
 _MAX_ROWS: Final = 64
@@ -65,6 +65,15 @@ def declare(sites: list[Site], evaluator: Evaluator, repository: str) -> Declara
         if site.api.mark:
             reader.mark(site)
     return _tidied(reader.found)
+
+
+def plugin_asked(site: Site, evaluator: Evaluator) -> str | None:
+    """Return the plugin that a program asks rqt to start."""
+    slot = site.api.name
+    thunk = read_arguments(site.call, site.frame).get(slot.position, *slot.names) if slot is not None else None
+    evaluator.steps = 0
+    value = evaluator.thunk(thunk, site.choice)[0][0] if thunk is not None else None
+    return value.known if isinstance(value, Text) else None
 
 
 class _Reader:

@@ -11,7 +11,7 @@ import warnings
 from string import Formatter
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.python.entities import Items, Nothing, Table
+from kg.extract.python.entities import Items, Table
 from kg.extract.values import Number, Text, Truth, Unknown, concatenate
 
 if TYPE_CHECKING:
@@ -42,13 +42,11 @@ def decode_literal(prefix: str, body: str) -> str:
 
 
 def stringify(value: Thing) -> Value:
-    """Return what `str(value)` gives, or a value that becomes a hole."""
+    """Return what `str(value)` gives, or a value that becomes a hole; `None` does, for no name is meant to hold it."""
     if isinstance(value, Text | Number):
         return value
     if isinstance(value, Truth):
         return Text.of(str(value.value))
-    if isinstance(value, Nothing):
-        return Text.of("None")
     return value if isinstance(value, Unknown) else _HOLE
 
 

@@ -35,6 +35,7 @@ class Reach:
         self.units: dict[int, Unit] = {}
         self.methods: dict[str, list[Scope]] = {}
         self.waiting: dict[str, set[int]] = {}
+        self.deferred: dict[int, list[tuple[Scope, Scope]]] = {}
         self.pending: list[Scope] = []
 
     def grow(self, roots: Iterable[Scope]) -> None:
@@ -49,10 +50,16 @@ class Reach:
         self.mark_relevant()
 
     def add(self, scope: Scope, source: Scope | None) -> None:
-        """Add a scope that `source` names."""
+        """Add a scope that `source` names; a method waits until its class is named."""
+        owner = scope.owner
+        if owner is not None and id(owner) not in self.scopes and source is not None:
+            self.deferred.setdefault(id(owner), []).append((scope, source))
+            return
         if id(scope) not in self.scopes:
             self.scopes[id(scope)] = scope
             self.pending.append(scope)
+            for method, namer in self.deferred.pop(id(scope), ()):
+                self.add(method, namer)
         if source is not None:
             self.callers.setdefault(id(scope), set()).add(id(source))
 
@@ -68,7 +75,10 @@ class Reach:
                     self.add(method, self.scopes[source])
 
     def targets(self, scope: Scope) -> Iterator[Scope]:
-        """Yield the scopes that a scope names or, as a class or module, brings with it."""
+        """Yield the scopes that a scope names or, as a class or module, brings with it.
+
+        Code that looks names up in `globals()` names every class of its file.
+        """
         words = {word.decode("utf-8", "replace") for word in scope.words}
         if scope.kind == "class":
             yield from self.of_class(scope)
@@ -79,6 +89,8 @@ class Reach:
             yield from (inner for name, inner in around.functions.items() if name in words and around.kind != "class")
             yield from (inner for name, inner in around.classes.items() if name in words)
             around = around.parent
+        if "globals" in words:
+            yield from scope.unit.module.classes.values()
         yield from self.through_imports(scope.unit, words)
         for word in words:
             self.waiting.setdefault(word, set()).add(id(scope))
