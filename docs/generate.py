@@ -15,6 +15,7 @@ from transcripts import refreshed
 
 from kg.cli.reference import markdown as commands_page
 from kg.errors import CATALOGUE, Exit
+from kg.query import stored
 from kg.settings import DECLARED
 
 if TYPE_CHECKING:
@@ -106,9 +107,40 @@ def _default(value: object) -> str:
     return "" if value in (None, ()) else f"`{value}`"
 
 
+_QUERIES: Final = """\
+# Stored queries
+
+<!-- Written by docs/generate.py from queries/. -->
+
+Questions that are already written. `kg query NAME` runs one, `kg query --list` lists them; the last part of a name is
+enough where no other query has it. Parameters may be left out unless a query says so:
+
+    kg query who-publishes --param topic=/cmd_vel
+
+Folders of your own are added with the [setting](settings.md) `queries`: a file is SPARQL that runs as it stands, under
+a header of comments like those in [queries/](../queries).
+"""
+
+
+def queries_page() -> str:
+    """Return docs/queries.md: every query that is shipped, by family, with its description and parameters."""
+    parts, family = [_QUERIES], ""
+    for name, query in sorted(stored.discover(()).items()):
+        first = name.split("/")[0]
+        if first != family:
+            family = first
+            parts.append(f"\n## {family}\n")
+        parts.append(f"\n### `{name}`\n\n{query.title}.".replace("?.", "?") + f" {query.description}".rstrip() + "\n")
+        if query.parameters:
+            parts.append("\n| parameter | for example | is |\n|---|---|---|\n")
+        parts += [f"| `{one.name}` | `{one.example}` | {one.description} |\n" for one in query.parameters]
+    return "".join(parts)
+
+
 PAGES: Final[dict[str, Callable[[], str]]] = {
     "cli.md": commands_page,
     "errors.md": errors_page,
+    "queries.md": queries_page,
     "settings.md": settings_page,
 }
 """The pages that are made from the code, and what makes them."""

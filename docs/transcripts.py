@@ -1,12 +1,14 @@
 """Sessions shown in the documentation: the commands of ```console blocks are run, their output is put below them.
 
-A command is a line that starts with `$ `. All commands of a page run in one folder, one after the other, with standard
-error among the output, as a reader would see it. A line `...` stands for lines that are left out.
+A command is a line that starts with `$ `, and what follows it with `> `. All commands of a page run in one folder, one after the other, on a terminal
+without colours, as a reader would see them; what goes to standard error comes last. A line `...` stands for lines that
+are left out.
 """
 
 from __future__ import annotations
 
 import os
+import pty
 import re
 import subprocess
 import sys
@@ -20,9 +22,16 @@ __all__ = ["commands", "masked", "refreshed"]
 
 _BLOCK: Final = re.compile(r"(?P<open>^```console\n)(?P<body>.*?)(?P<close>^```$)", re.MULTILINE | re.DOTALL)
 _PROMPT: Final = "$ "
+_MORE: Final = "> "
 _LEFT_OUT: Final = "..."
 _VARIES: Final = re.compile(r"\b\d+(?:\.\d+)? ?(?=m?s\b)")
 _SECONDS: Final = 120
+_CONTROL: Final = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]|\x1b\]8;[^\x1b]*\x1b\\")
+"""Weights of letters, and links behind them."""
+_CHUNK_BYTES: Final = 65536
+_ROOT: Final = str(Path(__file__).resolve().parent.parent)
+_SHOWN_ROOT: Final = "~/kg"
+"""What the folder of this checkout is called in the documentation."""
 
 
 def commands(text: str) -> list[str]:
@@ -47,25 +56,34 @@ def refreshed(text: str, folder: Path) -> str:
 
 def run(command: str, folder: Path) -> str:
     """Run a line of a shell as a reader with `kg` on the path would, and return what it prints."""
-    programs = str(Path(sys.executable).parent)
+    terminal, other_end = pty.openpty()
     surroundings = {name: value for name, value in os.environ.items() if not name.startswith("KG_")}
-    return subprocess.run(
+    search = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    with subprocess.Popen(
         ["bash", "-c", command],  # noqa: S607 - the shell of whoever reads the page
         cwd=folder,
-        env={
-            **surroundings,
-            "PATH": f"{programs}{os.pathsep}{os.environ['PATH']}",
-            "NO_COLOR": "1",
-            "COLUMNS": "110",
-            "HOME": str(folder),
-        },
+        env={**surroundings, "PATH": search, "HOME": str(folder), "TERM": "xterm", "NO_COLOR": "1", "COLUMNS": "120"},
         stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        check=False,
-        timeout=_SECONDS,
-    ).stdout
+        stdout=other_end,
+        stderr=subprocess.PIPE,
+    ) as process:
+        os.close(other_end)
+        shown = b"".join(_read(terminal))
+        words = process.communicate(timeout=_SECONDS)[1]
+    os.close(terminal)
+    text = _CONTROL.sub("", (shown + words).decode())
+    return text.replace("\r\n", "\n").replace(_ROOT, _SHOWN_ROOT)
+
+
+def _read(terminal: int) -> Iterator[bytes]:
+    while True:
+        try:
+            chunk = os.read(terminal, _CHUNK_BYTES)
+        except OSError:  # Linux answers so when the other end is closed
+            return
+        if not chunk:
+            return
+        yield chunk
 
 
 def _entries(body: str) -> Iterator[tuple[str, list[str]]]:
@@ -75,6 +93,8 @@ def _entries(body: str) -> Iterator[tuple[str, list[str]]]:
             if command:
                 yield command, shown
             command, shown = line.removeprefix(_PROMPT), []
+        elif line.startswith(_MORE) and not shown:
+            command += "\n" + line.removeprefix(_MORE)
         else:
             shown.append(line)
     if command:
@@ -89,4 +109,4 @@ def _shown(command: str, before: list[str], printed: str) -> str:
         after = len(before) - cut - 1
         if len(lines) > cut + after:
             lines = [*lines[:cut], _LEFT_OUT, *lines[len(lines) - after :]]
-    return "\n".join([_PROMPT + command, *lines]) + "\n"
+    return "\n".join([_PROMPT + command.replace("\n", "\n" + _MORE), *lines]) + "\n"

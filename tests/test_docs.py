@@ -13,6 +13,7 @@ from repository import ROOT, files
 
 from kg.cli.app import app
 from kg.errors import CATALOGUE
+from kg.query import stored
 from kg.settings import DECLARED
 
 sys.path.append(str(ROOT / "docs"))
@@ -97,11 +98,13 @@ def test_every_setting_is_documented() -> None:
         assert all(f"`{name}" in manual for name in (setting.name, setting.flag, setting.variable)), setting.name
 
 
-@pytest.mark.parametrize("query", [str(path.relative_to(ROOT / "queries")) for path in files() if path.suffix == ".rq"])
-def test_every_stored_query_is_documented(query: str) -> None:
-    """Every query that is shipped is named in the documentation."""
-    name = query.removesuffix(".rq")
-    assert any(f"`{name}`" in text(page) or f" {name}" in text(page) for page in pages())
+def test_every_stored_query_is_documented() -> None:
+    """Every query that is shipped has a heading, a title and a description."""
+    manual = text(DOCS / "queries.md")
+    for name, query in stored.discover().items():
+        assert f"### `{name}`\n" in manual
+        assert query.title, name
+        assert query.description.endswith("."), name
 
 
 @pytest.mark.parametrize("page", pages(), ids=[str(page.relative_to(ROOT)) for page in pages()])
