@@ -14,18 +14,16 @@ from kg.extract.buildmodel import PluginClass, Registration, TargetKind
 from kg.extract.cpp import syntax
 from kg.extract.cpp.api import Api
 from kg.extract.cpp.calls import Finder
-from kg.extract.cpp.context import EMPTY
 from kg.extract.cpp.evaluate import Evaluator
 from kg.extract.cpp.loaded import loaded_nodelets
+from kg.extract.cpp.naming import given_name
 from kg.extract.cpp.program import Program
 from kg.extract.cpp.project import FRAMEWORKS, Project
 from kg.extract.cpp.ros1 import Ros1
 from kg.extract.cpp.ros2 import Ros2
 from kg.extract.cpp.sites import call_around
-from kg.extract.cpp.unit import Expr
 from kg.extract.manifests import read_build
-from kg.extract.marks import Extracted, Mark
-from kg.extract.values import Text
+from kg.extract.marks import Extracted
 from kg.facts import Location, NodeKind, NodeType
 from kg.names import resolve
 
@@ -81,7 +79,7 @@ class _Nodes:
                 found += self._executable(target)
         for plugin in plugins:
             found += self._plugin(plugin)
-        if not self._build.targets and not found:
+        if not found:
             found += self._classes()
         return found
 
@@ -190,12 +188,14 @@ class _Nodes:
         return max(found, key=lambda cls: cls.scope[-len(wanted) + 1 :] == wanted[:-1], default=None)
 
     def _classes(self) -> list[Extracted]:
-        """Return the classes of a package without build files that make interfaces."""
+        """Return the classes that make interfaces, of a package that makes no node: a library, or one not understood."""
         found = []
         program = Program(self._project, self._closed)
-        program.load(self._project.sources())
+        program.load(file for file in self._project.sources() if "/test" not in file.path)
         for unit in list(program.units.values()):
             for cls in unit.classes if self._project.is_own(unit.file) else ():
+                if not self._declares(program, cls):
+                    continue
                 alone = Program(self._project, self._closed)
                 alone.load([unit.file])
                 alone.start_class(cls)
@@ -203,6 +203,11 @@ class _Nodes:
                 node = NodeType(cls.name, NodeKind.CLASS, "cpp", 0, place)
                 found += [e for e in self._extract(alone, node, (unit.file.path,), cls) if e.node.interfaces]
         return found
+
+    def _declares(self, program: Program, cls: Class) -> bool:
+        """Tell whether a class or its methods mention a call or type that makes an interface."""
+        known = self._api.calls.keys() | self._api.types.keys()
+        return bool(known & cls.words) or any(known & function.words for function in program.methods(cls))
 
     def _extract(
         self, program: Program, node: NodeType, sources: tuple[str, ...], cls: Class | None
@@ -216,7 +221,7 @@ class _Nodes:
         if not interfaces and not parameters and not finder.marks and not _initialises(program, node):
             return []
         ros = _ros(program, finder)
-        named = _given_name(evaluator, cls)
+        named = given_name(evaluator, cls)
         alone = named or node.name
         interfaces = tuple(
             replace(i, resolved=resolve(i.name, alone) if i.name is not None and "{}" not in i.name else None)
@@ -236,7 +241,7 @@ class _Nodes:
             home = self._reading(package)
             plugin = (
                 next((p for p in home._build.plugins if p.name == loaded.plugin), None) if home is not None else None
-            )  # noqa: SLF001 - of the same class
+            )
             for extracted in home._plugin(plugin) if home is not None and plugin is not None else ():  # noqa: SLF001 - of the same class
                 kept = [i for i in extracted.node.interfaces if loaded.own or not (i.name or "").startswith("~")]
                 interfaces += [replace(i, name=loaded.renamed(i.name)) for i in kept]
@@ -287,35 +292,3 @@ def _ros(program: Program, finder: Finder) -> int:
     return (
         _ROS2 if sum(b"rclcpp" in s for s in sources) > sum(b"ros/ros.h" in s or b"ros::" in s for s in sources) else 1
     )
-
-
-def _given_name(evaluator: Evaluator, cls: Class | None) -> str | None:
-    """Return the name that a node gives itself: `ros::init(argc, argv, "name")` or `Node("name")`."""
-    for unit, node in evaluator.program.sites("init"):
-        call = call_around(node)
-        function = call.child_by_field_name("function") if call is not None else None
-        called = syntax.callee(function) if function is not None else None
-        if call is not None and called is not None and called.scope[-1:] == ("ros",):
-            given = syntax.arguments(call.child_by_field_name("arguments"))
-            if len(given) > 2:  # noqa: PLR2004 - argc and argv stand before the name
-                return _first_text(evaluator, Expr.of(unit, given[2]))
-    classes = [cls] if cls is not None else [c for c in evaluator.program.live if evaluator.api.is_node(evaluator, c)]
-    for one in classes:
-        for member in evaluator.program.family(one):
-            for function in evaluator.program.methods(member):
-                for entry in function.initialisers:
-                    given = syntax.arguments(entry.named_children[-1])
-                    if syntax.simple_name(entry.named_children[0]) in evaluator.api.handles and given:
-                        found = _first_text(evaluator, Expr.of(function.unit, given[0]))
-                        if found is not None:
-                            return found
-    return None
-
-
-def _first_text(evaluator: Evaluator, where: Expr) -> str | None:
-    evaluator.restart()
-    texts = [value.known for value, _ in evaluator.texts(where, EMPTY) if isinstance(value, Text)]
-    return next((text for text in texts if text), None)
-
-
-_ = Mark
