@@ -52,7 +52,6 @@ COMMANDS: Final[tuple[tuple[str, str, Any], ...]] = (
 app = typer.Typer(
     cls=KgGroup,
     epilog=EPILOGUE,
-    add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -109,7 +108,7 @@ config_app.command("show", cls=KgCommand)(config.show)
 for _panel, _name, _function in COMMANDS:
     _class = node.NodeCommand if _name == "node" else KgCommand
     app.command(_name, cls=_class, rich_help_panel=_panel)(_function)
-ontology_app = typer.Typer(cls=KgGroup, rich_markup_mode=None, help="Check ontologies, and data against their shapes.")
+ontology_app = typer.Typer(cls=KgGroup, rich_markup_mode=None, help="Check ontologies, and data against shapes.")
 ontology_app.command("check", cls=KgCommand)(ontology.check)
 ontology_app.command("validate", cls=KgCommand)(ontology.validate)
 app.add_typer(ontology_app, name="ontology", rich_help_panel="Look after it")

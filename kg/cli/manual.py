@@ -15,6 +15,8 @@ __all__ = ["Entry", "Page", "page", "plain"]
 
 _WIDEST: Final = 100
 _INDENT: Final = "  "
+_LISTS: Final = {"Arguments", "Options"}
+"""Sections that are no groups of commands."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,9 +84,10 @@ def plain(manual: Page, columns: int | None = None) -> str:
     """Return a manual as text of at most `columns` columns (default: the terminal's, up to 100)."""
     columns = columns or min(shutil.get_terminal_size().columns, _WIDEST)
     parts = [_fill(f"Usage: {manual.usage}", columns, later="         "), *_paragraphs(manual.text, columns)]
-    names = [entry.name for _, entries in manual.sections for entry in entries]
-    longest = min(max(map(len, names), default=0), columns // 3)
+    names = [entry.name for title, entries in manual.sections if title not in _LISTS for entry in entries]
     for title, entries in manual.sections:
+        aligned = [entry.name for entry in entries] if title in _LISTS else names
+        longest = min(max(map(len, aligned)), columns // 3)
         parts.append("\n".join([f"{title}:", *(_row(entry, longest, columns) for entry in entries)]))
     return "\n\n".join([*parts, *_paragraphs(manual.epilogue, columns)])
 

@@ -4,6 +4,7 @@ from typing import Annotated, Any
 
 import typer
 
+from kg.cli.completion import packages
 from kg.settings import DECLARED
 
 __all__ = [
@@ -44,5 +45,12 @@ Format = Annotated[str | None, from_setting("format")]
 Queries = Annotated[str | None, from_setting("queries")]
 Json = Annotated[bool, typer.Option("--json", help="Write JSON Lines: one object a line.")]
 PackageName = Annotated[
-    str | None, typer.Option("--package", "-p", metavar="NAME", help="Only this package (`name` or `repository:name`).")
+    str | None,
+    typer.Option(
+        "--package",
+        "-p",
+        metavar="NAME",
+        help="Only this package (`name` or `repository:name`).",
+        autocompletion=packages,
+    ),
 ]

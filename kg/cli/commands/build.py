@@ -37,10 +37,11 @@ def build(  # noqa: PLR0913 - the options of a command
     json: Json = False,
     store: Store = None,
 ) -> None:
-    """Read ROS packages and write what they declare into the store.
+    """Read ROS packages into the store.
 
-    A second build reads only what has changed. Files that cannot be read as they should are reported, the rest
-    is built. Interrupted at any moment, it leaves the store as it was. For example:
+    What their nodes declare is found in the source code; nothing is compiled or run. A second build reads only
+    what has changed. Files that cannot be read as they should are reported, the rest is built. Interrupted at
+    any moment, it leaves the store as it was. For example:
 
         kg build ~/catkin_ws/src
         kg build https://github.com/ros-planning/navigation.git@noetic-devel
@@ -62,7 +63,11 @@ def build(  # noqa: PLR0913 - the options of a command
 
 
 def status(context: typer.Context, *, json: Json = False, store: Store = None) -> None:
-    """List the sources in the store: commit, counts, what stayed unresolved, and what a build would read again."""
+    """List the sources in the store, and what has changed since.
+
+    Each with its commit, how many packages and nodes it has, how many names stayed unresolved, and how many
+    packages a build would read again.
+    """
     from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
     from kg.pipeline.pending import pending  # noqa: PLC0415 - start-up time
     from kg.store.embedded import EmbeddedStore  # noqa: PLC0415 - start-up time

@@ -12,7 +12,7 @@ __all__ = ["config", "setting_rows", "show"]
 
 
 def config(context: typer.Context) -> None:
-    """Settings: their values and where they come from."""
+    """Show settings and where they come from."""
     if context.invoked_subcommand is None:
         show(context)
 

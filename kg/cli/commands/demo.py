@@ -37,9 +37,9 @@ Keep = Annotated[
 
 
 def demo(context: typer.Context, *, store: Keep = None) -> None:
-    """Build the example workspace, a rover on ROS 1 and a drone on ROS 2, and ask it five questions.
+    """Build an example workspace and ask it five questions.
 
-    Needs no robot, no ROS and no network.
+    It has a rover on ROS 1 and a drone on ROS 2. Needs no robot, no ROS and no network.
     """
     chosen = store or session(context).flags.get("store")
     settings = session(context).settings(store=chosen)

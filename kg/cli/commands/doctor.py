@@ -16,7 +16,11 @@ __all__ = ["doctor"]
 
 
 def doctor(context: typer.Context, *, json: Json = False, store: Store = None) -> None:
-    """Check Python, the packages it needs, git, Java, the disk and the store; exit code 1 when something is wrong."""
+    """Check the installation and the store.
+
+    Looked at are Python and the packages that kg needs, git, Java, the disk, the store and the settings. The exit code
+    is 1 when something is wrong.
+    """
     from kg.cli.checks import checks  # noqa: PLC0415 - start-up time
 
     wrong = 0

@@ -51,9 +51,10 @@ def export(  # noqa: PLR0913 - the options of a command
     base: Base = None,
     store: Store = None,
 ) -> None:
-    """Write the graph as RDF, by default all of it as N-Quads.
+    """Write the graph as RDF.
 
-    Formats without named graphs (nt, ttl, n3, rdf) get the union of all graphs. For example:
+    By default that is all of it, as N-Quads. Formats without named graphs (nt, ttl, n3, rdf) get the union of
+    all graphs. For example:
 
         kg export > everything.nq
         kg export --source github.com/acme/rover -o rover.ttl
@@ -85,10 +86,10 @@ def import_files(  # noqa: PLR0913 - the options of a command
     base: Base = None,
     store: Store = None,
 ) -> None:
-    """Add files of RDF to the store, all of them or, when one is not valid, none.
+    """Add files of RDF to the store.
 
-    Triples go into the graph named with --graph, by default one with the name of the file; quads go where
-    they say. For example:
+    When one of them is not valid none is added. Triples go into the graph named with --graph, by default one
+    with the name of the file; quads go where they say. For example:
 
         kg import everything.nq
         kg import my-robot.ttl --graph https://example.org/my-robot
@@ -110,9 +111,10 @@ def import_files(  # noqa: PLR0913 - the options of a command
 
 
 def forget(context: typer.Context, sources: Sources, *, base: Base = None, store: Store = None) -> None:
-    """Take sources out of the store, with everything that was read from them.
+    """Take sources out of the store.
 
-    Their source code is not touched, and `kg build` brings them back. For example:
+    Everything that was read from them goes. Their source code is not touched, and `kg build` brings them back.
+    For example:
 
         kg forget github.com/acme/rover
     """

@@ -4,6 +4,7 @@ from typing import Annotated
 
 import typer
 
+from kg.cli.completion import codes
 from kg.cli.names import UnknownNameError
 from kg.cli.options import Json
 from kg.cli.output import json_lines, write
@@ -11,13 +12,16 @@ from kg.errors import CATALOGUE
 
 __all__ = ["explain"]
 
-Code = Annotated[str | None, typer.Argument(metavar="CODE", help="A code such as KG101; without one all are listed.")]
+Code = Annotated[
+    str | None,
+    typer.Argument(metavar="CODE", help="A code such as KG101; without one all are listed.", autocompletion=codes),
+]
 
 
 def explain(code: Code = None, *, json: Json = False) -> None:
-    """Say what an error code means and what to do about it.
+    """Say what an error code means.
 
-    For example:
+    And what to do about it. For example:
 
         kg explain KG301
     """

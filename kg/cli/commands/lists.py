@@ -21,7 +21,10 @@ All = Annotated[bool, typer.Option("--all", "-a", help="Also what frameworks mak
 
 
 def packages(context: typer.Context, *, json: Json = False, store: Store = None) -> None:
-    """List the packages with how many nodes, interface definitions and problems each has."""
+    """List the packages with what was found in each.
+
+    That is how many nodes, interface definitions and problems each has.
+    """
     from kg.graph import overview  # noqa: PLC0415 - start-up time
 
     with reading(session(context).settings(store=store)) as snapshot:
@@ -43,7 +46,7 @@ def packages(context: typer.Context, *, json: Json = False, store: Store = None)
 
 
 def topics(context: typer.Context, *, every: All = False, json: Json = False, store: Store = None) -> None:
-    """List the topics with their types and how many nodes publish and subscribe them.
+    """List the topics, their types and how many nodes use them.
 
     Names are those of nodes started alone, without remapping.
     """
@@ -51,12 +54,12 @@ def topics(context: typer.Context, *, every: All = False, json: Json = False, st
 
 
 def services(context: typer.Context, *, every: All = False, json: Json = False, store: Store = None) -> None:
-    """List the services with their types and how many nodes offer and call them."""
+    """List the services, their types and how many nodes use them."""
     _channels("service", ("offer", "call"), _found(context, "service", store, every=every), json=json)
 
 
 def actions(context: typer.Context, *, every: All = False, json: Json = False, store: Store = None) -> None:
-    """List the actions with their types and how many nodes offer and call them."""
+    """List the actions, their types and how many nodes use them."""
     _channels("action", ("offer", "call"), _found(context, "action", store, every=every), json=json)
 
 

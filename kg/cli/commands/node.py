@@ -1,10 +1,12 @@
 """`kg node`: one node with all it declares, as words, JSON or a picture."""
 
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from kg.cli.completion import nodes
 from kg.cli.diagnostics import note, say
 from kg.cli.group import KgCommand
 from kg.cli.names import one_node
@@ -22,7 +24,10 @@ if TYPE_CHECKING:
 __all__ = ["NodeCommand", "node"]
 
 Name = Annotated[
-    str, typer.Argument(metavar="NAME", help="Name of the node, or `package/node`, or `repository:package/node`.")
+    str,
+    typer.Argument(
+        metavar="NAME", help="Name of the node, or `package/node`, or `repository:package/node`.", autocompletion=nodes
+    ),
 ]
 All = Annotated[bool, typer.Option("--all", "-a", help="Also what frameworks make by themselves (rosout, tf, ...).")]
 Picture = Annotated[
@@ -41,7 +46,7 @@ class NodeCommand(KgCommand):
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Parse, with an empty file behind `--picture` where what follows is no SVG file."""
         spread: list[str] = []
-        for argument, following in zip(args, [*args[1:], ""], strict=True):
+        for argument, following in pairwise([*args, ""]):
             spread.append(argument)
             if argument == "--picture" and not (following.endswith(".svg") or following == "-"):
                 spread.append("")
@@ -57,8 +62,9 @@ def node(  # noqa: PLR0913 - the options of a command
     json: Json = False,
     store: Store = None,
 ) -> None:
-    """Show one node: how to start it, what it publishes, subscribes, offers, calls and reads, and on which line.
+    """Show one node: its interface, with lines of code.
 
+    How to start it, what it publishes, subscribes, offers and calls, its parameters, and the line behind each.
     For example:
 
         kg node move_base

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
+from kg.cli.completion import queries as query_names
 from kg.cli.diagnostics import note
 from kg.cli.options import Format, Json, Limit, Queries, Store, Timeout
 from kg.cli.output import json_lines, listing, terminal, write
@@ -26,7 +27,11 @@ _NAME: Final = re.compile(r"[\w.-]+(/[\w.-]+)*")
 
 Text = Annotated[
     str | None,
-    typer.Argument(metavar="QUERY", help="SPARQL, or the name of a stored query; - reads it from standard input."),
+    typer.Argument(
+        metavar="QUERY",
+        help="SPARQL, or the name of a stored query; - reads it from standard input.",
+        autocompletion=query_names,
+    ),
 ]
 Parameter = Annotated[
     list[str] | None, typer.Option("--param", metavar="NAME=VALUE", help="Give a variable a value; as often as needed.")
@@ -51,11 +56,11 @@ def query(  # noqa: PLR0913 - the options of a command
     json: Json = False,
     store: Store = None,
 ) -> None:
-    """Ask the store: in SPARQL 1.1, or by a stored query.
+    """Ask in SPARQL, or by a stored query.
 
-    The prefixes ros, rnkg, rdf, rdfs, owl, xsd, prov, dcterms, skos, schema and sh are known; the default graph is
-    the union of all graphs. Formats of rows: table, tsv, csv, json, xml, markdown, jsonl; of graphs: turtle,
-    ntriples, nquads, trig, jsonld, rdfxml. For example:
+    All of SPARQL 1.1 Query can be used. The prefixes ros, rnkg, rdf, rdfs, owl, xsd, prov, dcterms, skos,
+    schema and sh are known; the default graph is the union of all graphs. Formats of rows: table, tsv, csv,
+    json, xml, markdown, jsonl; of graphs: turtle, ntriples, nquads, trig, jsonld, rdfxml. For example:
 
         kg query 'SELECT ?node ?topic { ?n rnkg:publishes/rdfs:label ?topic ; rnkg:name ?node }'
         kg query -f mine.rq --format csv > answer.csv

@@ -20,10 +20,10 @@ _MOST: Final = 12
 
 
 def stats(context: typer.Context, *, json: Json = False, store: Store = None) -> None:
-    """Count entities and triples by kind, entities per node, neighbours of entities and the paths between them.
+    """Count entities, triples, neighbours and paths of the graph.
 
-    Two entities are neighbours when any property relates them; a path counts relations. In large graphs paths are
-    followed from a sample of the entities.
+    By kind: entities, triples, entities per node, neighbours. Two entities are neighbours when any property
+    relates them; a path counts relations. In large graphs paths are followed from a sample of the entities.
     """
     from dataclasses import asdict  # noqa: PLC0415 - start-up time
 

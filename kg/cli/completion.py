@@ -1,0 +1,64 @@
+"""What the shell offers behind Tab: names from the store, stored queries, codes. Where nothing is known, nothing."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kg.errors import CATALOGUE, KgError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+__all__ = ["codes", "nodes", "packages", "queries"]
+
+
+def codes(incomplete: str) -> list[tuple[str, str]]:
+    """Return the error codes with their titles."""
+    return [(code, entry.title) for code, entry in CATALOGUE.items() if code.startswith(incomplete.upper())]
+
+
+def nodes(incomplete: str) -> list[str]:
+    """Return the names of nodes."""
+
+    def names() -> list[str]:
+        from kg.graph.reading import node_names  # noqa: PLC0415 - start-up time
+        from kg.settings import load  # noqa: PLC0415 - start-up time
+        from kg.store.opening import reading  # noqa: PLC0415 - start-up time
+
+        with reading(load()) as snapshot:
+            return node_names(snapshot)
+
+    return _beginning(incomplete, names)
+
+
+def packages(incomplete: str) -> list[str]:
+    """Return the names of packages."""
+
+    def names() -> list[str]:
+        from kg.graph.overview import package_names  # noqa: PLC0415 - start-up time
+        from kg.settings import load  # noqa: PLC0415 - start-up time
+        from kg.store.opening import reading  # noqa: PLC0415 - start-up time
+
+        with reading(load()) as snapshot:
+            return package_names(snapshot)
+
+    return _beginning(incomplete, names)
+
+
+def queries(incomplete: str) -> list[str]:
+    """Return the names of stored queries."""
+
+    def names() -> list[str]:
+        from kg.query.stored import discover  # noqa: PLC0415 - start-up time
+        from kg.settings import load  # noqa: PLC0415 - start-up time
+
+        return list(discover(load().queries))
+
+    return _beginning(incomplete, names)
+
+
+def _beginning(incomplete: str, names: Callable[[], list[str]]) -> list[str]:
+    try:
+        return [name for name in names() if name.startswith(incomplete)]
+    except KgError:
+        return []
