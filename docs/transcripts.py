@@ -1,8 +1,8 @@
 """Sessions shown in the documentation: the commands of ```console blocks are run, their output is put below them.
 
-A command is a line that starts with `$ `, and what follows it with `> `. All commands of a page run in one folder, one after the other, on a terminal
-without colours, as a reader would see them; what goes to standard error comes last. A line `...` stands for lines that
-are left out.
+A command is a line that starts with `$ `, and what follows it with `> `. All commands of a page run in one folder, one
+after the other, on a terminal without colours, as a reader would see them; what goes to standard error comes last. A
+line `...` stands for lines that are left out.
 """
 
 from __future__ import annotations
