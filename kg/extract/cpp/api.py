@@ -10,8 +10,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
-from kg.facts import Access, Role
-
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
@@ -20,6 +18,7 @@ if TYPE_CHECKING:
     from kg.extract.cpp.syntax import Callee
     from kg.extract.cpp.types import TypeName
     from kg.extract.cpp.unit import Class, Expr
+    from kg.facts import Access, Role
 
 __all__ = ["Api", "CallSpec", "Dialect", "MarkSpec", "ParameterSpec", "TypeSpec"]
 
@@ -91,7 +90,7 @@ class TypeSpec:
 
 @dataclass(frozen=True, slots=True)
 class MarkSpec:
-    """A type or call whose mere use is a mark; `handle` is the argument with the namespace, `detail` the one with a text."""
+    """A type whose mere use is a mark; `handle` is the argument with the namespace, `detail` the one with a text."""
 
     key: str
     handle: int | None = None
@@ -142,7 +141,7 @@ class Dialect(Protocol):
     ) -> Alternatives | None:
         """Return what an object of one of its types is; None for other types."""
 
-    def output(  # noqa: PLR0913 - the whole of a call and its place
+    def output(  # noqa: PLR0913, PLR0917 - the whole of a call and its place
         self,
         evaluator: Evaluator,
         where: Expr,
@@ -200,7 +199,7 @@ class Api:
                 return found
         return None
 
-    def output(  # noqa: PLR0913 - the whole of a call and its place
+    def output(  # noqa: PLR0913, PLR0917 - the whole of a call and its place
         self,
         evaluator: Evaluator,
         where: Expr,

@@ -57,18 +57,8 @@ def _of_call(evaluator: Evaluator, where: Expr, context: Context, depth: int) ->
         target = where.child(syntax.unwrap(given[0]))
         method = given[0].type == "pointer_expression" and "::" in syntax.text(given[0])
         index = 0 if place is None else place - method
-        for kind, chosen in _of_function(evaluator, target, context, index):
-            yield kind, chosen
+        yield from _of_function(evaluator, target, context, index)
         return
-    if called.template is not None:
-        for argument in syntax.arguments(called.template):
-            found = False
-            for kind, chosen in evaluator.types.message(where.child(argument), context):
-                if kind is not None and called.name in ("function", "Callback"):
-                    found = True
-                    yield kind, chosen
-            if found:
-                return
     yield from callback_types(evaluator, where.child(given[0]), context, depth + 1)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import islice
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.cpp import syntax
@@ -98,7 +99,7 @@ class Finder:
             for name, kind in specified(self._evaluator, holder):
                 self._add(_interface(spec.role, Handle(), name, kind, place, holder.name), None)
 
-    def _interface(  # noqa: PLR0913 - the parts of one call
+    def _interface(  # noqa: PLR0913, PLR0917 - the parts of one call
         self, spec: CallSpec, where: Expr, node: Node, called: syntax.Callee, given: list[Expr], handle: Expr | None
     ) -> None:
         evaluator = self._evaluator
@@ -143,7 +144,7 @@ class Finder:
             if settled is not None and settled.arguments:
                 found = [kind for kind, _ in types.message(settled.arguments[0], context)]
         if not any(found) and spec.callback is not None and spec.callback < len(given):
-            found = [kind for kind, _ in callback_types(self._evaluator, given[spec.callback], context)][:1]
+            found = [kind for kind, _ in islice(callback_types(self._evaluator, given[spec.callback], context), 1)]
         if not any(found) and spec.typed is not None and spec.typed < len(given):
             settled = types.of(given[spec.typed], context)
             found = [types.as_message(settled)] if settled is not None else []
@@ -291,7 +292,7 @@ class Finder:
         return Location(unit.file.path, unit.line(node.start_byte), other)
 
 
-def _interface(  # noqa: PLR0913 - the parts of one fact
+def _interface(  # noqa: PLR0913, PLR0917 - the parts of one fact
     role: Role, holder: object, name: Text | Unknown, kind: str | None, place: Location, written: str | None
 ) -> Interface:
     shown = " ".join(written.split()) if written is not None else None

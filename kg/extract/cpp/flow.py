@@ -15,7 +15,7 @@ from kg.extract.cpp.context import Site
 from kg.extract.cpp.sites import fits
 from kg.extract.cpp.unit import Expr, read_parameters
 from kg.extract.cpp.variables import WriteKind, writes
-from kg.extract.values import Handle, Mapping, Number, Sequence, Text, Unknown, Value, concatenate
+from kg.extract.values import Mapping, Number, Sequence, Text, Unknown, Value, concatenate
 from kg.facts import Resolution
 
 if TYPE_CHECKING:
@@ -525,6 +525,3 @@ def _defaults(found: Alternatives) -> Alternatives:
 
 def _through(found: Alternatives) -> Alternatives:
     return [(value.through_constant() if isinstance(value, Text) else value, context) for value, context in found]
-
-
-_ = Handle

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from kg.extract.values import HOLE, Handle, Number, Text, Truth, Unknown, Value, concatenate, worse
+from kg.extract.values import HOLE, Handle, Text, Unknown, Value, concatenate, worse
 from kg.facts import Resolution
 from kg.names import join
 
@@ -68,7 +68,7 @@ def below(evaluator: Evaluator, parent: Alternatives, name: Expr) -> Alternative
     return found
 
 
-def value_of_parameter(
+def value_of_parameter(  # noqa: PLR0913, PLR0917 - the whole of a call and its place
     evaluator: Evaluator,
     spec: ParameterSpec,
     handle: Expr | None,
@@ -88,7 +88,7 @@ def value_of_parameter(
     return found
 
 
-def _defaults(  # noqa: PLR0913 - one step of one caller
+def _defaults(  # noqa: PLR0913, PLR0917 - one step of one caller
     evaluator: Evaluator,
     spec: ParameterSpec,
     given: list[Expr],
@@ -121,6 +121,3 @@ def as_parameter(value: Value, parameter: str | None) -> Value:
         reason = f"it is the parameter {parameter}, whose default is not known: {value.reason}"
         return Text((HOLE,), Resolution.UNRESOLVED, parameter, reason)
     return value
-
-
-_ = Number, Truth

@@ -43,13 +43,14 @@ _KINDS: Final = {
     Registration.COMPONENT: NodeKind.COMPONENT,
     Registration.PLUGIN: NodeKind.PLUGIN,
 }
-_EXPORTS: Final = (
-    "PLUGINLIB_EXPORT_CLASS",
-    "PLUGINLIB_DECLARE_CLASS",
-    "RCLCPP_COMPONENTS_REGISTER_NODE",
-    "PLUGINLIB_REGISTER_CLASS",
-    "CLASS_LOADER_REGISTER_CLASS",
-)
+_EXPORTS: Final = {
+    "PLUGINLIB_EXPORT_CLASS": 0,
+    "PLUGINLIB_DECLARE_CLASS": 2,
+    "PLUGINLIB_REGISTER_CLASS": 1,
+    "RCLCPP_COMPONENTS_REGISTER_NODE": 0,
+    "CLASS_LOADER_REGISTER_CLASS": 0,
+}
+"""Macros that register a class, with the place of the class among their arguments."""
 _BASES: Final = {"Nodelet": Registration.NODELET}
 _ROS2: Final = 2
 
@@ -65,7 +66,7 @@ class _Nodes:
     def __init__(self, reader: Reader, package: PackageFolder, build: BuildModel) -> None:
         self._project = Project(reader, package)
         self._package = package
-        self._build = build
+        self.build = build
         self._api = Api((Ros1(), Ros2()))
         self._closed = self._api.closed if package.name in FRAMEWORKS else self._api.wrappers
 
@@ -74,18 +75,18 @@ class _Nodes:
         found = []
         plugins = list(self._plugins())
         made = {plugin.executable for plugin in plugins if plugin.executable}
-        for target in self._build.targets:
+        for target in self.build.targets:
             if target.kind is TargetKind.EXECUTABLE and (target.output_name or target.name) not in made:
                 found += self._executable(target)
         for plugin in plugins:
-            found += self._plugin(plugin)
+            found += self.plugin(plugin)
         if not found:
             found += self._classes()
         return found
 
     def _files(self, target: Target) -> list[FilePath]:
         """Return the sources of a target and of the libraries of this package that it links."""
-        by_name = {other.name: other for other in self._build.targets}
+        by_name = {other.name: other for other in self.build.targets}
         seen = {target.name: target}
         pending = [target]
         while pending:
@@ -115,7 +116,7 @@ class _Nodes:
     def _plugins(self) -> Iterator[PluginClass]:
         """Yield the classes registered in the build files, then those registered in code only."""
         known = set()
-        for plugin in self._build.plugins:
+        for plugin in self.build.plugins:
             known.add(_last(plugin.type))
             yield plugin
         for file in self._project.sources():
@@ -131,11 +132,7 @@ class _Nodes:
             if unit is None or not given:
                 continue
             shown = [syntax.text(argument) for argument in given]
-            kind = (
-                shown[2]
-                if word in ("PLUGINLIB_DECLARE_CLASS", "PLUGINLIB_REGISTER_CLASS") and len(shown) > 2
-                else shown[0]
-            )
+            kind = shown[min(_EXPORTS[word], len(shown) - 1)]
             base = shown[-1] if len(shown) > 1 else None
             component = word == "RCLCPP_COMPONENTS_REGISTER_NODE"
             registration = Registration.COMPONENT if component else _BASES.get(_last(base or ""), Registration.PLUGIN)
@@ -144,7 +141,8 @@ class _Nodes:
                 place = Location(file.path, unit.line(node.start_byte))
                 yield PluginClass(kind, kind, registration, place, base_type=base)
 
-    def _plugin(self, plugin: PluginClass) -> list[Extracted]:
+    def plugin(self, plugin: PluginClass) -> list[Extracted]:
+        """Return the node of a registered class; none if the class is not found."""
         for files in self._libraries(plugin):
             program = Program(self._project, self._closed)
             program.load(files)
@@ -170,7 +168,7 @@ class _Nodes:
 
     def _libraries(self, plugin: PluginClass) -> Iterator[list[FilePath]]:
         """Yield sets of files that may define a plugin: its library, the file that registers it, all of the package."""
-        for target in self._build.targets:
+        for target in self.build.targets:
             if plugin.library is not None and _library(plugin.library) in (target.name, target.output_name):
                 yield self._files(target)
         pattern = _last(plugin.type).encode()
@@ -188,7 +186,7 @@ class _Nodes:
         return max(found, key=lambda cls: cls.scope[-len(wanted) + 1 :] == wanted[:-1], default=None)
 
     def _classes(self) -> list[Extracted]:
-        """Return the classes that make interfaces, of a package that makes no node: a library, or one not understood."""
+        """Return the classes that make interfaces, of a package that makes no node or is not understood."""
         found = []
         program = Program(self._project, self._closed)
         program.load(file for file in self._project.sources() if "/test" not in file.path)
@@ -240,9 +238,9 @@ class _Nodes:
             package, _, _ = loaded.plugin.partition("/")
             home = self._reading(package)
             plugin = (
-                next((p for p in home._build.plugins if p.name == loaded.plugin), None) if home is not None else None
+                next((p for p in home.build.plugins if p.name == loaded.plugin), None) if home is not None else None
             )
-            for extracted in home._plugin(plugin) if home is not None and plugin is not None else ():  # noqa: SLF001 - of the same class
+            for extracted in home.plugin(plugin) if home is not None and plugin is not None else ():
                 kept = [i for i in extracted.node.interfaces if loaded.own or not (i.name or "").startswith("~")]
                 interfaces += [replace(i, name=loaded.renamed(i.name)) for i in kept]
                 parameters += extracted.node.parameters if loaded.own else ()

@@ -42,7 +42,7 @@ _SCALARS: Final = {
 }
 
 
-def read_parameter(  # noqa: PLR0913 - the parts of one call
+def read_parameter(  # noqa: PLR0913, PLR0917 - the parts of one call
     evaluator: Evaluator, spec: ParameterSpec, where: Expr, called: Callee, given: list[Expr], place: Location
 ) -> Iterator[Parameter]:
     """Yield the parameters that a call can mean, one for each alternative of its name."""
@@ -73,7 +73,7 @@ def _default(evaluator: Evaluator, spec: ParameterSpec, given: list[Expr], conte
     return values[0][0] if len(values) == 1 else None
 
 
-def _type(  # noqa: PLR0913 - the parts of one call
+def _type(  # noqa: PLR0913, PLR0917 - the parts of one call
     evaluator: Evaluator, spec: ParameterSpec, called: Callee, where: Expr, given: list[Expr], context: Context
 ) -> str | None:
     explicit = syntax.arguments(called.template)

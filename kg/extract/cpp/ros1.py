@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.cpp import syntax
 from kg.extract.cpp.api import CallSpec, MarkSpec, ParameterSpec, TypeSpec
 from kg.extract.cpp.handles import below, value_of_parameter
 from kg.extract.values import Handle, Text, concatenate
@@ -257,7 +256,7 @@ class Ros1:
                 found.append((value, chosen))
         return found
 
-    def output(  # noqa: PLR0913 - the signature of the protocol
+    def output(  # noqa: PLR0913, PLR0917 - the signature of the protocol
         self,
         evaluator: Evaluator,
         where: Expr,
@@ -274,7 +273,7 @@ class Ros1:
                 return value_of_parameter(evaluator, spec, handle, given, context, previous)
         return None
 
-    def is_node(self, evaluator: Evaluator, cls: Class) -> bool:
+    def is_node(self, evaluator: Evaluator, cls: Class) -> bool:  # noqa: ARG002 - the signature of the protocol
         """Tell whether a class is a node handle by itself: none is in ROS 1, nodelets have handles."""
         return False
 
@@ -289,6 +288,3 @@ def _matches(spec: ParameterSpec, called: Callee, count: int) -> bool:
     if spec.scopes:
         return called.receiver is None and called.scope[-1:] != () and called.scope[-1] in spec.scopes
     return called.receiver is not None
-
-
-_ = syntax

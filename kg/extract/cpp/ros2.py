@@ -230,7 +230,7 @@ class Ros2:
             ]
         for spec in _PARAMETERS.get(name, ()):
             if spec.returns and spec.least <= len(given) <= spec.most:
-                return self._parameter(evaluator, spec, where, called, given, context)
+                return self._parameter(evaluator, spec, given, context)
         return None
 
     def _is_node_here(self, evaluator: Evaluator, where: Expr, receiver: Node | None, context: Context) -> bool:
@@ -241,13 +241,7 @@ class Ros2:
         return any(isinstance(value, Handle) for value, _ in evaluator.values(where.child(receiver), context))
 
     def _parameter(
-        self,
-        evaluator: Evaluator,
-        spec: ParameterSpec,
-        where: Expr,
-        called: Callee,
-        given: list[Expr],
-        context: Context,
+        self, evaluator: Evaluator, spec: ParameterSpec, given: list[Expr], context: Context
     ) -> Alternatives:
         if spec.access is Access.READ and spec.default is None:
             return self._declared(evaluator, given, context)
@@ -280,10 +274,10 @@ class Ros2:
             return [(Handle(), context)]
         return None
 
-    def output(  # noqa: PLR0913 - the signature of the protocol
+    def output(  # noqa: PLR0913, PLR0917 - the signature of the protocol
         self,
         evaluator: Evaluator,
-        where: Expr,
+        where: Expr,  # noqa: ARG002 - the signature of the protocol
         called: Callee,
         given: list[Expr],
         index: int,

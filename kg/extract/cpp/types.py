@@ -211,7 +211,7 @@ class Types:
             return None
         return self._from_sites(cls, index, default, where, context, self._instantiations(cls))
 
-    def _from_sites(  # noqa: PLR0913 - one call of one caller, kept apart for its length
+    def _from_sites(  # noqa: PLR0913, PLR0917 - one call of one caller, kept apart for its length
         self, key: object, index: int, default: Node | None, where: Expr, context: Context, sites: list[Site]
     ) -> list[tuple[Expr, Context]]:
         choice = ("template", key)
@@ -384,8 +384,8 @@ class Types:
         if called is None or function is None:
             return None
         if called.name in MAKERS and called.template is not None:
-            given = syntax.arguments(called.template)
-            return self._first(where.child(given[0]), context, depth) if given else None
+            made = syntax.arguments(called.template)
+            return self._first(where.child(made[0]), context, depth) if made else None
         if called.name in ("get", "lock", "value", "move", "ref", "cref", "at", "front", "back", "shared_from_this"):
             inner = called.receiver or next(iter(syntax.arguments(where.node.child_by_field_name("arguments"))), None)
             found = self.of(where.child(inner), context, depth + 1) if inner is not None else None
