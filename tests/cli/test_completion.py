@@ -19,7 +19,7 @@ if TYPE_CHECKING:
         ("kg nodes --package rover_", ["rover_base", "rover_sim"]),
         ("kg query who-", []),
         ("kg query explore/who-", ["explore/who-publishes", "explore/who-subscribes"]),
-        ("kg explain kg60", ["KG601", "KG602", "KG603", "KG604", "KG605"]),
+        ("kg explain KG60", ["KG601", "KG602", "KG603", "KG604", "KG605"]),
     ],
 )
 def test_tab_offers_what_there_is(kg: Program, tmp_path: Path, words: str, offered: list[str]) -> None:
