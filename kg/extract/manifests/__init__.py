@@ -35,15 +35,15 @@ def read_build(reader: Reader, package: PackageFolder) -> BuildModel:
         for plugin in read_plugin_file(reader, path, targets):
             found.setdefault((plugin.name, plugin.base_type), plugin)
     plugins = collected.run_alone([*collected.plugins, *found.values()])
-    entry_points, declared = read_setup(reader, package)
-    scripts = read_scripts(reader, package, collected.programs, declared)
+    setup = read_setup(reader, package)
+    scripts = read_scripts(reader, package, collected.programs, setup.scripts.values())
     reconfigure = dict.fromkeys([*collected.reconfigure_files, *_cfg_files(package)])
     return BuildModel(
         targets=collected.finished(),
         plugins=tuple(plugins),
         scripts=tuple(scripts),
-        entry_points=tuple(entry_points),
-        parameter_libraries=tuple(collected.parameter_libraries),
+        entry_points=tuple(setup.entry_points.values()),
+        parameter_libraries=(*collected.parameter_libraries, *setup.parameter_modules),
         reconfigure_files=tuple(reconfigure),
     )
 

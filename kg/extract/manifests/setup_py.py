@@ -6,6 +6,7 @@ import configparser
 import posixpath
 import re
 import tomllib
+from dataclasses import dataclass, field
 from functools import cache
 from typing import TYPE_CHECKING, Final
 
@@ -21,14 +22,23 @@ if TYPE_CHECKING:
     from kg.corpus.files import PackageFolder
     from kg.corpus.reading import Reader
 
-__all__ = ["read_setup"]
+__all__ = ["Setup", "read_setup"]
 
-_SETUP_CALLS: Final = frozenset({"setup", "generate_distutils_setup", "dict"})
+_SETUP_CALLS: Final = frozenset({"setup", "generate_distutils_setup", "dict", "generate_parameter_module"})
 _ENTRY: Final = re.compile(r"^\s*([^\s=]+)\s*=\s*([\w.]+)\s*(?::\s*([\w.]+))?")
 
 
-def read_setup(reader: Reader, folder: PackageFolder) -> tuple[list[EntryPoint], list[Script]]:
-    """Return the console scripts and scripts that the Python side of a package declares."""
+@dataclass(slots=True)
+class Setup:
+    """What the Python side of a package declares; parameter modules pair a module with its YAML file."""
+
+    entry_points: dict[str, EntryPoint] = field(default_factory=dict)
+    scripts: dict[str, Script] = field(default_factory=dict)
+    parameter_modules: dict[tuple[str, str], None] = field(default_factory=dict)
+
+
+def read_setup(reader: Reader, folder: PackageFolder) -> Setup:
+    """Return the console scripts, scripts and parameter modules that a package declares."""
     found = _Found(reader, folder)
     for name, read in (("setup.py", _setup_py), ("setup.cfg", _setup_cfg), ("pyproject.toml", _pyproject)):
         path = folder.join(name)
@@ -36,7 +46,7 @@ def read_setup(reader: Reader, folder: PackageFolder) -> tuple[list[EntryPoint],
             text = reader.read(path)
             if text is not None:
                 read(found, path, text)
-    return list(found.entry_points.values()), list(found.scripts.values())
+    return found.setup
 
 
 class _Found:
@@ -46,8 +56,7 @@ class _Found:
         self.reader = reader
         self.folder = folder
         self.roots = ["", "src", "python", "scripts"]
-        self.entry_points: dict[str, EntryPoint] = {}
-        self.scripts: dict[str, Script] = {}
+        self.setup = Setup()
 
     def entry(self, written: str, path: str, line: int) -> None:
         """Take an entry point as written: `name = package.module:function`."""
@@ -55,14 +64,20 @@ class _Found:
         if match:
             name, module, function = match[1], match[2], match[3] or ""
             point = EntryPoint(name, module, function, self._module(module, path), Location(path, line))
-            self.entry_points.setdefault(name, point)
+            self.setup.entry_points.setdefault(name, point)
 
     def script(self, written: str, path: str, line: int) -> None:
         """Take a file of `scripts=`."""
         file = posixpath.normpath(self.folder.join(written))
         if self.reader.workspace.entry(self.reader.file(file)):
             name = posixpath.basename(file)
-            self.scripts.setdefault(name, Script(name, file, Location(path, line)))
+            self.setup.scripts.setdefault(name, Script(name, file, Location(path, line)))
+
+    def parameter_module(self, module: str, written: str) -> None:
+        """Take a YAML file that generate_parameter_library makes a module of."""
+        file = posixpath.normpath(self.folder.join(written))
+        if self.reader.workspace.entry(self.reader.file(file)):
+            self.setup.parameter_modules[(module, file)] = None
 
     def _module(self, module: str, path: str) -> str | None:
         relative = module.replace(".", "/")
@@ -89,7 +104,10 @@ def _setup_py(found: _Found, path: str, text: bytes) -> None:
         line = _first_error(tree.root_node)
         found.reader.problem("KG115", "part of setup.py does not parse", path, line)
     values = Values()
-    for keywords in _setup_calls(tree.root_node, values):
+    for keywords, positional in _setup_calls(tree.root_node, values):
+        match [values.of(node) for node in positional[:2]]:
+            case [Piece(text=module), Piece(text=written)]:
+                found.parameter_module(module, written)
         _package_dir(found, values.of(keywords.get("package_dir")))
         _entry_points(found, values.of(keywords.get("entry_points")), path)
         scripts = values.of(keywords.get("scripts"))
@@ -108,8 +126,11 @@ def _first_error(root: Node) -> int:
         node = inner
 
 
-def _setup_calls(root: Node, values: Values) -> Iterator[dict[str, Node]]:
-    """Yield the keyword arguments of calls that set up a package, having taken in the assignments before them."""
+def _setup_calls(root: Node, values: Values) -> Iterator[tuple[dict[str, Node], list[Node]]]:
+    """Yield the arguments, by keyword and others, of calls that set up a package.
+
+    The assignments before a call are known by then.
+    """
     pending = list(reversed(root.named_children))
     while pending:
         node = pending.pop()
@@ -122,7 +143,8 @@ def _setup_calls(root: Node, values: Values) -> Iterator[dict[str, Node]]:
             name = text_of(function).rpartition(".")[2] if function is not None else ""
             arguments = node.child_by_field_name("arguments")
             if name in _SETUP_CALLS and arguments is not None:
-                yield dict(_keywords(arguments))
+                positional = [child for child in arguments.named_children if child.type != "keyword_argument"]
+                yield dict(_keywords(arguments)), positional
         elif node.type in {
             "expression_statement",
             "assignment",

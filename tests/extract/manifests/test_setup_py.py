@@ -73,6 +73,17 @@ setup(**d)
     assert [(script.name, script.path, script.location.line) for script in found] == [("run", "demo/bin/run", 2)]
 
 
+def test_parameter_modules(tmp_path: Path) -> None:
+    """YAML files that setup.py makes parameter modules of are noted."""
+    setup = """from generate_parameter_library_py.setup_helper import generate_parameter_module
+generate_parameter_module("talker_parameters", "demo/talker.yaml", validation_module="x")
+generate_parameter_module("gone", "demo/gone.yaml")
+generate_parameter_module(1)
+"""
+    model = model_of(reader_of(tmp_path, {"setup.py": setup, "demo/talker.yaml": ""}))
+    assert model.parameter_libraries == (("talker_parameters", "demo/demo/talker.yaml"),)
+
+
 def test_setup_cfg(tmp_path: Path) -> None:
     """setup.cfg may hold the same."""
     cfg = """[options]
