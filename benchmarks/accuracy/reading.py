@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import time
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from multiprocessing import get_context
 from typing import TYPE_CHECKING, Any
 
 from kg.corpus.workspace import Workspace, scan
 from kg.extract.package import extract_package
-from kg.facts import Role
+from kg.graph.reading import NodeRecord
+from kg.graph.records import node_object
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
     from pathlib import Path
 
     from kg.corpus.workspace import Source
-    from kg.facts import Interface, NodeType, PackageFacts, Parameter, Repository
+    from kg.facts import PackageFacts, Repository
 
 __all__ = ["Reading", "read_sources"]
 
@@ -75,51 +76,4 @@ def _reading(source: Source, results: list[tuple[PackageFacts, float]]) -> Readi
 
 def _records(repository: Repository, facts: PackageFacts) -> Iterator[dict[str, Any]]:
     for node in facts.nodes:
-        yield {
-            "repository": repository.name,
-            "commit": repository.commit,
-            "package": facts.package.name,
-            **_node(node),
-        }
-
-
-def _node(node: NodeType) -> dict[str, Any]:
-    record: dict[str, Any] = {
-        "node": node.name,
-        "kind": node.kind.value,
-        "executable": node.executable,
-        "plugin": node.plugin,
-        "language": node.language,
-        "ros": node.ros,
-        "sources": list(node.sources),
-    }
-    for role in Role:
-        record[role.value] = [_interface(found) for found in node.interfaces if found.role is role]
-    record["parameters"] = [_parameter(found) for found in node.parameters]
-    return record
-
-
-def _interface(found: Interface) -> dict[str, Any]:
-    return {
-        "name": found.name,
-        "type": found.type,
-        "resolution": found.resolution.value,
-        "parameter": found.parameter,
-        "implicit": found.implicit,
-        "qos": asdict(found.qos) if found.qos else None,
-        "file": found.location.path,
-        "line": found.location.line,
-        "reason": found.reason,
-    }
-
-
-def _parameter(found: Parameter) -> dict[str, Any]:
-    return {
-        "name": found.name,
-        "type": found.type,
-        "default": found.default,
-        "access": found.access.value,
-        "implicit": found.implicit,
-        "file": found.location.path,
-        "line": found.location.line,
-    }
+        yield node_object(NodeRecord(repository.name, repository.commit, facts.package.name, node))
