@@ -27,7 +27,7 @@ __all__ = ["Declarations", "declare", "plugin_asked"]
 
 _NO_REASON: Final = "it is computed when the program runs"
 _MAX_ROWS: Final = 64
-_STEPS_FOR_A_SITE: Final = 2_000
+_STEPS_FOR_A_SITE: Final = 800
 
 
 @dataclass(slots=True)

@@ -46,6 +46,7 @@ class Invocations(Library):
         self.sites: dict[str, list[tuple[Scope, CallSite]]] = {}
         self.runs: dict[tuple[int, int], list[Frame]] = {}
         self.instances: dict[tuple[int, int, int], Instance] = {}
+        self.objects: dict[int, list[Instance]] = {}
         self._calls: dict[tuple[int, int, int, int], Frame] = {}
         self._searching: set[tuple[int, int]] = set()
 
@@ -90,20 +91,26 @@ class Invocations(Library):
         """Return the object that a call of a class makes in a frame; the same call gives the same object."""
         key = (id(klass), call.start_byte, frame.id)
         if key not in self.instances:
-            made = Instance(klass, call, frame)
-            self.instances[key] = made
+            made = self.keep(key, Instance(klass, call, frame))
             init = self.initialiser(klass)
             if init is not None:
                 made.frame = self.frame_for(FunctionRef(init, self.around(init), made), call, frame)
         return self.instances[key]
 
+    def keep(self, key: tuple[int, int, int], made: Instance) -> Instance:
+        """Remember an object, also as one of all its bases, and return it."""
+        self.instances[key] = made
+        for base in self.program.lineage(made.klass):
+            if not isinstance(base, Dotted):
+                self.objects.setdefault(id(base), []).append(made)
+        return made
+
     def open_instance(self, klass: Scope) -> Instance:
         """Return an object of a class that was made nobody knows where; one that is known is preferred."""
-        for instance in self.instances.values():
-            if any(base is klass for base in self.program.lineage(instance.klass)):
-                return instance
-        key = (id(klass), -1, -1)
-        made = self.instances[key] = Instance(klass, None, None)
+        known = self.objects.get(id(klass))
+        if known:
+            return known[0]
+        made = self.keep((id(klass), -1, -1), Instance(klass, None, None))
         init = self.initialiser(klass)
         if init is not None:
             made.frame = self.open_frame(init, made)
@@ -205,12 +212,10 @@ class Invocations(Library):
             return [self.program.scope_frame(scope)]
         if scope.owner is None:
             return self.frames_of(scope, None)
-        own = instance is not None and any(base is scope.owner for base in self.program.lineage(instance.klass))
-        if own:
+        others = self.objects.get(id(scope.owner), [])
+        if instance is not None and instance in others:
             return self.frames_of(scope, instance)
-        return [
-            frame
-            for other in list(self.instances.values())
-            if any(base is scope.owner for base in self.program.lineage(other.klass))
-            for frame in self.frames_of(scope, other)
-        ][:_MAX_FRAMES]
+        found: list[Frame] = []
+        for other in others[:_MAX_FRAMES]:
+            found.extend(self.frames_of(scope, other))
+        return found[:_MAX_FRAMES]

@@ -223,24 +223,23 @@ class Walk:
                     self.queue_open(method, instance)
 
     def objects_of(self, scope: Scope) -> list[Instance]:
-        """Return the objects whose class has this very method."""
-        found = []
-        for instance in list(self.evaluator.instances.values()):
-            for base in self.program.lineage(instance.klass):
-                if not isinstance(base, Dotted) and scope.name in base.functions:
-                    if base.functions[scope.name] is scope:
-                        found.append(instance)
-                    break
-        return found
+        """Return the objects whose class has this very method, neither overridden nor of another class."""
+        return [
+            instance
+            for instance in self.evaluator.objects.get(id(scope.owner), [])
+            if self.method_of(instance.klass, scope.name) is scope
+        ]
+
+    def method_of(self, klass: Scope, name: str) -> Scope | None:
+        """Return the method that objects of a class have under a name."""
+        lineage = self.program.lineage(klass)
+        return next(
+            (base.functions[name] for base in lineage if not isinstance(base, Dotted) and name in base.functions), None
+        )
 
     def is_leaf(self, klass: Scope) -> bool:
         """Tell whether a class was named by the code that runs and no object is of a class derived from it."""
-        if id(klass) not in self.reach.scopes:
-            return False
-        return not any(
-            klass is not instance.klass and klass in self.program.lineage(instance.klass)
-            for instance in self.evaluator.instances.values()
-        )
+        return id(klass) in self.reach.scopes and not self.evaluator.objects.get(id(klass))
 
 
 _HOLDERS: Final = {"attribute": "object", "subscript": "value", "call": "function"}
