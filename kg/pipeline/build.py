@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import os
 import time
-from contextlib import closing
+from contextlib import nullcontext
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -29,10 +29,12 @@ from kg.pipeline.state import PackageState, SourceState, State, load, save
 from kg.store.failure import translated
 
 if TYPE_CHECKING:
-    from collections.abc import Generator, Iterator, Sequence
+    from collections.abc import Iterator, Sequence
+    from contextlib import AbstractContextManager
 
     from kg.corpus.workspace import FileEntry, PackageFolder, Source
     from kg.pipeline.plan import Key, Plan
+    from kg.pipeline.pool import Pool
     from kg.pipeline.report import Report
     from kg.pipeline.work import Outcome
     from kg.pipeline.writing import Written
@@ -145,14 +147,17 @@ class _Build:
         jobs: int,
     ) -> dict[str, Written]:
         """Read what has to be read, adding it to `results`, and write the graphs of the `changed` sources."""
-        from kg.pipeline.writing import Writing  # noqa: PLC0415 - a build without changes needs no graph
+        with self._pool(workspace, plan, jobs) as pool:
+            # After the workers have started: they neither need what this loads nor may they inherit an open engine.
+            from kg.pipeline.writing import Writing  # noqa: PLC0415 - see above
 
-        trusted = self._trusted(workspace.sources, plan)
-        writing = Writing(self._transaction, self._cache, self._state, plan, self._settings.base, trusted)
-        entries = entries_by_name(workspace.sources)
-        writing.begin(changed)
-        with closing(self._outcomes(workspace, plan, jobs)) as outcomes:
-            for source, package, outcome in outcomes:
+            trusted = self._trusted(workspace.sources, plan)
+            writing = Writing(self._transaction, self._cache, self._state, plan, self._settings.base, trusted)
+            writing.begin(changed)
+            entries = entries_by_name(workspace.sources)
+            places = {(source.repository.name, package.path): (source, package) for source, package in plan.read}
+            for outcome in pool.outcomes() if pool else ():
+                source, package = places[outcome.result.source, outcome.result.path]
                 self._report.done(outcome.result)
                 found = self._kept(source, package, outcome, entries)
                 results[source.repository.name, package.path] = found
@@ -160,25 +165,20 @@ class _Build:
         self._report.writing(writing.triples)
         return writing.finish(changed, results, self._started)
 
-    def _outcomes(
-        self, workspace: RecordingWorkspace, plan: Plan, jobs: int
-    ) -> Generator[tuple[Source, PackageFolder, Outcome], None, None]:
-        """Yield the packages that are read; the largest are begun first, so that the workers end together."""
+    def _pool(self, workspace: RecordingWorkspace, plan: Plan, jobs: int) -> AbstractContextManager[Pool | None]:
+        """Return the workers for what is read, None for nothing; the largest packages are begun first.
+
+        So the workers end at about the same time.
+        """
         if not plan.read:
-            return
-        from kg.pipeline.pool import Task, run  # noqa: PLC0415 - a build without changes imports no reader
+            return nullcontext()
+        from kg.pipeline.pool import Pool, Task  # noqa: PLC0415 - a build without changes imports no reader
         from kg.pipeline.work import Job  # noqa: PLC0415 - the same
 
         workspace.prepare()
-        places: dict[Key, tuple[Source, PackageFolder]] = {
-            (source.repository.name, package.path): (source, package) for source, package in plan.read
-        }
-        largest = sorted(places.items(), key=lambda item: -_code_bytes(item[1][1]))
-        tasks = [Task(name, package.name, path) for (name, path), (_, package) in largest]
-        job = Job(workspace, self._settings.base, self._settings.max_file_bytes)
-        with closing(run(job, tasks, jobs)) as outcomes:
-            for outcome in outcomes:
-                yield (*places[outcome.result.source, outcome.result.path], outcome)
+        largest = sorted(plan.read, key=lambda place: -_code_bytes(place[1]))
+        tasks = [Task(source.repository.name, package.name, package.path) for source, package in largest]
+        return Pool(Job(workspace, self._settings.base, self._settings.max_file_bytes), tasks, jobs)
 
     def _kept(
         self, source: Source, package: PackageFolder, outcome: Outcome, entries: dict[str, FileEntry]

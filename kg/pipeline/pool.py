@@ -21,11 +21,13 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 from kg.pipeline.work import Job, Outcome, failed, work
 
 if TYPE_CHECKING:
-    from collections.abc import Generator, Iterable, Iterator
+    from collections.abc import Iterable, Iterator
     from multiprocessing.connection import Connection
     from multiprocessing.process import BaseProcess
+    from types import TracebackType
+    from typing import Self
 
-__all__ = ["PACKAGE_SECONDS", "Task", "run"]
+__all__ = ["PACKAGE_SECONDS", "Pool", "Task"]
 
 PACKAGE_SECONDS: Final = 300.0
 """How long one package may take; the largest known takes some seconds."""
@@ -54,64 +56,30 @@ class _Worker:
     since: float = 0.0
 
 
-def run(
-    job: Job, tasks: Iterable[Task], jobs: int, deadline: float = PACKAGE_SECONDS
-) -> Generator[Outcome, None, None]:
-    """Yield the outcome of each task as it comes, read by up to `jobs` processes; the first tasks are begun first.
+class Pool:
+    """The workers of one build, for a `with` statement: they start with it and are gone after it.
 
-    A task whose worker dies, or that takes more than `deadline` seconds, yields a problem KG121. Closing the
-    iterator ends all workers.
+    The first of `tasks` are begun first, by up to `jobs` processes. A task whose worker dies, or that takes more than
+    `deadline` seconds, gives a problem KG121.
     """
-    queue = deque(tasks)
-    pool = _Pool(job, max(1, min(jobs, len(queue))))
-    try:
-        while queue or pool.busy:
-            pool.hand_out(queue)
-            yield from pool.collect(queue, deadline)
-    finally:
-        pool.close()
 
-
-class _Pool:
-    """The workers of one build."""
-
-    def __init__(self, job: Job, size: int) -> None:
+    def __init__(self, job: Job, tasks: Iterable[Task], jobs: int, deadline: float = PACKAGE_SECONDS) -> None:
         methods = multiprocessing.get_all_start_methods()
         self._context = multiprocessing.get_context("fork" if "fork" in methods else None)
         self._job = job
-        self._size = size
+        self._queue = deque(tasks)
+        self._size = max(1, min(jobs, len(self._queue)))
+        self._deadline = deadline
         self._workers: list[_Worker] = []
-        gc.collect()
+
+    def __enter__(self) -> Self:
         gc.freeze()
+        self._hand_out()
+        return self
 
-    @property
-    def busy(self) -> bool:
-        """Whether any worker has something to do."""
-        return any(worker.given for worker in self._workers)
-
-    def hand_out(self, queue: deque[Task]) -> None:
-        """Give tasks to workers that have less than they can keep; start workers as long as there are tasks."""
-        while queue and len(self._workers) < self._size:
-            self._start()
-            self._give(self._workers[-1], queue)
-        for _ in range(_AHEAD):
-            for worker in sorted(self._workers, key=lambda one: len(one.given)):
-                if queue and len(worker.given) < _AHEAD:
-                    self._give(worker, queue)
-
-    def collect(self, queue: deque[Task], deadline: float) -> Iterator[Outcome]:
-        """Wait for outcomes and yield them; tasks of a worker that ended go back, but for the one that ended it."""
-        now = time.monotonic()
-        left = [worker.since + deadline - now for worker in self._workers if worker.given]
-        ready = wait([worker.pipe for worker in self._workers], timeout=max(0.0, min(left, default=0.0)))
-        for worker in list(self._workers):
-            if worker.pipe in ready:
-                yield from self._receive(worker, queue)
-            elif worker.given and time.monotonic() - worker.since > deadline:
-                yield from self._bury(worker, queue, f"the package took longer than {deadline:g} s and was left out")
-
-    def close(self) -> None:
-        """End all workers at once."""
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         for worker in self._workers:
             worker.process.kill()
         for worker in self._workers:
@@ -119,6 +87,38 @@ class _Pool:
             worker.pipe.close()
         self._workers = []
         gc.unfreeze()
+
+    def outcomes(self) -> Iterator[Outcome]:
+        """Yield the outcome of each task as it comes."""
+        while self._queue or self._busy:
+            self._hand_out()
+            yield from self._collect()
+
+    @property
+    def _busy(self) -> bool:
+        """Whether any worker has something to do."""
+        return any(worker.given for worker in self._workers)
+
+    def _hand_out(self) -> None:
+        """Give tasks to workers that have less than they can keep; start workers as long as there are tasks."""
+        while self._queue and len(self._workers) < self._size:
+            self._start()
+            self._give(self._workers[-1])
+        for _ in range(_AHEAD):
+            for worker in sorted(self._workers, key=lambda one: len(one.given)):
+                if self._queue and len(worker.given) < _AHEAD:
+                    self._give(worker)
+
+    def _collect(self) -> Iterator[Outcome]:
+        """Wait for outcomes and yield them; tasks of a worker that ended go back, but for the one that ended it."""
+        now = time.monotonic()
+        left = [worker.since + self._deadline - now for worker in self._workers if worker.given]
+        ready = wait([worker.pipe for worker in self._workers], timeout=max(0.0, min(left, default=0.0)))
+        for worker in list(self._workers):
+            if worker.pipe in ready:
+                yield from self._receive(worker)
+            elif worker.given and time.monotonic() - worker.since > self._deadline:
+                yield from self._bury(worker, f"the package took longer than {self._deadline:g} s and was left out")
 
     def _start(self) -> None:
         here, there = self._context.Pipe()
@@ -131,33 +131,33 @@ class _Pool:
         there.close()
         self._workers.append(_Worker(process, here))
 
-    def _give(self, worker: _Worker, queue: deque[Task]) -> None:
+    def _give(self, worker: _Worker) -> None:
         if not worker.given:
             worker.since = time.monotonic()
-        worker.given.append(queue.popleft())
+        worker.given.append(self._queue.popleft())
         with contextlib.suppress(OSError):  # a worker that has died is found by `collect`
             worker.pipe.send(worker.given[-1])
 
-    def _receive(self, worker: _Worker, queue: deque[Task]) -> Iterator[Outcome]:
+    def _receive(self, worker: _Worker) -> Iterator[Outcome]:
         try:
             outcome: Outcome = worker.pipe.recv()
         except (EOFError, OSError):
             worker.process.join()
             message = f"the process that read the package ended with {_end(worker.process)}"
-            yield from self._bury(worker, queue, message)
+            yield from self._bury(worker, message)
             return
         worker.given.popleft()
         worker.since = time.monotonic()
         yield outcome
 
-    def _bury(self, worker: _Worker, queue: deque[Task], message: str) -> Iterator[Outcome]:
+    def _bury(self, worker: _Worker, message: str) -> Iterator[Outcome]:
         """Remove a worker and put its tasks back, but for the one it was at, which is yielded as failed."""
         worker.process.kill()
         worker.process.join()
         worker.pipe.close()
         self._workers.remove(worker)
         culprit = worker.given.popleft() if worker.given else None
-        queue.extendleft(reversed(worker.given))
+        self._queue.extendleft(reversed(worker.given))
         if culprit:
             yield failed(*culprit, message)
 

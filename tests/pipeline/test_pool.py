@@ -5,12 +5,11 @@ from __future__ import annotations
 import os
 import signal
 import time
-from contextlib import closing
 
 import pytest
 
 from kg.pipeline import pool
-from kg.pipeline.pool import Task, run
+from kg.pipeline.pool import Pool, Task
 from kg.pipeline.recording import RecordingWorkspace
 from kg.pipeline.report import PackageResult
 from kg.pipeline.work import Job, Outcome
@@ -34,7 +33,8 @@ def test_one_package_costs_itself_only(monkeypatch: pytest.MonkeyPatch, jobs: in
     """A package that kills its worker, raises, or never ends is reported by name; all others are read."""
     monkeypatch.setattr(pool, "work", _work)
     job = Job(RecordingWorkspace([]), "https://example.org/", 1)
-    outcomes = {outcome.result.path: outcome for outcome in run(job, TASKS, jobs, deadline=1.5)}
+    with Pool(job, TASKS, jobs, deadline=1.5) as workers:
+        outcomes = {outcome.result.path: outcome for outcome in workers.outcomes()}
     assert set(outcomes) == {task.path for task in TASKS}
     messages = {
         path: outcome.result.problems[0].message for path, outcome in outcomes.items() if outcome.result.problems
@@ -48,12 +48,12 @@ def test_one_package_costs_itself_only(monkeypatch: pytest.MonkeyPatch, jobs: in
     assert not any(outcomes[path].reusable for path in messages)
 
 
-def test_closing_ends_the_workers(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_end_of_the_with_statement_ends_the_workers(monkeypatch: pytest.MonkeyPatch) -> None:
     """When the one who reads the outcomes stops, no worker stays, however busy."""
     monkeypatch.setattr(pool, "work", _work)
     job = Job(RecordingWorkspace([]), "https://example.org/", 1)
-    with closing(run(job, [TASKS[0], *[TASKS[5]] * 4], 3)) as outcomes:
-        next(outcomes)
+    with Pool(job, [TASKS[0], *[TASKS[5]] * 4], 3) as workers:
+        next(workers.outcomes())
         children = _children()
         assert children
     assert not _children() & children

@@ -1,0 +1,99 @@
+"""Measures what a build costs, beside only parsing the same files, and prints the ratios.
+
+    python benchmarks/build CHECKOUT [--repeat 3] [--output figures.json]
+
+Every measurement is a process of its own; of several the smallest counts, since whatever else the machine does only
+adds. CPU is that of the process and of all it started, user and system. Memory is the largest sum, over all
+processes of a build at one moment, of what they hold (pages that several share are counted once).
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import platform
+import tempfile
+from pathlib import Path
+
+from measuring import Measurement, measure, python
+
+PARSE = """
+import sys
+from pathlib import Path
+import tree_sitter_cpp, tree_sitter_python
+from tree_sitter import Language, Parser
+from kg.corpus.workspace import scan_tree
+from kg.facts import FileKind
+parsers = {
+    FileKind.CPP: Parser(Language(tree_sitter_cpp.language())),
+    FileKind.PYTHON: Parser(Language(tree_sitter_python.language())),
+}
+files = size = 0
+for source in scan_tree(Path(sys.argv[1])):
+    for entry in (entry for package in source.packages for entry in package.files):
+        if entry.kind in parsers:
+            content = (source.root / entry.path).read_bytes()
+            parsers[entry.kind].parse(content)
+            files, size = files + 1, size + len(content)
+print(files, size)
+"""
+"""The least that reading code can cost: each file is read and parsed once, and nothing is done with it."""
+
+
+def main() -> None:
+    """Read the command line, measure, print, write."""
+    options = _options()
+    with tempfile.TemporaryDirectory(prefix="kg-benchmark-") as folder:
+        figures = _figures(options.checkout.absolute(), Path(folder), options.repeat)
+    for name, value in figures.items():
+        print(f"{name:32} {value}")
+    if options.output:
+        options.output.write_text(json.dumps(figures, indent=2) + "\n")
+
+
+def _options() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("checkout", type=Path, help="a checkout, for example of autoware.universe at b8ce82e")
+    parser.add_argument("--repeat", type=int, default=3, help="how often each is measured")
+    parser.add_argument("--output", type=Path, help="a file for the figures, as JSON")
+    return parser.parse_args()
+
+
+def _figures(checkout: Path, folder: Path, repeat: int) -> dict[str, object]:
+    parse = [measure(python("-c", PARSE, str(checkout))) for _ in range(repeat)]
+    files, size = parse[0].output.split()
+    one = [_build(checkout, folder / f"one{number}", 1) for number in range(repeat)]
+    two = [_build(checkout, folder / f"two{number}", 2) for number in range(repeat)]
+    warm = [_build(checkout, folder / "two0", 2) for _ in range(repeat)]
+    cold = [*one, *two]
+    return {
+        "checkout": checkout.name,
+        "processors": os.cpu_count(),
+        "python": platform.python_version(),
+        "files of code": int(files),
+        "megabytes of code": round(int(size) / 1e6, 1),
+        "parse CPU s": _least(parse, "cpu"),
+        "cold build CPU s": _least(cold, "cpu"),
+        "cold / parse (at most 4)": round(_least(cold, "cpu") / _least(parse, "cpu"), 2),
+        "cold build, 1 worker, s": _least(one, "seconds"),
+        "cold build, 2 workers, s": _least(two, "seconds"),
+        "1 worker / 2 (at least 1.7)": round(_least(one, "seconds") / _least(two, "seconds"), 2),
+        "warm build CPU s": _least(warm, "cpu"),
+        "warm build s": _least(warm, "seconds"),
+        "warm / cold CPU (at most 0.05)": round(_least(warm, "cpu") / _least(cold, "cpu"), 4),
+        "warm / cold time": round(_least(warm, "seconds") / _least(two, "seconds"), 4),
+        "peak MB, 1 worker": _least(one, "megabytes"),
+        "peak MB, 2 workers (at most 600)": _least(two, "megabytes"),
+    }
+
+
+def _build(checkout: Path, store: Path, jobs: int) -> Measurement:
+    return measure(python("-m", "kg", "--store", str(store), "build", str(checkout), "--jobs", str(jobs)))
+
+
+def _least(measurements: list[Measurement], what: str) -> float:
+    return round(min(float(getattr(one, what)) for one in measurements), 2)
+
+
+main()
