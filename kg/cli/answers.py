@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from kg.cli.links import Links
     from kg.query.result import Result
 
-__all__ = ["answer", "format_for", "table"]
+__all__ = ["answer", "format_for", "is_empty", "table"]
 
 _OTHER_NAMES: Final = {
     "md": "markdown",
@@ -60,6 +60,13 @@ def answer(result: Result, name: str, *, automatic: bool = False, links: Links |
     else:
         write_bytes(written(result, name))
     _remarks(result, name)
+
+
+def is_empty(result: Result) -> bool:
+    """Tell whether an answer has nothing in it."""
+    if isinstance(result, Solutions):
+        return not result.rows
+    return not (result.value if isinstance(result, Boolean) else result.triples)
 
 
 def table(result: Solutions, links: Links | None = None) -> None:

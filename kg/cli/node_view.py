@@ -29,12 +29,17 @@ _TITLES: Final = {
     Role.ACTION_SERVERS: "offers actions",
     Role.ACTION_CLIENTS: "calls actions",
 }
+_PARAMETERS: Final = "parameters"
 _DONE: Final = {Access.DECLARE: "declared", Access.READ: "read", Access.WRITE: "written"}
 _LANGUAGES: Final = {"cpp": "C++", "python": "Python"}
 
 
-def node_view(record: NodeRecord, links: Links, columns: int, *, every: bool) -> tuple[RenderableType, ...]:
+def node_view(
+    record: NodeRecord, links: Links, columns: int, *, every: bool, most: int | None = None
+) -> tuple[RenderableType, ...]:
     """Return what to show of a node on so many columns; `every` adds what frameworks make by themselves.
+
+    `most` bounds how many parameters are shown, so that a terminal still shows the interface.
 
     Where the lines are too narrow for whole paths their beginnings are left out; the links still lead to the file.
     """
@@ -43,7 +48,13 @@ def node_view(record: NodeRecord, links: Links, columns: int, *, every: bool) ->
     groups = _groups(record.node, every=every)
     if not groups:
         return tuple(_header(record, links))
-    return (*_header(record, links), Text(), interface_table(groups, record.repository, links, columns))
+    title, rows = groups[-1]
+    rest = len(rows) - most if most is not None and title == _PARAMETERS and not every else 0
+    if rest > 0:
+        groups[-1] = (title, rows[:most])
+    table = interface_table(groups, record.repository, links, columns)
+    more = [Text(f"  and {rest:,} more; --all shows them", style="dim")] if rest > 0 else []
+    return (*_header(record, links), Text(), table, *more)
 
 
 def left_out(node: NodeType) -> int:
@@ -91,7 +102,7 @@ def _groups(node: NodeType, *, every: bool) -> list[tuple[str, list[Row]]]:
         chosen = [one for one in node.interfaces if one.role is role and (every or not one.implicit)]
         chosen.sort(key=lambda one: one.implicit)
         groups.append((title, [_interface(one) for one in chosen]))
-    groups.append(("parameters", _parameters(node.parameters, every=every)))
+    groups.append((_PARAMETERS, _parameters(node.parameters, every=every)))
     return [(title, rows) for title, rows in groups if rows]
 
 
@@ -124,7 +135,8 @@ def _parameters(facts: Iterable[Parameter], *, every: bool) -> list[Row]:
         if every or not fact.implicit:
             key = fact.name if fact.name is not None else fact.location
             named.setdefault(key, []).append(fact)
-    return [_parameter(group) for group in sorted(named.values(), key=lambda group: group[0].implicit)]
+    ordered = sorted(named.values(), key=lambda group: (group[0].implicit, group[0].name is None, group[0].name or ""))
+    return [_parameter(group) for group in ordered]
 
 
 def _parameter(facts: Sequence[Parameter]) -> Row:

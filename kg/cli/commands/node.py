@@ -2,7 +2,7 @@
 
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = ["NodeCommand", "node"]
 
+_MOST_PARAMETERS: Final = 25
 Name = Annotated[
     str,
     typer.Argument(
@@ -89,7 +90,7 @@ def node(  # noqa: PLR0913 - the options of a command
 def _show(record: "NodeRecord", links: "Links", *, every: bool) -> None:
     from kg.cli.node_view import left_out, node_view  # noqa: PLC0415 - start-up time
 
-    show(*node_view(record, links, line_width(), every=every))
+    show(*node_view(record, links, line_width(), every=every, most=_MOST_PARAMETERS if terminal() else None))
     hidden = 0 if every else left_out(record.node)
     if hidden:
         note(f"{count(hidden, 'implicit entry', 'implicit entries')} made by frameworks not shown; --all shows them")

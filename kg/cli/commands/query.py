@@ -99,20 +99,29 @@ def _explain(asked: "StoredQuery", *, json: bool) -> None:
 
 
 def _answer(asked: "StoredQuery", values: dict[str, str], settings: "Settings", *, json: bool) -> None:
-    from kg.cli.answers import answer, format_for  # noqa: PLC0415 - start-up time
-    from kg.query.ask import ask, suggestion  # noqa: PLC0415 - start-up time
-    from kg.query.result import Solutions  # noqa: PLC0415 - start-up time
+    from kg.cli.answers import answer, format_for, is_empty  # noqa: PLC0415 - start-up time
+    from kg.query.ask import ask  # noqa: PLC0415 - start-up time
 
     chosen = "jsonl" if json else format_for(settings.format)
     timeout = settings.timeout or None
     with reading(settings) as snapshot:
         result = ask(snapshot, asked, values, timeout=timeout, limit=_limit(settings, chosen))
-        nothing = isinstance(result, Solutions) and not result.rows
-        meant = suggestion(snapshot, asked, values, timeout=timeout) if nothing and values else None
+        meant = _meant(snapshot, asked, values, timeout) if is_empty(result) else []
         links = _links(snapshot) if chosen == "table" and terminal() else None
     answer(result, chosen, links=links, automatic=settings.format == "auto" and not json)
-    if meant:
-        note(meant)
+    for sentence in meant:
+        note(sentence)
+
+
+def _meant(
+    snapshot: "EmbeddedSnapshot", asked: "StoredQuery", values: dict[str, str], timeout: float | None
+) -> list[str]:
+    """Return what may have been meant by a query that found nothing."""
+    from kg.query.ask import suggestion  # noqa: PLC0415 - start-up time
+    from kg.query.terms import unknown_terms  # noqa: PLC0415 - start-up time
+
+    value = suggestion(snapshot, asked, values, timeout=timeout) if values else None
+    return [value] if value else unknown_terms(snapshot, asked.text)
 
 
 def _links(snapshot: "EmbeddedSnapshot") -> "Links":
