@@ -29,7 +29,6 @@ _TITLES: Final = {
     Role.ACTION_SERVERS: "offers actions",
     Role.ACTION_CLIENTS: "calls actions",
 }
-_PARAMETERS: Final = "parameters"
 _DONE: Final = {Access.DECLARE: "declared", Access.READ: "read", Access.WRITE: "written"}
 _LANGUAGES: Final = {"cpp": "C++", "python": "Python"}
 
@@ -45,16 +44,17 @@ def node_view(
     """
     from rich.text import Text  # noqa: PLC0415 - start-up time
 
+    parts: list[RenderableType] = list(_header(record, links))
     groups = _groups(record.node, every=every)
-    if not groups:
-        return tuple(_header(record, links))
-    title, rows = groups[-1]
-    rest = len(rows) - most if most is not None and title == _PARAMETERS and not every else 0
-    if rest > 0:
-        groups[-1] = (title, rows[:most])
-    table = interface_table(groups, record.repository, links, columns)
-    more = [Text(f"  and {rest:,} more; --all shows them", style="dim")] if rest > 0 else []
-    return (*_header(record, links), Text(), table, *more)
+    if groups:
+        parts += [Text(), interface_table(groups, record.repository, links, columns)]
+    parameters = _parameters(record.node.parameters, every=every)
+    shown = parameters if every else parameters[:most]
+    if shown:
+        parts += [Text(), interface_table([("parameters", shown)], record.repository, links, columns)]
+    if len(shown) < len(parameters):
+        parts.append(Text(f"  and {len(parameters) - len(shown):,} more; --all shows them", style="dim"))
+    return tuple(parts)
 
 
 def left_out(node: NodeType) -> int:
@@ -102,7 +102,6 @@ def _groups(node: NodeType, *, every: bool) -> list[tuple[str, list[Row]]]:
         chosen = [one for one in node.interfaces if one.role is role and (every or not one.implicit)]
         chosen.sort(key=lambda one: one.implicit)
         groups.append((title, [_interface(one) for one in chosen]))
-    groups.append((_PARAMETERS, _parameters(node.parameters, every=every)))
     return [(title, rows) for title, rows in groups if rows]
 
 
