@@ -11,6 +11,7 @@ from kg.extract.cpp.callbacks import callback_types
 from kg.extract.cpp.context import EMPTY
 from kg.extract.cpp.handles import joined_name
 from kg.extract.cpp.matching import Matcher
+from kg.extract.cpp.options import consumer
 from kg.extract.cpp.parameters import read_parameter
 from kg.extract.cpp.qos import read_qos
 from kg.extract.cpp.sites import call_around
@@ -87,7 +88,9 @@ class Finder:
                 self._specified(spec, where, node, called, given)
             elif spec is not None:
                 handle = given[spec.handle] if spec.handle is not None else None
-                if spec.handle is None and called.receiver is not None:
+                if spec.options:
+                    handle = consumer(where, called.receiver)
+                elif spec.handle is None and called.receiver is not None:
                     handle = where.child(called.receiver)
                 self._interface(spec, where, node, called, given, handle)
 
@@ -155,8 +158,19 @@ class Finder:
                 if isinstance(value, Text)
             ]
             found = [_spelled(text) for text in texts]
+        if spec.service:
+            found = [self._service(kind) for kind in found]
         kept = list(dict.fromkeys(kind for kind in found if kind is not None))
         return list(kept) or [None]
+
+    def _service(self, kind: str | None) -> str | None:
+        """Return the service that a generated type (`package/TypeRequest`) belongs to."""
+        package, _, name = (kind or "").partition("/")
+        for suffix in ("Request", "Response"):
+            known = self._program.project.reader.workspace.definition(package, name, "srv") is not None
+            if name.endswith(suffix) and name != suffix and not known:
+                return f"{package}/{name.removesuffix(suffix)}"
+        return kind
 
     def _parameters(self, unit: Unit, name: str) -> None:
         for node, call in self._uses(unit, name):
@@ -206,11 +220,13 @@ class Finder:
             return
         self.ros.add(spec.ros)
         written = syntax.text(given[index].node)
+        shape = given[spec.qos] if spec.qos is not None and spec.qos < len(given) else None
         for holder, after in handles:
             for name, chosen in evaluator.texts(given[index], after):
+                qos = read_qos(evaluator, shape, chosen) if shape is not None else None
                 for kind in self._template_kinds(spec, template, chosen):
                     made = _interface(spec.role, holder, name, kind, place, written)
-                    self._add(made, spec.mark)
+                    self._add(replace(made, qos=qos), spec.mark)
 
     def _fixed(self, spec: TypeSpec, given: list[Expr], place: Location) -> None:
         """Add the interfaces of an object that names them itself; an argument `false` switches them off."""

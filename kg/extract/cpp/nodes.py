@@ -15,6 +15,7 @@ from kg.extract.cpp import syntax
 from kg.extract.cpp.api import Api
 from kg.extract.cpp.calls import Finder
 from kg.extract.cpp.evaluate import Evaluator
+from kg.extract.cpp.frameworks import framework_marks
 from kg.extract.cpp.loaded import loaded_nodelets
 from kg.extract.cpp.naming import given_name
 from kg.extract.cpp.program import Program
@@ -222,13 +223,18 @@ class _Nodes:
         named = given_name(evaluator, cls)
         alone = named or node.name
         interfaces = tuple(
-            replace(i, resolved=resolve(i.name, alone) if i.name is not None and "{}" not in i.name else None)
+            replace(
+                i,
+                resolved=resolve(i.name, alone) if i.name is not None and "{}" not in i.name else None,
+                qos=i.qos if ros == _ROS2 else None,
+            )
             for i in interfaces
         )
         whole = replace(
             node, ros=ros, node_name=named, sources=sources, interfaces=interfaces, parameters=_once(parameters)
         )
-        return [Extracted(whole, tuple(finder.marks))]
+        marks = dict.fromkeys([*finder.marks, *framework_marks(program, cls)])
+        return [Extracted(whole, tuple(marks))]
 
     def _loaded(self, evaluator: Evaluator) -> tuple[list[Interface], list[Parameter]]:
         """Return what the nodelets that a program loads into itself make."""

@@ -6,6 +6,7 @@ dynamic_reconfigure, diagnostic_updater, pcl_ros, realtime_tools and camera_info
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.cpp.api import CallSpec, MarkSpec, ParameterSpec, TypeSpec
@@ -29,7 +30,17 @@ _IMAGES: Final = frozenset({"ImageTransport"})
 _IMAGE: Final = "sensor_msgs/Image"
 _SERVICE: Final = frozenset({"service"})
 _PARAM: Final = frozenset({"param"})
+_SUBSCRIBE: Final = frozenset({"SubscribeOptions"})
+_ADVERTISE: Final = frozenset({"AdvertiseOptions"})
+_ADVERTISE_SERVICE: Final = frozenset({"AdvertiseServiceOptions"})
+_SERVICE_CLIENT: Final = frozenset({"ServiceClientOptions"})
 
+_OPTIONS: Final = (
+    CallSpec(1, Role.SUBSCRIBES, receivers=_SUBSCRIBE, template=0, callback=2, least=3, options=True),
+    CallSpec(1, Role.PUBLISHES, receivers=_ADVERTISE, template=0, least=2, options=True),
+    CallSpec(1, Role.SERVICES, receivers=_ADVERTISE_SERVICE, template=0, callback=1, least=2, service=True, options=True),
+    CallSpec(1, Role.CLIENTS, receivers=_SERVICE_CLIENT, template=0, options=True, service=True),
+)
 _CALLS: Final[dict[str, tuple[CallSpec, ...]]] = {
     "advertise": (
         CallSpec(1, Role.PUBLISHES, receivers=_NODE_HANDLE, template=0, least=2),
@@ -73,7 +84,14 @@ _CALLS: Final[dict[str, tuple[CallSpec, ...]]] = {
             1, Role.SUBSCRIBES, receivers=frozenset({"PointCloudTransport"}), fixed="sensor_msgs/PointCloud2", least=2
         ),
         CallSpec(
-            1, Role.SUBSCRIBES, name=1, handle=0, receivers=frozenset({"Subscriber"}), receiver_template=True, least=2
+            1,
+            Role.SUBSCRIBES,
+            name=1,
+            handle=0,
+            receivers=frozenset({"Subscriber"}),
+            receiver_template=True,
+            least=2,
+            qos=2,
         ),
         CallSpec(
             1,
@@ -95,6 +113,9 @@ _CALLS: Final[dict[str, tuple[CallSpec, ...]]] = {
     "advertiseService": (
         CallSpec(1, Role.SERVICES, receivers=_NODE_HANDLE, template=0, callback=1, least=2, service=True),
     ),
+    "init": _OPTIONS,
+    "initByFullCallbackType": _OPTIONS,
+    "create": tuple(replace(spec, receivers=frozenset(), scopes=spec.receivers) for spec in _OPTIONS),
     "call": (CallSpec(1, Role.CLIENTS, scopes=_SERVICE, typed=1, least=2, service=True),),
     "waitForService": (CallSpec(1, Role.CLIENTS, scopes=_SERVICE),),
     "exists": (CallSpec(1, Role.CLIENTS, scopes=_SERVICE),),
