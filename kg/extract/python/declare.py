@@ -28,6 +28,8 @@ __all__ = ["Declarations", "declare", "plugin_asked"]
 _NO_REASON: Final = "it is computed when the program runs"
 _MAX_ROWS: Final = 64
 _STEPS_FOR_A_SITE: Final = 800
+_STEPS_FOR_A_NODE: Final = 12_000
+_STEPS_WHEN_SPENT: Final = 100
 
 
 @dataclass(slots=True)
@@ -54,8 +56,10 @@ def declare(sites: list[Site], evaluator: Evaluator, repository: str) -> Declara
         evaluator.steps = 0
         if site.api.kind == "node":
             reader.node(site)
+    spent = 0
     for site in sites:
-        evaluator.steps, evaluator.limit = 0, _STEPS_FOR_A_SITE
+        spent += evaluator.steps
+        evaluator.steps, evaluator.limit = 0, _STEPS_FOR_A_SITE if spent < _STEPS_FOR_A_NODE else _STEPS_WHEN_SPENT
         if site.api.kind == "interface":
             reader.interface(site)
         elif site.api.kind == "parameter":
@@ -312,7 +316,10 @@ def _tidied(found: Declarations) -> Declarations:
     for item in found.interfaces:
         kept.setdefault((item.role, item.name, item.type, item.location if item.name is None else None), item)
     typed = {(item.role, item.name) for item in kept.values() if item.type is not None}
-    found.interfaces = [item for item in kept.values() if item.type is not None or (item.role, item.name) not in typed]
+    found.interfaces = sorted(
+        (item for item in kept.values() if item.type is not None or (item.role, item.name) not in typed),
+        key=lambda item: (item.location.path, item.location.line, item.role, item.name or "", item.type or ""),
+    )
     unique: dict[tuple[object, ...], Parameter] = {}
     for entry in found.parameters:
         key = (entry.name, entry.access, entry.location if entry.name is None else None)

@@ -72,9 +72,12 @@ class Program:
     def __init__(self, reader: Reader) -> None:
         self.reader = reader
         self.units: dict[FilePath, Unit | None] = {}
+        self.named: dict[int, tuple[Scope, ...]] = {}
+        """What `kg.extract.python.naming` found out about scopes, by their id."""
         self._frames = 0
         self._module_frames: dict[int, Frame] = {}
         self._globals: dict[tuple[int, str], Thing | None] = {}
+        self._submodules: dict[tuple[int, str], Thing | None] = {}
         self._mro: dict[int, list[Scope | Dotted]] = {}
 
     def unit(self, file: FilePath) -> Unit | None:
@@ -266,6 +269,12 @@ class Program:
 
     def submodule(self, unit: Unit, name: str) -> Thing | None:
         """Return the module `name` of a package that is a folder, or a generated module of it."""
+        key = (id(unit), name)
+        if key not in self._submodules:
+            self._submodules[key] = self._find_submodule(unit, name)
+        return self._submodules[key]
+
+    def _find_submodule(self, unit: Unit, name: str) -> Thing | None:
         path = unit.file.path
         if name in GENERATED:
             return Dotted(f"{path.removesuffix('/__init__.py').rpartition('/')[2]}.{name}")

@@ -9,19 +9,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kg.extract.python.api import API_NAMES, METHOD_NAMES, find_api
-from kg.extract.python.entities import ClassRef, Dotted, FunctionRef, ModuleRef
-from kg.extract.python.program import mentions_ros
+from kg.extract.python.entities import Dotted
+from kg.extract.python.naming import named_scopes
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable
 
-    from kg.extract.python.entities import Thing
     from kg.extract.python.program import Program
     from kg.extract.python.unit import CallSite, Scope, Unit
 
 __all__ = ["Reach", "reach"]
-
-_PLAIN_BASES = frozenset({"builtins.object", "rclpy.node.Node", "enum.Enum", "builtins.Exception"})
 
 
 class Reach:
@@ -34,7 +31,7 @@ class Reach:
         self.relevant: set[int] = set()
         self.units: dict[int, Unit] = {}
         self.methods: dict[str, list[Scope]] = {}
-        self.waiting: dict[str, set[int]] = {}
+        self.done: list[Scope] = []
         self.deferred: dict[int, list[tuple[Scope, Scope]]] = {}
         self.pending: list[Scope] = []
 
@@ -43,10 +40,7 @@ class Reach:
         for root in roots:
             self.add(root, None)
         while self.pending:
-            scope = self.pending.pop()
-            self.enter(scope.unit)
-            for target in self.targets(scope):
-                self.add(target, scope)
+            self.follow(self.pending.pop())
         self.mark_relevant()
 
     def add(self, scope: Scope, source: Scope | None) -> None:
@@ -68,78 +62,27 @@ class Reach:
         if id(unit) in self.units:
             return
         self.units[id(unit)] = unit
+        fresh: dict[str, list[Scope]] = {}
         for klass in unit.classes:
             for name, method in klass.functions.items():
-                self.methods.setdefault(name, []).append(method)
-                for source in self.waiting.get(name, ()):
-                    self.add(method, self.scopes[source])
+                fresh.setdefault(name, []).append(method)
+        for name, methods in fresh.items():
+            self.methods.setdefault(name, []).extend(methods)
+        for source in list(self.done):
+            for name in sorted(source.words & fresh.keys()):
+                for method in fresh[name]:
+                    self.add(method, source)
 
-    def targets(self, scope: Scope) -> Iterator[Scope]:
-        """Yield the scopes that a scope names or, as a class or module, brings with it.
-
-        Code that looks names up in `globals()` names every class of its file.
-        """
-        words = {word.decode("utf-8", "replace") for word in scope.words}
-        if scope.kind == "class":
-            yield from self.of_class(scope)
-        elif scope.kind == "module":
-            yield from self.of_module(scope.unit)
-        around: Scope | None = scope
-        while around is not None:
-            yield from (inner for name, inner in around.functions.items() if name in words and around.kind != "class")
-            yield from (inner for name, inner in around.classes.items() if name in words)
-            around = around.parent
-        if "globals" in words:
-            yield from scope.unit.module.classes.values()
-        yield from self.through_imports(scope.unit, words)
-        for word in words:
-            self.waiting.setdefault(word, set()).add(id(scope))
-            yield from self.methods.get(word, ())
-
-    def of_class(self, klass: Scope) -> Iterator[Scope]:
-        """Yield what a class runs without being asked by name: its special methods and what a base outside calls."""
-        lineage = self.program.lineage(klass)
-        foreign = any(isinstance(base, Dotted) and base.path not in _PLAIN_BASES for base in lineage)
-        for base in lineage:
-            if isinstance(base, Dotted):
-                continue
-            if base is not klass:
-                self.enter(base.unit)
-                yield base
-            for name, method in base.functions.items():
-                if foreign or name.startswith("__"):
-                    yield method
-
-    def of_module(self, unit: Unit) -> Iterator[Scope]:
-        """Yield the modules that a module imports, as far as they can declare anything."""
-        for name in list(unit.imports):
-            value = self.program.global_name(unit, name)
-            other = _unit_of(value)
-            if other is not None and mentions_ros(other.source):
-                yield other.module
-        for other in self.program.star_modules(unit):
-            if mentions_ros(other.source):
-                yield other.module
-
-    def through_imports(self, unit: Unit, words: set[str]) -> Iterator[Scope]:
-        """Yield functions and classes that are named through imports."""
-        for name in words & unit.imports.keys():
-            value = self.program.global_name(unit, name)
-            if isinstance(value, ClassRef | FunctionRef):
-                yield value.scope
-            elif isinstance(value, ModuleRef):
-                yield from self.members(value.unit, words)
-        for other in self.program.star_modules(unit):
-            yield from self.members(other, words)
-
-    def members(self, unit: Unit, words: set[str], depth: int = 3) -> Iterator[Scope]:
-        """Yield what is named of a module: its functions and classes, what it imports, modules below it."""
-        for word in words:
-            value = self.program.global_name(unit, word) or self.program.submodule(unit, word)
-            if isinstance(value, ClassRef | FunctionRef):
-                yield value.scope
-            elif isinstance(value, ModuleRef) and depth and value.unit is not unit:
-                yield from self.members(value.unit, words, depth - 1)
+    def follow(self, scope: Scope) -> None:
+        """Add all that a scope names."""
+        self.enter(scope.unit)
+        self.done.append(scope)
+        for target in named_scopes(self.program, scope):
+            self.enter(target.unit)
+            self.add(target, scope)
+        for name in sorted(scope.words & self.methods.keys()):
+            for method in self.methods[name]:
+                self.add(method, scope)
 
     def mark_relevant(self) -> None:
         """Find the scopes that call something of the tables, and all that name them, directly or not."""
@@ -195,9 +138,3 @@ def _calls_api(program: Program, scope: Scope, call: CallSite) -> bool:
 def _has_declaring_base(program: Program, klass: Scope) -> bool:
     bases = program.lineage(klass)
     return any(isinstance(base, Dotted) and find_api(base.path, bound=False) is not None for base in bases)
-
-
-def _unit_of(value: Thing | None) -> Unit | None:
-    if isinstance(value, ModuleRef):
-        return value.unit
-    return value.scope.unit if isinstance(value, ClassRef | FunctionRef) else None

@@ -94,7 +94,7 @@ class Scope:
     holes: list[tuple[int, int]] = field(default_factory=list)
     decorators: tuple[str, ...] = ()
     _parameters: Parameters | None = None
-    _words: frozenset[bytes] | None = None
+    _words: frozenset[str] | None = None
 
     @property
     def owner(self) -> Scope | None:
@@ -115,10 +115,10 @@ class Scope:
         return names[0] if names else None
 
     @property
-    def words(self) -> frozenset[bytes]:
+    def words(self) -> frozenset[str]:
         """All words of its own text, without scopes inside and imports: a filter (comments count), never a proof."""
         if self._words is None:
-            self._words = frozenset(self.text.translate(_WORD_BYTES).split())
+            self._words = frozenset(self.text.translate(_WORD_BYTES).decode("utf-8", "replace").split())
         return self._words
 
     @property

@@ -28,6 +28,8 @@ _MAX_DEPTH: Final = 24
 _MAX_FRAMES: Final = 4_000
 _MAX_FRAMES_OF_ONE: Final = 64
 _STEPS_FOR_A_CALL: Final = 250
+_STEPS_FOR_A_NODE: Final = 20_000
+_STEPS_WHEN_SPENT: Final = 40
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +65,7 @@ class Walk:
         self.visited: set[int] = set()
         self.counts: dict[int, int] = {}
         self.pending: list[Frame] = []
+        self.spent = 0
         self.names = API_NAMES | {found.scopes[key].name for key in found.relevant}
 
     def run(self, roots: list[Frame]) -> None:
@@ -112,7 +115,9 @@ class Walk:
         called = call.node.child_by_field_name("function")
         if choice is None or called is None or not self.evaluator.possible(call.arms, frame, choice):
             return
-        self.evaluator.steps, self.evaluator.limit = 0, _STEPS_FOR_A_CALL
+        self.spent += self.evaluator.steps
+        self.evaluator.steps = 0
+        self.evaluator.limit = _STEPS_FOR_A_CALL if self.spent < _STEPS_FOR_A_NODE else _STEPS_WHEN_SPENT
         seen = []
         on_self = _root_name(called) == frame.scope.receiver
         for value, after in self.evaluator.evaluate(called, frame, {} if on_self else choice):
