@@ -33,6 +33,8 @@ PACKAGE_SECONDS: Final = 300.0
 """How long one package may take; the largest known takes some seconds."""
 
 _AHEAD: Final = 2
+_DEFECTS: Final = (ArithmeticError, AttributeError, LookupError, OSError, RuntimeError, TypeError, ValueError)
+"""What is reported by its message; anything else ends the worker, which is reported too."""
 _FIRST_OWN_FILE: Final = 3
 """Files below are the standard streams."""
 _GC_THRESHOLD: Final = 100_000
@@ -188,5 +190,5 @@ def _serve(job: Job, pipe: Connection, others: list[Connection], *, forked: bool
 def _attempt(job: Job, task: Task) -> Outcome:
     try:
         return work(job, task.source, task.path)
-    except Exception as error:  # noqa: BLE001 - a defect costs the package it shows in, and is reported by name
+    except _DEFECTS as error:
         return failed(*task, f"{type(error).__name__}: {error}")

@@ -47,7 +47,8 @@ def suggestion(
         if not isinstance(result, Solutions) or name not in result.variables:
             continue
         column = result.variables.index(name)
-        known = {row[column].value for row in result.rows if isinstance(row[column], Literal | NamedNode)}  # type: ignore[union-attr]
+        terms_found = (row[column] for row in result.rows)
+        known = {term.value for term in terms_found if isinstance(term, Literal | NamedNode)}
         wanted = query.bind({name: values[name]})[name].value
         if wanted not in known:
             hint = did_you_mean(wanted, known)

@@ -7,7 +7,9 @@ it can kill; it takes the same calls.
 
 from __future__ import annotations
 
+import multiprocessing
 import threading
+from multiprocessing.pool import ThreadPool
 from typing import TYPE_CHECKING, Final, Protocol, TypeVar
 
 from kg.errors import Exit, QueryError
@@ -43,24 +45,15 @@ def in_thread(work: Callable[[], Answer], timeout: float | None) -> Answer:
     Raises:
         DeadlineError: KG503; the thread goes on until the process ends.
     """
-    answers: list[Answer] = []
-    errors: list[BaseException] = []
-
-    def run() -> None:
-        try:
-            answers.append(work())
-        except BaseException as error:  # noqa: BLE001 - raised again in the thread that waits
-            errors.append(error)
-
     size = threading.stack_size(_STACK_BYTES)
     try:
-        thread = threading.Thread(target=run, daemon=True, name="query")
-        thread.start()
+        pool = ThreadPool(1)
     finally:
         threading.stack_size(size)
-    thread.join(timeout)
-    if thread.is_alive():
-        raise DeadlineError("KG503", f"the query ran longer than {timeout:g} s", hint="Raise `--timeout` or ask less.")
-    if errors:
-        raise errors[0]
-    return answers[0]
+    try:
+        return pool.apply_async(work).get(timeout)
+    except multiprocessing.TimeoutError as error:
+        message = f"the query ran longer than {timeout:g} s"
+        raise DeadlineError("KG503", message, hint="Raise `--timeout` or ask less.") from error
+    finally:
+        pool.terminate()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import pytest
 from pyoxigraph import RdfFormat
@@ -14,6 +14,8 @@ from kg.store.embedded import EmbeddedStore
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from pyoxigraph import QuerySolutions
 
     from kg.pipeline.report import BuildReport
 
@@ -72,7 +74,8 @@ class Bench:
                 "ros": "http://data.mksmart.org/onto-ros/class#",
                 "rdfs": "http://www.w3.org/2000/01/rdf-schema#",
             }
-            return {row["n"].value for row in snapshot.query(text, prefixes=prefixes)}  # type: ignore[union-attr]
+            answer = snapshot.query(text, prefixes=prefixes)
+            return {row["n"].value for row in cast("QuerySolutions", answer)}
 
     def sibling(self, name: str) -> Bench:
         """Return the same workspace with another, empty store."""

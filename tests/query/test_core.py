@@ -157,4 +157,5 @@ def test_a_value_never_becomes_query(value: str) -> None:
     value = value.encode("utf-8", "ignore").decode()
     bound = bind('SELECT ?n { VALUES ?n { "a" } }', {"n": Literal(value)})
     answer = pyoxigraph.Store().query(bound)
-    assert [row["n"].value for row in answer] == [value]  # type: ignore[union-attr]
+    assert isinstance(answer, pyoxigraph.QuerySolutions)
+    assert [row["n"] for row in answer] == [Literal(value)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import pyoxigraph
 import pytest
@@ -21,6 +21,8 @@ from kg.query.formats import BOOLEAN_FORMATS, GRAPH_FORMATS, SOLUTION_FORMATS, w
 from kg.query.result import Boolean, Solutions
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from kg.store.snapshot import EmbeddedSnapshot
 
 XML_TEXT = st.text(
@@ -40,9 +42,9 @@ TABLES = st.lists(st.tuples(TERMS, TERMS), max_size=4).map(lambda rows: Solution
 
 @settings(deadline=None)
 @given(TABLES)
-@pytest.mark.parametrize("name", ["JSON", "XML", "TSV"])
+@pytest.mark.parametrize("name", ["JSON", "TSV"])
 def test_rows_read_back_by_the_engine(name: str, table: Solutions) -> None:
-    """What is written as JSON, XML or TSV reads back as the same terms."""
+    """What is written as JSON or TSV reads back as the same terms; the engine trims the texts of XML."""
     parsed = pyoxigraph.parse_query_results(write(table, name.lower()), getattr(QueryResultsFormat, name))
     assert isinstance(parsed, pyoxigraph.QuerySolutions)
     assert [variable.value for variable in parsed.variables] == ["x", "y"]
@@ -55,7 +57,10 @@ def test_rows_read_back_by_the_engine(name: str, table: Solutions) -> None:
 def test_rows_read_back_by_rdflib(name: str, table: Solutions) -> None:
     """A second library, which leaves rows without any binding out, reads the same values."""
     parsed = RdflibResult.parse(io.BytesIO(write(table, name)), format=name)
-    found = [tuple(None if term is None else str(term) for term in row) for row in parsed]  # type: ignore[union-attr]
+    found = [
+        tuple(None if term is None else str(term) for term in row)
+        for row in cast("Iterable[tuple[object, ...]]", parsed)
+    ]
     assert found == [tuple(getattr(term, "value", None) for term in row) for row in table.rows if any(row)]
 
 

@@ -156,8 +156,14 @@ def test_no_query_that_passes_connects(server: tuple[int, list[bool]], pieces: l
     store.add(pyoxigraph.Quad(name, name, name))
     before = len(hits)
     with contextlib.suppress(SyntaxError, OSError, RuntimeError, ValueError):
-        list(store.query(normalise(text)))  # type: ignore[arg-type]
+        _exhaust(store.query(normalise(text)))
     assert len(hits) == before
+
+
+def _exhaust(answer: object) -> None:
+    """Take all rows of an answer, since the engine calls others only when their rows are wanted."""
+    if isinstance(answer, pyoxigraph.QuerySolutions):
+        list(answer)
 
 
 def test_the_engine_does_connect_without_the_guard(server: tuple[int, list[bool]]) -> None:
@@ -168,5 +174,5 @@ def test_the_engine_does_connect_without_the_guard(server: tuple[int, list[bool]
     for text in ("SELECT * {FILTER(1<2)SERVICE:foo#>\n{?s ?p ?o}}", "SELECT * {SERVICEex:a {?s ?p ?o}}"):
         before = len(hits)
         with contextlib.suppress(OSError, RuntimeError):
-            list(store.query(f"PREFIX : {iri} PREFIX ex: {iri} {text}"))  # type: ignore[arg-type]
+            _exhaust(store.query(f"PREFIX : {iri} PREFIX ex: {iri} {text}"))
         assert len(hits) == before + 1
