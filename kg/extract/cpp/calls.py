@@ -12,7 +12,7 @@ from kg.extract.cpp.context import EMPTY
 from kg.extract.cpp.handles import joined_name
 from kg.extract.cpp.matching import Matcher
 from kg.extract.cpp.options import consumer
-from kg.extract.cpp.parameters import read_parameter
+from kg.extract.cpp.parameters import read_listed, read_parameter
 from kg.extract.cpp.qos import read_qos
 from kg.extract.cpp.sites import call_around
 from kg.extract.cpp.specifications import specifications, specified
@@ -185,7 +185,12 @@ class Finder:
             if spec is None:
                 continue
             self.ros.add(spec.ros)
-            for found in read_parameter(self._evaluator, spec, where, called, given, self._location(unit, node)):
+            place = self._location(unit, node)
+            if spec.listed:
+                many = read_listed(self._evaluator, spec, given, place)
+            else:
+                many = read_parameter(self._evaluator, spec, where, called, given, place)
+            for found in many:
                 self.parameters.setdefault((found.name, found.access, found.location), found)
 
     def _aliases(self, unit: Unit) -> list[str]:

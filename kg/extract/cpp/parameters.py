@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 from kg.extract.cpp import syntax
 from kg.extract.cpp.context import EMPTY
 from kg.extract.cpp.handles import joined_name
-from kg.extract.values import Handle, Number, Sequence, Text, Truth, Unknown, Value
+from kg.extract.values import Handle, Mapping, Number, Sequence, Text, Truth, Unknown, Value
 from kg.facts import Parameter, Resolution
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from kg.extract.cpp.unit import Expr
     from kg.facts import Location
 
-__all__ = ["read_parameter", "yaml"]
+__all__ = ["read_listed", "read_parameter", "yaml"]
 
 _SCALARS: Final = {
     "bool": "bool",
@@ -64,6 +64,31 @@ def read_parameter(  # noqa: PLR0913, PLR0917 - the parts of one call
             if pattern is None:
                 resolution = Resolution.UNRESOLVED
             yield Parameter(pattern, kind, yaml(default), spec.access, place, resolution, reason=full.reason)
+
+
+def read_listed(evaluator: Evaluator, spec: ParameterSpec, given: list[Expr], place: Location) -> Iterator[Parameter]:
+    """Yield the parameters that a call like `declare_parameters("prefix", {{"name", default}, ...})` lists."""
+    prefixes: list[tuple[Text | Unknown, Context]] = [(Text.of(""), EMPTY)]
+    if spec.default is not None:
+        prefixes = evaluator.texts(given[spec.default], EMPTY)
+    for prefix, after in prefixes:
+        above = prefix.pattern if isinstance(prefix, Text) else "{}"
+        for held, _ in evaluator.values(given[spec.name], after):
+            for name, default in _entries(held):
+                pattern = f"{above}.{name.pattern}" if above else name.pattern
+                resolution = Resolution.PARTIAL if pattern is None or "{}" in pattern else name.resolution
+                yield Parameter(pattern, _type_of_value(default), yaml(default), spec.access, place, resolution)
+
+
+def _entries(held: Value) -> Iterator[tuple[Text, Value | None]]:
+    """Yield the names that a list or map holds, each with its value if it has one."""
+    if isinstance(held, Mapping):
+        yield from ((key, value) for key, value in held.items if isinstance(key, Text))
+    for item in held.items if isinstance(held, Sequence) else ():
+        if isinstance(item, Text):
+            yield item, None
+        elif isinstance(item, Sequence) and item.items and isinstance(item.items[0], Text):
+            yield item.items[0], item.items[1] if len(item.items) > 1 else None
 
 
 def _default(evaluator: Evaluator, spec: ParameterSpec, given: list[Expr], context: Context) -> Value | None:

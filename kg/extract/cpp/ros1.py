@@ -38,7 +38,9 @@ _SERVICE_CLIENT: Final = frozenset({"ServiceClientOptions"})
 _OPTIONS: Final = (
     CallSpec(1, Role.SUBSCRIBES, receivers=_SUBSCRIBE, template=0, callback=2, least=3, options=True),
     CallSpec(1, Role.PUBLISHES, receivers=_ADVERTISE, template=0, least=2, options=True),
-    CallSpec(1, Role.SERVICES, receivers=_ADVERTISE_SERVICE, template=0, callback=1, least=2, service=True, options=True),
+    CallSpec(
+        1, Role.SERVICES, receivers=_ADVERTISE_SERVICE, template=0, callback=1, least=2, service=True, options=True
+    ),
     CallSpec(1, Role.CLIENTS, receivers=_SERVICE_CLIENT, template=0, options=True, service=True),
 )
 _CALLS: Final[dict[str, tuple[CallSpec, ...]]] = {

@@ -159,6 +159,10 @@ _PARAMETERS: Final[dict[str, tuple[ParameterSpec, ...]]] = {
     "getOrDeclareParameter": _helper(2, 4),
     "declare_or_get_parameter": (*_helper(2, 5), _method(Access.DECLARE, 1, 4, default=1, returns=True)),
     "declare_parameter_if_not_declared": _helper(2, 4),
+    "declare_parameters": (
+        ParameterSpec(2, Access.DECLARE, 1, None, 0, least=2, most=3, receivers=_NODE, listed=True),
+    ),
+    "get_parameters": (ParameterSpec(2, Access.READ, 0, least=1, most=1, receivers=_NODE, listed=True),),
     "has_parameter": (_method(Access.READ, 1, 1),),
     "undeclare_parameter": (_method(Access.WRITE, 1, 1),),
 }

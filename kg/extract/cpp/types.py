@@ -50,6 +50,7 @@ WRAPPERS: Final = frozenset(
         "intrusive_ptr",
         "optional",
         "MessageEvent",
+        "ServiceEvent",
         "reference_wrapper",
         "atomic",
         "remove_reference_t",
