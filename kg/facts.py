@@ -181,6 +181,8 @@ class NodeType:
     """The name it gives itself (`ros::init`, `Node("...")`), before any remapping."""
     base_class: str | None = None
     """For plugins and nodelets the class they are loaded as (`nodelet::Nodelet`, `nav2_core::Controller`)."""
+    aliases: tuple[str, ...] = ()
+    """Other names that build files know it by: its target, or a library that holds nothing else to load."""
     sources: tuple[str, ...] = ()
     interfaces: tuple[Interface, ...] = ()
     parameters: tuple[Parameter, ...] = ()

@@ -7,8 +7,9 @@ any process of a pool, or on another machine. A defect in one reader costs that 
 from __future__ import annotations
 
 import traceback
-from dataclasses import dataclass
-from pathlib import Path
+from collections import Counter
+from dataclasses import dataclass, replace
+from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Final, TypeVar
 
 from kg.corpus.reading import DEFAULT_LIMIT_BYTES, Reader
@@ -71,7 +72,17 @@ def _nodes(reader: Reader, package: PackageFolder, build: BuildModel) -> tuple[N
     ]
     merged = merge(read)
     complete = _guard(reader, parameters.attach, merged, reader, package, build, merged)
-    return settled(_guard(reader, implicit.add, extracted.node, extracted) for extracted in complete)
+    found = settled(_guard(reader, implicit.add, extracted.node, extracted) for extracted in complete)
+    return tuple(replace(node, aliases=_aliases(node, build)) for node in found)
+
+
+def _aliases(node: NodeType, build: BuildModel) -> tuple[str, ...]:
+    """Return the names of the target that makes a node, or of the library that it is the only plugin of."""
+    targets = {t.name for t in build.targets if node.executable is not None and t.output_name == node.executable}
+    libraries = Counter(plugin.library for plugin in build.plugins)
+    own = {plugin.library for plugin in build.plugins if node.plugin is not None and plugin.name == node.plugin}
+    alone = {PurePosixPath(library).name.removeprefix("lib") for library in own if library and libraries[library] == 1}
+    return tuple(sorted((targets | alone) - {node.name, node.executable or ""}))
 
 
 def _guard(reader: Reader, read: Callable[..., _Result], instead: _Result, *arguments: object) -> _Result:

@@ -28,6 +28,8 @@ def node(scope: Scope, package: str, fact: NodeType) -> None:
     writer.text(subject, v.PLUGIN_NAME, fact.plugin)
     writer.text(subject, v.NODE_NAME, fact.node_name)
     writer.text(subject, v.BASE_CLASS, fact.base_class)
+    for alias in fact.aliases:
+        writer.text(subject, v.ALIAS, alias)
     scope.evidence(subject, fact.location)
     _executable(scope, subject, fact)
     for path in fact.sources:

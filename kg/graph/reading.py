@@ -186,6 +186,7 @@ def _node(
         plugin=_one(properties, v.PLUGIN_NAME),
         node_name=_one(properties, v.NODE_NAME),
         base_class=_one(properties, v.BASE_CLASS),
+        aliases=tuple(sorted(properties.get(v.bare(v.ALIAS), ()))),
         sources=tuple(sources),
         interfaces=tuple(sorted(parts[0], key=_order)),
         parameters=tuple(sorted(parts[1], key=_order)),

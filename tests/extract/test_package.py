@@ -76,3 +76,14 @@ def test_extraction_is_a_function_of_the_files(tmp_path: Path) -> None:
     one = extract(tmp_path / "x", files)
     other = extract(tmp_path / "y" / "x", dict(reversed(files.items())))
     assert one == other
+
+
+def test_a_node_has_the_names_that_build_files_know_it_by(tmp_path: Path) -> None:
+    """The target behind an output name, and a library that holds one plugin only, are aliases of the node."""
+    files: dict[str, str | bytes] = {
+        "demo/CMakeLists.txt": "add_executable(demo_talk a.cpp)\n"
+        "set_target_properties(demo_talk PROPERTIES OUTPUT_NAME talk)\n",
+        "demo/a.cpp": '#include <ros/ros.h>\nint main(int c, char** v) { ros::init(c, v, "t"); ros::NodeHandle n; }\n',
+    }
+    (node,) = extract(tmp_path, files).nodes
+    assert (node.name, node.executable, node.aliases) == ("talk", "talk", ("demo_talk",))

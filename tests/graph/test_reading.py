@@ -37,6 +37,7 @@ ROVER: Final = NodeType(
     plugin="rover::Rover",
     node_name="rover",
     base_class="rclcpp::Node",
+    aliases=("driver_library", "driver_target"),
     sources=("src/a.cpp", "src/rover.cpp"),
     interfaces=(
         Interface(Role.ACTION_CLIENTS, "dock", "rover_msgs/Dock", Resolution.LITERAL, HERE, resolved="/dock"),
