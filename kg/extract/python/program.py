@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import builtins
+import tomllib
 from functools import cache
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.python.entities import ClassRef, Dotted, Frame, FunctionRef, ModuleRef
 from kg.extract.python.index import index_file
 from kg.extract.python.syntax import code, first_error
+from kg.resources import folder
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -46,17 +48,10 @@ _BUILTINS: Final = frozenset(vars(builtins)) | {"unicode", "xrange", "raw_input"
 
 
 @cache
-def _standard_types() -> frozenset[str]:
-    """Return the message types that every distribution of ROS carries, as `package/Type`."""
-    from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415 - loaded only where several imports compete
-
-    names = (*get_typestore(Stores.ROS1_NOETIC).types, *get_typestore(Stores.ROS2_HUMBLE).types)
-    return frozenset(name.replace("/msg/", "/") for name in names)
-
-
-@cache
-def _standard_packages() -> frozenset[str]:
-    return frozenset(name.partition("/")[0] for name in _standard_types())
+def _standard_types() -> dict[str, frozenset[str]]:
+    """Return the names of the message types that every distribution of ROS carries, by package."""
+    with (folder("ontology") / "standard_messages.toml").open("rb") as stream:
+        return {package: frozenset(names) for package, names in tomllib.load(stream).items()}
 
 
 def _interface_name(name: str) -> str:
@@ -198,7 +193,7 @@ class Program:
             if self._defines(module, name):
                 return f"{module}.{name}"
         for module in generated if len(generated) > 1 else ():
-            if f"{module.partition('.')[0]}/{name}" in _standard_types():
+            if name in _standard_types().get(module.partition(".")[0], ()):
                 return f"{module}.{name}"
         others = [module for module in generated if self._may_define(module, alone=len(generated) == 1)]
         return f"{others[0]}.{name}" if len(others) == 1 else None
@@ -212,7 +207,7 @@ class Program:
     def _may_define(self, module: str, *, alone: bool) -> bool:
         """Tell whether a package could have interfaces that are not known here."""
         package = module.partition(".")[0]
-        return self.reader.workspace.package(package) is None and (alone or package not in _standard_packages())
+        return self.reader.workspace.package(package) is None and (alone or package not in _standard_types())
 
     def lineage(self, klass: Scope) -> list[Scope | Dotted]:
         """Return a class with its bases, nearest first; bases outside of the build are `Dotted`."""
