@@ -39,7 +39,7 @@ def summary(report: BuildReport, store: Path, *, every: bool) -> Iterator[str]:
 def _found(report: BuildReport) -> str:
     kinds = (("nodes", "node"), ("interfaces", "interface"), ("parameters", "parameter"))
     found = [count(report.total(key), noun) for key, noun in kinds]
-    definitions = count(report.total("definitions"), "message, service and action type")
+    definitions = count(report.total("definitions"), "interface type")
     return f"found {', '.join(found)}, {definitions} in {count(report.total('files'), 'file')}"
 
 
