@@ -122,6 +122,8 @@ class ParameterSpec:
     receivers: frozenset[str] = frozenset()
     helper: bool = False
     listed: bool = False
+    single: bool = False
+    """The argument `name` is one such pair and not a list of them."""
 
 
 class Dialect(Protocol):

@@ -73,7 +73,8 @@ def read_listed(evaluator: Evaluator, spec: ParameterSpec, given: list[Expr], pl
         prefixes = evaluator.texts(given[spec.default], EMPTY)
     for prefix, after in prefixes:
         above = prefix.pattern if isinstance(prefix, Text) else "{}"
-        for held, _ in evaluator.values(given[spec.name], after):
+        for value, _ in evaluator.values(given[spec.name], after):
+            held = Sequence((value,)) if spec.single else value
             for name, default in _entries(held):
                 pattern = f"{above}.{name.pattern}" if above else name.pattern
                 resolution = Resolution.PARTIAL if pattern is None or "{}" in pattern else name.resolution

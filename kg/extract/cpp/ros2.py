@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 from kg.extract.cpp import syntax
 from kg.extract.cpp.api import CallSpec, MarkSpec, ParameterSpec, TypeSpec
 from kg.extract.cpp.handles import below, camera_info_beside, value_of_parameter
-from kg.extract.values import Handle, Text
+from kg.extract.values import Handle, Sequence, Text
 from kg.facts import Access, Role
 
 if TYPE_CHECKING:
@@ -103,14 +103,16 @@ _CALLS: Final[dict[str, tuple[CallSpec, ...]]] = {
     "create_service": (
         CallSpec(2, Role.SERVICES, receivers=_ADAPTOR, specified=True, least=0, explicit=True),
         CallSpec(2, Role.SERVICES, receivers=_NODE, template=0, least=2, qos=2),
-        CallSpec(2, Role.SERVICES, name=1, handle=0, scopes=_FREE, template=0, least=3, qos=3),
+        CallSpec(2, Role.SERVICES, name=1, handle=0, scopes=_FREE, template=0, least=3, most=5, qos=3),
+        CallSpec(2, Role.SERVICES, name=2, handle=0, scopes=_FREE, template=0, least=6, qos=4),
     ),
     "create_client": (
         CallSpec(2, Role.CLIENTS, receivers=_ADAPTOR, specified=True, least=0, explicit=True),
         CallSpec(2, Role.CLIENTS, receivers=_NODE, template=0, most=3, qos=1),
         CallSpec(2, Role.ACTION_CLIENTS, name=1, handle=0, scopes=_ACTION, template=0, least=2, most=4),
         CallSpec(2, Role.ACTION_CLIENTS, name=4, handle=0, scopes=_ACTION, template=0, least=5),
-        CallSpec(2, Role.CLIENTS, name=1, handle=0, scopes=_FREE, template=0, least=2, most=5),
+        CallSpec(2, Role.CLIENTS, name=1, handle=0, scopes=_FREE, template=0, least=2, most=4),
+        CallSpec(2, Role.CLIENTS, name=3, handle=0, scopes=_FREE, template=0, least=5, qos=4),
     ),
     "create_server": (
         CallSpec(2, Role.ACTION_SERVERS, name=1, handle=0, scopes=_ACTION, template=0, least=5, most=7),
@@ -162,6 +164,9 @@ _PARAMETERS: Final[dict[str, tuple[ParameterSpec, ...]]] = {
     "declare_parameters": (
         ParameterSpec(2, Access.DECLARE, 1, None, 0, least=2, most=3, receivers=_NODE, listed=True),
     ),
+    "set_parameter": (ParameterSpec(2, Access.WRITE, most=1, receivers=_NODE, listed=True, single=True),),
+    "set_parameters": (ParameterSpec(2, Access.WRITE, most=1, receivers=_NODE, listed=True),),
+    "set_parameters_atomically": (ParameterSpec(2, Access.WRITE, most=1, receivers=_NODE, listed=True),),
     "get_parameters": (ParameterSpec(2, Access.READ, 0, least=1, most=1, receivers=_NODE, listed=True),),
     "has_parameter": (_method(Access.READ, 1, 1),),
     "undeclare_parameter": (_method(Access.WRITE, 1, 1),),
@@ -218,8 +223,8 @@ class Ros2:
         if name in ("create_sub_node", "create_subnode") and given:
             parent = evaluator.values(where.child(receiver), context) if receiver is not None else [(Handle(), context)]
             return below(evaluator, list(parent), given[0])
-        if name.startswith("get_node_") and name.endswith("_interface") and receiver is not None:
-            return evaluator.values(where.child(receiver), context)
+        if name.startswith("get_node_") and name.endswith("_interface"):
+            return evaluator.values(where.child(receiver), context) if receiver is not None else [(Handle(), context)]
         if name == "shared_from_this" and not given:
             return [(Handle(), context)]
         if name in _NAMES_OF_NODES and not given and self._is_node_here(evaluator, where, receiver, context):
@@ -271,6 +276,8 @@ class Ros2:
         """Return the handle that a node is."""
         if kind.name in _NODE or (kind.name == "ImageTransport" and given):
             return [(Handle(), context)]
+        if kind.name == "Parameter" and given:
+            return [(Sequence(tuple(row)), chosen) for row, chosen in evaluator.product(given[:2], context)]
         if kind.name == "DebugPublisher" and len(given) > 1:
             return below(evaluator, [(Handle(), context)], given[1])
         cls = evaluator.types.class_of(kind)
