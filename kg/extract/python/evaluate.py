@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.python import formatting
+from kg.extract.python.core import COMPUTED
 from kg.extract.python.entities import Dotted, Items, Nothing, Table, Thunk, plain
 from kg.extract.python.invoke import Invocations
 from kg.extract.python.syntax import code, strip_parentheses
@@ -26,7 +27,6 @@ __all__ = ["Evaluator"]
 
 _TOO_DEEP: Final = Unknown("it is computed in too many steps")
 _CIRCULAR: Final = Unknown("it depends on itself")
-_COMPUTED: Final = Unknown("it is computed when the program runs")
 _MAX_DEPTH: Final = 80
 MAX_ALTERNATIVES: Final = 32
 _MANY: Final = 8
@@ -40,7 +40,7 @@ class Evaluator(Invocations):
         """Return what an expression can be in a frame, given what was chosen so far; never an empty list."""
         handler = _HANDLERS.get(node.type)
         if handler is None:
-            return [(_COMPUTED, choice)]
+            return [(COMPUTED, choice)]
         if node.type in _CHEAP:
             return handler(self, node, frame, choice)
         key = (node.id, frame.id)
@@ -52,7 +52,7 @@ class Evaluator(Invocations):
         if known not in self.memory:
             cuts = self.cuts
             self.active.add(key)
-            found = _distinct(handler(self, node, frame, choice)) or [(_COMPUTED, choice)]
+            found = _distinct(handler(self, node, frame, choice)) or [(COMPUTED, choice)]
             self.active.discard(key)
             if cuts != self.cuts and self.active:
                 return found
@@ -62,7 +62,7 @@ class Evaluator(Invocations):
     def thunk(self, thunk: Thunk, choice: Choice) -> Alternatives:
         """Return what an argument can be."""
         if thunk.node is None or thunk.frame is None:
-            return [(thunk.value or _COMPUTED, choice)]
+            return [(thunk.value or COMPUTED, choice)]
         return self.evaluate(thunk.node, thunk.frame, choice)
 
     def combined(
@@ -81,7 +81,7 @@ class Evaluator(Invocations):
         """A string literal or f-string."""
         prefix = code(node.named_children[0])
         if prefix.startswith("`"):
-            return [(_COMPUTED, choice)]
+            return [(COMPUTED, choice)]
         if node.named_child_count == 2:  # noqa: PLR2004 - an empty string has a start and an end only
             return [(Text.of(""), choice)]
         inner = node.named_children[1:-1]
@@ -102,7 +102,7 @@ class Evaluator(Invocations):
         try:
             value = float(written) if node.type == "float" else int(written.rstrip("lL"), 0)
         except ValueError:
-            return [(_COMPUTED, choice)]
+            return [(COMPUTED, choice)]
         return [(Number(value, written), choice)]
 
     def truth_literal(self, node: Node, frame: Frame, choice: Choice) -> Alternatives:
@@ -130,7 +130,7 @@ class Evaluator(Invocations):
         """`value.name`."""
         held, name = node.child_by_field_name("object"), code(node.child_by_field_name("attribute"))
         if held is None:
-            return [(_COMPUTED, choice)]
+            return [(COMPUTED, choice)]
         local = self.assigned_here(node, frame, choice)
         if local is not None:
             return local
@@ -155,14 +155,14 @@ class Evaluator(Invocations):
         """A list made by a comprehension with one `for` and no condition."""
         clauses = [child for child in node.named_children if child.type in ("for_in_clause", "if_clause")]
         if len(clauses) != 1:
-            return [(_COMPUTED, choice)]
+            return [(COMPUTED, choice)]
         body, key = node.named_children[0], (frame.id, clauses[0].start_byte)
         right = clauses[0].child_by_field_name("right")
         found: Alternatives = []
         for value, after in self.evaluate(right, frame, choice) if right is not None else ():
             rounds = self.rounds(value)
             if rounds is None:
-                found.append((_COMPUTED, after))
+                found.append((COMPUTED, after))
                 continue
             made = [self.evaluate(body, frame, {**after, key: index})[0][0] for index in range(len(rounds))]
             found.append((Items(tuple(made)), after))
@@ -172,7 +172,7 @@ class Evaluator(Invocations):
         """`value[key]`."""
         held, key = node.child_by_field_name("value"), node.child_by_field_name("subscript")
         if held is None or key is None:
-            return [(_COMPUTED, choice)]
+            return [(COMPUTED, choice)]
         found: Alternatives = []
         for (value, index), after in ((row, after) for row, after in self.combined((held, key), frame, choice)):
             found.extend(self.item(value, index, node, frame, after))
@@ -184,7 +184,7 @@ class Evaluator(Invocations):
         while node.type == "binary_operator":
             left, right = node.child_by_field_name("left"), node.child_by_field_name("right")
             if left is None or right is None:
-                return [(_COMPUTED, choice)]
+                return [(COMPUTED, choice)]
             operands.append(right)
             operators.append(code(node.child_by_field_name("operator")))
             node = left
@@ -195,7 +195,7 @@ class Evaluator(Invocations):
         """`a or b` gives both unless the first is known to decide; `a and b` gives the second."""
         left, right = node.child_by_field_name("left"), node.child_by_field_name("right")
         if left is None or right is None:
-            return [(_COMPUTED, choice)]
+            return [(COMPUTED, choice)]
         if code(node.child_by_field_name("operator")) == "and":
             return self.evaluate(right, frame, choice)
         found: Alternatives = []
@@ -221,29 +221,32 @@ class Evaluator(Invocations):
     def comparison(self, node: Node, frame: Frame, choice: Choice) -> Alternatives:
         """A comparison, known where `decide` knows it."""
         decided = self.decide(node, frame, choice)
-        return [(Truth(decided) if decided is not None else _COMPUTED, choice)]
+        return [(Truth(decided) if decided is not None else COMPUTED, choice)]
 
     def negative(self, node: Node, frame: Frame, choice: Choice) -> Alternatives:
         """`-number`."""
         inner = node.child_by_field_name("argument")
         values = self.evaluate(inner, frame, choice) if inner is not None else []
         return [
-            (Number(-value.value, f"-{value.written}"), after) if isinstance(value, Number) else (_COMPUTED, after)
+            (Number(-value.value, f"-{value.written}"), after) if isinstance(value, Number) else (COMPUTED, after)
             for value, after in values
         ]
 
 
-def _interpolated(field: Node) -> Thunk | Node:
-    formatted = any(child.type == "format_specifier" for child in field.named_children)
-    expression = field.child_by_field_name("expression") or field.named_children[0]
-    return Thunk(None, None, _COMPUTED) if formatted else expression
+def _interpolated(field: Node) -> Node:
+    return field.child_by_field_name("expression") or field.named_children[0]
+
+
+def _specification(field: Node) -> str:
+    """Return the format specification of a field of an f-string; one that holds fields itself has a brace in it."""
+    return next((code(child)[1:] for child in field.named_children if child.type == "format_specifier"), "")
 
 
 def _assemble(prefix: str, inner: list[Node], values: list[Thing]) -> Text:
     pieces, rest = [], iter(values)
     for child in inner:
         if child.type == "interpolation":
-            pieces.append(formatting.stringify(next(rest)))
+            pieces.append(formatting.formatted(formatting.stringify(next(rest)), _specification(child)))
         elif child.type == "string_content":
             body = formatting.decode_literal(prefix, code(child))
             pieces.append(Text.of(body.replace("{{", "{").replace("}}", "}") if "f" in prefix.lower() else body))
@@ -261,9 +264,9 @@ def _operate(left: Thing, operator: str, right: Thing) -> Thing:
     if operator == "%" and isinstance(left, Text):
         return formatting.format_percent(left, right)
     if operator == "/" and isinstance(left, Dotted | Text):
-        return _COMPUTED
+        return COMPUTED
     if operator != "+":
-        return _COMPUTED
+        return COMPUTED
     if isinstance(left, Items) and isinstance(right, Items):
         return Items(left.items + right.items)
     if isinstance(left, Number) and isinstance(right, Number):
@@ -271,7 +274,7 @@ def _operate(left: Thing, operator: str, right: Thing) -> Thing:
         return Number(total, str(total))
     if isinstance(left, Text) or isinstance(right, Text):
         return concatenate(formatting.stringify(left), formatting.stringify(right))
-    return _COMPUTED
+    return COMPUTED
 
 
 def _distinct(found: Alternatives) -> Alternatives:

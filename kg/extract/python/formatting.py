@@ -1,7 +1,7 @@
 """Strings made of strings, as Python makes them: literals, `%`, `str.format`, and methods of `str`.
 
 Source: docs.python.org/3/library/string.html#format-string-syntax and stdtypes.html#printf-style-string-formatting.
-What a replacement field with a width or precision makes of a value is not computed: it stays a hole.
+What a replacement field makes of a value that is not known stays a hole.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from kg.extract.python.entities import Thing
     from kg.extract.values import Value
 
-__all__ = ["STRING_METHODS", "decode_literal", "format_braces", "format_percent", "stringify"]
+__all__ = ["STRING_METHODS", "decode_literal", "format_braces", "format_percent", "formatted", "stringify"]
 
 _HOLE: Final = Unknown("part of it is not known")
 _INTEGER: Final = frozenset("diu")
@@ -74,22 +74,24 @@ def _directive(rest: str, arguments: list[Thing], whole: Thing) -> tuple[Value, 
     if rest.startswith("(") and ")" in rest:
         key, _, rest = rest[1:].partition(")")
     flags = len(rest) - len(rest.lstrip("#0- +.123456789*"))
-    kind = rest[flags : flags + 1]
+    directive, kind = rest[:flags], rest[flags : flags + 1]
     if key is not None:
         value = whole.get(Text.of(key)) if isinstance(whole, Table) else None
     else:
         value = arguments.pop(0) if arguments else None
-    return _converted(value, kind, plain=flags == 0), rest[flags + 1 :]
+    return _converted(value, directive, kind), rest[flags + 1 :]
 
 
-def _converted(value: Thing | None, kind: str, *, plain: bool) -> Value:
-    if value is None or not plain:
+def _converted(value: Thing | None, flags: str, kind: str) -> Value:
+    if value is None or "*" in flags:
         return _HOLE
-    if kind == "s":
-        return stringify(value)
-    if kind in _INTEGER and isinstance(value, Number):
-        return Text.of(str(int(value.value)))
-    return _HOLE if not isinstance(value, Text | Unknown) else stringify(value)
+    if kind in _INTEGER:
+        return Text.of(f"%{flags}d" % int(value.value)) if isinstance(value, Number) else _HOLE
+    piece = stringify(value) if kind == "s" else _HOLE
+    if not flags:
+        return piece
+    known = piece.known if isinstance(piece, Text) else None
+    return _HOLE if known is None else Text.of(f"%{flags}s" % known)
 
 
 def format_braces(template: Text, positional: Sequence[Thing], named: dict[str, Thing]) -> Text:
@@ -107,8 +109,25 @@ def format_braces(template: Text, positional: Sequence[Thing], named: dict[str, 
         pieces.append(Text.of(literal))
         if name is not None:
             key = name or str(next(counter))
-            pieces.append(_HOLE if spec else _field(key, positional, named))
+            pieces.append(formatted(_field(key, positional, named), spec or ""))
     return _carry(template, concatenate(*pieces))
+
+
+def formatted(value: Value, spec: str) -> Value:
+    """Return what a replacement field with a format specification makes of a value: known only for known values."""
+    if not spec:
+        return value
+    known: str | float | int | None = None
+    if isinstance(value, Text):
+        known = value.known
+    elif isinstance(value, Number):
+        known = int(value.value) if value.written.lstrip("-").isdigit() else value.value
+    if known is None or "{" in spec:
+        return _HOLE
+    try:
+        return Text.of(format(known, spec))
+    except (ValueError, OverflowError):
+        return _HOLE
 
 
 def _field(key: str, positional: Sequence[Thing], named: dict[str, Thing]) -> Value:

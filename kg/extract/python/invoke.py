@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.python.arguments import Arguments, bind, read_arguments
+from kg.extract.python.core import COMPUTED
 from kg.extract.python.entities import (
     Bound,
     ClassRef,
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Invocations"]
 
-_COMPUTED: Final = Unknown("it is computed when the program runs")
 _NO_RESULT: Final = Unknown("the function that gives it returns nothing known")
 _MAX_CALL_DEPTH: Final = 12
 _MAX_FRAMES: Final = 24
@@ -58,7 +58,7 @@ class Invocations(Library):
         """Return what a call gives."""
         called = node.child_by_field_name("function")
         if called is None:
-            return [(_COMPUTED, choice)]
+            return [(COMPUTED, choice)]
         if called.type == "identifier" and code(called) == "super":
             return [(self.super_of(frame), choice)]
         found: Alternatives = []
@@ -72,7 +72,7 @@ class Invocations(Library):
         while at is not None and at.scope.owner is None:
             at = at.lexical
         if at is None or at.scope.owner is None:
-            return _COMPUTED
+            return COMPUTED
         if at.instance is None:
             at.instance = self.open_instance(at.scope.owner)
         return Super(at.instance, at.scope.owner)
@@ -85,7 +85,7 @@ class Invocations(Library):
             return self.returned(value, node, frame, choice)
         if isinstance(value, Dotted | Bound):
             return self.library_call(value, node, frame, choice)
-        return [(value if isinstance(value, Unknown) else _COMPUTED, choice)]
+        return [(value if isinstance(value, Unknown) else COMPUTED, choice)]
 
     def instance(self, klass: Scope, call: Node, frame: Frame) -> Instance:
         """Return the object that a call of a class makes in a frame; the same call gives the same object."""
@@ -167,7 +167,7 @@ class Invocations(Library):
     def returned(self, function: FunctionRef, call: Node | None, frame: Frame, choice: Choice) -> Alternatives:
         """Return what a call of a function of the build gives."""
         if frame.depth > _MAX_CALL_DEPTH:
-            return [(_COMPUTED, choice)]
+            return [(COMPUTED, choice)]
         made = self.frame_for(function, call, frame)
         found: Alternatives = []
         for node, arms in function.scope.returns:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.python.arguments import read_arguments
+from kg.extract.python.containers import Containers, unpacked
+from kg.extract.python.core import COMPUTED
 from kg.extract.python.entities import (
     ArgumentsParsed,
     Bound,
@@ -18,35 +19,27 @@ from kg.extract.python.entities import (
     ModuleRef,
     Nothing,
     ParameterRead,
-    QosValue,
     Super,
     Table,
-    Thunk,
-    plain,
 )
 from kg.extract.python.flow import END, agreeing, reaching
-from kg.extract.python.qos import changed
-from kg.extract.python.syntax import code, strip_parentheses
+from kg.extract.python.syntax import code
 from kg.extract.python.unit import MODULE
 from kg.extract.values import Number, Text, Truth, Unknown, concatenate
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable
 
     from tree_sitter import Node
 
     from kg.extract.python.entities import Alternatives, Choice, Frame, Thing
-    from kg.extract.python.program import Program
-    from kg.extract.python.unit import Binding, Scope, Unit
+    from kg.extract.python.unit import Binding, Scope
 
 __all__ = ["Lookups"]
 
 _NOT_BOUND: Final = Unknown("nothing in the code gives it a value")
 _NO_CALLER: Final = Unknown("it is a parameter of a function whose callers are not known")
-_COMPUTED: Final = Unknown("it is computed when the program runs")
-_MAX_ROUNDS: Final = 24
 _MAX_BINDINGS: Final = 12
-_STEPS: Final = 500
 _NAME_FIELDS: Final = frozenset({"resolved_name", "name"})
 _NAMED: Final = frozenset({"Publisher", "Subscriber", "ServiceProxy", "Service"})
 _PARAMETER_FIELDS: Final = frozenset(
@@ -55,49 +48,8 @@ _PARAMETER_FIELDS: Final = frozenset(
 )  # fmt: skip
 
 
-class Lookups(ABC):
+class Lookups(Containers):
     """The part of the evaluator that finds out what names and attributes mean."""
-
-    def __init__(self, program: Program) -> None:
-        self.program = program
-        self.active: set[tuple[int, int]] = set()
-        self.steps = 0
-        self.limit = _STEPS
-        self.cuts = 0
-        self.memory: dict[tuple[tuple[int, int], frozenset[tuple[tuple[int, int], int]]], Alternatives] = {}
-        self._decided: dict[tuple[int, int], bool | None] = {}
-        self.main: Unit | None = None
-        self._setters: dict[int, dict[str, list[Scope]]] = {}
-
-    @abstractmethod
-    def evaluate(self, node: Node, frame: Frame, choice: Choice) -> Alternatives:
-        """Return what an expression can be."""
-
-    @abstractmethod
-    def thunk(self, thunk: Thunk, choice: Choice) -> Alternatives:
-        """Return what an argument can be."""
-
-    @abstractmethod
-    def combined(
-        self, thunks: Iterable[Thunk | Node], frame: Frame, choice: Choice
-    ) -> list[tuple[list[Thing], Choice]]:
-        """Return the combinations of the alternatives of several expressions."""
-
-    @abstractmethod
-    def frames_of(self, scope: Scope, instance: Instance | None) -> list[Frame]:
-        """Return the known runs of a function, an open one when none is known."""
-
-    @abstractmethod
-    def returned(self, function: FunctionRef, call: Node | None, frame: Frame, choice: Choice) -> Alternatives:
-        """Return what a call of a function of the build gives."""
-
-    @abstractmethod
-    def option(self, parsed: ArgumentsParsed, name: str) -> Thing:
-        """Return the default of a command line option."""
-
-    @abstractmethod
-    def open_instance(self, klass: Scope) -> Instance:
-        """Return an object of a class that was made nobody knows where."""
 
     def name(self, name: str, position: int, frame: Frame, choice: Choice) -> Alternatives:
         """Return what a name means at a place in a frame, looking outwards through the scopes around it."""
@@ -176,7 +128,7 @@ class Lookups(ABC):
     def binding(self, binding: Binding, frame: Frame, choice: Choice) -> Alternatives:
         """Return what one binding gives to its name."""
         if binding.value is None:
-            return [(_COMPUTED, choice)]
+            return [(COMPUTED, choice)]
         if binding.kind == "augment":
             values = self.augmented(binding, frame, choice)
         else:
@@ -187,60 +139,15 @@ class Lookups(ABC):
             values = [row for value, after in values for row in self.each_round(binding, value, frame, after)]
         return [(_through(unpacked(value, binding.path)), after) for value, after in values]
 
-    def completed(self, value: Thing, binding: Binding, frame: Frame) -> Thing:
-        """Return a value with what statements after its making add to it: elements of a list, policies of a profile."""
-        if isinstance(value, Items) and not value.items:
-            return Items(tuple(self.appended(binding, frame)))
-        if isinstance(value, QosValue):
-            return self.refined(value, binding, frame)
-        return value
-
-    def appended(self, binding: Binding, frame: Frame) -> Iterator[Thing]:
-        """Yield what is appended to a list that was made empty, in its scope or, for attributes, in its class."""
-        owner = binding.scope.owner if "." in binding.name else None
-        for scope in owner.functions.values() if owner is not None else (binding.scope,):
-            calls = [call for call in scope.calls if call.name == "append" and _held(call.node) == binding.name]
-            frames = [frame] if scope is binding.scope else self.frames_of(scope, frame.instance) if calls else []
-            for call in calls:
-                for where in frames:
-                    argument = read_arguments(call.node, where).get(0)
-                    yield from (value for value, _ in self.thunk(argument, {})) if argument is not None else ()
-
-    def refined(self, value: QosValue, binding: Binding, frame: Frame) -> QosValue:
-        """Return a profile with the policies that are assigned to its attributes."""
-        changes = {}
-        for field in ("reliability", "durability", "history", "depth"):
-            later = binding.scope.bindings.get(f"{binding.name}.{field}")
-            if later:
-                changes[field] = self.bound(later, END, frame, {})[0][0][0]
-        return QosValue(changed(value.qos, changes)) if changes else value
-
     def augmented(self, binding: Binding, frame: Frame, choice: Choice) -> Alternatives:
         """Return what `name += value` leaves."""
         node = binding.value
         left = node.child_by_field_name("left") if node is not None else None
         right = node.child_by_field_name("right") if node is not None else None
         if node is None or left is None or right is None or code(node.child_by_field_name("operator")) != "+=":
-            return [(_COMPUTED, choice)]
+            return [(COMPUTED, choice)]
         rows = self.combined((left, right), frame, choice)
         return [(_sum(values[0], values[1]), after) for values, after in rows]
-
-    def each_round(self, binding: Binding, value: Thing, frame: Frame, choice: Choice) -> Alternatives:
-        """Return what a loop variable takes, round by round, or in the round that was chosen."""
-        rounds, key = self.rounds(value), (frame.id, binding.loop)
-        if rounds is None:
-            return [(value if isinstance(value, Unknown) else _COMPUTED, choice)]
-        if key in choice:
-            return [(rounds[choice[key]], choice)] if choice[key] < len(rounds) else []
-        return [(item, {**choice, key: index}) for index, item in enumerate(rounds)]
-
-    def rounds(self, value: Thing) -> list[Thing] | None:
-        """Return what iterating over a value gives; None when that is not known."""
-        if isinstance(value, Items):
-            return list(value.items[:_MAX_ROUNDS])
-        if isinstance(value, Table):
-            return [key for key, _ in value.items[:_MAX_ROUNDS]]
-        return None
 
     def parameter(self, name: str, frame: Frame, choice: Choice) -> Alternatives:
         """Return what a parameter of the frame's function can be."""
@@ -313,12 +220,12 @@ class Lookups(ABC):
     def outside_member(self, value: Thing, name: str, frame: Frame) -> Thing:
         """Return an attribute of something that is not made in the build."""
         if isinstance(value, Dotted):
-            return self.program.static_member(value, name, frame.scope.unit) or _COMPUTED
+            return self.program.static_member(value, name, frame.scope.unit) or COMPUTED
         if isinstance(value, ParameterRead):
             return value.value if name in _PARAMETER_FIELDS else Bound(f"parameter.{name}", value)
         if isinstance(value, Made) and name in _NAME_FIELDS and value.path.rpartition(".")[2] in _NAMED:
             first = read_arguments(value.call, value.frame).get(0, "name")
-            return self.thunk(first, {})[0][0] if first is not None else _COMPUTED
+            return self.thunk(first, {})[0][0] if first is not None else COMPUTED
         if isinstance(value, Made):
             return Bound(f"{value.path}.{name}", value)
         for kind, prefix in ((Text, "str"), (Items, "list"), (Table, "dict")):
@@ -417,151 +324,6 @@ class Lookups(ABC):
             self._setters[key] = found
         return self._setters[key]
 
-    def item(self, value: Thing, key: Thing, node: Node, frame: Frame, choice: Choice) -> Alternatives:
-        """Return `value[key]`, `node` being the whole expression."""
-        held = node.child_by_field_name("value")
-        if held is None:
-            return [(_COMPUTED, choice)]
-        if isinstance(value, Items) and isinstance(key, Number):
-            index = int(key.value)
-            inside = -len(value.items) <= index < len(value.items)
-            return [(value.items[index] if inside else _COMPUTED, choice)]
-        if isinstance(value, Table):
-            got = value.get(key)
-            if got is not None:
-                return [(got, choice)]
-            if plain(key) is None:
-                return self.any_item(value, (frame.id, _place_of_key(node)), choice)
-        if isinstance(value, ArgumentsParsed):
-            return (
-                [(unpacked(value, (int(plain(key) or 0),)), choice)]
-                if isinstance(key, Number)
-                else [(_COMPUTED, choice)]
-            )
-        if isinstance(value, Dotted) and value.path == "sys.argv":
-            return [(Unknown("it is given on the command line"), choice)]
-        return self.stored(key, held, frame, choice) or [(value if isinstance(value, Unknown) else _COMPUTED, choice)]
-
-    def any_item(self, value: Table, place: tuple[int, int], choice: Choice) -> Alternatives:
-        """Return the values of a dictionary for a key that is not known, the same for every use of the key."""
-        if place in choice:
-            inside = choice[place] < len(value.items)
-            return [(value.items[choice[place]][1] if inside else _COMPUTED, choice)]
-        listed = [(held, {**choice, place: index}) for index, (_, held) in enumerate(value.items[:_MAX_ROUNDS])]
-        return [*listed] or [(_COMPUTED, choice)]
-
-    def stored(self, key: Thing, node: Node, frame: Frame, choice: Choice) -> Alternatives:
-        """Return what `name[key] = value` stored before, in the same scope."""
-        bindings = frame.scope.bindings.get(code(node) + "[]", ())
-        found: Alternatives = []
-        for binding in bindings:
-            known = self.evaluate(binding.key, frame, choice)[0][0] if binding.key is not None else None
-            if known is not None and plain(known) is not None and plain(known) == plain(key):
-                found.extend(self.binding(binding, frame, choice))
-        return found
-
-    def possible(self, arms: Iterable[tuple[int, int]], frame: Frame, choice: Choice) -> bool:
-        """Tell whether branches can be taken, as far as their conditions rest on arguments that are known."""
-        for start, number in arms:
-            node = frame.scope.unit.ifs.get(start)
-            condition = node.child_by_field_name("condition") if node is not None else None
-            if condition is None:
-                continue
-            key = (condition.id, frame.id)
-            if key not in self._decided:
-                self._decided[key] = None
-                self._decided[key] = self.decide(condition, frame, choice)
-            decided = self._decided[key]
-            if decided is not None and decided != (number == 0):
-                return False
-        return True
-
-    def decide(self, condition: Node, frame: Frame, choice: Choice) -> bool | None:
-        """Return the truth of a condition about names that have one value in this frame; None when not known."""
-        condition = strip_parentheses(condition)
-        if condition.type == "not_operator":
-            inner = condition.child_by_field_name("argument")
-            decided = self.decide(inner, frame, choice) if inner is not None else None
-            return None if decided is None else not decided
-        if condition.type == "comparison_operator":
-            return self.compare(condition, frame, choice)
-        return _truthiness(self.certain(condition, frame, choice))
-
-    def compare(self, node: Node, frame: Frame, choice: Choice) -> bool | None:
-        """Return the truth of `a == b`, `a != b`, `a is b`, `a is not b`."""
-        operator = " ".join(child.type for child in node.children if not child.is_named)
-        if node.named_child_count != 2 or operator not in ("==", "!=", "is", "is not", "is  not"):  # noqa: PLR2004 - two sides
-            return None
-        left, right = (self.certain(side, frame, choice) for side in node.named_children)
-        if left is None or right is None:
-            return None
-        if isinstance(left, Nothing) or isinstance(right, Nothing):
-            same = isinstance(left, Nothing) and isinstance(right, Nothing)
-        elif plain(left) is None or plain(right) is None:
-            return None
-        else:
-            same = plain(left) == plain(right)
-        return same if operator in ("==", "is") else not same
-
-    def certain(self, node: Node, frame: Frame, choice: Choice) -> Thing | None:
-        """Return the one value of a literal, or of a name that stands for one; None for anything that may change."""
-        for _ in range(_MAX_STEPS_TO_LITERAL):
-            if node.type != "identifier":
-                break
-            if code(node) == "__name__":
-                return Text.of("__main__" if frame.scope.unit is self.main else frame.scope.unit.file.path)
-            thunk = self.only_value(code(node), frame)
-            if thunk is None or thunk.node is None or thunk.frame is None:
-                return None
-            node, frame = thunk.node, thunk.frame
-        return self.evaluate(node, frame, choice)[0][0] if node.type in _LITERALS else None
-
-    def only_value(self, name: str, frame: Frame) -> Thunk | None:
-        """Return the expression that gives a name its only value: an argument, a default or one assignment."""
-        scope = frame.scope
-        bindings = scope.bindings.get(name, ())
-        if scope.kind == "function" and name in scope.parameters.positional:
-            if bindings or frame.open:
-                return None
-            default = scope.parameters.defaults.get(name)
-            around = frame.lexical or self.program.module_frame(scope.unit)
-            return frame.arguments.get(name) or (Thunk(default, around) if default is not None else None)
-        if not bindings and scope.kind != "module":
-            module = self.program.module_frame(scope.unit)
-            assigned_elsewhere = any(name in other.globals for other in scope.unit.scopes)
-            return None if assigned_elsewhere else self.only_value(name, module)
-        if len(bindings) != 1 or bindings[0].kind != "assign" or bindings[0].arms or bindings[0].path:
-            return None
-        return Thunk(bindings[0].value, frame)
-
-
-_LITERALS: Final = frozenset({"string", "integer", "float", "true", "false", "none"})
-_MAX_STEPS_TO_LITERAL: Final = 8
-
-
-def unpacked(value: Thing, path: tuple[int, ...]) -> Thing:
-    """Return the part of a value that unpacking takes."""
-    for index in path:
-        if isinstance(value, ArgumentsParsed):
-            return value if index == 0 else _COMPUTED
-        if not isinstance(value, Items) or index >= len(value.items):
-            return value if isinstance(value, Unknown) else _COMPUTED
-        value = value.items[index]
-    return value
-
-
-def _held(call: Node) -> str:
-    """Return the expression whose method is called."""
-    called = call.child_by_field_name("function")
-    return code(called.child_by_field_name("object")) if called is not None else ""
-
-
-def _place_of_key(node: Node) -> int:
-    """Return a number that stands for the key of `value[key]`: one for each name, else one for each place."""
-    key = node.child_by_field_name("subscript")
-    named = key is not None and key.type == "identifier"
-    return -2 - sum(byte << 8 * index for index, byte in enumerate(code(key).encode())) if named else node.end_byte
-
 
 def _through(value: Thing) -> Thing:
     return value.through_constant() if isinstance(value, Text) else value
@@ -571,13 +333,5 @@ def _sum(left: Thing, right: Thing) -> Thing:
     if isinstance(left, Items) and isinstance(right, Items):
         return Items(left.items + right.items)
     if isinstance(left, Text):
-        return concatenate(left, right if isinstance(right, Text | Number | Truth | Unknown) else _COMPUTED)
-    return _COMPUTED
-
-
-def _truthiness(value: Thing | None) -> bool | None:
-    if isinstance(value, Nothing):
-        return False
-    if isinstance(value, Text | Number | Truth):
-        return bool(plain(value))
-    return None
+        return concatenate(left, right if isinstance(right, Text | Number | Truth | Unknown) else COMPUTED)
+    return COMPUTED
