@@ -69,12 +69,6 @@ BROKEN: Final[dict[str, tuple[str, Callable[[Path], None]]]] = {
     "binary": ("blob.cpp", lambda package: write(package / "src" / "blob.cpp", b"\x7fELF\0\0\0" * 100)),
     "huge": ("huge.cpp", lambda package: write(package / "src" / "huge.cpp", b"int x;\n" * (_HUGE_BYTES // 7))),
     "encoding": ("latin.cpp", lambda package: write(package / "src" / "latin.cpp", b"// \xfcber\nint x;\n")),
-    "nested code": (
-        "deep.cpp",
-        lambda package: write(
-            package / "src" / "deep.cpp", _NODE + "int x = " + "(" * _DEEP + "1" + ")" * _DEEP + ";\n"
-        ),
-    ),
     "nested XML": (
         "package.xml",
         lambda package: write(package / "package.xml", "<a>" * _DEEP + "</a>" * _DEEP),
@@ -113,6 +107,31 @@ def test_what_is_broken_is_named_and_the_rest_is_built(kind: str, kg: Program, t
     nodes = lines(kg("nodes", "--package", "healthy", "--json").out)
     assert [entry["name"] for node in nodes for entry in node["publishes"] if not entry["implicit"]] == ["chatter"]
     assert name in built.err + built.out + kg("status", "--json").out
+
+
+NESTED: Final = {
+    "blocks": ("src/talker.cpp", _NODE.replace("ros::spin();", "if (argc) {" * _DEEP + "}" * _DEEP)),
+    "parentheses": ("src/talker.cpp", _NODE.replace('"chatter"', "(" * _DEEP + '"chatter"' + ")" * _DEEP)),
+    "calls": ("src/talker.cpp", _NODE.replace("ros::spin();", "x = " + "f(" * _DEEP + ")" * _DEEP + ";")),
+    "namespaces": ("src/talker.cpp", _NODE + "namespace n {" * 500 + "}" * 500),
+    "lists": ("scripts/odd.py", f"#!/usr/bin/env python3\nimport rospy\nx = {'[' * _DEEP}{']' * _DEEP}\n"),
+    "conditions": (
+        "CMakeLists.txt",
+        "project(odd)\n" + "if(TRUE)\n" * _DEEP + "add_executable(talker src/talker.cpp)\n" + "endif()\n" * _DEEP,
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", NESTED)
+def test_what_nests_deep_is_read_or_named(kind: str, kg: Program, tmp_path: Path) -> None:
+    """Code nested 5,000 deep either gives its node all the same or is reported by name."""
+    name, content = NESTED[kind]
+    write(healthy(tmp_path / "src" / "odd", name="odd") / name, content)
+    built = kg("build", "src", "--problems")
+    assert built.code in {0, 1}, built.err
+    assert "Traceback" not in built.err
+    nodes = lines(kg("nodes", "--json").out)
+    assert name in built.err or any(node["node"] == "talker" and len(node["publishes"]) > 1 for node in nodes)
 
 
 def test_entities_of_xml_are_neither_expanded_nor_fetched(kg: Program, tmp_path: Path) -> None:
