@@ -152,7 +152,7 @@ class Evaluator:
 
     def _name(self, where: Expr, context: Context) -> Alternatives:
         found = self.flow.name(syntax.text(where.node), where, context)
-        return [(value.through_constant() if isinstance(value, Text) else value, chosen) for value, chosen in found]
+        return [(_through(value), chosen) for value, chosen in found]
 
     def _qualified(self, where: Expr, context: Context) -> Alternatives:
         scope, inner = syntax.split_scope(where.node)
@@ -248,6 +248,9 @@ class Evaluator:
         exprs = [where.child(operand) for operand in operands]
         if sign == "+":
             return [(library.add(row), chosen) for row, chosen in self.product(exprs, context)]
+        if sign == "%" and (pattern := library.pattern(operands[0])) is not None:
+            rows = self.product([where.child(pattern), *exprs[1:]], context)
+            return [(library.formatted(row), chosen) for row, chosen in rows]
         if sign == "<<":
             return self.joined(exprs[1:], context)
         if sign in ("-", "*", "/"):
@@ -349,6 +352,13 @@ def bounded(found: Alternatives) -> Alternatives:
     if len(kept) > _MOST:
         kept = [*kept[:_MOST], (Unknown(f"there are more than {_MOST} possibilities"), kept[-1][1])]
     return kept
+
+
+def _through(value: Value) -> Value:
+    """Return a value as read from a variable."""
+    if isinstance(value, Sequence):
+        return Sequence(tuple(_through(item) for item in value.items))
+    return value.through_constant() if isinstance(value, Text) else value
 
 
 def _literal(node: Node) -> Value | None:

@@ -100,14 +100,16 @@ class Flow:
         if kind is WriteKind.PARAMETER:
             return self._parameter(write, context)
         if kind is WriteKind.OUTPUT:
-            previous = lambda c: self._back(earlier, write.name.start_byte, c)  # noqa: E731 - a delayed value
-            return self.output(write, context, previous)
+            given = [w for w in earlier if w.kind is not WriteKind.DECLARE]
+            return self.output(write, context, lambda c: self._back(given, write.name.start_byte, c))
         return self._declared(write, context)
 
     def _typed(self, write: Write, context: Context) -> Alternatives:
         """Return the value of `Type name = value`, which makes a `Type` of the value."""
         evaluator = self._evaluator
-        if write.node.type == "initializer_list" and write.type is not None:
+        declarator = write.name.parent
+        array = declarator is not None and declarator.type == "array_declarator"
+        if write.node.type == "initializer_list" and write.type is not None and not array:
             for kind, chosen in evaluator.types.settle(Expr.of(write.unit, write.type), context):
                 given = [write.value.child(n) for n in syntax.arguments(write.node)]
                 made = evaluator.construct(kind, given, chosen)

@@ -35,7 +35,9 @@ def joined_name(namespace: Text, name: Text) -> Text:
             parts.append(piece)
     from_namespace = bool(prefix) and not body.startswith(("/", "~"))
     resolution = worse(name.resolution, namespace.resolution) if from_namespace else name.resolution
-    return replace(name, parts=tuple(parts), resolution=resolution, reason=name.reason or namespace.reason)
+    parameter = name.parameter or (namespace.parameter if from_namespace else None)
+    reason = name.reason or namespace.reason
+    return replace(name, parts=tuple(parts), resolution=resolution, parameter=parameter, reason=reason)
 
 
 def camera_info_beside(image: Text) -> Text:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from kg.extract.cpp.types import TypeName
     from kg.extract.cpp.unit import Expr
 
-__all__ = ["add", "at", "compute", "construct", "evaluate", "number", "operands"]
+__all__ = ["add", "at", "compute", "construct", "evaluate", "formatted", "number", "operands", "pattern"]
 
 _SAME: Final = frozenset(
     [
@@ -119,6 +119,8 @@ def _as_number(value: float) -> Number:
 
 def at(container: Value, key: Value) -> list[Value]:
     """Return the elements that an index can mean: one if both are known, all where only the container is."""
+    if isinstance(container, Text) and container.resolution is Resolution.LAUNCH_ARGUMENT:
+        return [container]
     if isinstance(container, Sequence):
         if isinstance(key, Number):
             index = int(key.value)
@@ -180,7 +182,7 @@ def evaluate(
         rows = evaluator.product([where.child(receiver), *given], context)
         return [(_slice(row), chosen) for row, chosen in rows]
     if name == "format" and given:
-        return [(_format(row), chosen) for row, chosen in evaluator.product(given, context)]
+        return [(formatted(row), chosen) for row, chosen in evaluator.product(given, context)]
     if name in ("StrCat", "append_path") and given:
         return evaluator.joined(given, context)
     return None
@@ -200,6 +202,14 @@ def _size(value: Value) -> Value:
     return Unknown("its size is not known")
 
 
+def pattern(node: Node) -> Node | None:
+    """Return the text in `boost::format(text)`; None for other expressions."""
+    node = syntax.unwrap(node)
+    function = node.child_by_field_name("function") if node.type == "call_expression" else None
+    given = syntax.arguments(node.child_by_field_name("arguments")) if function is not None else []
+    return given[0] if function is not None and given and syntax.simple_name(function) == "format" else None
+
+
 def _slice(row: list[Value]) -> Value:
     text, *bounds = row
     numbers = [int(bound.value) for bound in bounds if isinstance(bound, Number)]
@@ -209,7 +219,7 @@ def _slice(row: list[Value]) -> Value:
     return replace(text, parts=(text.known[numbers[0] : end],))
 
 
-def _format(row: list[Value]) -> Value:
+def formatted(row: list[Value]) -> Value:
     """Return `fmt::format`, `boost::format` or `printf`-like formatting of known texts."""
     pattern, *values = row
     if not isinstance(pattern, Text) or pattern.known is None:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 from kg.extract.cpp import syntax
 from kg.extract.cpp.context import EMPTY, Site
 from kg.extract.cpp.sites import MAKERS
-from kg.extract.cpp.unit import Expr
+from kg.extract.cpp.unit import Class, Expr
 from kg.extract.cpp.variables import WriteKind, writes
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from kg.extract.cpp.context import Context
     from kg.extract.cpp.program import Program
     from kg.extract.cpp.sites import Sites
-    from kg.extract.cpp.unit import Class, Unit
+    from kg.extract.cpp.unit import Unit
 
 __all__ = ["TypeName", "Types"]
 
@@ -216,7 +216,7 @@ class Types:
         self, key: object, index: int, default: Node | None, where: Expr, context: Context, sites: list[Site]
     ) -> list[tuple[Expr, Context]]:
         choice = ("template", key)
-        bound = context.get(choice) or context.get(key)
+        bound = context.get(choice) or context.get(key) or self._constructed_as(key, context)
         if isinstance(bound, Site) and index < len(bound.template):
             return [(bound.template[index], context)]
         found: dict[tuple[str, ...], tuple[Expr, Context]] = {}
@@ -227,6 +227,14 @@ class Types:
         if not found and default is not None:
             return [(where.child(default), context)]
         return list(found.values())
+
+    def _constructed_as(self, key: object, context: Context) -> object | None:
+        """Return the construction that a choice made before says an object of the class `key` comes from."""
+        for function in self._program.methods(key) if isinstance(key, Class) else ():
+            site = context.get(function) if function.name == function.owner else None
+            if isinstance(site, Site) and site.template:
+                return site
+        return None
 
     def _instantiations(self, cls: Class) -> list[Site]:
         found = []

@@ -35,6 +35,7 @@ _STRUCTURE: Final = """
 (using_declaration) @using
 (namespace_alias_definition) @namespace_alias
 (preproc_def) @define
+(preproc_if condition: (number_literal) @never)
 (translation_unit (declaration) @global)
 (namespace_definition body: (declaration_list (declaration) @global))
 """
@@ -188,7 +189,7 @@ class Class:
 
     @property
     def words(self) -> frozenset[str]:
-        """Every word of its declarations, without the bodies of its methods."""
+        """Every word of its declarations, without the names of members and the bodies of methods."""
         if self._words is None:
             inner = [f for f in self.unit.functions if f.inside is self]
             found = self.unit.word_positions(self.node)
@@ -367,14 +368,27 @@ class Unit:
             if before not in _WORD and (end >= len(source) or source[end] not in _WORD):
                 node = self.root.descendant_for_byte_range(position, end)
                 if node is not None and node.type in _NAMES and node.end_byte - node.start_byte == len(word):
-                    found.append(node)
+                    if not any(start <= position < stop for start, stop in self._switched_off):
+                        found.append(node)
             position = source.find(word, end)
         return found
 
+    @cached_property
+    def _switched_off(self) -> list[tuple[int, int]]:
+        """The ranges of bytes that `#if 0` takes out."""
+        ranges = []
+        for number in self.captured("never"):
+            block = number.parent
+            if block is not None and number.text == b"0":
+                other = block.child_by_field_name("alternative")
+                ranges.append((number.end_byte, other.start_byte if other is not None else block.end_byte))
+        return ranges
+
     def word_positions(self, node: Node) -> list[tuple[str, int]]:
-        """Return every word of code below a node with the byte it starts at."""
+        """Return every word of code below a node, but names of members, with the byte it starts at."""
         captured = QueryCursor(syntax.identifiers()).captures(node).get("word", [])
-        return [(self.source[n.start_byte : n.end_byte].decode("utf-8", "replace"), n.start_byte) for n in captured]
+        kept = (n for n in captured if n.type != "field_identifier")
+        return [(self.source[n.start_byte : n.end_byte].decode("utf-8", "replace"), n.start_byte) for n in kept]
 
     def words(self, node: Node) -> frozenset[str]:
         """Return every word of code below a node."""

@@ -220,9 +220,18 @@ def _initialised(inner: Node, parent: Node) -> _Found | None:
     if declarator is None or value is None or declarator.id != inner.id or declaration is None:
         return None
     kind = declaration.child_by_field_name("type")
-    if value.type == "argument_list" or (value.type == "initializer_list" and inner.type != "array_declarator"):
+    if value.type == "argument_list" or (value.type == "initializer_list" and not _is_array(inner)):
         return (WriteKind.CONSTRUCT, value, -1, kind)
     return (WriteKind.VALUE, value, -1, kind)
+
+
+def _is_array(declarator: Node) -> bool:
+    inner: Node | None = declarator
+    while inner is not None and inner.type.endswith("_declarator"):
+        if inner.type == "array_declarator":
+            return True
+        inner = inner.child_by_field_name("declarator")
+    return False
 
 
 def _plain(unit: Unit, name: Node, inner: Node, parent: Node) -> _Found | None:
@@ -239,7 +248,7 @@ def _plain(unit: Unit, name: Node, inner: Node, parent: Node) -> _Found | None:
     for index, child in enumerate(parent.children):
         role = parent.field_name_for_child(index)
         if following and role == "default_value":
-            construct = child.type == "initializer_list" and inner.type != "array_declarator"
+            construct = child.type == "initializer_list" and not _is_array(inner)
             return (WriteKind.CONSTRUCT if construct else WriteKind.VALUE, child, -1, kind)
         if role == "declarator":
             following = child.id == inner.id
