@@ -44,6 +44,8 @@ def read_cmake(reader: Reader, folder: PackageFolder, package: Package) -> Colle
         run.run_file(path, own_folder=True)
     if run.stopped:
         reader.problem("KG122", "the file computes more than is followed", run.stopped.path, run.stopped.line)
+    if run.too_deep:
+        reader.problem("KG114", "blocks nested deeper are left out", run.too_deep.path, run.too_deep.line)
     return model
 
 

@@ -81,6 +81,8 @@ class Run:
         self.certain = True
         self.stopped: Location | None = None
         """Where the work that a package may cost was used up; nothing is run any more then."""
+        self.too_deep: Location | None = None
+        """The first block that was left out because it stands too deep."""
         self._frame = _Frame("", SOURCE)
         self._depth = 0
         self._work = 0
@@ -205,6 +207,7 @@ class Run:
     def _block(self, block: Block) -> _Flow:
         opener, body = block.branches[0]
         if self._depth >= _DEEPEST_CALLS:
+            self.too_deep = self.too_deep or Location(self._frame.path, opener.line)
             return _Flow.NEXT
         self._depth += 1
         flow = _Flow.NEXT

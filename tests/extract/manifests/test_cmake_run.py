@@ -175,3 +175,11 @@ def test_malformed_file(tmp_path: Path) -> None:
     reader = reader_of(tmp_path, {"CMakeLists.txt": "add_executable(a)\nadd_executable(b\n"})
     assert [target.name for target in model_of(reader).targets] == ["a"]
     assert codes(reader.problems) == [("KG117", 2)]
+
+
+def test_blocks_nested_too_deep_are_named(tmp_path: Path) -> None:
+    """Blocks below the deepest level are left out, and that is said."""
+    text = "add_executable(first)\n" + "if(TRUE)\n" * 100 + "add_executable(deep)\n" + "endif()\n" * 100
+    reader = reader_of(tmp_path, {"CMakeLists.txt": text})
+    assert [target.name for target in model_of(reader).targets] == ["first"]
+    assert [code for code, _ in codes(reader.problems)] == ["KG114"]
