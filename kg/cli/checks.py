@@ -134,7 +134,8 @@ def _content(layout: Layout) -> Check:
             quads, graphs = snapshot.count(), len(snapshot.graphs())
             generation = snapshot.generation
     except StoreError as error:
-        return Check("store", "wrong", f"{layout.root}: {error.message}", error.hint or CATALOGUE[error.code].way_out)
+        state = "note" if error.code == "KG301" else "wrong"
+        return Check("store", state, f"{layout.root}: {error.message}", error.hint or CATALOGUE[error.code].way_out)
     held = sum(file.stat().st_size for file in layout.generation(generation).rglob("*") if file.is_file())
     return Check(
         "store",

@@ -42,7 +42,7 @@ _EXECUTABLES: Final = (
     "SELECT ?subject ?name WHERE { %s ?node rnkg:hasExecutable/rnkg:name ?name BIND(?node AS ?subject) }"
 )
 _PARTS: Final = """
-SELECT ?node ?subject ?predicate ?object WHERE {
+SELECT ?subject ?predicate ?object WHERE {
   %s
   ?node ros:hasComponent|rnkg:hasParameter ?subject .
   ?subject ?predicate ?object .
@@ -127,8 +127,8 @@ def _text(term: Any) -> str:
 def _grouped(rows: Iterable[Any]) -> dict[str, dict[str, list[str]]]:
     """Return the properties of each subject; the keys of properties are IRIs."""
     found: defaultdict[str, defaultdict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
-    for row in rows:
-        found[row["subject"].value][row["predicate"].value].append(row["object"].value)
+    for subject, predicate, value in rows:
+        found[subject.value][predicate.value].append(value.value)
     return {subject: dict(properties) for subject, properties in found.items()}
 
 
@@ -140,13 +140,12 @@ def _listed(rows: Iterable[Any]) -> dict[str, list[str]]:
 
 
 def _parts(graph: Queryable, which: str) -> dict[str, tuple[list[Interface], list[Parameter]]]:
-    rows = list(_rows(graph, _PARTS % which))
-    owners = {row["subject"].value: row["node"].value for row in rows}
     types = {row["type"].value: row["label"].value for row in _rows(graph, _TYPES)}
     qualities = {iri: _qos(properties) for iri, properties in _grouped(_rows(graph, _QOS)).items()}
     found: defaultdict[str, tuple[list[Interface], list[Parameter]]] = defaultdict(lambda: ([], []))
-    for iri, properties in _grouped(rows).items():
-        interfaces, parameters = found[owners[iri]]
+    for iri, properties in _grouped(_rows(graph, _PARTS % which)).items():
+        # A part is a fragment of the IRI of its node (kg.graph.scope), whose own parts are encoded.
+        interfaces, parameters = found[iri.rpartition("#")[0]]
         roles = [_ROLES[kind] for kind in properties[v.bare(v.TYPE)] if kind in _ROLES]
         if roles:
             interfaces.append(_interface(roles[0], properties, types, qualities))
