@@ -7,7 +7,7 @@ everything is read again.
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.facts import Problem, Repository
@@ -82,8 +82,14 @@ def load(cache: Path) -> State:
 
 def save(cache: Path, state: State) -> None:
     """Leave `state` for the next build; OSError when it cannot be written."""
-    content = {"form": _FORM, **asdict(state)}
-    write_atomically(cache / _NAME, json.dumps(content, separators=(",", ":")).encode())
+    content = {"form": _FORM, **_fields(state)}
+    written = json.dumps(content, separators=(",", ":"), default=_fields)
+    write_atomically(cache / _NAME, written.encode())
+
+
+def _fields(value: Any) -> dict[str, Any]:
+    """Return the fields of a dataclass; `asdict` would copy all that is in them."""
+    return {one.name: getattr(value, one.name) for one in fields(value)}
 
 
 def discard(cache: Path) -> None:
