@@ -35,6 +35,7 @@ class CallSpec:
     `least` and `most` bound the number of arguments. `qos` is the index of the quality of service.
     `camera` says that `camera_info` is made beside it, `mark` which framework it uses; `inherited` that a
     class calls it as a method that it inherits, `explicit` that it needs a template argument to be meant.
+    With `exact` a receiver whose type is not known does not do.
     With `options` the call fills an object that a call of a handle takes (`kg.extract.cpp.options`).
     With `specified`, the template argument of that index (or the one of the type of the argument 0 where the call has
     none) is a class that holds name and type of the interface, as `autoware_component_interface_specs` has them.
@@ -62,6 +63,7 @@ class CallSpec:
     explicit: bool = False
     specified: bool = False
     options: bool = False
+    exact: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +109,8 @@ class ParameterSpec:
     `output` is the argument that the value is written to, `default` the one with the default; `returns` tells
     whether the call is the value. `scopes` are as in `CallSpec`; where empty the call is a method of a handle.
     `listed` says that the argument `name` holds many: names, or pairs of name and default, below the prefix that the
-    argument `default` is. A `helper` is a free function around such a method, in whatever namespace, that is taken for the method itself.
+    argument `default` is. A `helper` is a free function around such a method, in whatever namespace, that is taken
+    for the method itself.
     """
 
     ros: int

@@ -186,7 +186,8 @@ class Evaluator:
             found = [(v.items[index], c) for v, c in pairs if isinstance(v, Sequence) and len(v.items) > index]
             if found:
                 return list(found)
-        return self.flow.field(name, where.child(holder), where, context)
+        found = self.flow.field(name, where.child(holder), where, context)
+        return [(_through(value), chosen) for value, chosen in found]
 
     def _call(self, where: Expr, context: Context) -> Alternatives:
         function = where.node.child_by_field_name("function")
@@ -195,6 +196,9 @@ class Evaluator:
             return [(Unknown(f"it is computed at run time ({_shown(where.node)})"), context)]
         given = [where.child(a) for a in syntax.arguments(where.node.child_by_field_name("arguments"))]
         known = self.api.evaluate(self, where, called, given, context)
+        if known is None and called.receiver is not None and self.program.functions(called.name):
+            own = self.types.class_of(self.types.of(where.child(called.receiver), context)) is not None
+            known = self._into(where, called, given, context) if own else None
         if known is None:
             known = library.evaluate(self, where, called, given, context)
         if known is None:

@@ -65,7 +65,7 @@ class Matcher:
     ) -> CallSpec | None:
         methods = [spec for spec in specs if spec.receivers and (not spec.specified or _named(kind, spec))]
         if kind is None:
-            return next((spec for spec in methods if not spec.receiver_template and not spec.options), None)
+            return next((spec for spec in methods if not spec.exact), None)
         name = kind.name.removesuffix("ConstPtr").removesuffix("Ptr")
         exact = next((spec for spec in methods if name in spec.receivers), None)
         if exact is not None:
@@ -84,7 +84,7 @@ class Matcher:
     def _foreign(self, specs: list[CallSpec], kind: TypeName) -> CallSpec | None:
         """Return the entry for a receiver whose type is not in the build: one of ROS 2's, whose names are its own."""
         if kind.name.endswith(("Node", "NodeT", "NodeHandle", "NodePtr")) or len(kind.name) == 1:
-            return next((spec for spec in specs if not spec.receiver_template and not spec.options), None)
+            return next((spec for spec in specs if not spec.exact), None)
         return None
 
     def parameter(

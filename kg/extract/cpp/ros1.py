@@ -36,12 +36,20 @@ _ADVERTISE_SERVICE: Final = frozenset({"AdvertiseServiceOptions"})
 _SERVICE_CLIENT: Final = frozenset({"ServiceClientOptions"})
 
 _OPTIONS: Final = (
-    CallSpec(1, Role.SUBSCRIBES, receivers=_SUBSCRIBE, template=0, callback=2, least=3, options=True),
-    CallSpec(1, Role.PUBLISHES, receivers=_ADVERTISE, template=0, least=2, options=True),
+    CallSpec(1, Role.SUBSCRIBES, receivers=_SUBSCRIBE, template=0, callback=2, least=3, options=True, exact=True),
+    CallSpec(1, Role.PUBLISHES, receivers=_ADVERTISE, template=0, least=2, options=True, exact=True),
     CallSpec(
-        1, Role.SERVICES, receivers=_ADVERTISE_SERVICE, template=0, callback=1, least=2, service=True, options=True
+        1,
+        Role.SERVICES,
+        receivers=_ADVERTISE_SERVICE,
+        template=0,
+        callback=1,
+        least=2,
+        service=True,
+        options=True,
+        exact=True,
     ),
-    CallSpec(1, Role.CLIENTS, receivers=_SERVICE_CLIENT, template=0, options=True, service=True),
+    CallSpec(1, Role.CLIENTS, receivers=_SERVICE_CLIENT, template=0, options=True, exact=True, service=True),
 )
 _CALLS: Final[dict[str, tuple[CallSpec, ...]]] = {
     "advertise": (
@@ -57,7 +65,14 @@ _CALLS: Final[dict[str, tuple[CallSpec, ...]]] = {
         ),
         CallSpec(1, Role.PUBLISHES, name=1, handle=0, template=0, least=2, inherited=True),
         CallSpec(
-            1, Role.PUBLISHES, name=1, handle=0, receivers=frozenset({"Publisher"}), receiver_template=True, least=3
+            1,
+            Role.PUBLISHES,
+            name=1,
+            handle=0,
+            receivers=frozenset({"Publisher"}),
+            fixed="sensor_msgs/PointCloud2",
+            least=3,
+            exact=True,
         ),
     ),
     "advertiseCamera": (
@@ -92,6 +107,7 @@ _CALLS: Final[dict[str, tuple[CallSpec, ...]]] = {
             handle=0,
             receivers=frozenset({"Subscriber"}),
             receiver_template=True,
+            exact=True,
             least=2,
             qos=2,
         ),

@@ -188,6 +188,8 @@ _TYPES: Final[dict[str, TypeSpec]] = {
     **_WRAPPERS,
 }
 _MARKS: Final[dict[str, MarkSpec]] = {}
+_SAME_NODE: Final = frozenset({"shared_from_this", "get_node"})
+"""Methods that bases outside of the build have: of a node, and of what a controller manager loads."""
 _NAMES_OF_NODES: Final = {
     "get_name": "~",
     "get_fully_qualified_name": "~",
@@ -225,7 +227,7 @@ class Ros2:
             return below(evaluator, list(parent), given[0])
         if name.startswith("get_node_") and name.endswith("_interface"):
             return evaluator.values(where.child(receiver), context) if receiver is not None else [(Handle(), context)]
-        if name == "shared_from_this" and not given:
+        if name in _SAME_NODE and not given and not evaluator.program.functions(name):
             return [(Handle(), context)]
         if name in _NAMES_OF_NODES and not given and self._is_node_here(evaluator, where, receiver, context):
             return [(Text.of(_NAMES_OF_NODES[name]), context)]

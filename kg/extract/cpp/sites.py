@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.cpp import syntax
@@ -113,8 +114,14 @@ class Sites:
         )
 
     def _find_constructions(self, cls: Class) -> Iterator[Site]:
+        found = False
         for unit, node in self._program.sites(cls.name):
-            yield from self.constructed_at(unit, node)
+            for site in self.constructed_at(unit, node):
+                found = True
+                yield site
+        for derived in () if found else self._program.derived(cls):
+            if not any(method.name == derived.name for method in self._program.methods(derived)):
+                yield from self.constructions(derived)
 
     def constructed_at(self, unit: Unit, node: Node) -> Iterator[Site]:
         """Yield the constructions that the name of a type stands in; `where` of a site is the type."""

@@ -261,7 +261,9 @@ def declared_name(declarator: Node | None) -> Node | None:
 
 
 def literal(node: Node) -> str | None:
-    """Return the value of a string or character literal, None for other nodes."""
+    """Return the value of a string or character literal (with a suffix, too), None for other nodes."""
+    if node.type == "user_defined_literal" and node.named_children:
+        node = node.named_children[0]
     if node.type == "raw_string_literal":
         content = next((child for child in node.named_children if child.type == "raw_string_content"), None)
         return text(content) if content is not None else ""

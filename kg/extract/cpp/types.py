@@ -105,6 +105,8 @@ class Types:
         if depth > _DEEPEST:
             return []
         node = where.node
+        if node.type == "dependent_type" and node.named_children:
+            return self.settle(where.child(node.named_children[0]), context, depth + 1)
         if node.type == "decltype":
             inner = next(iter(node.named_children), None)
             found = self.of(where.child(inner), context, depth + 1) if inner is not None else None
@@ -120,22 +122,26 @@ class Types:
         if last.name in WRAPPERS and given:
             return self.settle(given[0], context, depth + 1)
         names = tuple(part.name.lstrip(":") for part in parts if part.name)
-        if len(parts) == 2 and last.name in ("Message", "type", "value_type", "MessageType"):  # noqa: PLR2004 - scope and name
-            outer = node.child_by_field_name("scope")
-            if outer is not None:
-                return self._member_type(where.child(outer), last.name, context, depth)
+        if len(parts) == 2:  # noqa: PLR2004 - a member of a template parameter
+            known = self._member_type(names, where, context, depth)
+            if known is not None:
+                return known
         known = self._behind(names, where, context, depth)
         if known is not None:
             return known
         return [(TypeName(names or ("",), tuple(given), where), context)]
 
-    def _member_type(self, outer: Expr, name: str, context: Context, depth: int) -> list[tuple[TypeName, Context]]:
-        settled = self.settle(outer, context, depth + 1)
-        found = []
-        for kind, chosen in settled:
-            alias = self.alias(name, kind.where.unit, kind.where.at, (kind.name,))
-            found += self.settle(alias, chosen, depth + 1) if alias is not None else [(kind, chosen)]
-        return found
+    def _member_type(
+        self, names: tuple[str, ...], where: Expr, context: Context, depth: int
+    ) -> list[tuple[TypeName, Context]] | None:
+        """Return what `T::name` means for a template parameter `T`; None where the first name is none."""
+        bound = self._template(names[0], where, context)
+        found: list[tuple[TypeName, Context]] = []
+        for given, chosen in bound or ():
+            for kind, after in self.settle(given, chosen, depth + 1):
+                alias = self.alias(names[-1], kind.where.unit, kind.where.at, (kind.name,))
+                found += self.settle(alias, after, depth + 1) if alias is not None else [(kind, after)]
+        return found if bound is not None else None
 
     def _behind(
         self, names: tuple[str, ...], where: Expr, context: Context, depth: int

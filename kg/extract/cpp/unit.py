@@ -367,9 +367,10 @@ class Unit:
             before = source[position - 1] if position else 0
             if before not in _WORD and (end >= len(source) or source[end] not in _WORD):
                 node = self.root.descendant_for_byte_range(position, end)
-                if node is not None and node.type in _NAMES and node.end_byte - node.start_byte == len(word):
-                    if not any(start <= position < stop for start, stop in self._switched_off):
-                        found.append(node)
+                off = any(start <= position < stop for start, stop in self._switched_off)
+                whole = node is not None and node.end_byte - node.start_byte == len(word)
+                if node is not None and whole and node.type in _NAMES and not off:
+                    found.append(node)
             position = source.find(word, end)
         return found
 

@@ -1,0 +1,6 @@
+#pragma once
+#include <nav_msgs/Odometry.h>
+namespace names
+{
+using Position = nav_msgs::Odometry;
+}
