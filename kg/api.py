@@ -59,8 +59,8 @@ def build(
     from kg.pipeline.build import build as run  # noqa: PLC0415 - who only asks loads no reader of sources
 
     given = settings.load({"store": store, "jobs": jobs})
-    target = opening.writable(given) if sources else opening.existing(given)
-    return run([str(source) for source in sources], target, given, report, "kg.build")
+    with opening.writable(given, create=bool(sources)) as target:
+        return run([str(source) for source in sources], target, given, report, "kg.build")
 
 
 def nodes(*, package: str | None = None, store: str | Path | None = None) -> list[dict[str, Any]]:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
     from kg.store.layout import Layout
@@ -41,15 +44,31 @@ def reading(settings: Settings) -> EmbeddedSnapshot:
     return existing(settings).read()
 
 
-def writable(settings: Settings) -> EmbeddedStore:
-    """Return the store in force, or a new one: where the settings say, else `.kg` in the working folder."""
+@contextmanager
+def writable(settings: Settings, *, create: bool = True) -> Iterator[EmbeddedStore]:
+    """Yield the store in force, or a new one: where the settings say, else `.kg` in the working folder.
+
+    A new one into which nothing was written, because the body failed, is removed again. Without `create` StoreError
+    KG301 when there is none.
+    """
     from kg.errors import StoreError  # noqa: PLC0415 - start-up time
     from kg.store.embedded import EmbeddedStore  # noqa: PLC0415 - start-up time
     from kg.store.layout import FOLDER  # noqa: PLC0415 - start-up time
 
     try:
-        return existing(settings)
+        store, is_new = existing(settings), False
     except StoreError as error:
-        if error.code != "KG301":
+        if error.code != "KG301" or not create:
             raise
-        return EmbeddedStore.create(settings.store or Path.cwd() / FOLDER)
+        store, is_new = EmbeddedStore.create(settings.store or Path.cwd() / FOLDER), True
+    try:
+        yield store
+    finally:
+        if is_new and store.layout.current() is None:
+            _remove(store.layout.root)
+
+
+def _remove(root: Path) -> None:
+    import shutil  # noqa: PLC0415 - start-up time
+
+    shutil.rmtree(root, ignore_errors=True)

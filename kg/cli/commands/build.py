@@ -9,7 +9,7 @@ from kg.cli.options import Base, Jobs, Json, MaxFileBytes, Store
 from kg.cli.output import Column, json_lines, listing, terminal
 from kg.cli.session import session
 from kg.render.text import count
-from kg.store.opening import existing, layout_of, writable
+from kg.store.opening import layout_of, writable
 
 if TYPE_CHECKING:
     from kg.graph.source_states import SourceState
@@ -53,8 +53,7 @@ def build(  # noqa: PLR0913 - the options of a command
 
     given = session(context).settings(store=store, jobs=jobs, max_file_bytes=max_file_bytes, base=base)
     named = list(sources or ())
-    target = writable(given) if named else existing(given)
-    with for_this_stream() as progress:
+    with writable(given, create=bool(named)) as target, for_this_stream() as progress:
         report = run(named, target, given, progress, " ".join(["kg build", *named]))
     for line in summary(report, target.layout.root, every=problems):
         say(line)

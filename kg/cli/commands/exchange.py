@@ -100,14 +100,14 @@ def import_files(  # noqa: PLR0913 - the options of a command
 
     settings = session(context).settings(store=store, base=base)
     iris = Iris(settings.base)
-    target = writable(settings)
-    rdf_format = _format(format_name, None)
-    with target.write("kg import") as transaction:
-        for file in files:
-            into = (_iri(settings.base, graph) if graph else None) or iris.graph(f"imported-{file.name}")
-            transaction.load_file(file, rdf_format, graph=NamedNode(into))
-    with target.read() as snapshot:
-        say(f"the store now holds {count(snapshot.count(), 'quad')}")
+    with writable(settings) as target:
+        rdf_format = _format(format_name, None)
+        with target.write("kg import") as transaction:
+            for file in files:
+                into = (_iri(settings.base, graph) if graph else None) or iris.graph(f"imported-{file.name}")
+                transaction.load_file(file, rdf_format, graph=NamedNode(into))
+        with target.read() as snapshot:
+            say(f"the store now holds {count(snapshot.count(), 'quad')}")
 
 
 def forget(context: typer.Context, sources: Sources, *, base: Base = None, store: Store = None) -> None:

@@ -1,0 +1,46 @@
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from kg import settings
+from kg.errors import StoreError
+from kg.store.opening import existing, reading, writable
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def test_a_store_is_made_where_there_is_none_and_stays_when_written(tmp_path: Path) -> None:
+    """The folder named is made; what was written into it is found again."""
+    given = settings.load({"store": tmp_path / "mine"})
+    with writable(given) as store, store.write("test"):
+        pass
+    with reading(given) as snapshot:
+        assert snapshot.count() == 0
+    assert existing(given).layout.root == tmp_path / "mine"
+
+
+def test_a_new_store_into_which_nothing_came_is_removed(tmp_path: Path) -> None:
+    """A command that fails leaves no empty store behind."""
+    given = settings.load({"store": tmp_path / "mine"})
+    with pytest.raises(ZeroDivisionError), writable(given):
+        raise ZeroDivisionError
+    assert not (tmp_path / "mine").exists()
+
+
+def test_a_folder_that_was_there_stays(tmp_path: Path) -> None:
+    """What the user had is never removed, store or not."""
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "file").touch()
+    with pytest.raises(ZeroDivisionError), writable(settings.load({"store": tmp_path / "mine"})):
+        raise ZeroDivisionError
+    assert (tmp_path / "mine" / "file").exists()
+
+
+def test_without_leave_to_create_a_missing_store_is_an_error(tmp_path: Path) -> None:
+    """A build without sources needs a store: KG301."""
+    with pytest.raises(StoreError) as caught, writable(settings.load({"store": tmp_path / "mine"}), create=False):
+        pass
+    assert caught.value.code == "KG301"
