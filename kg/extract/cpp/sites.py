@@ -119,9 +119,24 @@ class Sites:
             for site in self.constructed_at(unit, node):
                 found = True
                 yield site
+        for site in self._under_other_names(cls):
+            found = True
+            yield site
         for derived in () if found else self._program.derived(cls):
             if not any(method.name == derived.name for method in self._program.methods(derived)):
                 yield from self.constructions(derived)
+
+    def _under_other_names(self, cls: Class) -> Iterator[Site]:
+        """Yield the constructions of a class that name it by an alias, which may hold its template arguments."""
+        for home in tuple(self._program.units.values()):
+            for alias, kinds in home.aliases.items():
+                for kind in kinds:
+                    if alias == cls.name or syntax.simple_name(kind) != cls.name:
+                        continue
+                    template = tuple(Expr.of(home, argument) for argument in syntax.template_arguments(_bare(kind)))
+                    for unit, node in self._program.sites(alias):
+                        for site in self.constructed_at(unit, node):
+                            yield replace(site, template=template or site.template)
 
     def constructed_at(self, unit: Unit, node: Node) -> Iterator[Site]:
         """Yield the constructions that the name of a type stands in; `where` of a site is the type."""
@@ -223,6 +238,12 @@ def _bound(unit: Unit, node: Node, *, method: bool) -> Site | None:
             return None
         inner = parent
     return None
+
+
+def _bare(kind: Node) -> Node:
+    """Return the type in a type descriptor."""
+    inner = kind.child_by_field_name("type") if kind.type == "type_descriptor" else None
+    return inner if inner is not None else kind
 
 
 def _factory(unit: Unit, parent: Node, inner: Node, template: tuple[Expr, ...]) -> Iterator[Site]:
