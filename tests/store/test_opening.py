@@ -3,6 +3,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import pytest
+from pyoxigraph import NamedNode
 
 from kg import settings
 from kg.errors import StoreError
@@ -15,10 +16,13 @@ if TYPE_CHECKING:
 def test_a_store_is_made_where_there_is_none_and_stays_when_written(tmp_path: Path) -> None:
     """The folder named is made; what was written into it is found again."""
     given = settings.load({"store": tmp_path / "mine"})
-    with writable(given) as store, store.write("test"):
-        pass
+    with writable(given) as store, store.write("test") as transaction:
+        transaction.append(
+            NamedNode("https://example.org/g"),
+            b"<https://example.org/a> <https://example.org/p> <https://example.org/b> .\n",
+        )
     with reading(given) as snapshot:
-        assert snapshot.count() == 0
+        assert snapshot.count() == 1
     assert existing(given).layout.root == tmp_path / "mine"
 
 
