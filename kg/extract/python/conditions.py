@@ -47,14 +47,17 @@ class Conditions(Core):
 
     def decide(self, condition: Node, frame: Frame, choice: Choice) -> bool | None:
         """Return the truth of a condition about names that have one value in this frame; None when not known."""
-        condition = strip_parentheses(condition)
-        if condition.type == "not_operator":
+        condition, negated = strip_parentheses(condition), False
+        while condition.type == "not_operator":
             inner = condition.child_by_field_name("argument")
-            decided = self.decide(inner, frame, choice) if inner is not None else None
-            return None if decided is None else not decided
+            if inner is None:
+                return None
+            condition, negated = strip_parentheses(inner), not negated
         if condition.type == "comparison_operator":
-            return self.compare(condition, frame, choice)
-        return _truthiness(self.certain(condition, frame, choice))
+            decided = self.compare(condition, frame, choice)
+        else:
+            decided = _truthiness(self.certain(condition, frame, choice))
+        return None if decided is None else decided is not negated
 
     def compare(self, node: Node, frame: Frame, choice: Choice) -> bool | None:
         """Return the truth of `a == b`, `a != b`, `a is b`, `a is not b`."""

@@ -246,7 +246,7 @@ def _assemble(prefix: str, inner: list[Node], values: list[Thing]) -> Text:
     pieces, rest = [], iter(values)
     for child in inner:
         if child.type == "interpolation":
-            pieces.append(formatting.formatted(formatting.stringify(next(rest)), _specification(child)))
+            pieces.append(formatting.formatted(next(rest), _specification(child)))
         elif child.type == "string_content":
             body = formatting.decode_literal(prefix, code(child))
             pieces.append(Text.of(body.replace("{{", "{").replace("}}", "}") if "f" in prefix.lower() else body))

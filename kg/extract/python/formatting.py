@@ -43,8 +43,10 @@ def decode_literal(prefix: str, body: str) -> str:
 
 def stringify(value: Thing) -> Value:
     """Return what `str(value)` gives, or a value that becomes a hole; `None` does, for no name is meant to hold it."""
-    if isinstance(value, Text | Number):
+    if isinstance(value, Text):
         return value
+    if isinstance(value, Number):
+        return Text.of(str(value.value))
     if isinstance(value, Truth):
         return Text.of(str(value.value))
     return value if isinstance(value, Unknown) else _HOLE
@@ -113,15 +115,15 @@ def format_braces(template: Text, positional: Sequence[Thing], named: dict[str, 
     return _carry(template, concatenate(*pieces))
 
 
-def formatted(value: Value, spec: str) -> Value:
+def formatted(value: Thing, spec: str) -> Value:
     """Return what a replacement field with a format specification makes of a value: known only for known values."""
     if not spec:
-        return value
+        return stringify(value)
     known: str | float | int | None = None
     if isinstance(value, Text):
         known = value.known
     elif isinstance(value, Number):
-        known = int(value.value) if value.written.lstrip("-").isdigit() else value.value
+        known = value.value
     if known is None or "{" in spec:
         return _HOLE
     try:
@@ -130,10 +132,10 @@ def formatted(value: Value, spec: str) -> Value:
         return _HOLE
 
 
-def _field(key: str, positional: Sequence[Thing], named: dict[str, Thing]) -> Value:
+def _field(key: str, positional: Sequence[Thing], named: dict[str, Thing]) -> Thing:
     if key.isdigit():
-        return stringify(positional[int(key)]) if int(key) < len(positional) else _HOLE
-    return stringify(named[key]) if key in named else _HOLE
+        return positional[int(key)] if int(key) < len(positional) else _HOLE
+    return named.get(key, _HOLE)
 
 
 def _carry(template: Text, made: Text) -> Text:

@@ -18,6 +18,7 @@ __all__ = ["index_file"]
 
 _TARGET_LISTS: Final = frozenset({"pattern_list", "tuple_pattern", "list_pattern", "tuple", "list"})
 _MAX_UNPACKING: Final = 8
+_MAX_SCOPES: Final = 40
 
 
 def index_file(file: FilePath, source: bytes) -> Unit:
@@ -107,6 +108,9 @@ class _Sweep:
     def open_scope(self, node: Node, start: int, end: int, kind: str) -> None:
         """Open a scope inside of the present one; its branches start anew."""
         parent = self.scope
+        if len(self.scopes) > _MAX_SCOPES:
+            self.unit.too_deep = self.unit.too_deep or node.start_point.row + 1
+            return
         name = code(node.child_by_field_name("name"))
         scope = Scope(name, node, self.unit, kind, start, end, parent, self.here, decorators=self.decorators)
         self.decorators = ()

@@ -44,6 +44,8 @@ def mentions_ros(source: bytes) -> bool:
     return any(word in source for word in ROS_WORDS)
 
 
+_MAX_LINEAGE: Final = 200
+
 _BUILTINS: Final = frozenset(vars(builtins)) | {"unicode", "xrange", "raw_input", "basestring", "long", "unichr"}
 
 
@@ -84,6 +86,8 @@ class Program:
 
     def _index(self, file: FilePath, source: bytes) -> Unit:
         unit = index_file(file, source)
+        if unit.too_deep is not None:
+            self.reader.problem("KG114", "functions and classes stand too deep in each other", file.path, unit.too_deep)
         line = first_error(unit.module.node)
         if line is not None:
             self.reader.problem("KG115", "part of the file does not parse as Python", file.path, line)
@@ -213,30 +217,38 @@ class Program:
         """Return a class with its bases, nearest first; bases outside of the build are `Dotted`."""
         key = id(klass)
         if key not in self._mro:
-            self._mro[key] = [klass]
-            found: list[Scope | Dotted] = [klass]
-            for base in klass.bases():
-                for item in self._base(klass, base):
-                    if item not in found:
-                        found.append(item)
-            self._mro[key] = found
+            found: dict[Scope | Dotted, None] = {}
+            pending: list[Scope | Dotted] = [klass]
+            while pending and len(found) < _MAX_LINEAGE:
+                item = pending.pop()
+                if item not in found:
+                    found[item] = None
+                    if not isinstance(item, Dotted):
+                        pending.extend(reversed([self._base(item, base) for base in item.bases()]))
+            self._mro[key] = list(found)
         return self._mro[key]
 
-    def _base(self, klass: Scope, base: Node) -> list[Scope | Dotted]:
+    def _base(self, klass: Scope, base: Node) -> Scope | Dotted:
         named = self.static(base, klass)
-        if isinstance(named, ClassRef) and named.scope is not klass:
-            return self.lineage(named.scope)
-        return [named if isinstance(named, Dotted) else Dotted(f"?.{code(base)}")]
+        if isinstance(named, ClassRef):
+            return named.scope
+        return named if isinstance(named, Dotted) else Dotted(f"?.{code(base)}")
 
     def static(self, node: Node, scope: Scope) -> Thing | None:
         """Return what a plain or dotted name means, without looking at variables."""
-        if node.type == "identifier":
-            return self._static_name(code(node), scope)
-        if node.type == "attribute":
-            held, attribute = node.child_by_field_name("object"), code(node.child_by_field_name("attribute"))
-            value = self.static(held, scope) if held is not None else None
-            return self.static_member(value, attribute, scope.unit)
-        return None
+        attributes: list[str] = []
+        held: Node | None = node
+        while held is not None and held.type == "attribute":
+            attributes.append(code(held.child_by_field_name("attribute")))
+            held = held.child_by_field_name("object")
+        if held is None or held.type != "identifier":
+            return None
+        value = self._static_name(code(held), scope)
+        for attribute in reversed(attributes):
+            value = self.static_member(value, attribute, scope.unit)
+            if value is None:
+                return None
+        return value
 
     def _static_name(self, name: str, scope: Scope) -> Thing | None:
         around: Scope | None = scope.parent

@@ -1,0 +1,145 @@
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from extract.python.programs import values_of
+from hypothesis import given
+from hypothesis import strategies as st
+
+from kg.extract.python.entities import Items, Table, plain
+from kg.extract.values import HOLE, Text
+from kg.facts import Resolution
+
+if TYPE_CHECKING:
+    from hypothesis.strategies import SearchStrategy
+
+WORDS = st.text("abz/_~ %{}'\"\\\nä0", max_size=6)
+PLAIN = st.text("abz/_0", min_size=1, max_size=4)
+NUMBERS = st.integers(-20, 300)
+
+
+def percent_escaped(text: str) -> str:
+    """Return a text that `%` formatting gives back as it is."""
+    return text.replace("%", "%%")
+
+
+def brace_escaped(text: str) -> str:
+    """Return a text that `str.format` gives back as it is."""
+    return text.replace("{", "{{").replace("}", "}}")
+
+
+def combine(inner: SearchStrategy[str]) -> SearchStrategy[str]:
+    """Return expressions made of smaller ones."""
+    pairs = st.tuples(inner, inner)
+    return st.one_of(
+        pairs.map(lambda two: f"({two[0]} + {two[1]})"),
+        st.tuples(WORDS, inner, NUMBERS).map(
+            lambda three: f"({percent_escaped(three[0]) + '%s-%03d'!r} % ({three[1]}, {three[2]}))"
+        ),
+        st.tuples(WORDS, inner).map(lambda two: f"({percent_escaped(two[0]) + '%(k)s'!r} % {{'k': {two[1]}}})"),
+        st.tuples(WORDS, inner, NUMBERS).map(
+            lambda three: f"{brace_escaped(three[0]) + '{}{:>4}'!r}.format({three[1]}, {three[2]})"
+        ),
+        pairs.map(lambda two: f"'{{b}}/{{a}}'.format(a={two[0]}, b={two[1]})"),
+        pairs.map(lambda two: f"'{{1}}{{0}}'.format({two[0]}, {two[1]})"),
+        st.tuples(PLAIN, PLAIN, NUMBERS).map(lambda three: f'f"{three[0]}{{{three[1]!r}}}{{{three[2]}:+d}}{{{{}}}}"'),
+        st.tuples(PLAIN, inner, inner).map(lambda three: f"{three[0]!r}.join([{three[1]}, {three[2]}])"),
+        inner.map(lambda one: f"{one}.strip('/').lower()"),
+        pairs.map(lambda two: f"({two[0]} if 1 == 1 else {two[1]})"),
+        pairs.map(lambda two: f"[{two[0]}, {two[1]}][-1]"),
+        pairs.map(lambda two: f"{{'k': {two[0]}, 'l': {two[1]}}}['l']"),
+        inner.map(lambda one: f"str({one})"),
+    )
+
+
+EXPRESSIONS = st.recursive(WORDS.map(repr), combine, max_leaves=6)
+
+
+@given(EXPRESSIONS)
+def test_string_expressions_are_what_python_makes_of_them(expression: str) -> None:
+    """An expression of constants evaluates to the very string that Python computes."""
+    computed = eval(expression)  # noqa: S307 - Python itself is the reference, on expressions made above
+    assert [plain(value) for value in values_of(f"x = {expression}\n")] == [computed]
+
+
+@given(st.lists(st.tuples(PLAIN, PLAIN), min_size=1, max_size=5, unique_by=lambda pair: pair[0]))
+def test_loops_give_every_round(pairs: list[tuple[str, str]]) -> None:
+    """A loop over a literal list gives its variables round by round, and keeps those of one round together."""
+    values = values_of(f"for a, b in {pairs!r}:\n    x = a + ':' + b\n")
+    assert [plain(value) for value in values] == list(dict.fromkeys(f"{one}:{other}" for one, other in pairs))
+
+
+@given(st.lists(PLAIN, max_size=5), st.integers(-3, 3))
+def test_python_s_own_functions_are_computed(words: list[str], start: int) -> None:
+    """`enumerate`, `zip`, `range`, `len`, `dict` and comprehensions of known values are known."""
+    listing = f"[str(i) + w + str(n) for i, (w, n) in enumerate(zip({words!r}, range(len({words!r}))), {start})]"
+    computed = eval(listing)  # noqa: S307 - Python itself is the reference, on expressions made above
+    [value] = values_of(f"x = {listing}\n")
+    assert isinstance(value, Items)
+    assert [plain(item) for item in value.items] == computed
+
+
+@pytest.mark.parametrize(
+    ("text", "known"),
+    [
+        ("x = 'a'\nx += '/b'\n", ["a/b"]),
+        ("x = y = 'a'\n", ["a"]),
+        ("(a, (b, x)) = ('1', ('2', '3'))\n", ["3"]),
+        ("x = 'a'\nif c:\n    x = 'b'\n", ["b", "a"]),
+        ("if c:\n    x = 'a'\nelif d:\n    x = 'b'\nelse:\n    x = 'c'\n", ["c", "b", "a"]),
+        ("if c:\n    a, b = '1', '2'\nelse:\n    a, b = '3', '4'\nx = a + b\n", ["34", "12"]),
+        ("try:\n    x = 'a'\nexcept ValueError:\n    x = 'b'\n", ["b", "a"]),
+        ("d = {}\nd['k'] = 'v'\nx = d['k']\n", ["v"]),
+        ("l = []\nl.append('a')\nl.append('b')\nx = l[1]\n", ["b"]),
+        ("def f(a, b='d', *c, **e):\n    return a + b + e['k']\nx = f('1', k='2')\n", ["1d2"]),
+        ("def f(a):\n    if a:\n        return 'y'\n    return 'n'\nx = f(False)\n", ["n"]),
+        ("class A:\n    n = 'c'\n    def __init__(self, p):\n        self.p = p\nx = A('q').p + A('r').n\n", ["qc"]),
+        ("class A:\n    @property\n    def p(self):\n        return 'v'\nx = A().p\n", ["v"]),
+        ("class A:\n def m(s): return 'a'\nclass B(A):\n def m(s): return super().m() + 'b'\nx = B().m()\n", ["ab"]),
+        ("import os\nx = os.path.join('a', 'b', 'c/')\n", ["a/b/c/"]),
+        ("x = None or 'a'\n", ["a"]),
+        ("x = getattr(__import__('a'), 'b', 'c')\n", [None]),
+        ("def f():\n    global x\n    x = 'g'\n", ["g"]),
+        ("with 'w' as x:\n    pass\n", ["w"]),
+        ("x = (y := 'a') + y\n", [None]),
+    ],
+)  # fmt: skip
+def test_bindings(text: str, known: list[str | None]) -> None:
+    """Names take what the bindings that reach them give, branch by branch."""
+    assert [plain(value) for value in values_of(text)] == known
+
+
+def test_what_is_not_known_stays_a_hole() -> None:
+    """Parts that are not known stay open in a string; nothing is guessed."""
+    [value] = values_of("x = 'robot_%s/%s' % (unknown(), 'scan')\n")
+    assert isinstance(value, Text)
+    assert (value.parts, value.resolution) == (("robot_", HOLE, "/scan"), Resolution.PARTIAL)
+
+
+def test_parameters_keep_their_name() -> None:
+    """What `rospy.get_param` gives is its default, with the name of the parameter."""
+    [value] = values_of("import rospy\nx = rospy.get_param('~topic', 'scan')\n")
+    assert value == Text.of("scan", Resolution.CONSTANT, "~/topic") or value == Text.of(
+        "scan", Resolution.PARAMETER_DEFAULT, "~/topic"
+    )
+
+
+def test_dictionaries_keep_the_values_of_one_unknown_key_together() -> None:
+    """Two uses of a key that is not known mean the same entry."""
+    text = "d = {'a': {'n': '1', 't': '2'}, 'b': {'n': '3', 't': '4'}}\ne = d[k]\nx = e['n'] + e['t']\n"
+    assert [plain(value) for value in values_of(text)] == ["12", "34"]
+
+
+@pytest.mark.parametrize("text", ["x = x\n", "def f(): return f()\nx = f()\n", "a = b\nb = a\nx = a\n", "x = f(x)\n"])
+def test_circles_end(text: str) -> None:
+    """A value that depends on itself is unknown."""
+    assert all(not isinstance(value, Table) and plain(value) is None for value in values_of(text))
+
+
+def test_depth_and_breadth_are_bounded() -> None:
+    """Deep nesting and many alternatives end in an unknown value, not in an error."""
+    deep = "x = " + "str(" * 3000 + "'a'" + ")" * 3000 + "\n"
+    assert [plain(value) for value in values_of(deep)] == [None]
+    wide = "".join(f"if c{n}:\n    a{n} = '1'\nelse:\n    a{n} = '0'\n" for n in range(20))
+    assert 0 < len(values_of(wide + "x = " + " + ".join(f"a{n}" for n in range(20)) + "\n")) <= 64

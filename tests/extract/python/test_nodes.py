@@ -1,0 +1,63 @@
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from extract.python.programs import nodes_of
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+HEAD = "import rospy\nfrom std_msgs.msg import String\n"
+
+
+def names(root: Path, text: str) -> list[str | None]:
+    """Return the names of all interfaces of the one node in a script."""
+    [node] = nodes_of(root, {"scripts/a.py": HEAD + text})
+    return [interface.name for interface in node.node.interfaces]
+
+
+def test_a_long_chain_of_classes_is_followed(tmp_path: Path) -> None:
+    """Inheritance over many classes, and a class that is its own base, do not stop the reading."""
+    chain = "class C0(C0): pass\n" + "".join(f"class C{n}(C{n - 1}): pass\n" for n in range(1, 900))
+    assert names(tmp_path, f"{chain}rospy.init_node('a')\nC899()\nrospy.Publisher('p', String)\n") == ["p"]
+
+
+def test_deep_nesting_is_read(tmp_path: Path) -> None:
+    """Thousands of levels of parentheses, attributes, conditions and calls do not stop the reading."""
+    text = (
+        "rospy.init_node('a')\n"
+        f"a = {'(' * 5000}1{')' * 5000}\nb = x{'.y' * 5000}\n{'x' + '.y' * 5000}.Publisher('q', String)\n"
+        f"c = {'not ' * 5000}a\nd = {'f(' * 5000}{')' * 5000}\n"
+        f"if {'not ' * 5000}a:\n    rospy.Publisher('p', String)\n"
+        f"rospy.Publisher({'-' * 5000}1, String)\nrospy.Publisher({'[' * 5000}{']' * 5000}, String)\n"
+        f"rospy.Publisher({' or '.join(['None'] * 3000)} or 'r', String)\n"
+    )
+    assert "p" in names(tmp_path, text)
+
+
+def test_recursion_ends(tmp_path: Path) -> None:
+    """Functions that call themselves or each other are run a bounded number of times."""
+    text = (
+        "def f(n):\n    rospy.Publisher('f', String)\n    g(n + '/x')\n"
+        "def g(n):\n    rospy.Publisher(n, String)\n    f(n)\n    g(n + 'y')\n"
+        "rospy.init_node('a')\nf('s')\n"
+    )
+    found = names(tmp_path, text)
+    assert "f" in found
+    assert len(found) < 200
+
+
+def test_a_broken_file_does_not_hide_the_rest(tmp_path: Path) -> None:
+    """A line that does not parse costs that line."""
+    assert names(tmp_path, "rospy.init_node('a')\nx = = (\nrospy.Publisher('p', String)\n") == ["p"]
+
+
+def test_every_run_gives_the_same(tmp_path: Path) -> None:
+    """Reading twice gives equal nodes in one order."""
+    text = HEAD + "class A:\n  def a(self): rospy.Publisher('a', String)\n  def b(self): rospy.Publisher('b', String)\n"
+    files = {
+        "scripts/a.py": f"{text}rospy.init_node('a')\nA()\n",
+        "scripts/b.py": f"{text}rospy.init_node('b')\nA().b()\n",
+    }
+    assert nodes_of(tmp_path, files) == nodes_of(tmp_path, files)
+    assert [extracted.node.name for extracted in nodes_of(tmp_path, files)] == ["a", "b"]
