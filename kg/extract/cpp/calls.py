@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Finder"]
 
+_ROS2: Final = 2
 _NAMESPACE_UNKNOWN: Final = "the namespace of its node handle is not known"
 
 
@@ -108,7 +109,7 @@ class Finder:
         evaluator = self._evaluator
         place = self._location(where.unit, node)
         self.ros.add(spec.ros)
-        for holder, after in self._holders(handle):
+        for holder, after in self._holders(handle, spec.ros):
             for name, chosen in evaluator.texts(given[spec.name], after):
                 kinds = self._kinds(spec, where, called, given, chosen)
                 qos = (
@@ -123,12 +124,17 @@ class Finder:
                     if spec.camera:
                         self._add(_camera_info(made), None)
 
-    def _holders(self, handle: Expr | None) -> list[tuple[object, Context]]:
-        """Return the handles that an expression can be; what is not understood counts only where nothing is."""
+    def _holders(self, handle: Expr | None, ros: int) -> list[tuple[object, Context]]:
+        """Return the handles that an expression can be; what is not understood counts only where nothing is.
+
+        In ROS 2 only a sub-node adds a namespace; whatever else a node is reached through stands for the node.
+        """
         if handle is None:
             return [(Handle(), EMPTY)]
         found = self._evaluator.values(handle, EMPTY)
         known = [(value, chosen) for value, chosen in found if isinstance(value, Handle)]
+        if ros == _ROS2 and not known:
+            return [(Handle(), chosen) for _, chosen in found]
         return list(known or found)
 
     def _kinds(

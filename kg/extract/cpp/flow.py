@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.extract.cpp import syntax
 from kg.extract.cpp.context import Site
-from kg.extract.cpp.sites import fits
+from kg.extract.cpp.sites import accepts, fits
 from kg.extract.cpp.unit import Expr, read_parameters
 from kg.extract.cpp.variables import WriteKind, writes
 from kg.extract.values import Mapping, Number, Sequence, Text, Unknown, Value, concatenate
@@ -260,7 +260,11 @@ class Flow:
         sites = self._evaluator.sites
         constructor = owner is not None and function.name == owner.name
         found = sites.constructions(owner) if constructor and owner is not None else sites.calls(function)
-        return [(site, context.bind(function, site)) for site in found if fits(function, len(site.arguments))]
+        return [
+            (site, context.bind(function, site))
+            for site in found
+            if fits(function, len(site.arguments)) and accepts(function, site.arguments)
+        ]
 
     def _from_sites(self, function: Function, index: int, context: Context) -> Alternatives:
         evaluator = self._evaluator

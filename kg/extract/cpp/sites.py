@@ -17,9 +17,12 @@ if TYPE_CHECKING:
     from kg.extract.cpp.program import Program
     from kg.extract.cpp.unit import Class, Function, Unit
 
-__all__ = ["MAKERS", "Sites", "call_around", "declarator_arguments"]
+__all__ = ["MAKERS", "Sites", "accepts", "call_around", "declarator_arguments"]
 
 MAKERS: Final = frozenset({"make_shared", "make_unique", "allocate_shared", "make_optional", "make_boost_shared"})
+_TEXTS: Final = frozenset({"string_literal", "concatenated_string", "raw_string_literal"})
+_NO_TEXTS: Final = frozenset({"number_literal", "null", "true", "false", "lambda_expression", "this"})
+_NUMBERS: Final = frozenset({"bool", "int", "double", "float", "size_t", "uint32_t", "int64_t", "unsigned"})
 _BINDERS: Final = frozenset({"bind", "thread", "async", "bind_front"})
 _NAMING: Final = frozenset(
     {
@@ -202,6 +205,18 @@ def fits(function: Function, count: int) -> bool:
     parameters = function.parameters
     least = sum(1 for parameter in parameters if parameter.default is None)
     return least <= count + _defaults_elsewhere(function) and count <= len(parameters)
+
+
+def accepts(function: Function, arguments: tuple[Expr, ...]) -> bool:
+    """Tell whether literal arguments go with the types of a function's parameters, which tells overloads apart."""
+    for parameter, argument in zip(function.parameters, arguments, strict=False):
+        kind = syntax.simple_name(parameter.type) if parameter.type is not None else ""
+        node = argument.node.type
+        if node in _TEXTS and (kind in _NUMBERS or kind.endswith(("Ptr", "Interface"))):
+            return False
+        if kind == "string" and node in _NO_TEXTS:
+            return False
+    return True
 
 
 def _defaults_elsewhere(function: Function) -> int:
