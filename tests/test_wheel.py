@@ -85,5 +85,5 @@ def test_no_tool_of_development_is_needed(installed: Path) -> None:
 def test_the_demo_runs_in_an_empty_folder(installed: Path, tmp_path: Path) -> None:
     """`kg demo` answers its questions where there is nothing, and without the network."""
     answer = run(installed / "kg", "demo", folder=tmp_path, **_OFFLINE)
-    assert "base_controller" in answer
-    assert "cmd_vel" in answer
+    assert "scan_filter_nodelet.cpp:30" in answer
+    assert "flight_controller" in answer
