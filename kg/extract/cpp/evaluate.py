@@ -203,7 +203,7 @@ class Evaluator:
             known = library.evaluate(self, where, called, given, context)
         if known is None:
             known = self._lambda(where, called, given, context) or self._into(where, called, given, context)
-        if known is None and called.receiver is None:
+        if known is None and called.receiver is None and not self.program.functions(called.name):
             kind = self.types.of(where, context)
             known = self.construct(kind, given, context) if kind is not None else None
         return known or [(Unknown(f"{called.name}() is not in the sources that were read"), context)]
