@@ -247,6 +247,11 @@ CATALOGUE: dict[str, CodeEntry] = {
         "The store was written by a version of `kg` with another layout.",
         "Build it again with `kg build`.",
     ),
+    "KG306": CodeEntry(
+        "store not writable",
+        "The folder of the store cannot be written: its permissions, or a file system that is read-only.",
+        "Change the permissions, or name another folder with `--store`.",
+    ),
     "KG501": CodeEntry(
         "query does not parse",
         "The query is not SPARQL 1.1 at the place given.",

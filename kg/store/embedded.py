@@ -57,7 +57,8 @@ class EmbeddedStore:
         """Begin a transaction; `command` is what another writer is told is running.
 
         Raises:
-            StoreError: KG302 while another process writes, KG304 when the disk fills up, KG303 and KG305 as `read`.
+            StoreError: KG302 while another process writes, KG304 when the disk fills up, KG306 when the folder
+                cannot be written, KG303 and KG305 as `read`.
         """
         with writer(self.layout, command):
             remove_unused(self.layout)

@@ -7,6 +7,7 @@ place where it says that the disk is full or that a file is damaged.
 from __future__ import annotations
 
 import errno
+import os
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -18,15 +19,18 @@ if TYPE_CHECKING:
 __all__ = ["store_error", "translated"]
 
 _FULL = frozenset({errno.ENOSPC, errno.EDQUOT})
+_CLOSED = frozenset({errno.EACCES, errno.EPERM, errno.EROFS})
 _FULL_TEXTS = ("No space left on device", "Disk quota exceeded", "NoSpace")
 
 
 def store_error(error: OSError | RuntimeError, path: str) -> StoreError:
-    """Return the error of `kg` for a failure at the store `path`: KG304 for a full disk, else KG303."""
+    """Return the error of `kg` for a failure at the store `path`: KG304 full disk, KG306 not writable, else KG303."""
     text = str(error)
     number = error.errno if isinstance(error, OSError) else None
     if number in _FULL or any(part in text for part in _FULL_TEXTS):
         return StoreError("KG304", "the disk is full; the store is as it was before", place=Place(path))
+    if number in _CLOSED:
+        return StoreError("KG306", f"it cannot be written: {os.strerror(number or 0)}", place=Place(path))
     return StoreError("KG303", text, place=Place(path), hint="Run `kg doctor`, or build the store again.")
 
 

@@ -149,7 +149,7 @@ def create(root: Path) -> Layout:
     """Return the store whose folder is `root`, made when it does not exist; version control is told to leave it out.
 
     Raises:
-        StoreError: KG304 when the disk is full, KG303 when the folder cannot be made for another reason.
+        StoreError: KG304 when the disk is full, KG306 when the folder may not be made there.
     """
     layout = Layout(root.absolute())
     with translated(str(layout.root)):

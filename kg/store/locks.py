@@ -14,6 +14,7 @@ from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
 from kg.errors import Place, StoreError
+from kg.store.failure import translated
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -31,7 +32,9 @@ def writer(layout: Layout, command: str) -> Iterator[None]:
     Raises:
         StoreError: KG302 naming process, command and start of the one that writes.
     """
-    with layout.lock.open("a+") as file:
+    with translated(str(layout.root)):
+        file = layout.lock.open("a+")
+    with file:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:

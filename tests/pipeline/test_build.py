@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import shutil
 import subprocess
 from typing import TYPE_CHECKING
@@ -240,6 +241,23 @@ def test_a_busy_store(bench: Bench) -> None:
         bench.build()
     assert caught.value.code == "KG302"
     assert "kg import big.nq" in caught.value.message
+
+
+def test_a_full_disk(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A disk that fills up while results are kept is KG304, and the store is as it was."""
+    bench.build()
+    before = bench.content()
+
+    def full(*_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("kg.pipeline.cache.write_atomically", full)
+    bench.package("one", "changed")
+    with pytest.raises(StoreError) as caught:
+        bench.build()
+    assert caught.value.code == "KG304"
+    assert bench.content() == before
+    assert bench.store.layout.numbers() == [1]
 
 
 class _Notes:

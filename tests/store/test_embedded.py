@@ -194,6 +194,20 @@ def test_disk_full_in_the_engine(tmp_path: Path) -> None:
         subprocess.run(["umount", "-l", str(tmp_path)], check=False)
 
 
+def test_a_store_that_cannot_be_written(store: EmbeddedStore, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A read-only store is read as ever; a writer is told that it cannot be written."""
+
+    def closed(*_: object, **__: object) -> None:
+        raise OSError(errno.EROFS, "Read-only file system")
+
+    monkeypatch.setattr("pathlib.Path.open", closed)
+    with pytest.raises(StoreError) as caught, store.write("test"):
+        pass
+    assert caught.value.code == "KG306"
+    monkeypatch.undo()
+    assert counts(store) == {"a": 3, "b": 2}
+
+
 WRITER = """
 import sys
 from pathlib import Path
