@@ -15,8 +15,31 @@ from kg.query.similar import did_you_mean
 __all__ = ["KgCommand", "KgGroup"]
 
 
+class _AsTyped:
+    """Gives arguments to commands as they were typed.
+
+    Commands take texts, lists of texts and switches only; what they mean is read by `kg.settings` and the commands.
+    typer would load pydantic to find that a text is a text, which takes as long as everything else at the start.
+    """
+
+    def coerce(self, value: Any, param: Any, ctx: Any) -> Any:  # noqa: ARG002 - called by typer
+        """Return the value; what may be given several times is a list."""
+        several = param.multiple or param.nargs == -1
+        return list(value or ()) if several else value
+
+
+def _as_typed(params: Any) -> Any:
+    for param in params:
+        vars(param)["_runtime_param"] = _AsTyped()
+    return params
+
+
 class KgCommand(TyperCommand):
     """A command."""
+
+    def get_params(self, ctx: Any) -> Any:
+        """Return the arguments and options, `--help` among them."""
+        return _as_typed(super().get_params(ctx))
 
     def get_help(self, ctx: Any) -> str:
         """Return the text of `--help`."""
@@ -25,6 +48,10 @@ class KgCommand(TyperCommand):
 
 class KgGroup(TyperGroup):
     """A group of commands, and `kg` itself."""
+
+    def get_params(self, ctx: Any) -> Any:
+        """Return the options, those for completion and `--help` among them."""
+        return _as_typed(super().get_params(ctx))
 
     def get_help(self, ctx: Any) -> str:
         """Return the text of `--help`."""

@@ -80,3 +80,10 @@ def test_colour_follows_the_terminal_and_the_flag(kg: Program) -> None:
 def test_the_version_is_said(kg: Program) -> None:
     """`kg --version` is one line."""
     assert kg("--version").out.startswith("kg 0.")
+
+
+def test_arguments_are_taken_without_loading_a_validator(kg: Program) -> None:
+    """A command that needs no store starts without the modules that typer would check types with."""
+    program = "import sys; from kg.cli.app import app; app(['explain', 'KG301'], standalone_mode=False)"
+    listing = f"import atexit, sys; atexit.register(lambda: print(*sys.modules)); {program}"
+    assert not {"pydantic", "rich", "pyoxigraph"} & set(kg.python("-c", listing).out.split())

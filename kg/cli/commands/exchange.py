@@ -29,7 +29,7 @@ FormatName = Annotated[
         "--format", "-f", metavar="FORMAT", help=f"{', '.join(FORMATS)}; by default told from the file's name."
     ),
 ]
-Output = Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE", help="Write into FILE.")]
+Output = Annotated[str | None, typer.Option("--output", "-o", metavar="FILE", help="Write into FILE.")]
 Source = Annotated[
     str | None, typer.Option("--source", metavar="NAME", help="Only what was read from this source (see `kg status`).")
 ]
@@ -37,7 +37,7 @@ GraphName = Annotated[
     str | None,
     typer.Option("--graph", "-g", metavar="NAME", help="A named graph: ontology, inferred, builds, or an IRI."),
 ]
-Files = Annotated[list[Path], typer.Argument(metavar="FILE", help="Files of RDF.")]
+Files = Annotated[list[str], typer.Argument(metavar="FILE", help="Files of RDF.")]
 Sources = Annotated[list[str], typer.Argument(metavar="SOURCE", help="Names of sources as `kg status` lists them.")]
 
 
@@ -62,19 +62,20 @@ def export(  # noqa: PLR0913 - the options of a command
     from kg.graph.vocabulary import PREFIXES  # noqa: PLC0415 - start-up time
 
     settings = session(context).settings(store=store, base=base)
-    rdf_format = _format(format_name, output) or _format("nq", None)
+    target = Path(output) if output else None
+    rdf_format = _format(format_name, target) or _format("nq", None)
     if rdf_format is None:
         raise UsageError("KG003", "no format")
     with reading(settings) as snapshot:
         data = snapshot.dump(rdf_format, graph=_graph(snapshot, settings.base, source, graph), prefixes=PREFIXES)
-    if output is None:
+    if target is None:
         write_bytes(data)
         return
     try:
-        output.write_bytes(data)
+        target.write_bytes(data)
     except OSError as error:
-        raise UsageError("KG003", f"cannot be written: {error.strerror}", place=Place(str(output))) from error
-    say(f"wrote {count(len(data), 'byte')} of {rdf_format.name} to {output}")
+        raise UsageError("KG003", f"cannot be written: {error.strerror}", place=Place(str(target))) from error
+    say(f"wrote {count(len(data), 'byte')} of {rdf_format.name} to {target}")
 
 
 def import_files(  # noqa: PLR0913 - the options of a command
@@ -103,7 +104,7 @@ def import_files(  # noqa: PLR0913 - the options of a command
     with writable(settings) as target:
         rdf_format = _format(format_name, None)
         with target.write("kg import") as transaction:
-            for file in files:
+            for file in map(Path, files):
                 into = (_iri(settings.base, graph) if graph else None) or iris.graph(f"imported-{file.name}")
                 transaction.load_file(file, rdf_format, graph=NamedNode(into))
         with target.read() as snapshot:

@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 __all__ = ["check", "validate"]
 
 Files = Annotated[
-    list[Path] | None, typer.Argument(metavar="FILE", help="Ontologies; by default those that kg brings along.")
+    list[str] | None, typer.Argument(metavar="FILE", help="Ontologies; by default those that kg brings along.")
 ]
 Shapes = Annotated[
-    Path | None, typer.Option("--shapes", metavar="FILE", help="SHACL shapes; by default those that kg brings along.")
+    str | None, typer.Option("--shapes", metavar="FILE", help="SHACL shapes; by default those that kg brings along.")
 ]
 
 
@@ -36,7 +36,7 @@ def check(files: Files = None, *, json: Json = False) -> None:
     """
     from kg.graph import ontology  # noqa: PLC0415 - start-up time
 
-    verdicts = ontology.check(files or None)
+    verdicts = ontology.check([Path(file) for file in files] if files else None)
     if json:
         json_lines(_object(one) for one in verdicts)
     else:
@@ -64,7 +64,7 @@ def validate(context: typer.Context, *, shapes: Shapes = None, json: Json = Fals
 
     with reading(session(context).settings(store=store)) as snapshot:
         triples = snapshot.dump(RdfFormat.N_TRIPLES)
-    found = ontology.validate(triples, shapes)
+    found = ontology.validate(triples, Path(shapes) if shapes else None)
     columns = (Column("severity"), Column("message"), Column("node"), Column("path"), Column("value"))
     rows = [(one.severity, one.message, one.focus, one.path, one.value) for one in found]
     if found or json or not terminal():

@@ -38,7 +38,7 @@ Parameter = Annotated[
 ]
 Listed = Annotated[bool, typer.Option("--list", "-l", help="List the stored queries.")]
 HelpQuery = Annotated[bool, typer.Option("--help-query", help="Say what the stored query answers and takes.")]
-File = Annotated[Path | None, typer.Option("--file", "-f", metavar="FILE", help="Read the query from FILE.")]
+File = Annotated[str | None, typer.Option("--file", "-f", metavar="FILE", help="Read the query from FILE.")]
 
 
 def query(  # noqa: PLR0913 - the options of a command
@@ -71,7 +71,7 @@ def query(  # noqa: PLR0913 - the options of a command
     if listed:
         _list(settings, json=json)
         return
-    asked = _asked(text, file, settings)
+    asked = _asked(text, Path(file) if file else None, settings)
     if help_query:
         _explain(asked, json=json)
         return
