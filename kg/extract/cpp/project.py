@@ -107,6 +107,7 @@ _FOREIGN: Final = tuple(
 _CACHE_BYTES: Final = 6 << 20
 _MOST_HEADERS: Final = 600
 _cache: OrderedDict[FilePath, Unit] = OrderedDict()
+_worded: dict[tuple[FilePath, int], tuple[int, bool]] = {}
 
 
 class Project:
@@ -118,6 +119,7 @@ class Project:
         self.repository = reader.source.repository.name
         self._units: dict[FilePath, Unit | None] = {}
         self._headers: dict[FilePath, tuple[FilePath, ...]] = {}
+        self._relevant: dict[FilePath, bool] = {}
         self._direct: dict[FilePath, tuple[FilePath, ...]] = {}
 
     def own(self, path: str) -> FilePath:
@@ -154,10 +156,12 @@ class Project:
 
     def relevant(self, file: FilePath) -> bool:
         """Tell whether the words of a file are such that it can bear on the interface of a node."""
-        data = self.reader.read(file)
-        if data is None:
-            return False
-        return any(word in data for word in (_OWN if self.is_own(file) else _FOREIGN))
+        known = self._relevant.get(file)
+        if known is None:
+            data = self.reader.read(file)
+            words = _OWN if self.is_own(file) else _FOREIGN
+            known = self._relevant[file] = data is not None and _has(file, data, words)
+        return known
 
     def contains(self, file: FilePath, word: bytes) -> bool:
         """Tell whether a file has these bytes."""
@@ -213,6 +217,16 @@ class Project:
                 unit = self.unit(header)
                 if unit is not None:
                     yield unit
+
+
+def _has(file: FilePath, data: bytes, words: tuple[bytes, ...]) -> bool:
+    """Tell whether a file has one of some words; kept for the next package, since most headers are asked about often."""
+    key = (file, len(words))
+    print_of_data = hash(data)
+    known = _worded.get(key)
+    if known is None or known[0] != print_of_data:
+        known = _worded[key] = (print_of_data, any(word in data for word in words))
+    return known[1]
 
 
 def _is_source(path: str) -> bool:
