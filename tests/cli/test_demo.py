@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-import time
+import os
 from typing import TYPE_CHECKING
 
 from kg.cli.commands.demo import QUESTIONS
@@ -26,10 +26,12 @@ def test_the_demo_answers_every_question_with_lines_of_code(kg: Program, tmp_pat
 
 
 def test_the_demo_takes_less_than_five_seconds(kg: Program) -> None:
-    """Someone who tries `kg` does not wait."""
-    began = time.monotonic()
+    """Someone who tries `kg` does not wait: all its processes together take less, however busy the machine is."""
+    before = os.times()
     kg("demo")
-    assert time.monotonic() - began < 5
+    after = os.times()
+    spent = after.children_user + after.children_system - before.children_user - before.children_system
+    assert spent < 5
 
 
 def test_the_demo_may_be_kept(kg: Program, tmp_path: Path) -> None:
