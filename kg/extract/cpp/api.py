@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from kg.extract.cpp.syntax import Callee
     from kg.extract.cpp.types import TypeName
     from kg.extract.cpp.unit import Class, Expr
-    from kg.facts import Access, Role
+    from kg.facts import Access, Qos, Role
 
 __all__ = ["Api", "CallSpec", "Dialect", "MarkSpec", "ParameterSpec", "TypeSpec"]
 
@@ -62,6 +62,8 @@ class CallSpec:
     receiver_template: bool = False
     explicit: bool = False
     specified: bool = False
+    usual: Qos | None = None
+    """The quality of service where the call does not give one."""
     options: bool = False
     exact: bool = False
 
@@ -86,6 +88,7 @@ class TypeSpec:
     scopes: frozenset[str] = frozenset()
     mark: str | None = None
     qos: int | None = None
+    usual: Qos | None = None
     camera: bool = False
     drop: str = ""
     private: bool = False

@@ -15,11 +15,11 @@ from kg.extract.cpp.options import consumer
 from kg.extract.cpp.parameters import read_listed, read_parameter
 from kg.extract.cpp.qos import read_qos
 from kg.extract.cpp.sites import call_around
-from kg.extract.cpp.specifications import specifications, specified
+from kg.extract.cpp.specifications import specifications, specified, specified_qos
 from kg.extract.cpp.unit import Expr
 from kg.extract.marks import Mark
 from kg.extract.values import Handle, Text, Truth, Unknown, worse
-from kg.facts import Interface, Location, Resolution
+from kg.facts import Interface, Location, Resolution, Role
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -30,11 +30,12 @@ if TYPE_CHECKING:
     from kg.extract.cpp.context import Context, Site
     from kg.extract.cpp.evaluate import Evaluator
     from kg.extract.cpp.unit import Unit
-    from kg.facts import Parameter, Role
+    from kg.facts import Parameter, Qos
 
 __all__ = ["Finder"]
 
 _ROS2: Final = 2
+_TOPICS: Final = frozenset({Role.PUBLISHES, Role.SUBSCRIBES})
 _NAMESPACE_UNKNOWN: Final = "the namespace of its node handle is not known"
 
 
@@ -100,8 +101,10 @@ class Finder:
         place = self._location(where.unit, node)
         for holder in specifications(self._evaluator, where, called, given):
             self.ros.add(spec.ros)
+            qos = specified_qos(self._evaluator, holder) if spec.role in _TOPICS else None
             for name, kind in specified(self._evaluator, holder):
-                self._add(_interface(spec.role, Handle(), name, kind, place, holder.name), None)
+                made = _interface(spec.role, Handle(), name, kind, place, holder.name)
+                self._add(replace(made, qos=qos), None)
 
     def _interface(  # noqa: PLR0913, PLR0917 - the parts of one call
         self, spec: CallSpec, where: Expr, node: Node, called: syntax.Callee, given: list[Expr], handle: Expr | None
@@ -112,17 +115,19 @@ class Finder:
         for holder, after in self._holders(handle, spec.ros):
             for name, chosen in evaluator.texts(given[spec.name], after):
                 kinds = self._kinds(spec, where, called, given, chosen)
-                qos = (
-                    read_qos(evaluator, given[spec.qos], chosen)
-                    if spec.qos is not None and spec.qos < len(given)
-                    else None
-                )
+                qos = self._qos(spec, given, chosen)
                 for kind in kinds:
                     made = _interface(spec.role, holder, name, kind, place, syntax.text(given[spec.name].node))
                     made = replace(made, qos=qos)
                     self._add(made, spec.mark)
                     if spec.camera:
                         self._add(_camera_info(made), None)
+
+    def _qos(self, spec: CallSpec | TypeSpec, given: list[Expr], context: Context) -> Qos | None:
+        """Return the quality of service that a call gives, or the usual one of its kind where it gives none."""
+        if spec.qos is None or spec.qos >= len(given):
+            return spec.usual
+        return read_qos(self._evaluator, given[spec.qos], context)
 
     def _holders(self, handle: Expr | None, ros: int) -> list[tuple[object, Context]]:
         """Return the handles that an expression can be; what is not understood counts only where nothing is.
@@ -231,10 +236,9 @@ class Finder:
             return
         self.ros.add(spec.ros)
         written = syntax.text(given[index].node)
-        shape = given[spec.qos] if spec.qos is not None and spec.qos < len(given) else None
         for holder, after in handles:
             for name, chosen in evaluator.texts(given[index], after):
-                qos = read_qos(evaluator, shape, chosen) if shape is not None else None
+                qos = self._qos(spec, given, chosen)
                 for kind in self._template_kinds(spec, template, chosen):
                     made = _interface(spec.role, holder, name, kind, place, written)
                     self._add(replace(made, qos=qos), spec.mark)

@@ -12,7 +12,7 @@ from kg.extract.cpp import syntax
 from kg.extract.cpp.api import CallSpec, MarkSpec, ParameterSpec, TypeSpec
 from kg.extract.cpp.handles import below, camera_info_beside, value_of_parameter
 from kg.extract.values import Handle, Sequence, Text
-from kg.facts import Access, Role
+from kg.facts import Access, Qos, Role
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 __all__ = ["Ros2"]
 
 _NODE: Final = frozenset({"Node", "LifecycleNode"})
+_USUAL: Final = Qos("reliable", "volatile", "keep_last", 10)
+_LATEST: Final = Qos("reliable", "volatile", "keep_last", 1)
 _ADAPTOR: Final = frozenset({"NodeAdaptor"})
 _FREE: Final = frozenset({"rclcpp", "agnocast_wrapper", "agnocast"})
 _ACTION: Final = frozenset({"rclcpp_action"})
@@ -36,7 +38,16 @@ _TRANSPORT: Final = frozenset({"image_transport"})
 
 _CALLS: Final[dict[str, tuple[CallSpec, ...]]] = {
     "publish": (
-        CallSpec(2, Role.PUBLISHES, receivers=frozenset({"DebugPublisher"}), template=0, least=2, explicit=True),
+        CallSpec(
+            2,
+            Role.PUBLISHES,
+            receivers=frozenset({"DebugPublisher"}),
+            template=0,
+            least=2,
+            qos=2,
+            explicit=True,
+            usual=_LATEST,
+        ),
     ),
     "init_pub": (CallSpec(2, Role.PUBLISHES, receivers=_ADAPTOR, specified=True),),
     "init_sub": (CallSpec(2, Role.SUBSCRIBES, receivers=_ADAPTOR, specified=True),),
@@ -56,6 +67,7 @@ _CALLS: Final[dict[str, tuple[CallSpec, ...]]] = {
             least=2,
             qos=2,
             mark="image_transport.publisher",
+            usual=_USUAL,
         ),
     ),
     "create_subscription": (
@@ -72,6 +84,7 @@ _CALLS: Final[dict[str, tuple[CallSpec, ...]]] = {
             least=3,
             qos=4,
             mark="image_transport.subscriber",
+            usual=_USUAL,
         ),
     ),
     "create_camera_publisher": (
@@ -84,7 +97,9 @@ _CALLS: Final[dict[str, tuple[CallSpec, ...]]] = {
             fixed=_IMAGE,
             least=2,
             camera=True,
+            qos=2,
             mark="image_transport.publisher",
+            usual=_USUAL,
         ),
     ),
     "create_camera_subscription": (
@@ -97,7 +112,9 @@ _CALLS: Final[dict[str, tuple[CallSpec, ...]]] = {
             fixed=_IMAGE,
             least=2,
             camera=True,
+            qos=4,
             mark="image_transport.subscriber",
+            usual=_USUAL,
         ),
     ),
     "create_service": (
@@ -172,7 +189,7 @@ _PARAMETERS: Final[dict[str, tuple[ParameterSpec, ...]]] = {
     "undeclare_parameter": (_method(Access.WRITE, 1, 1),),
 }
 
-_POLLING: Final = TypeSpec(2, Role.SUBSCRIBES, qos=2)
+_POLLING: Final = TypeSpec(2, Role.SUBSCRIBES, qos=2, usual=_LATEST)
 _DIAGNOSTICS: Final = TypeSpec(
     2, Role.PUBLISHES, template=None, constants=(("/diagnostics", "diagnostic_msgs/DiagnosticArray"),)
 )

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Final
 from kg.extract.cpp import syntax
 from kg.extract.cpp.context import EMPTY
 from kg.extract.cpp.unit import Expr
+from kg.extract.values import Number
+from kg.facts import Qos
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -18,9 +20,10 @@ if TYPE_CHECKING:
     from kg.extract.cpp.unit import Class
     from kg.extract.values import Text, Unknown
 
-__all__ = ["specifications", "specified"]
+__all__ = ["specifications", "specified", "specified_qos"]
 
 _NAME: Final = "name"
+_POLICIES: Final = {"reliability": ("reliable", "best_effort"), "durability": ("volatile", "transient_local")}
 _TYPES: Final = ("Message", "Service", "Action")
 
 
@@ -44,6 +47,21 @@ def specified(evaluator: Evaluator, cls: Class) -> Iterator[tuple[Text | Unknown
     default = cls.fields[_NAME][1]
     for name, _ in evaluator.texts(Expr.of(cls.unit, default), EMPTY) if default is not None else ():
         yield name, kinds[0][0]
+
+
+def specified_qos(evaluator: Evaluator, cls: Class) -> Qos | None:
+    """Return the quality of service that a specification holds as `depth`, `reliability` and `durability`."""
+    found = {word: cls.fields[word][1] for word in ("depth", *_POLICIES) if word in cls.fields}
+    depth = found.get("depth")
+    if depth is None:
+        return None
+    numbers = [value for value, _ in evaluator.values(Expr.of(cls.unit, depth), EMPTY) if isinstance(value, Number)]
+    policies = {}
+    for word, values in _POLICIES.items():
+        node = found.get(word)
+        written = syntax.text(node).lower() if node is not None else ""
+        policies[word] = next((value for value in values if written.endswith(value)), None)
+    return Qos(policies["reliability"], policies["durability"], "keep_last", int(numbers[0].value) if numbers else None)
 
 
 def _own_alias(cls: Class, word: str) -> Expr | None:

@@ -8,6 +8,9 @@ struct CurrentMode
 {
   using Message = demo_msgs::msg::Mode;
   static constexpr char name[] = "/system/mode";
+  static constexpr size_t depth = 3;
+  static constexpr auto reliability = RMW_QOS_POLICY_RELIABILITY_BEST_EFFORT;
+  static constexpr auto durability = RMW_QOS_POLICY_DURABILITY_TRANSIENT_LOCAL;
 };
 
 struct Restart
