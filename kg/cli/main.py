@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 
 __all__ = ["run"]
@@ -9,6 +10,7 @@ __all__ = ["run"]
 
 def run() -> None:
     """Run the command line of this process; even what happens while modules load ends in a line or two."""
+    _mend_streams()
     try:
         from kg.cli.app import app  # noqa: PLC0415 - so that what goes wrong while this loads is caught
     except KeyboardInterrupt:
@@ -20,3 +22,13 @@ def run() -> None:
         defect(error)
         sys.exit(70)
     app()
+
+
+def _mend_streams() -> None:
+    """See to it that both streams exist (`>&-` closes them) and take any character, shown as an escape if need be."""
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115, PTH123 - for the whole process
+        else:
+            stream.reconfigure(errors="backslashreplace")

@@ -87,3 +87,26 @@ def test_arguments_are_taken_without_loading_a_validator(kg: Program) -> None:
     program = "import sys; from kg.cli.app import app; app(['explain', 'KG301'], standalone_mode=False)"
     listing = f"import atexit, sys; atexit.register(lambda: print(*sys.modules)); {program}"
     assert not {"pydantic", "rich", "pyoxigraph"} & set(kg.python("-c", listing).out.split())
+
+
+@pytest.mark.parametrize("streams", [">&-", "2>&-", ">&- 2>&-", ">/dev/null 2>&1"])
+def test_closed_streams_are_no_fault(streams: str) -> None:
+    """A caller may close what it does not want."""
+    command = f"{sys.executable} -m kg explain KG301 {streams}"
+    run = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
+    assert (run.returncode, run.stderr) == (0, "")
+
+
+def test_a_full_disk_behind_the_output_is_said() -> None:
+    """What cannot be written is an error with a code, not a traceback."""
+    command = f"{sys.executable} -m kg explain > /dev/full"
+    run = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
+    assert run.returncode == 4
+    assert run.stderr.startswith("error[KG304]: no space left")
+
+
+def test_any_character_can_be_said(kg: Program) -> None:
+    """A terminal that knows ASCII only gets escapes instead of a crash."""
+    run = kg("explain", "KÄ1", PYTHONIOENCODING="ascii")
+    assert run.code == 1
+    assert "K\\xc41" in run.err
