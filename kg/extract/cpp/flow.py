@@ -295,9 +295,12 @@ class Flow:
         if own is not None:
             return Expr.of(function.unit, own)
         owner = self._program.owner(function)
-        for member in owner.node.child_by_field_name("body").named_children if owner is not None else ():  # type: ignore[union-attr]
+        if owner is None:
+            return None
+        body = owner.node.child_by_field_name("body")
+        for member in body.named_children if body is not None else ():
             declarator = member.child_by_field_name("declarator")
-            if declarator is not None and declarator.type == "function_declarator" and owner is not None:
+            if declarator is not None and declarator.type == "function_declarator":
                 named = syntax.declared_name(declarator)
                 if named is not None and syntax.text(named) == function.name:
                     listed = read_parameters(declarator)

@@ -271,9 +271,8 @@ def _library(path: str) -> str:
     return name.removeprefix("lib") if path.startswith(("lib/lib", "lib")) else name
 
 
-def _settled(found: object) -> tuple[Interface, ...]:
+def _settled(everything: list[Interface]) -> tuple[Interface, ...]:
     """Return interfaces without those of unknown type whose name is known with a type as well."""
-    everything: list[Interface] = list(found)  # type: ignore[call-overload]
     typed = {(i.role, i.name) for i in everything if i.type is not None}
     return tuple(i for i in everything if i.type is not None or i.name is None or (i.role, i.name) not in typed)
 

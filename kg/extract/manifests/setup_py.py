@@ -93,7 +93,7 @@ class _Found:
 @cache
 def _parser() -> Parser:
     import tree_sitter_python  # noqa: PLC0415  (the command line starts without it)
-    from tree_sitter import Language, Parser  # noqa: PLC0415
+    from tree_sitter import Language, Parser  # noqa: PLC0415  (the same)
 
     return Parser(Language(tree_sitter_python.language()))
 
