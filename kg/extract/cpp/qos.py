@@ -126,8 +126,8 @@ def _changed(evaluator: Evaluator, qos: Qos, name: str, given: list[Expr], conte
         counted = _with_depth(evaluator, given[0], context)
         return replace(qos, history="keep_last", depth=counted.depth if counted is not None else None)
     if name in _POLICIES and given:
-        chosen = syntax.text(given[0].node).rpartition("::")[2].lower()
-        value = next((policy for policy in _POLICIES[name] if chosen.endswith(policy)), None)
+        chosen = syntax.text(given[0].node).rpartition("::")[2].lower().replace("_", "")
+        value = next((policy for policy in _POLICIES[name] if chosen.endswith(policy.replace("_", ""))), None)
         return replace(qos, reliability=value) if name == "reliability" else replace(qos, durability=value)
     return qos if name in _SAME else None
 
@@ -167,12 +167,24 @@ def _after(evaluator: Evaluator, qos: Qos, name: str, span: tuple[int, Expr], co
     start, where = span
     result: Qos | None = qos
     for use in where.unit.occurrences(name):
-        access = use.parent
+        if start <= use.start_byte < where.at:
+            result = result and _chained(evaluator, result, use, where, context)
+    return result
+
+
+def _chained(evaluator: Evaluator, qos: Qos, use: Node, where: Expr, context: Context) -> Qos | None:
+    """Return a profile after the chain of methods called on a use of its variable, `q.reliable().keep_all()`."""
+    result: Qos | None = qos
+    inner = use
+    for _ in range(_DEEPEST):
+        access = inner.parent
         call = access.parent if access is not None and access.type == "field_expression" else None
-        if result is None or call is None or call.type != "call_expression" or not start <= use.start_byte < where.at:
-            continue
-        called = syntax.callee(access) if access is not None else None
+        called = syntax.callee(access) if access is not None and call is not None else None
+        if call is None or called is None or call.type != "call_expression" or called.receiver is None:
+            break
+        if called.receiver.id != inner.id:
+            break
         given = [Expr.of(where.unit, node) for node in syntax.arguments(call.child_by_field_name("arguments"))]
-        if called is not None and called.receiver is not None and called.receiver.id == use.id:
-            result = _changed(evaluator, result, called.name, given, context) or result
+        result = result and (_changed(evaluator, result, called.name, given, context) or result)
+        inner = call
     return result

@@ -1,0 +1,86 @@
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from extract.workspaces import manifest, written
+from kg.extract.package import extract_package
+from kg.facts import Qos, Role
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+USUAL = Qos("reliable", "volatile", "keep_last", 10)
+
+
+def source(before: str, expression: str) -> str:
+    """Return a node whose only publisher has that quality of service."""
+    return (
+        "#include <rclcpp/rclcpp.hpp>\nstatic const rclcpp::QoS shared_qos = rclcpp::QoS(4);\n"
+        "class A : public rclcpp::Node {\n public:\n"
+        f'  A() : Node("a") {{\n    {before}\n    p_ = create_publisher<std_msgs::msg::String>("t", {expression});\n  }}\n'
+        "  rclcpp::QoS member_{rclcpp::KeepLast(6)};\n  const int depth_ = 12;\n};\n"
+        "int main() { std::make_shared<A>(); }\n"
+    )
+
+
+def qos_of(root: Path, before: str, expression: str) -> Qos | None:
+    """Return the quality of service that is read of it."""
+    cmake = "cmake_minimum_required(VERSION 3.8)\nproject(demo)\nadd_executable(a a.cpp)\n"
+    files: dict[str, str | bytes] = {
+        "demo/package.xml": manifest("demo"),
+        "demo/CMakeLists.txt": cmake,
+        "demo/a.cpp": source(before, expression),
+    }
+    workspace = written(root, files)
+    found = workspace.package("demo")
+    assert found is not None
+    (node,) = extract_package(workspace, *found).nodes
+    (end,) = [i for i in node.interfaces if i.role is Role.PUBLISHES and not i.implicit]
+    return end.qos
+
+
+@pytest.mark.parametrize(
+    ("before", "expression", "wanted"),
+    [
+        ("", "7", Qos("reliable", "volatile", "keep_last", 7)),
+        ("", "rclcpp::QoS(1)", Qos("reliable", "volatile", "keep_last", 1)),
+        ("", "rclcpp::QoS{rclcpp::KeepLast(3)}", Qos("reliable", "volatile", "keep_last", 3)),
+        ("", "rclcpp::QoS(rclcpp::KeepAll()).reliable()", Qos("reliable", "volatile", "keep_all", None)),
+        ("", "rclcpp::QoS{1}.transient_local()", Qos("reliable", "transient_local", "keep_last", 1)),
+        ("", "rclcpp::SensorDataQoS().keep_last(2)", Qos("best_effort", "volatile", "keep_last", 2)),
+        ("", "rmw_qos_profile_sensor_data", Qos("best_effort", "volatile", "keep_last", 5)),
+        ("", "rclcpp::ServicesQoS()", USUAL),
+        (
+            "",
+            "rclcpp::QoS(rclcpp::QoSInitialization::from_rmw(rmw_qos_profile_default), rmw_qos_profile_sensor_data)",
+            Qos("best_effort", "volatile", "keep_last", 5),
+        ),
+        (
+            "",
+            "rclcpp::QoS(5).durability(rclcpp::DurabilityPolicy::TransientLocal)",
+            Qos("reliable", "transient_local", "keep_last", 5),
+        ),
+        (
+            "",
+            "rclcpp::QoS(5).reliability(RMW_QOS_POLICY_RELIABILITY_BEST_EFFORT)",
+            Qos("best_effort", "volatile", "keep_last", 5),
+        ),
+        (
+            "rclcpp::QoS q(2); q.transient_local().best_effort();",
+            "q",
+            Qos("best_effort", "transient_local", "keep_last", 2),
+        ),
+        ("auto q = rclcpp::QoS(2); q.transient_local();", "q", Qos("reliable", "transient_local", "keep_last", 2)),
+        ("const int depth = 8;", "depth", Qos("reliable", "volatile", "keep_last", 8)),
+        ("", "rclcpp::QoS(depth_)", Qos("reliable", "volatile", "keep_last", 12)),
+        ("", "member_", Qos("reliable", "volatile", "keep_last", 6)),
+        ("", "shared_qos", Qos("reliable", "volatile", "keep_last", 4)),
+        ("", "make_qos()", None),
+        ("", "rclcpp::QoS(1).unheard_of()", None),
+    ],
+)
+def test_profiles(tmp_path: Path, before: str, expression: str, wanted: Qos | None) -> None:
+    """A profile is what it starts from and what its methods make of it; what is not understood is not known."""
+    assert qos_of(tmp_path, before, expression) == wanted
