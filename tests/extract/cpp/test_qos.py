@@ -3,8 +3,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import pytest
-
 from extract.workspaces import manifest, written
+
 from kg.extract.package import extract_package
 from kg.facts import Qos, Role
 
@@ -19,7 +19,8 @@ def source(before: str, expression: str) -> str:
     return (
         "#include <rclcpp/rclcpp.hpp>\nstatic const rclcpp::QoS shared_qos = rclcpp::QoS(4);\n"
         "class A : public rclcpp::Node {\n public:\n"
-        f'  A() : Node("a") {{\n    {before}\n    p_ = create_publisher<std_msgs::msg::String>("t", {expression});\n  }}\n'
+        f'  A() : Node("a") {{\n    {before}\n'
+        f'    p_ = create_publisher<std_msgs::msg::String>("t", {expression});\n  }}\n'
         "  rclcpp::QoS member_{rclcpp::KeepLast(6)};\n  const int depth_ = 12;\n};\n"
         "int main() { std::make_shared<A>(); }\n"
     )
