@@ -8,7 +8,7 @@ from kg.cli.commands import build, config, demo, doctor, exchange, explain, list
 from kg.cli.diagnostics import MODE, Mode
 from kg.cli.group import KgCommand, KgGroup
 from kg.cli.options import Store, from_setting
-from kg.cli.output import write
+from kg.cli.output import json_lines, write
 from kg.cli.session import Session
 from kg.errors import Exit
 
@@ -77,19 +77,34 @@ Color = Annotated[str | None, from_setting("color", callback=_speak_in, is_eager
 Version = Annotated[
     bool, typer.Option("--version", "-V", callback=_print_version, is_eager=True, help="Print the version and exit.")
 ]
+
+
+def _print_description(context: typer.Context, value: bool) -> None:  # noqa: FBT001 - the signature of typer's callbacks
+    if value:
+        from kg.cli.reference import description  # noqa: PLC0415 - start-up time
+
+        json_lines([description(context)])
+        raise typer.Exit(Exit.OK)
+
+
+Spec = Annotated[
+    bool,
+    typer.Option("--spec", callback=_print_description, is_eager=True, help="Describe all commands as JSON."),
+]
 Traceback = Annotated[
     bool, typer.Option("--traceback", help="Show errors with Python's traceback. [KG_DEBUG=1]", show_default=False)
 ]
 
 
 @app.callback(invoke_without_command=True)
-def kg(
+def kg(  # noqa: PLR0913 - the options before the command
     context: typer.Context,
     *,
     store: Store = None,
     color: Color = None,
     traceback: Traceback = False,
     version: Version = False,  # noqa: ARG001 - its callback does the work
+    spec: Spec = False,  # noqa: ARG001 - its callback does the work
 ) -> None:
     """Know the ROS nodes of a workspace: what they publish, subscribe, offer and need, and on which line."""
     flags: dict[str, object] = {

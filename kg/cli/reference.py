@@ -8,13 +8,15 @@ import typer
 from typer.main import get_command
 
 from kg.cli.manual import page
+from kg.errors import Exit
+from kg.settings import DECLARED
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kg.cli.manual import Page
 
-__all__ = ["markdown"]
+__all__ = ["description", "markdown"]
 
 _HEAD: Final = """\
 # The command line
@@ -54,6 +56,41 @@ def markdown() -> str:
     for manual in _pages(root, context):
         parts += _command(manual)
     return "".join(parts).rstrip() + "\n"
+
+
+def description(context: Any) -> dict[str, Any]:
+    """Return all commands with their arguments and options, the settings and the exit codes, ready for JSON.
+
+    `context` is that of the whole program.
+    """
+    pages = [page(context.command, context), *_pages(context.command, context)]
+    return {
+        "commands": [
+            {
+                "command": manual.path,
+                "usage": manual.usage,
+                "text": manual.text,
+                **{
+                    title.lower(): [{"name": entry.name, "about": entry.sentence} for entry in entries]
+                    for title, entries in manual.sections
+                    if title in {"Arguments", "Options"}
+                },
+            }
+            for manual in pages
+        ],
+        "settings": [
+            {
+                "setting": one.name,
+                "flag": one.flag,
+                "variable": one.variable,
+                "value": one.metavar,
+                "default": one.default if isinstance(one.default, int | float | str) else None,
+                "about": one.sentence,
+            }
+            for one in DECLARED.values()
+        ],
+        "exit_codes": {code.name.lower(): int(code) for code in Exit},
+    }
 
 
 def _pages(group: Any, context: Any) -> Iterator[Page]:

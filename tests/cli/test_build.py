@@ -116,3 +116,19 @@ def test_ctrl_c_ends_a_build_in_one_line_and_leaves_the_store(kg: Program, works
     while "nothing changed" not in (said := kg("build").err) and time.monotonic() < deadline:
         assert "error" not in said
     assert "base_controller" in kg("nodes").out
+
+
+def test_watching_builds_again_when_a_file_changes(workspace: Path, tmp_path: Path) -> None:
+    """`--watch` waits for a change, reads what changed, and ends quietly with Ctrl-C."""
+    command = [sys.executable, "-m", "kg", "build", "ws", "--watch"]
+    process = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+    assert process.stderr is not None
+    lines = iter(process.stderr.readline, "")
+    assert any("watching" in line for line in lines)
+    source = workspace / "rover" / "rover_robot" / "src" / "arm_server.cpp"
+    source.write_text(source.read_text() + "\n// changed\n")
+    assert any(line.startswith("read rover_robot: ") for line in lines)
+    assert any(line.startswith("store ") for line in lines)
+    process.send_signal(signal.SIGINT)
+    assert process.stderr.read().strip() == ""
+    assert process.wait() == 0

@@ -1,6 +1,6 @@
 """`kg build`: read sources into the store. `kg status`: what stands in it, and what has changed since."""
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
@@ -13,8 +13,11 @@ from kg.store.opening import layout_of, writable
 
 if TYPE_CHECKING:
     from kg.graph.source_states import SourceState
+    from kg.settings import Settings
 
 __all__ = ["build", "status"]
+
+_WATCH_SECONDS: Final = 1.0
 
 Sources = Annotated[
     list[str] | None,
@@ -23,6 +26,7 @@ Sources = Annotated[
         help="Folders, git addresses (URL or URL@REF), or files that list them; without any, what was read before.",
     ),
 ]
+Watch = Annotated[bool, typer.Option("--watch", "-w", help="Then wait for changes and build again, until Ctrl-C.")]
 Problems = Annotated[bool, typer.Option("--problems", help="List all problems and reasons, not only the first.")]
 
 
@@ -34,6 +38,7 @@ def build(  # noqa: PLR0913 - the options of a command
     jobs: Jobs = None,
     max_file_bytes: MaxFileBytes = None,
     base: Base = None,
+    watch: Watch = False,
     json: Json = False,
     store: Store = None,
 ) -> None:
@@ -47,18 +52,40 @@ def build(  # noqa: PLR0913 - the options of a command
         kg build https://github.com/ros-planning/navigation.git@noetic-devel
         kg build
     """
+    given = session(context).settings(store=store, jobs=jobs, max_file_bytes=max_file_bytes, base=base)
+    _build(list(sources or ()), given, problems=problems, json=json)
+    if watch:
+        _watch(given, problems=problems, json=json)
+
+
+def _build(named: list[str], given: "Settings", *, problems: bool, json: bool) -> None:
     from kg.cli.build_view import report_object, summary  # noqa: PLC0415 - start-up time
     from kg.cli.progress import for_this_stream  # noqa: PLC0415 - start-up time
     from kg.pipeline.build import build as run  # noqa: PLC0415 - start-up time
 
-    given = session(context).settings(store=store, jobs=jobs, max_file_bytes=max_file_bytes, base=base)
-    named = list(sources or ())
     with writable(given, create=bool(named)) as target, for_this_stream() as progress:
         report = run(named, target, given, progress, " ".join(["kg build", *named]))
     for line in summary(report, target.layout.root, every=problems):
         say(line)
     if json:
         json_lines([report_object(report)])
+
+
+def _watch(given: "Settings", *, problems: bool, json: bool) -> None:
+    """Build again whenever a source has changed, until Ctrl-C, which is how watching ends."""
+    from time import sleep  # noqa: PLC0415 - start-up time
+
+    from kg.pipeline.pending import pending  # noqa: PLC0415 - start-up time
+
+    layout = layout_of(given)
+    note("watching the sources; Ctrl-C ends")
+    try:
+        while True:
+            sleep(_WATCH_SECONDS)
+            if any(pending(layout, given).values()):
+                _build([], given, problems=problems, json=json)
+    except KeyboardInterrupt:
+        say()
 
 
 def status(context: typer.Context, *, json: Json = False, store: Store = None) -> None:

@@ -1,0 +1,28 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from kg.cli.reference import markdown
+from kg.resources import folder
+from kg.settings import DECLARED
+
+if TYPE_CHECKING:
+    from cli.program import Program
+
+
+def test_the_page_of_commands_is_current() -> None:
+    """docs/cli.md says what the commands say; `python docs/generate.py` mends it."""
+    page = Path(folder("queries")).parent / "docs" / "cli.md"
+    assert page.read_text(encoding="utf-8") == markdown()
+
+
+def test_programs_can_read_what_commands_there_are(kg: Program) -> None:
+    """`kg --spec` is one JSON object with every command, option, setting and exit code."""
+    described = json.loads(kg("--spec").out)
+    commands = {one["command"]: one for one in described["commands"]}
+    assert {"kg", "kg build", "kg query", "kg config show", "kg ontology check"} <= set(commands)
+    assert "--help-query" in {option["name"] for option in commands["kg query"]["options"]}
+    assert [one["setting"] for one in described["settings"]] == list(DECLARED)
+    assert described["exit_codes"]["interrupted"] == 130
