@@ -36,6 +36,8 @@ __all__ = ["Invocations"]
 _NO_RESULT: Final = Unknown("the function that gives it returns nothing known")
 _MAX_CALL_DEPTH: Final = 12
 _MAX_FRAMES: Final = 24
+_MAX_SEARCHES: Final = 300
+_MAX_SEARCHES_NESTED: Final = 6
 
 
 class Invocations(Library):
@@ -49,6 +51,7 @@ class Invocations(Library):
         self.objects: dict[int, list[Instance]] = {}
         self._calls: dict[tuple[int, int, int, int], Frame] = {}
         self._searching: set[tuple[int, int]] = set()
+        self.searches = 0
 
     @abstractmethod
     def evaluate(self, node: Node, frame: Frame, choice: Choice) -> Alternatives:
@@ -182,8 +185,9 @@ class Invocations(Library):
         key = (id(scope), id(instance))
         if instance is not None and instance.frame is not None and instance.frame.scope is scope:
             return [instance.frame]
-        if key not in self.runs and key not in self._searching:
+        if key not in self.runs and key not in self._searching and self.may_search():
             self._searching.add(key)
+            self.searches += 1
             for function, call, caller in self.callers(scope, instance):
                 made = self.frame_for(function, call.node, caller)
                 made.choice = made.choice or with_arms(caller.choice, caller, call.arms) or {}
@@ -192,6 +196,10 @@ class Invocations(Library):
             self._searching.discard(key)
         closed = [frame for frame in self.runs.get(key, ()) if not frame.open]
         return closed or self.runs.get(key) or [self.open_frame(scope, instance)]
+
+    def may_search(self) -> bool:
+        """Tell whether another search for callers is within bounds, one within another and all together."""
+        return len(self._searching) < _MAX_SEARCHES_NESTED and self.searches < _MAX_SEARCHES
 
     def callers(self, scope: Scope, instance: Instance | None) -> Iterator[tuple[FunctionRef, CallSite, Frame]]:
         """Yield the calls of a function in the code that was reached, with the frame that each is made in."""
