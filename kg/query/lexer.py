@@ -56,7 +56,8 @@ _TOKEN = re.compile(
     | (?P<variable>[?$]\w[\w·‿⁀]*)
     | (?P<tag>@[A-Za-z]+(?:-[A-Za-z0-9]+)*)
     | (?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)
-    | (?P<name>(?:_|[^\W\d_](?:[\w·‿⁀.-]*[\w·‿⁀-])?)?:(?:{_NAME_CHARS}(?:{_NAME_CHARS}|\.(?=\.*{_NAME_CHARS}))*)?)
+    | (?P<name>(?:_|[^\W\d_](?:[\w·‿⁀.-]{{0,200}}[\w·‿⁀-])?)?
+        :(?:{_NAME_CHARS}(?:{_NAME_CHARS}|\.++(?={_NAME_CHARS}))*)?)
     | (?P<word>[^\W\d]\w*)
     | (?P<sign>\^\^|&&|\|\||[!<>]=|.)
     """,

@@ -1,0 +1,53 @@
+"""Tests of results on disk."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from kg.pipeline import cache
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    import pytest
+
+LOOKUPS = st.dictionaries(st.lists(st.text(), min_size=2).map(tuple), st.text())
+
+
+@given(content=st.binary(), lookups=LOOKUPS)
+def test_round_trip(
+    tmp_path_factory: pytest.TempPathFactory, content: bytes, lookups: dict[tuple[str, ...], str]
+) -> None:
+    """What is packed and stored comes back as it was, triples and look-ups each on their own."""
+    folder = tmp_path_factory.mktemp("cache")
+    name = cache.store(folder, cache.pack(content, lookups))
+    assert cache.exists(folder, name)
+    assert cache.triples(folder, name) == content
+    assert cache.lookups(folder, name) == lookups
+
+
+def test_damaged_and_missing(tmp_path: Path) -> None:
+    """A result that is gone or damaged is none, and storing it again mends it."""
+    packed = cache.pack(b"x", {})
+    name = cache.store(tmp_path, packed)
+    path = next(tmp_path.iterdir())
+    path.write_bytes(path.read_bytes()[:-1])
+    assert cache.triples(tmp_path, name) is None
+    assert cache.lookups(tmp_path, name) is None
+    assert cache.store(tmp_path, packed) == name
+    assert cache.triples(tmp_path, name) == b"x"
+    assert cache.triples(tmp_path, "0" * 32) is None
+
+
+def test_keep_only(tmp_path: Path) -> None:
+    """Results that nothing names go, and so do files half written; other files stay."""
+    kept, gone = (cache.store(tmp_path, cache.pack(content, {})) for content in (b"a", b"b"))
+    (tmp_path / "x.z.7.tmp").touch()
+    (tmp_path / "state.json").touch()
+    cache.keep_only(tmp_path, [kept])
+    assert cache.exists(tmp_path, kept)
+    assert not cache.exists(tmp_path, gone)
+    assert {path.suffix for path in tmp_path.iterdir()} == {".z", ".json"}

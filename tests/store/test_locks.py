@@ -1,0 +1,76 @@
+"""Tests of the lock of the writer and of generations held by readers."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+import pytest
+
+from kg.errors import StoreError
+from kg.store.layout import Layout, create
+from kg.store.locks import busy, hold_generation, remove_unused, writer
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def test_busy_tells_who_writes(tmp_path: Path) -> None:
+    """Who asks without writing is told the writer, and nothing when there is none."""
+    layout = create(tmp_path / ".kg")
+    assert busy(layout) is None
+    with writer(layout, "kg build x"):
+        holder = busy(layout)
+        assert holder is not None
+        assert f"process {os.getpid()} (`kg build x`)" in holder.message
+    assert busy(layout) is None
+
+
+def test_a_writer_that_says_nothing_yet(tmp_path: Path) -> None:
+    """A lock without a name in it is still a busy store."""
+    layout = create(tmp_path / ".kg")
+    with writer(layout, "x"):
+        layout.lock.write_text("")
+        with pytest.raises(StoreError) as caught, writer(layout, "y"):
+            pass
+    assert caught.value.code == "KG302"
+
+
+def test_the_generation_goes_while_it_is_being_held(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A reader that meets the removal of the generation it was about to hold takes the new one."""
+    layout = create(tmp_path / ".kg")
+    layout.generation(1).mkdir()
+    layout.switch(1)
+    current = Layout.current
+    calls: list[int | None] = []
+
+    def replaced_meanwhile(asked: Layout) -> int | None:
+        number = current(asked)
+        calls.append(number)
+        if len(calls) == 1:
+            layout.generation(2).mkdir()
+            layout.switch(2)
+            layout.generation(1).rmdir()
+        return number
+
+    monkeypatch.setattr(Layout, "current", replaced_meanwhile)
+    number, handle = hold_generation(layout)
+    os.close(handle)
+    assert number == 2
+
+
+def test_held_generations_stay(tmp_path: Path) -> None:
+    """What a reader holds is not removed until it lets go; temporary files are."""
+    layout = create(tmp_path / ".kg")
+    layout.generation(1).mkdir()
+    layout.switch(1)
+    _, handle = hold_generation(layout)
+    layout.generation(2).mkdir()
+    layout.switch(2)
+    (layout.root / "current.7.tmp").touch()
+    remove_unused(layout)
+    assert layout.numbers() == [1, 2]
+    os.close(handle)
+    remove_unused(layout)
+    assert layout.numbers() == [2]
+    assert not list(layout.root.glob("*.tmp"))
