@@ -140,6 +140,10 @@ class Dialect(Protocol):
     parameters: dict[str, tuple[ParameterSpec, ...]]
     marks: dict[str, MarkSpec]
     handles: frozenset[str]
+    given_members: dict[str, dict[str, str]]
+    """Members that classes outside of the build hand down: handles by base class and name, as namespaces."""
+    given_arguments: dict[tuple[str, int], dict[int, str]]
+    """Arguments that frameworks call a method of a plugin with: handles by method, number of parameters and place."""
     wrappers: frozenset[str]
     """Classes of widely used packages that tables stand for; they are not entered even where the build has them."""
 
@@ -227,6 +231,16 @@ class Api:
             if found is not None:
                 return found
         return None
+
+    def given_member(self, bases: Iterable[str], name: str) -> str | None:
+        """Return the namespace of the handle that a base class outside of the build hands down as member `name`."""
+        tables = [dialect.given_members for dialect in self.dialects]
+        return next((table[base][name] for base in bases for table in tables if name in table.get(base, ())), None)
+
+    def given_argument(self, method: str, count: int, index: int) -> str | None:
+        """Return the namespace of the handle that a framework calls a method of a plugin with."""
+        tables = [dialect.given_arguments for dialect in self.dialects]
+        return next((table[method, count][index] for table in tables if index in table.get((method, count), ())), None)
 
     def is_node(self, evaluator: Evaluator, cls: Class) -> bool:
         """See `Dialect.is_node`."""

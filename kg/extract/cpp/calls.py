@@ -68,7 +68,10 @@ class Finder:
     def _uses(self, unit: Unit, name: str) -> Iterator[tuple[Node, Node]]:
         for node in unit.occurrences(name):
             call = call_around(node)
-            if call is not None and self._program.runs(unit, node.start_byte) and not self._in_helper(unit, node):
+            if call is None or not self._program.runs(unit, node.start_byte) or self._in_helper(unit, node):
+                continue
+            function = unit.function_at(node.start_byte)
+            if function is None or self._evaluator.sites.is_called(function):
                 yield node, call
 
     def _in_helper(self, unit: Unit, node: Node) -> bool:

@@ -15,7 +15,7 @@ from kg.extract.cpp.context import Site
 from kg.extract.cpp.sites import accepts, fits
 from kg.extract.cpp.unit import Expr, read_parameters
 from kg.extract.cpp.variables import WriteKind, writes
-from kg.extract.values import Mapping, Number, Sequence, Text, Unknown, Value, concatenate
+from kg.extract.values import Handle, Mapping, Number, Sequence, Text, Unknown, Value, concatenate
 from kg.facts import Resolution
 
 if TYPE_CHECKING:
@@ -89,6 +89,8 @@ class Flow:
             return self._turns(write, context) or self._typed(write, context)
         if kind is WriteKind.CONSTRUCT:
             return self._constructed(write, context)
+        if kind is WriteKind.READ:
+            return [(Unknown(f"{syntax.text(write.name)} is read from a stream"), context)]
         if kind is WriteKind.APPEND:
             before = self._back(earlier, write.name.start_byte, context) or [(Text.of(""), context)]
             pairs = [(v, w, c2) for v, c in before for w, c2 in evaluator.values(write.value, c)]
@@ -284,6 +286,9 @@ class Flow:
         if result:
             return result
         name = function.parameters[index].name
+        namespace = evaluator.api.given_argument(function.name, len(function.parameters), index)
+        if namespace is not None and evaluator.types.is_handle(function.parameters[index].type, function.unit):
+            return [(Handle(Text.of(namespace)), context)]
         if function.name == "main":
             return [
                 (Text((None,), Resolution.LAUNCH_ARGUMENT, reason="it is an argument of the command line"), context)
@@ -352,9 +357,18 @@ class Flow:
         if context.get(key):
             return [(Unknown(f"{name} depends on itself"), context)]
         found = self._evaluator.recalled(key, context, lambda: self._anywhere(family, cls, name, context))
+        given = self._handed_down(family, name) if _unfinished(found) else None
+        if given is not None:
+            return [(given, context)]
         if not found and not any(name in base.fields for base in family):
             return None
         return found or [(Unknown(f"{name} is given no value in the code that was read"), context)]
+
+    def _handed_down(self, family: list[Class], name: str) -> Handle | None:
+        """Return the handle that a base class outside of the build keeps in a member."""
+        bases = [syntax.simple_name(base) for cls in family for base in cls.bases]
+        namespace = self._evaluator.api.given_member(bases, name)
+        return Handle(Text.of(namespace)) if namespace is not None else None
 
     def _anywhere(self, family: list[Class], cls: Class, name: str, context: Context) -> Alternatives:
         """Return the values that any method of a class family, or the declaration, gives a member."""
@@ -383,7 +397,18 @@ class Flow:
             if write.type is not None and cls.unit.function_at(write.name.start_byte) is None:
                 found = self._written(write, context, []) or []
                 empty = write.kind is WriteKind.DECLARE
-                return [pair for pair in found if not (empty and isinstance(pair[0], Text))]
+                kept = [pair for pair in found if not (empty and isinstance(pair[0], Text))]
+                return kept or self._defined(cls, name, context)
+        return []
+
+    def _defined(self, cls: Class, name: str, context: Context) -> Alternatives:
+        """Return the value of a static member from its definition outside of the class."""
+        for unit in dict.fromkeys([cls.unit, *(method.unit for method in self._program.methods(cls))]):
+            for write in writes(unit, name, 0, len(unit.source)):
+                outer = write.name.parent
+                qualified = outer is not None and outer.type == "qualified_identifier"
+                if qualified and write.type is not None and unit.function_at(write.name.start_byte) is None:
+                    return self._written(write, context, []) or []
         return []
 
     def field(self, name: str, holder: Expr, where: Expr, context: Context) -> Alternatives:

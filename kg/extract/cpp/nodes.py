@@ -81,7 +81,7 @@ class _Nodes:
                 found += self._executable(target)
         for plugin in plugins:
             found += self.plugin(plugin)
-        if not found:
+        if not found and self._package.name not in FRAMEWORKS:
             found += self._classes()
         return found
 

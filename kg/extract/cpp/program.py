@@ -40,6 +40,7 @@ class Program:
         self.live: dict[Class, None] = {}
         self.reached: dict[Function, None] = {}
         self.words: set[str] = set()
+        self._entries: set[Function] = set()
         self._closed = closed
         self._classes: dict[str, list[Class]] = {}
         self._functions: dict[str, list[Function]] = {}
@@ -97,6 +98,7 @@ class Program:
 
     def start(self, function: Function) -> None:
         """Reach a function, and all that follows from it."""
+        self._entries.add(function)
         self._reach(function)
         self._run()
 
@@ -104,6 +106,7 @@ class Program:
         """Reach every method of a class that a framework makes and calls, and all that follows."""
         self._enliven(cls)
         for function in self.methods(cls):
+            self._entries.add(function)
             self._reach(function)
         self._run()
 
@@ -132,6 +135,13 @@ class Program:
         if function not in self.reached:
             self.reached[function] = None
             self._queue.append((function.words, function.unit, function.scope))
+
+    def is_entry(self, function: Function) -> bool:
+        """Tell whether a reached function runs without a call in the code: as entry, constructor or override."""
+        if function in self._entries:
+            return True
+        cls = self.owner(function)
+        return cls is not None and self._called_by_others(function, cls)
 
     def _consider(self, function: Function) -> None:
         if function in self.reached:

@@ -224,6 +224,23 @@ _GETTERS: Final = {
 _CARRIERS: Final = frozenset({"ImageTransport", "PointCloudTransport"})
 
 
+_HANDED_DOWN: Final = {"nh_": "", "pnh_": "~"}
+_GIVEN_MEMBERS: Final = {
+    "ConnectionBasedNodelet": _HANDED_DOWN,
+    "DiagnosticNodelet": _HANDED_DOWN,
+    "PCLNodelet": _HANDED_DOWN,
+    "NodeletLazy": _HANDED_DOWN,
+    "ROSPublisherBase": _HANDED_DOWN,
+}
+"""jsk_topic_tools, pcl_ros, nodelet_topic_tools; their `onInit` sets these."""
+_GIVEN_ARGUMENTS: Final = {
+    ("init", 2): {1: "~"},
+    ("initRequest", 4): {1: "", 2: "~"},
+    ("init", 3): {1: "", 2: "~"},
+}
+"""controller_interface: the node handle of the controller manager, and the controller's own."""
+
+
 class Ros1:
     """The dialect of roscpp."""
 
@@ -231,6 +248,8 @@ class Ros1:
     types = _TYPES
     parameters = _PARAMETERS
     marks = _MARKS
+    given_members = _GIVEN_MEMBERS
+    given_arguments = _GIVEN_ARGUMENTS
     wrappers: frozenset[str] = frozenset()
     handles = frozenset({"NodeHandle", "ImageTransport", "PointCloudTransport"})
 

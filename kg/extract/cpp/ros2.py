@@ -231,6 +231,8 @@ class Ros2:
     types = _TYPES
     parameters = _PARAMETERS
     marks = _MARKS
+    given_members: dict[str, dict[str, str]] = {}
+    given_arguments: dict[tuple[str, int], dict[int, str]] = {}
     handles = frozenset({"Node", "LifecycleNode"})
     wrappers = frozenset({*_WRAPPERS, *_ADAPTOR, "DebugPublisher"})
 

@@ -77,6 +77,7 @@ class Sites:
     def __init__(self, program: Program) -> None:
         self._program = program
         self._calls: dict[Function, list[Site]] = {}
+        self._called: dict[Function, bool] = {}
         self._constructions: dict[Class, list[Site]] = {}
 
     def calls(self, function: Function) -> list[Site]:
@@ -84,6 +85,21 @@ class Sites:
         if function not in self._calls:
             self._calls[function] = list(self._find_calls(function))
         return self._calls[function]
+
+    def is_called(self, function: Function) -> bool:
+        """Tell whether something that is reached calls a reached function, with that number of arguments, or takes it.
+
+        Entries, constructors and what a base class may call count as called.
+        """
+        if function not in self._called:
+            program = self._program
+            uses = (node for _, node in program.sites(function.name) if not _declares(node))
+            self._called[function] = (
+                program.is_entry(function)
+                or bool(self.calls(function))
+                or any(call_around(node) is None for node in uses)
+            )
+        return self._called[function]
 
     def constructions(self, cls: Class) -> list[Site]:
         """Return where reached code makes objects of a class, as itself or as the base of another."""
@@ -198,6 +214,19 @@ class Sites:
         if not found:
             given = syntax.arguments(default) if default is not None and default.type == "initializer_list" else []
             yield Site(where, tuple(Expr.of(cls.unit, argument) for argument in given), template)
+
+
+def _declares(node: Node) -> bool:
+    """Tell whether a name stands where its function is declared or defined."""
+    inner = node
+    for parent in syntax.outward(node, 4):
+        if parent.type == "function_declarator":
+            declarator = parent.child_by_field_name("declarator")
+            return declarator is not None and declarator.id == inner.id
+        if parent.type not in ("qualified_identifier", "template_function"):
+            return False
+        inner = parent
+    return False
 
 
 def fits(function: Function, count: int) -> bool:

@@ -374,6 +374,11 @@ class Types:
                 return Expr.of(unit, write.type), write.value, False
         return None
 
+    def is_handle(self, node: Node | None, unit: Unit) -> bool:
+        """Tell whether a type node names a node handle of ROS 1."""
+        settled = self.settle(Expr.of(unit, node), EMPTY) if node is not None else []
+        return any(kind.name == "NodeHandle" for kind, _ in settled)
+
     def class_of(self, kind: TypeName | None) -> Class | None:
         """Return the class of the build that a type names."""
         if kind is None:

@@ -40,6 +40,8 @@ class WriteKind(Enum):
     """An element of the range of a loop; `index` counts the names of a structured binding from 0, else is -1."""
     INSERT = auto()
     """`push_back(value)`, `[key] = value`."""
+    READ = auto()
+    """`stream >> name`."""
     PARAMETER = auto()
     """A parameter of a function or lambda."""
 
@@ -177,6 +179,8 @@ def _by_method(parent: Node) -> _Found | None:
 def _streamed(target: Node, parent: Node) -> _Found | None:
     """Return the stream that starts at a name: `stream << a << b`."""
     operator, left = parent.child_by_field_name("operator"), parent.child_by_field_name("left")
+    if operator is not None and syntax.text(operator) == ">>" and (left is None or left.id != target.id):
+        return (WriteKind.READ, target, -1, None)
     if operator is None or left is None or left.id != target.id or syntax.text(operator) != "<<":
         return None
     whole = parent
