@@ -25,8 +25,9 @@ if TYPE_CHECKING:
 __all__ = ["Site", "Walk"]
 
 _MAX_DEPTH: Final = 24
-_MAX_FRAMES: Final = 4_000
-_MAX_FRAMES_OF_ONE: Final = 64
+_MAX_FRAMES: Final = 1_500
+_MAX_FRAMES_OF_ONE: Final = 32
+_MAX_OBJECTS: Final = 8
 _STEPS_FOR_A_CALL: Final = 250
 _STEPS_FOR_A_NODE: Final = 20_000
 _STEPS_WHEN_SPENT: Final = 40
@@ -63,6 +64,7 @@ class Walk:
         self.reach = found
         self.sites: list[Site] = []
         self.visited: set[int] = set()
+        self.queued: set[int] = set()
         self.counts: dict[int, int] = {}
         self.pending: list[Frame] = []
         self.spent = 0
@@ -149,9 +151,9 @@ class Walk:
         """Follow a method of an object that is not known to the only class that has a method of this name."""
         first, _, name = value.path.rpartition(".")
         methods = [method for method in self.reach.methods.get(name, ()) if id(method) in self.reach.relevant]
-        if first != "?" or len(methods) != 1:
+        if first != "?" or len(methods) != 1 or self.counts.get(id(methods[0]), 0) >= _MAX_OBJECTS:
             return
-        for instance in self.objects_of(methods[0]):
+        for instance in self.objects_of(methods[0])[:_MAX_OBJECTS]:
             function = FunctionRef(methods[0], self.evaluator.around(methods[0]), instance)
             self.enqueue(self.evaluator.frame_for(function, call, frame), choice)
 
@@ -179,9 +181,10 @@ class Walk:
         scope = frame.scope
         relevant = id(scope) in self.reach.relevant
         if relevant and frame.depth <= _MAX_DEPTH and self.counts.get(id(scope), 0) < _MAX_FRAMES_OF_ONE:
-            if frame.id in self.visited or frame in self.pending:
+            if frame.id in self.visited or frame.id in self.queued:
                 return
             frame.choice = choice
+            self.queued.add(frame.id)
             self.pending.append(frame)
 
     def open_rest(self) -> bool:
