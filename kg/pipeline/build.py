@@ -93,7 +93,8 @@ class _Build:
         """Do all of it under the lock of the store, which the caller holds."""
         if not named and not self._state.roots:
             raise SourceError("KG101", "no source is named, and no earlier build named one", hint="Name a folder.")
-        sources = gather(named or self._state.roots, self._store.layout.checkouts, self._report)
+        roots = named or self._state.roots
+        sources = gather(roots, self._store.layout.checkouts, self._report, again=not named)
         workspace = RecordingWorkspace(sources)
         now = version(self._settings.base, self._settings.max_file_bytes)
         plan = make_plan(workspace, self._state, self._cache, now)

@@ -20,17 +20,18 @@ if TYPE_CHECKING:
 __all__ = ["gather"]
 
 
-def gather(named: Iterable[str], checkouts: Path, report: Report) -> tuple[Source, ...]:
+def gather(named: Iterable[str], checkouts: Path, report: Report, *, again: bool = False) -> tuple[Source, ...]:
     """Return the sources that `named` stands for, each once; a workspace with several checkouts gives one each.
 
-    Git addresses (`URL`, `URL@ref`) are cloned below the folder `checkouts`.
+    Git addresses (`URL`, `URL@ref`) are cloned below the folder `checkouts`. With `again` they were not named now
+    but earlier: when one cannot be fetched, the clone is taken as it is.
 
     Raises:
         SourceError: KG101 for what does not exist, KG102 when there is no package in any, KG103 when git fails.
     """
     found: dict[str, Source] = {}
     for listed in (one for text in named for one in _listed(text)):
-        for source in scan_tree(_folder(listed, checkouts, report)):
+        for source in scan_tree(_folder(listed, checkouts, report, again=again)):
             _add(found, source)
     if not any(source.packages for source in found.values()):
         places = ", ".join(str(source.root) for source in found.values())
@@ -51,15 +52,23 @@ def _listed(text: str) -> Iterator[ListedSource]:
     elif path.is_dir():
         yield ListedSource(str(path))
     else:
-        raise SourceError("KG101", "there is no such folder, address or list of sources", place=Place(text))
+        hint = "Check the spelling; if it was read before and is gone for good, `kg forget` its source."
+        raise SourceError("KG101", "there is no such folder, address or list of sources", place=Place(text), hint=hint)
 
 
-def _folder(listed: ListedSource, checkouts: Path, report: Report) -> Path:
+def _folder(listed: ListedSource, checkouts: Path, report: Report, *, again: bool) -> Path:
     if not is_address(listed.address):
         return Path(listed.address)
     words = re.sub(r"[^A-Za-z0-9._-]+", "+", listed.address.partition("://")[2] or listed.address)
     unique = hashlib.blake2b(f"{listed.address}@{listed.ref}".encode(), digest_size=4).hexdigest()
-    return fetch_source(listed.address, listed.ref, checkouts / f"{words[-80:]}-{unique}", report.fetching)
+    target = checkouts / f"{words[-80:]}-{unique}"
+    try:
+        return fetch_source(listed.address, listed.ref, target, report.fetching)
+    except SourceError as error:
+        if not (again and (target / ".git").exists()):
+            raise
+        report.fetching(f"{error.message}; it is taken as it was fetched last")
+        return target
 
 
 def _add(found: dict[str, Source], source: Source) -> None:

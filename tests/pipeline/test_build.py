@@ -11,7 +11,9 @@ import pytest
 from pyoxigraph import NamedNode
 
 from kg.errors import SourceError, StoreError
+from kg.pipeline.build import build
 from kg.pipeline.state import load
+from kg.settings import load as load_settings
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -186,9 +188,6 @@ def test_sources_are_kept_apart(bench: Bench, tmp_path: Path) -> None:
 
 def test_named_again_by_nothing(bench: Bench) -> None:
     """A build without names reads what earlier builds read."""
-    from kg.pipeline.build import build  # noqa: PLC0415 - the bench always names its source
-    from kg.settings import load as load_settings  # noqa: PLC0415 - the same
-
     bench.build()
     bench.package("one", "changed")
     assert build([], bench.store, load_settings({}, environment={})).read == 1
@@ -210,7 +209,7 @@ def test_checkouts_of_a_workspace_are_sources(bench: Bench) -> None:
 
 
 def test_a_repository_is_cloned(bench: Bench, tmp_path: Path) -> None:
-    """A git address is cloned below the store, and lists name sources one a line."""
+    """A git address is cloned below the store; when it cannot be reached later, the clone is read again."""
     origin = tmp_path / "origin"
     shutil.copytree(bench.source / "one", origin)
     subprocess.run(["git", "init", "-q"], cwd=origin, check=True)
@@ -222,6 +221,12 @@ def test_a_repository_is_cloned(bench: Bench, tmp_path: Path) -> None:
     report = bench.build(str(listed))
     assert len(report.sources) == 2
     assert len(list(bench.store.layout.checkouts.iterdir())) == 1
+    shutil.rmtree(origin)
+    again = build([], bench.store, load_settings({}, environment={}))
+    assert (again.read, again.generation) == (0, None)
+    with pytest.raises(SourceError) as caught:
+        bench.build(f"file://{origin}")
+    assert caught.value.code == "KG103"
 
 
 @pytest.mark.parametrize(("named", "code"), [("nowhere", "KG101"), (".", "KG102")])
@@ -287,9 +292,6 @@ class _Notes:
 
 def test_progress_is_told(bench: Bench) -> None:
     """Who watches is told of sources, plan, each package, the writing and the end."""
-    from kg.pipeline.build import build  # noqa: PLC0415 - the bench tells nobody
-    from kg.settings import load as load_settings  # noqa: PLC0415 - the same
-
     notes = _Notes()
     build([str(bench.source)], bench.store, load_settings({"jobs": 2}, environment={}), notes)
     assert notes.told[:2] == ["source local/src 3 0", "planned 3 0 2"]
