@@ -62,7 +62,7 @@ def query(  # noqa: PLR0913 - the options of a command
     schema and sh are known; the default graph is the union of all graphs. Formats of rows: table, tsv, csv,
     json, xml, markdown, jsonl; of graphs: turtle, ntriples, nquads, trig, jsonld, rdfxml. For example:
 
-        kg query 'SELECT ?node ?topic { ?n rnkg:publishes/rdfs:label ?topic ; rnkg:name ?node }'
+        kg query 'SELECT ?node ?topic { ?node rnkg:publishes/rdfs:label ?topic }'
         kg query -f mine.rq --format csv > answer.csv
         kg query --list
         kg query who-publishes --param topic=cmd_vel
