@@ -1,7 +1,7 @@
 """Which nodes have the parameters that are declared outside of code.
 
 A library of `generate_parameter_library` belongs to the nodes that include its header (a mark), and to those whose
-targets link it. A configuration of dynamic_reconfigure belongs to the nodes that make a server of it (a mark).
+targets link it; a Python module of it to the scripts that import it. A configuration of dynamic_reconfigure belongs to the nodes that make a server of it (a mark).
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from kg.extract import manifests
 from kg.extract.marks import Extracted, Mark
 from kg.extract.parameters.generated import read_generated
 from kg.extract.parameters.reconfigure import read_configuration
+from kg.extract.python.syntax import captures, code, parse
 from kg.facts import Location, NodeKind, NodeType
 from kg.names import join
 
@@ -43,7 +44,11 @@ def attach(reader: Reader, package: PackageFolder, build: BuildModel, nodes: Ite
     links = _Links(build.targets)
     complete, used = [], set()
     for extracted in nodes:
-        linked = {target for target in libraries if links.reach(extracted.node, target)}
+        linked = {
+            target
+            for target in libraries
+            if links.reach(extracted.node, target) or _imports(reader, extracted.node, target)
+        }
         prefixes = {mark.detail: mark.namespace for mark in extracted.marks if mark.key == _LIBRARY}
         own = [target for target in libraries if target in linked or target in prefixes]
         used.update(own)
@@ -55,23 +60,36 @@ def attach(reader: Reader, package: PackageFolder, build: BuildModel, nodes: Ite
         node = replace(extracted.node, parameters=extracted.node.parameters + tuple(found))
         complete.append(replace(extracted, node=node))
     complete.extend(
-        Extracted(_library_node(target, path, libraries[target]))
+        Extracted(_library_node(target, path, libraries[target], "cpp" if build.targets else "python"))
         for target, path in build.parameter_libraries
         if target not in used and libraries[target]
     )
     return complete
 
 
-def _library_node(target: str, path: str, parameters: tuple[Parameter, ...]) -> NodeType:
+def _library_node(target: str, path: str, parameters: tuple[Parameter, ...], language: str) -> NodeType:
     return NodeType(
         name=target,
         kind=NodeKind.CLASS,
-        language="cpp",
+        language=language,
         ros=_ROS2,
         location=Location(path, 1),
         sources=(path,),
         parameters=parameters,
     )
+
+
+def _imports(reader: Reader, node: NodeType, module: str) -> bool:
+    """Tell whether a Python node imports the module that is made of a parameter file."""
+    for path in node.sources if node.language == "python" else ():
+        content = reader.read(path)
+        if content is None or module.encode() not in content:
+            continue
+        for statement in captures(parse(content).root_node).get("import", ()):
+            names = [statement.child_by_field_name("module_name"), *statement.children_by_field_name("name")]
+            if any(code(name).rpartition(".")[2] == module for name in names):
+                return True
+    return False
 
 
 class _Links:

@@ -48,6 +48,22 @@ def test_a_node_has_the_parameters_of_a_header_it_includes(tmp_path: Path) -> No
     assert names(tmp_path, build, mark) == [("a", ["plugin.gain"])]
 
 
+def test_a_script_has_the_parameters_of_a_module_it_imports(tmp_path: Path) -> None:
+    """A Python node whose code imports the generated module has what it declares; one that does not has nothing."""
+    files = {
+        **FILES,
+        "a.py": "from demo.demo_parameters import demo_parameters\n",
+        "b.py": "import demo_parameters_b\n",
+    }
+    reader = reader_of(tmp_path, files)
+    scripts = [
+        NodeType(name, NodeKind.SCRIPT, "python", 2, HERE, sources=(f"demo/{name}",)) for name in ("a.py", "b.py")
+    ]
+    build = BuildModel(parameter_libraries=LIBRARIES)
+    nodes = attach(reader, reader.package, build, [Extracted(script) for script in scripts])
+    assert [(n.node.name, len(n.node.parameters)) for n in nodes] == [("a.py", 1), ("b.py", 0)]
+
+
 def test_a_library_that_no_node_uses_is_kept_as_a_class(tmp_path: Path) -> None:
     """What a library declares for other packages is found under the library's own name."""
     found = names(tmp_path, BuildModel(parameter_libraries=LIBRARIES))
