@@ -73,10 +73,18 @@ class Flow:
         self, before: list[Write], relevant: list[int], settling: frozenset[int], context: Context
     ) -> Alternatives:
         result: Alternatives = []
+        handed_out = False
         for index in reversed(relevant):
-            values = self._written(before[index], context, before[:index])
+            write = before[index]
+            values = self._written(write, context, before[:index])
             if values is None:
+                handed_out = handed_out or write.kind is WriteKind.OUTPUT
                 continue
+            if write.kind is WriteKind.DECLARE and any(isinstance(value, Text) for value, _ in values):
+                if handed_out and not result:
+                    reason = f"{syntax.text(write.name)} is set by a call that is not in the sources that were read"
+                    result.append((Unknown(reason), context))
+                values = [] if result else values
             result += values
             if index in settling:
                 break

@@ -220,7 +220,7 @@ class Project:
 
 
 def _has(file: FilePath, data: bytes, words: tuple[bytes, ...]) -> bool:
-    """Tell whether a file has one of some words; kept for the next package, since most headers are asked about often."""
+    """Tell whether a file has one of some words; kept for the next package, for headers are asked about often."""
     key = (file, len(words))
     print_of_data = hash(data)
     known = _worded.get(key)

@@ -224,6 +224,10 @@ _EXPANDING: Final = frozenset(
 )
 
 
+_GIVEN_MEMBERS: Final[dict[str, dict[str, str]]] = {}
+_GIVEN_ARGUMENTS: Final[dict[tuple[str, int], dict[int, str]]] = {}
+
+
 class Ros2:
     """The dialect of rclcpp."""
 
@@ -231,8 +235,8 @@ class Ros2:
     types = _TYPES
     parameters = _PARAMETERS
     marks = _MARKS
-    given_members: dict[str, dict[str, str]] = {}
-    given_arguments: dict[tuple[str, int], dict[int, str]] = {}
+    given_members = _GIVEN_MEMBERS
+    given_arguments = _GIVEN_ARGUMENTS
     handles = frozenset({"Node", "LifecycleNode"})
     wrappers = frozenset({*_WRAPPERS, *_ADAPTOR, "DebugPublisher"})
 
