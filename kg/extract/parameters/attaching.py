@@ -1,7 +1,8 @@
 """Which nodes have the parameters that are declared outside of code.
 
 A library of `generate_parameter_library` belongs to the nodes that include its header (a mark), and to those whose
-targets link it; a Python module of it to the scripts that import it. A configuration of dynamic_reconfigure belongs to the nodes that make a server of it (a mark).
+targets link it; a Python module of it to the scripts that import it. A configuration of dynamic_reconfigure belongs to
+the nodes that make a server of it (a mark).
 """
 
 from __future__ import annotations
