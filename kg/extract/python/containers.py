@@ -18,7 +18,7 @@ from kg.extract.python.entities import (
 from kg.extract.python.flow import END
 from kg.extract.python.qos import changed
 from kg.extract.python.syntax import code
-from kg.extract.values import Number, Unknown
+from kg.extract.values import HOLE, Number, Text, Unknown
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -68,7 +68,7 @@ class Containers(Conditions):
         """Return what a loop variable takes, round by round, or in the round that was chosen."""
         rounds, key = self.rounds(value), (frame.id, binding.loop)
         if rounds is None:
-            return [(value if isinstance(value, Unknown) else COMPUTED, choice)]
+            return [(part_of(value), choice)]
         if key in choice:
             return [(rounds[choice[key]], choice)] if choice[key] < len(rounds) else []
         return [(item, {**choice, key: index}) for index, item in enumerate(rounds)]
@@ -104,7 +104,7 @@ class Containers(Conditions):
             )
         if isinstance(value, Dotted) and value.path == "sys.argv":
             return [(Unknown("it is given on the command line"), choice)]
-        return self.stored(key, held, frame, choice) or [(value if isinstance(value, Unknown) else COMPUTED, choice)]
+        return self.stored(key, held, frame, choice) or [(part_of(value), choice)]
 
     def any_item(self, value: Table, place: tuple[int, int], choice: Choice) -> Alternatives:
         """Return the values of a dictionary for a key that is not known, the same for every use of the key."""
@@ -125,13 +125,19 @@ class Containers(Conditions):
         return found
 
 
+def part_of(value: Thing) -> Thing:
+    """Return what stands for an element of something that is not known, with the parameter that it comes from."""
+    unset = isinstance(value, Text) and value.parameter is not None and HOLE in value.parts
+    return value if unset or isinstance(value, Unknown) else COMPUTED
+
+
 def unpacked(value: Thing, path: tuple[int, ...]) -> Thing:
     """Return the part of a value that unpacking takes."""
     for index in path:
         if isinstance(value, ArgumentsParsed):
             return value if index == 0 else COMPUTED
         if not isinstance(value, Items) or index >= len(value.items):
-            return value if isinstance(value, Unknown) else COMPUTED
+            return part_of(value)
         value = value.items[index]
     return value
 

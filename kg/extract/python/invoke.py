@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 __all__ = ["Invocations"]
 
 _NO_RESULT: Final = Unknown("the function that gives it returns nothing known")
-_MAX_CALL_DEPTH: Final = 12
+_MAX_CALL_DEPTH: Final = 40
 _MAX_FRAMES: Final = 24
 _MAX_SEARCHES: Final = 300
 _MAX_SEARCHES_NESTED: Final = 6

@@ -219,6 +219,7 @@ PURE: Final[dict[str, Callable[[Thing, list[Thing], dict[str, Thing]], Thing]]] 
     "builtins.len": _length,
     "builtins.dict": _dictionary,
     "collections.OrderedDict": _dictionary,
+    "rospy.numpy_msg.numpy_msg": _first,
     "copy.copy": _first,
     "copy.deepcopy": _first,
     **dict.fromkeys(("os.path.join", "posixpath.join"), _join_path),
