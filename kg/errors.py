@@ -21,6 +21,7 @@ __all__ = [
     "QueryError",
     "SourceError",
     "StoreError",
+    "UnknownNameError",
     "UsageError",
 ]
 
@@ -100,6 +101,12 @@ class UsageError(KgError):
     """The command line, a setting or a name typed by the user is wrong."""
 
     exit_code = Exit.USAGE
+
+
+class UnknownNameError(UsageError):
+    """What was asked for by name is not there."""
+
+    exit_code = Exit.FOUND
 
 
 class SourceError(KgError):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kg.errors import Exit, UsageError
+from kg.errors import UnknownNameError, UsageError
 from kg.query.similar import did_you_mean
 
 if TYPE_CHECKING:
@@ -12,18 +12,13 @@ if TYPE_CHECKING:
 
     from kg.graph.reading import NodeRecord, Queryable
 
-__all__ = ["UnknownNameError", "known_package", "one_node"]
+__all__ = ["known_package", "one_node", "unknown"]
 
 
-class UnknownNameError(UsageError):
-    """What was asked for is not in the store."""
-
-    exit_code = Exit.FOUND
-
-    def __init__(self, kind: str, name: str, names: Iterable[str], *, otherwise: str) -> None:
-        """Take the name typed, those there are, and the way out when none is near."""
-        near = did_you_mean(name, names)
-        super().__init__("KG001", f"there is no {kind} `{name}`", hint=near or otherwise)
+def unknown(kind: str, name: str, names: Iterable[str], *, otherwise: str) -> UnknownNameError:
+    """Return the error KG001 about a name: with those of `names` that were probably meant, else the way out."""
+    hint = did_you_mean(name, names) or otherwise
+    return UnknownNameError("KG001", f"there is no {kind} `{name}`", hint=hint)
 
 
 def known_package(graph: Queryable, name: str) -> None:
@@ -33,7 +28,7 @@ def known_package(graph: Queryable, name: str) -> None:
     known = packages(graph)
     names = [one.name for one in known] + [f"{one.repository}:{one.name}" for one in known]
     if name not in names:
-        raise UnknownNameError("package", name, names, otherwise="`kg packages` lists the packages.")
+        raise unknown("package", name, names, otherwise="`kg packages` lists the packages.")
 
 
 def one_node(graph: Queryable, name: str) -> NodeRecord:
@@ -50,7 +45,7 @@ def one_node(graph: Queryable, name: str) -> NodeRecord:
     if len(found) == 1:
         return found[0]
     if not found:
-        raise UnknownNameError(
+        raise unknown(
             "node", name, _candidates(graph, name, node_names(graph)), otherwise="`kg nodes` lists the nodes."
         )
     packages = [one.package for one in found]

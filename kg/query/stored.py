@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Final
 from pyoxigraph import Literal, NamedNode
 
 from kg import resources
-from kg.errors import Place, QueryError, UsageError
+from kg.errors import Place, QueryError, UnknownNameError, UsageError
 from kg.query.binding import defaults
 from kg.query.similar import did_you_mean
 
@@ -176,7 +176,7 @@ def find(name: str, folders: Iterable[Path] = ()) -> StoredQuery:
         names = ", ".join(query.name for query in same)
         raise UsageError("KG001", f"several queries are called `{name}`: {names}", hint="Give the whole name.")
     hint = did_you_mean(name, [*known, *(path.rpartition("/")[2] for path in known)])
-    raise UsageError("KG001", f"there is no stored query `{name}`", hint=hint or "`kg query --list` lists them.")
+    raise UnknownNameError("KG001", f"there is no stored query `{name}`", hint=hint or "`kg query --list` lists them.")
 
 
 def internal(name: str) -> str:

@@ -18,6 +18,20 @@ from typer.testing import CliRunner
 
 from kg.cli.app import app
 
+OF_TYPE: Final = """\
+# Who publishes a type
+#
+# On any topic.
+#
+# @param type string "geometry_msgs/Twist" the type of the messages
+
+SELECT DISTINCT ?node ?topic ?type ?file ?line {
+  VALUES ?type { UNDEF }
+  ?n rnkg:name ?node ; ros:hasComponent ?end .
+  ?end a ros:Publisher ; rnkg:implicit false ; rnkg:name ?topic ; ros:hasMessage/rdfs:label ?type ;
+    rnkg:path ?file ; rnkg:line ?line
+} ORDER BY ?node ?topic ?file
+"""
 GOLDEN: Final = Path(__file__).parent / "golden"
 CASES: Final = sorted(GOLDEN.glob("*.txt"))
 
@@ -27,6 +41,8 @@ def rover(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder with the store of the rover."""
     folder = tmp_path_factory.mktemp("rover")
     build(folder / ".kg")
+    (folder / "mine").mkdir()
+    (folder / "mine" / "of-type.rq").write_text(OF_TYPE)
     return folder
 
 

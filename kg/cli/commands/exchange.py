@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from kg.cli.diagnostics import say
-from kg.cli.names import UnknownNameError
+from kg.cli.names import unknown
 from kg.cli.options import Base, Store
 from kg.cli.output import write_bytes
 from kg.cli.session import session
@@ -182,4 +182,4 @@ def _graph(snapshot: "EmbeddedSnapshot", base: str, source: str | None, graph: s
     start = f"{base}graph/source/" if source else f"{base}graph/"
     names = [one.removeprefix(start) for one in found if one.startswith(start) or not source]
     kind = "source" if source else "graph"
-    raise UnknownNameError(kind, source or graph or "", names, otherwise=f"There are: {', '.join(names) or 'none'}.")
+    raise unknown(kind, source or graph or "", names, otherwise=f"There are: {', '.join(names) or 'none'}.")

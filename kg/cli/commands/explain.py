@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from kg.cli.completion import codes
-from kg.cli.names import UnknownNameError
+from kg.cli.names import unknown
 from kg.cli.options import Json
 from kg.cli.output import json_lines, write
 from kg.errors import CATALOGUE
@@ -27,7 +27,7 @@ def explain(code: Code = None, *, json: Json = False) -> None:
     """
     chosen = {code.upper(): CATALOGUE[code.upper()]} if code and code.upper() in CATALOGUE else CATALOGUE
     if code and len(chosen) != 1:
-        raise UnknownNameError("code", code, CATALOGUE, otherwise="`kg explain` lists the codes.")
+        raise unknown("code", code, CATALOGUE, otherwise="`kg explain` lists the codes.")
     if json:
         json_lines(
             {"code": key, "title": one.title, "explanation": one.explanation, "way_out": one.way_out}
