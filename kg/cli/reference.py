@@ -32,6 +32,13 @@ Off a terminal there is no colour, no progress bar and no folding of lines: list
 `--json` gives JSON Lines, one object a line. When rows are left out, a note says so and names the option that
 brings them back. A reader that closes the pipe early ends `kg` quietly.
 
+Answers of queries are tables on a terminal, which end after `--limit` rows (1000 unless set) and join `?file` and
+`?line` to a place that a click opens. Elsewhere they are TSV as SPARQL 1.1 has it, whole unless `--limit` is given;
+graphs are Turtle. `--format` chooses another form.
+
+`kg --install-completion` lets the shell complete commands, options, and the names of nodes, packages and queries.
+`kg --spec` describes all of this page as JSON.
+
 Options that are [settings](settings.md) can also stand in the environment or in `kg.toml`; their variable stands in
 brackets below.
 

@@ -1,0 +1,92 @@
+from __future__ import annotations
+
+import os
+import pty
+import re
+import subprocess
+import sys
+from typing import TYPE_CHECKING, Final
+
+import pytest
+from cli.rover import build
+
+from kg.resources import folder
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+COLUMNS: Final = 80
+_ESCAPE: Final = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]|\x1b\]8;[^\x1b]*\x1b\\")
+
+
+def on_terminal(where: Path, *arguments: str, **environment: str) -> str:
+    """Return all that `kg` shows on a terminal of eighty columns."""
+    here, there = pty.openpty()
+    clean = {name: value for name, value in os.environ.items() if not name.startswith("KG_") and name != "NO_COLOR"}
+    process = subprocess.Popen(
+        [sys.executable, "-m", "kg", *arguments],
+        cwd=where,
+        env={**clean, "TERM": "xterm-256color", "COLUMNS": str(COLUMNS), "LINES": "40", **environment},
+        stdin=there,
+        stdout=there,
+        stderr=there,
+    )
+    os.close(there)
+    shown = b""
+    while True:
+        try:
+            part = os.read(here, 4096)
+        except OSError:
+            break
+        if not part:
+            break
+        shown += part
+    process.wait()
+    os.close(here)
+    return shown.decode()
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [["nodes"], ["packages"], ["topics"], ["node", "rover_base/driver", "--all"], ["stats"], ["status"], ["--help"]],
+)
+def test_nothing_is_wider_than_the_terminal(tmp_path: Path, arguments: list[str]) -> None:
+    """Tables fit eighty columns, whatever has to be shortened for it."""
+    build(tmp_path / ".kg")
+    lines = _ESCAPE.sub("", on_terminal(tmp_path, *arguments)).splitlines()
+    tables = [line for line in lines if not line.startswith("note: ")]
+    assert len(tables) > 2
+    assert max(map(len, tables)) <= COLUMNS
+
+
+def test_lists_are_tables_in_colour(tmp_path: Path) -> None:
+    """On a terminal there is a head, a rule and bold names; NO_COLOR leaves out the colours."""
+    build(tmp_path / ".kg")
+    assert "\x1b[1m" in on_terminal(tmp_path, "nodes")
+    plain = on_terminal(tmp_path, "nodes", NO_COLOR="1")
+    assert "───" in plain
+    assert "note: 3 nodes" in plain
+    assert not re.search(r"\x1b\[3[0-9]m", plain)
+
+
+def test_places_lead_to_the_file(tmp_path: Path) -> None:
+    """Places are links that terminals open (OSC 8), for nodes and in answers."""
+    on_terminal(tmp_path, "build", str(folder("examples") / "workspace"))
+    for arguments in (["node", "base_controller"], ["query", "demo/laser-scans"]):
+        assert re.search(r"\x1b\]8;[^;]*;file://[^\x1b]*\.cpp\x1b\\", on_terminal(tmp_path, *arguments)), arguments
+
+
+def test_a_build_shows_a_bar_and_then_the_sums(tmp_path: Path) -> None:
+    """The bar counts packages and goes away; no line is written for each package."""
+    shown = on_terminal(tmp_path, "build", str(folder("examples") / "workspace"))
+    assert "/5" in shown
+    assert "━" in shown
+    assert "read 5 packages of 1 source" in shown
+    assert "read rover_core: " not in shown
+
+
+def test_a_picture_is_not_poured_over_the_terminal(tmp_path: Path) -> None:
+    """On a terminal the picture goes into a file named after the node."""
+    build(tmp_path / ".kg")
+    assert "wrote planner.svg" in on_terminal(tmp_path, "node", "planner", "--picture")
+    assert (tmp_path / "planner.svg").read_text().startswith("<svg ")
