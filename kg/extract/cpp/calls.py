@@ -60,7 +60,7 @@ class Finder:
                 self._calls(unit, name)
             for name in unit.having(tuple(api.parameters)):
                 self._parameters(unit, name)
-            for name in unit.having((*api.types, *self._aliases(unit))):
+            for name in (*unit.having(tuple(api.types)), *self._aliases(unit)):
                 self._types(unit, name)
             for name in unit.having(tuple(api.marks)):
                 self._marked(unit, name, api.marks[name])
@@ -227,7 +227,7 @@ class Finder:
     def _constructed(self, spec: TypeSpec, site: Site, template: tuple[Expr, ...], unit: Unit, node: Node) -> None:
         evaluator = self._evaluator
         given = list(site.arguments)
-        place = self._location(unit, node)
+        place = self._location(site.place.unit, site.place.node) if site.place else self._location(unit, node)
         if spec.mark is not None and spec.role is None:
             self._server(spec, given, template, place)
             return

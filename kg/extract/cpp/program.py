@@ -115,7 +115,7 @@ class Program:
         for node in unit.captured("global"):
             declarator = node.child_by_field_name("declarator")
             if declarator is not None and declarator.type != "function_declarator":
-                self._queue.append((unit.words(node), unit, ()))
+                self._queue.append((unit.words(node.start_byte, node.end_byte), unit, ()))
         self._run()
 
     def _run(self) -> None:

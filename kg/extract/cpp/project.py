@@ -121,6 +121,7 @@ class Project:
         self._headers: dict[FilePath, tuple[FilePath, ...]] = {}
         self._relevant: dict[FilePath, bool] = {}
         self._direct: dict[FilePath, tuple[FilePath, ...]] = {}
+        self._holding: dict[tuple[FilePath, str], list[FilePath]] = {}
 
     def own(self, path: str) -> FilePath:
         """Return the key of a file of this source."""
@@ -211,12 +212,14 @@ class Project:
 
     def find(self, file: FilePath, word: str) -> Iterable[Unit]:
         """Yield the headers of a file that hold a word, nearest first."""
-        pattern = word.encode()
-        for header in self.headers(file):
-            if self.contains(header, pattern):
-                unit = self.unit(header)
-                if unit is not None:
-                    yield unit
+        key = (file, word)
+        if key not in self._holding:
+            pattern = word.encode()
+            self._holding[key] = [header for header in self.headers(file) if self.contains(header, pattern)]
+        for header in self._holding[key]:
+            unit = self.unit(header)
+            if unit is not None:
+                yield unit
 
 
 def _has(file: FilePath, data: bytes, words: tuple[bytes, ...]) -> bool:

@@ -12,7 +12,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Final
 
 import tree_sitter_cpp
-from tree_sitter import Language, Parser, Query, Range
+from tree_sitter import Language, Parser, Range
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -26,7 +26,6 @@ __all__ = [
     "arguments",
     "callee",
     "declared_name",
-    "identifiers",
     "literal",
     "outward",
     "parse",
@@ -61,12 +60,6 @@ _DEEPEST: Final = 60
 @cache
 def _parser() -> Parser:
     return Parser(LANGUAGE)
-
-
-@cache
-def identifiers() -> Query:
-    """Return the query that captures every word of code as `word`."""
-    return Query(LANGUAGE, "[(identifier) (field_identifier) (type_identifier)] @word")
 
 
 def parse(source: bytes) -> Tree:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from dataclasses import dataclass, field
-from functools import cache, cached_property
+from functools import cache, cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, Final
 
 from tree_sitter import Query, QueryCursor
@@ -17,7 +17,7 @@ from tree_sitter import Query, QueryCursor
 from kg.extract.cpp import syntax
 
 if TYPE_CHECKING:
-    from collections.abc import Hashable
+    from collections.abc import Hashable, Iterable
 
     from tree_sitter import Node
 
@@ -38,12 +38,16 @@ _STRUCTURE: Final = """
 (preproc_if condition: (number_literal) @never)
 (translation_unit (declaration) @global)
 (namespace_definition body: (declaration_list (declaration) @global))
+[(comment) (string_literal) (raw_string_literal) (char_literal) (system_lib_string)] @silent
+[(preproc_arg) (namespace_identifier) (statement_identifier)] @silent
 """
 _NAMES: Final = frozenset({"identifier", "field_identifier", "type_identifier", "namespace_identifier"})
 _SHELLS: Final = frozenset({"translation_unit", "expression_statement", "parenthesized_expression", "comma_expression"})
 _CLASS_HEAD: Final = 200
 """Bytes that `class MACRO Name` fits in."""
 _WORD: Final = frozenset(b"abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_")
+_WORDS_ONLY: Final = bytes(byte if byte in _WORD or byte > 0x7F else 0x20 for byte in range(256))  # noqa: PLR2004 - ASCII
+"""Translates bytes so that words stand alone between spaces."""
 
 
 @cache
@@ -56,6 +60,17 @@ def _shells() -> Query:
 @cache
 def _structure() -> Query:
     return Query(syntax.LANGUAGE, _STRUCTURE)
+
+
+@cache
+def _members() -> Query:
+    return Query(syntax.LANGUAGE, "(field_identifier) @member")
+
+
+@lru_cache(maxsize=64)
+def _spelled(words: tuple[str, ...]) -> tuple[tuple[str, bytes], ...]:
+    """Return each word with its bytes."""
+    return tuple((word, word.encode()) for word in words)
 
 
 def included(source: bytes) -> list[str]:
@@ -150,7 +165,7 @@ class Function:
     def words(self) -> frozenset[str]:
         """Every word of code in it."""
         if self._words is None:
-            self._words = self.unit.words(self.node)
+            self._words = self.unit.words(self.start, self.end)
         return self._words
 
 
@@ -191,11 +206,10 @@ class Class:
     def words(self) -> frozenset[str]:
         """Every word of its declarations, without the names of members and the bodies of methods."""
         if self._words is None:
-            inner = [f for f in self.unit.functions if f.inside is self]
-            found = self.unit.word_positions(self.node)
-            self._words = frozenset(
-                word for word, at in found if not any(function.start <= at < function.end for function in inner)
-            )
+            inner = [(f.start, f.end) for f in self.unit.functions if f.inside is self]
+            members = QueryCursor(_members()).captures(self.node).get("member", [])
+            left_out = [*inner, *((n.start_byte, n.end_byte) for n in members)]
+            self._words = self.unit.words(self.start, self.end, left_out)
         return self._words
 
 
@@ -251,6 +265,8 @@ class _Structure:
     classes: list[Class]
     namespaces: list[tuple[int, int, tuple[str, ...]]]
     captures: dict[str, list[Node]]
+    code: bytes
+    """The source without comments, texts and the names of namespaces."""
 
 
 class Unit:
@@ -262,7 +278,7 @@ class Unit:
         self.tree = syntax.parse(source)
         hidden = _visibility_macros(self.tree.root_node) if _may_hide_classes(source) else []
         if hidden:
-            self.tree = syntax.parse(_blanked(source, hidden))
+            self.tree = syntax.parse(_blanked(source, [(n.start_byte, n.end_byte) for n in hidden]))
         self.root = self.tree.root_node
         self._occurrences: dict[str, list[Node]] = {}
         self.memory: dict[Hashable, Any] = {}
@@ -345,12 +361,13 @@ class Unit:
         return tuple(name for names in around for name in names)
 
     def having(self, words: tuple[str, ...]) -> tuple[str, ...]:
-        """Return those words that occur in the bytes of the file, a first and cheap look."""
-        key = ("having", words)
-        if key not in self.memory:
-            self.memory[key] = tuple(word for word in words if word.encode() in self.source)
-        found: tuple[str, ...] = self.memory[key]
-        return found
+        """Return those of some words, in their order, that stand anywhere in the file: a first and cheap look."""
+        vocabulary = self._vocabulary
+        return tuple(word for word, spelled in _spelled(words) if spelled in vocabulary)
+
+    @cached_property
+    def _vocabulary(self) -> frozenset[bytes]:
+        return frozenset(self.source.translate(_WORDS_ONLY).split())
 
     def occurrences(self, word: str) -> list[Node]:
         """Return the names in the code that are exactly `word`."""
@@ -385,19 +402,12 @@ class Unit:
                 ranges.append((number.end_byte, other.start_byte if other is not None else block.end_byte))
         return ranges
 
-    def word_positions(self, node: Node) -> list[tuple[str, int]]:
-        """Return every word of code below a node, but names of members, with the byte it starts at."""
-        captured = QueryCursor(syntax.identifiers()).captures(node).get("word", [])
-        kept = (n for n in captured if n.type != "field_identifier")
-        return [(self.source[n.start_byte : n.end_byte].decode("utf-8", "replace"), n.start_byte) for n in kept]
-
-    def words(self, node: Node) -> frozenset[str]:
-        """Return every word of code below a node."""
-        source = self.source
-        captured = QueryCursor(syntax.identifiers()).captures(node).get("word", [])
-        return frozenset(
-            raw.decode("utf-8", "replace") for raw in {source[n.start_byte : n.end_byte] for n in captured}
-        )
+    def words(self, start: int, end: int, without: Iterable[tuple[int, int]] = ()) -> frozenset[str]:
+        """Return the words of code, but names of namespaces, between two bytes, and not in the ranges `without`."""
+        code = self._structure.code[start:end]
+        if without:
+            code = _blanked(code, [(first - start, last - start) for first, last in without])
+        return frozenset(code.translate(_WORDS_ONLY).decode("utf-8", "replace").split())
 
     @cached_property
     def aliases(self) -> dict[str, list[Node]]:
@@ -467,11 +477,11 @@ def _visibility_macros(root: Node) -> list[Node]:
     return [node for node in found if node.parent is not None and node.parent.child_by_field_name("body") is None]
 
 
-def _blanked(source: bytes, nodes: list[Node]) -> bytes:
-    """Return a source with nodes as spaces, so that all places stay true."""
+def _blanked(source: bytes, ranges: Iterable[tuple[int, int]]) -> bytes:
+    """Return a source with ranges of bytes as spaces, so that all places stay true."""
     changed = bytearray(source)
-    for node in nodes:
-        changed[node.start_byte : node.end_byte] = b" " * (node.end_byte - node.start_byte)
+    for start, end in ranges:
+        changed[start:end] = b" " * (end - start)
     return bytes(changed)
 
 
@@ -483,7 +493,8 @@ def _arrange(unit: Unit, captures: dict[str, list[Node]]) -> _Structure:
         for n in captures.get(kind, [])
     ]
     entries.sort(key=lambda entry: entry[:2])
-    result = _Structure([], [], [], captures)
+    silent = ((n.start_byte, n.end_byte) for n in captures.pop("silent", ()))
+    result = _Structure([], [], [], captures, _blanked(unit.source, silent))
     around: list[tuple[int, tuple[str, ...], Class | None]] = []
     for start, minus_end, kind, node in entries:
         end = -minus_end
