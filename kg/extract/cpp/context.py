@@ -107,10 +107,12 @@ class Site:
 
     `arguments` stand where they are written; `template` are explicit template arguments. `context` is set
     where the arguments belong to an evaluation that went forward into a function, None where they are to be
-    seen in the context that reached the site.
+    seen in the context that reached the site. `place` is where the arguments of a member stand, when that is not
+    where the member is declared: the entry in the initialiser list of a constructor.
     """
 
     where: Expr
     arguments: tuple[Expr, ...]
     template: tuple[Expr, ...] = ()
     context: Context | None = field(default=None, compare=False)
+    place: Expr | None = field(default=None, compare=False)

@@ -209,7 +209,8 @@ class Sites:
                 if syntax.text(entry.named_children[0]) == name:
                     found = True
                     given = syntax.arguments(entry.named_children[-1])
-                    yield Site(where, tuple(Expr.of(function.unit, argument) for argument in given), template)
+                    arguments = tuple(Expr.of(function.unit, argument) for argument in given)
+                    yield Site(where, arguments, template, place=Expr.of(function.unit, entry))
         default = cls.fields[name][1] if name in cls.fields else None
         if not found:
             given = syntax.arguments(default) if default is not None and default.type == "initializer_list" else []
