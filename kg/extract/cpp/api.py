@@ -25,7 +25,7 @@ __all__ = ["Api", "CallSpec", "Dialect", "MarkSpec", "ParameterSpec", "TypeSpec"
 
 @dataclass(frozen=True, slots=True)
 class CallSpec:
-    """A call that makes an interface.
+    """A call that makes an interface; `ros` is 0 for libraries that both versions have alike.
 
     `name` is the index of the argument with the name and `handle` that of the argument with the node or node
     handle, None where that is the receiver. `receivers` are the names of the types whose method it is, empty

@@ -13,18 +13,22 @@ from kg.extract.values import Text
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from tree_sitter import Node
+
     from kg.extract.cpp.evaluate import Evaluator
-    from kg.extract.cpp.unit import Class
+    from kg.extract.cpp.unit import Class, Unit
 
 __all__ = ["given_name"]
 
+_NODES: Final = frozenset({"Node", "LifecycleNode"})
 _NAME_OF_INIT: Final = 2
 """`argc` and `argv` stand before the name."""
 
 
 def given_name(evaluator: Evaluator, cls: Class | None) -> str | None:
     """Return the name that a program, or a node class `cls`, gives its node; None where it cannot be known."""
-    for place in (*_initialised(evaluator), *_constructed(evaluator, cls)):
+    alone = _made(evaluator) if cls is None else ()
+    for place in (*_initialised(evaluator), *_constructed(evaluator, cls), *alone):
         evaluator.restart()
         for value, _ in evaluator.texts(place, EMPTY):
             known = value.known if isinstance(value, Text) else None
@@ -42,6 +46,26 @@ def _initialised(evaluator: Evaluator) -> Iterator[Expr]:
             given = syntax.arguments(call.child_by_field_name("arguments"))
             if len(given) > _NAME_OF_INIT:
                 yield Expr.of(unit, given[_NAME_OF_INIT])
+
+
+def _made(evaluator: Evaluator) -> Iterator[Expr]:
+    """Yield the names of nodes without a class of their own: `rclcpp::Node::make_shared("name")` and constructions."""
+    for word in sorted(_NODES):
+        for unit, node in evaluator.program.sites(word):
+            sites = evaluator.sites.constructed_at(unit, node)
+            yield from [site.arguments[0] for site in sites if site.arguments] or _make_shared(unit, node)
+
+
+def _make_shared(unit: Unit, node: Node) -> list[Expr]:
+    for outer in syntax.outward(node, 4):
+        if outer.type == "call_expression":
+            function = outer.child_by_field_name("function")
+            called = syntax.callee(function) if function is not None else None
+            given = syntax.arguments(outer.child_by_field_name("arguments"))
+            if called is not None and called.name == "make_shared" and called.scope[-1:] == (syntax.text(node),):
+                return [Expr.of(unit, argument) for argument in given[:1]]
+            break
+    return []
 
 
 def _constructed(evaluator: Evaluator, cls: Class | None) -> Iterator[Expr]:

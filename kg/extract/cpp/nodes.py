@@ -289,9 +289,11 @@ def _initialises(program: Program, node: NodeType) -> bool:
 
 
 def _ros(program: Program, finder: Finder) -> int:
-    if len(finder.ros) == 1:
-        return next(iter(finder.ros))
-    sources = [function.unit.source for function in program.reached]
-    return (
-        _ROS2 if sum(b"rclcpp" in s for s in sources) > sum(b"ros/ros.h" in s or b"ros::" in s for s in sources) else 1
-    )
+    """Return the version of ROS that the calls tell, else the one whose headers more of the reached code includes."""
+    told = finder.ros - {0}
+    if len(told) == 1:
+        return next(iter(told))
+    units = {function.unit for function in program.reached}
+    second = sum(any(path.startswith("rclcpp") for path in unit.includes) for unit in units)
+    first = sum("ros/ros.h" in unit.includes or b"ros::NodeHandle" in unit.source for unit in units)
+    return _ROS2 if second > first else 1

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Ros1"]
 
+_EITHER: Final = 0
+"""Libraries that ROS 1 and ROS 2 have alike do not tell which of them a node is of."""
 _NODE_HANDLE: Final = frozenset({"NodeHandle"})
 _IMAGES: Final = frozenset({"ImageTransport"})
 _IMAGE: Final = "sensor_msgs/Image"
@@ -54,9 +56,9 @@ _OPTIONS: Final = (
 _CALLS: Final[dict[str, tuple[CallSpec, ...]]] = {
     "advertise": (
         CallSpec(1, Role.PUBLISHES, receivers=_NODE_HANDLE, template=0, least=2),
-        CallSpec(1, Role.PUBLISHES, receivers=_IMAGES, fixed=_IMAGE, least=2, mark="image_transport.publisher"),
+        CallSpec(_EITHER, Role.PUBLISHES, receivers=_IMAGES, fixed=_IMAGE, least=2, mark="image_transport.publisher"),
         CallSpec(
-            1,
+            _EITHER,
             Role.PUBLISHES,
             receivers=frozenset({"PointCloudTransport"}),
             fixed="sensor_msgs/PointCloud2",
@@ -76,7 +78,9 @@ _CALLS: Final[dict[str, tuple[CallSpec, ...]]] = {
         ),
     ),
     "advertiseCamera": (
-        CallSpec(1, Role.PUBLISHES, receivers=_IMAGES, fixed=_IMAGE, camera=True, mark="image_transport.publisher"),
+        CallSpec(
+            _EITHER, Role.PUBLISHES, receivers=_IMAGES, fixed=_IMAGE, camera=True, mark="image_transport.publisher"
+        ),
         CallSpec(
             1,
             Role.PUBLISHES,
@@ -96,12 +100,16 @@ _CALLS: Final[dict[str, tuple[CallSpec, ...]]] = {
     ),
     "subscribe": (
         CallSpec(1, Role.SUBSCRIBES, receivers=_NODE_HANDLE, template=0, callback=2, least=3),
-        CallSpec(1, Role.SUBSCRIBES, receivers=_IMAGES, fixed=_IMAGE, least=2, mark="image_transport.subscriber"),
+        CallSpec(_EITHER, Role.SUBSCRIBES, receivers=_IMAGES, fixed=_IMAGE, least=2, mark="image_transport.subscriber"),
         CallSpec(
-            1, Role.SUBSCRIBES, receivers=frozenset({"PointCloudTransport"}), fixed="sensor_msgs/PointCloud2", least=2
+            _EITHER,
+            Role.SUBSCRIBES,
+            receivers=frozenset({"PointCloudTransport"}),
+            fixed="sensor_msgs/PointCloud2",
+            least=2,
         ),
         CallSpec(
-            1,
+            _EITHER,
             Role.SUBSCRIBES,
             name=1,
             handle=0,
@@ -112,7 +120,7 @@ _CALLS: Final[dict[str, tuple[CallSpec, ...]]] = {
             qos=2,
         ),
         CallSpec(
-            1,
+            _EITHER,
             Role.SUBSCRIBES,
             name=1,
             handle=0,
@@ -124,7 +132,13 @@ _CALLS: Final[dict[str, tuple[CallSpec, ...]]] = {
     ),
     "subscribeCamera": (
         CallSpec(
-            1, Role.SUBSCRIBES, receivers=_IMAGES, fixed=_IMAGE, camera=True, least=2, mark="image_transport.subscriber"
+            _EITHER,
+            Role.SUBSCRIBES,
+            receivers=_IMAGES,
+            fixed=_IMAGE,
+            camera=True,
+            least=2,
+            mark="image_transport.subscriber",
         ),
     ),
     "serviceClient": (CallSpec(1, Role.CLIENTS, receivers=_NODE_HANDLE, template=0, service=True),),
@@ -175,9 +189,9 @@ _TYPES: Final[dict[str, TypeSpec]] = {
     "ActionServer": TypeSpec(1, Role.ACTION_SERVERS, floating=True, scopes=_ACTIONLIB, drop="Action"),
     "SimpleActionClient": TypeSpec(1, Role.ACTION_CLIENTS, floating=True, scopes=_ACTIONLIB, drop="Action"),
     "ActionClient": TypeSpec(1, Role.ACTION_CLIENTS, floating=True, scopes=_ACTIONLIB, drop="Action"),
-    "Subscriber": TypeSpec(1, Role.SUBSCRIBES, scopes=frozenset({"message_filters"}), qos=2),
+    "Subscriber": TypeSpec(_EITHER, Role.SUBSCRIBES, scopes=frozenset({"message_filters"}), qos=2),
     "SubscriberFilter": TypeSpec(
-        1,
+        _EITHER,
         Role.SUBSCRIBES,
         template=None,
         fixed=_IMAGE,
@@ -197,12 +211,12 @@ _TYPES: Final[dict[str, TypeSpec]] = {
             ("list", "nodelet/NodeletList"),
         ),
     ),
-    "RealtimePublisher": TypeSpec(1, Role.PUBLISHES, scopes=frozenset({"realtime_tools"})),
+    "RealtimePublisher": TypeSpec(_EITHER, Role.PUBLISHES, scopes=frozenset({"realtime_tools"})),
     "Publisher": TypeSpec(
         1, Role.PUBLISHES, scopes=frozenset({"pcl_ros"}), fixed="sensor_msgs/PointCloud2", template=None
     ),
     "CameraInfoManager": TypeSpec(
-        1, Role.SERVICES, template=None, constants=(("set_camera_info", "sensor_msgs/SetCameraInfo"),)
+        _EITHER, Role.SERVICES, template=None, constants=(("set_camera_info", "sensor_msgs/SetCameraInfo"),)
     ),
 }
 

@@ -250,6 +250,8 @@ class Ros2:
             return below(evaluator, list(parent), given[0])
         if name.startswith("get_node_") and name.endswith("_interface"):
             return evaluator.values(where.child(receiver), context) if receiver is not None else [(Handle(), context)]
+        if name == "make_shared" and called.scope[-1:] in (("Node",), ("LifecycleNode",)):
+            return [(Handle(), context)]
         if name in _SAME_NODE and not given and not evaluator.program.functions(name):
             return [(Handle(), context)]
         if name in _NAMES_OF_NODES and not given and self._is_node_here(evaluator, where, receiver, context):
