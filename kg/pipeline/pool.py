@@ -1,8 +1,9 @@
 """A pool of worker processes in which a package that kills its worker, or never ends, costs itself only.
 
-Workers are forked where the system can, so that they share the indexes of the workspace. Each is given its next
-package before it has ended the one before, so that it never waits for the writing of the store. A worker whose
-pipe closes ends, so none outlives the build, however that ended.
+Workers are forked where the system can, so that they share the indexes of the workspace. Of several, each is given its
+next package before it has ended the one before, so that it never waits for the writing of the store; a single one
+takes turns with the writing, so that a build with one job keeps one processor busy. A worker whose pipe closes ends,
+so none outlives the build, however that ended.
 """
 
 from __future__ import annotations
@@ -33,6 +34,7 @@ PACKAGE_SECONDS: Final = 300.0
 """How long one package may take; the largest known takes some seconds."""
 
 _AHEAD: Final = 2
+"""How many packages one of several workers is given at a time."""
 _DEFECTS: Final = (ArithmeticError, AttributeError, LookupError, OSError, RuntimeError, TypeError, ValueError)
 """What is reported by its message; anything else ends the worker, which is reported too."""
 _FIRST_OWN_FILE: Final = 3
@@ -106,9 +108,10 @@ class Pool:
         while self._queue and len(self._workers) < self._size:
             self._start()
             self._give(self._workers[-1])
-        for _ in range(_AHEAD):
+        ahead = _AHEAD if self._size > 1 else 1
+        for _ in range(ahead):
             for worker in sorted(self._workers, key=lambda one: len(one.given)):
-                if self._queue and len(worker.given) < _AHEAD:
+                if self._queue and len(worker.given) < ahead:
                     self._give(worker)
 
     def _collect(self) -> Iterator[Outcome]:
