@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from itertools import count
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.python.syntax import captures, code, parse
@@ -17,8 +19,20 @@ if TYPE_CHECKING:
 __all__ = ["index_file"]
 
 _TARGET_LISTS: Final = frozenset({"pattern_list", "tuple_pattern", "list_pattern", "tuple", "list"})
+_PLAIN_TARGETS: Final = frozenset({"identifier", "attribute"})
 _MAX_UNPACKING: Final = 8
 _MAX_SCOPES: Final = 40
+
+
+@dataclass(frozen=True, slots=True)
+class _Loop:
+    """The start of a `for`, and the comprehension that its variables stay in."""
+
+    start: int
+    within: tuple[int, int] | None = None
+
+
+_NO_LOOP: Final = _Loop(-1)
 
 
 def index_file(file: FilePath, source: bytes) -> Unit:
@@ -42,12 +56,13 @@ class _Sweep:
         self.comprehensions: list[tuple[int, int]] = []
         self.decorators: tuple[str, ...] = ()
         order = {kind: rank for rank, kind in enumerate(("decorated", "arm", "except", "if", "class", "function"))}
+        number = count()
         self.items = [
-            (node.start_byte, -node.end_byte, order.get(kind, 9), kind, node)
+            (node.start_byte, -node.end_byte, order.get(kind, 9), next(number), kind, node)
             for kind, nodes in found.items()
             for node in nodes
         ]
-        self.items.sort(key=lambda item: item[:3])
+        self.items.sort()
         self.visitors: dict[str, Callable[[Node, int, int], None]] = {
             "call": self.call,
             "function": self.function,
@@ -70,7 +85,7 @@ class _Sweep:
 
     def run(self) -> None:
         """Visit everything."""
-        for start, negative_end, _, kind, node in self.items:
+        for start, negative_end, _, _, kind, node in self.items:
             while start >= self.scopes[-1].end:
                 self.scopes.pop()
             while self.arms and start >= self.arms[-1][0]:
@@ -147,15 +162,18 @@ class _Sweep:
         del node
         self.arms.append((end, (*self.here, (start, 0))))
 
-    def bind(self, target: Node, value: Node | None, kind: str, start: int, loop: int = -1) -> None:
+    def bind(self, target: Node, value: Node | None, kind: str, start: int, loop: _Loop = _NO_LOOP) -> None:
         """Bind the target of an assignment to its value, part by part where it unpacks."""
+        if target.type in _PLAIN_TARGETS:
+            self.add(Binding(code(target), kind, value, (), start, self.here, self.scope, loop.start, loop.within))
+            return
         pending: list[tuple[Node, tuple[int, ...]]] = [(target, ())]
         while pending:
             node, path = pending.pop()
             if node.type in _TARGET_LISTS and len(path) < _MAX_UNPACKING:
                 pending.extend((child, (*path, index)) for index, child in enumerate(node.named_children))
-            elif node.type in ("identifier", "attribute"):
-                self.add(Binding(code(node), kind, value, path, start, self.here, self.scope, loop))
+            elif node.type in _PLAIN_TARGETS:
+                self.add(Binding(code(node), kind, value, path, start, self.here, self.scope, loop.start, loop.within))
             elif node.type == "subscript":
                 self.bind_item(node, value, start)
 
@@ -198,8 +216,7 @@ class _Sweep:
         del end
         left, right = node.child_by_field_name("left"), node.child_by_field_name("right")
         if left is not None and right is not None:
-            self.unit.loops[start] = node
-            self.bind(left, right, "for", right.end_byte, loop=start)
+            self.bind(left, right, "for", right.end_byte, _Loop(start))
 
     def comprehension(self, node: Node, start: int, end: int) -> None:
         """Note a comprehension, which its loop variables do not leave."""
@@ -214,18 +231,8 @@ class _Sweep:
         left, right = node.child_by_field_name("left"), node.child_by_field_name("right")
         if left is None or right is None or not self.comprehensions:
             return
-        before = {name: len(known) for name, known in self.scope.bindings.items()}
-        self.bind(left, right, "for", self.comprehensions[-1][0], loop=start)
-        self.confine(before, self.comprehensions[-1])
-
-    def confine(self, before: dict[str, int], within: tuple[int, int]) -> None:
-        """Confine the bindings made since `before` to a comprehension."""
-        for name, known in self.scope.bindings.items():
-            for index in range(before.get(name, 0), len(known)):
-                made = known[index]
-                known[index] = Binding(
-                    made.name, made.kind, made.value, made.path, made.start, made.arms, made.scope, made.loop, within
-                )
+        within = self.comprehensions[-1]
+        self.bind(left, right, "for", within[0], _Loop(start, within))
 
     def with_item(self, node: Node, start: int, end: int) -> None:
         """Bind the target of `with value as target`."""

@@ -153,7 +153,6 @@ class Unit:
     ifs: dict[int, Node] = field(default_factory=dict)
     arm_counts: dict[int, tuple[int, bool]] = field(default_factory=dict)
     """For each `if`, how many branches it has and whether the last is an `else`."""
-    loops: dict[int, Node] = field(default_factory=dict)
     too_deep: int | None = None
     """The line of the first function or class that is nested too deep to be a scope of its own."""
 
