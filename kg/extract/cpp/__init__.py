@@ -2,7 +2,7 @@
 
 `syntax` and `unit` know one file, `project` the files of a package and its includes, `program` what code of
 them can run in one node. `evaluate` finds out what expressions are, backwards from where they stand, with
-`flow`, `variables`, `sites`, `types`, `library` and `callbacks`. `ros1` and `ros2` are tables of calls;
+`flow`, `constants`, `variables`, `sites`, `types`, `library` and `callbacks`. `ros1` and `ros2` are tables of calls;
 `calls` is the engine that finds and reads their uses; `nodes` puts it together.
 """
 

@@ -333,8 +333,9 @@ def _interface(  # noqa: PLR0913, PLR0917 - the parts of one fact
     if isinstance(name, Unknown):
         return Interface(role, None, kind, Resolution.UNRESOLVED, place, written=shown, reason=name.reason)
     if name.known == "":
+        unset = "it is empty until run time"
         return Interface(
-            role, None, kind, Resolution.UNRESOLVED, place, written=shown, reason="it is empty until run time"
+            role, None, kind, Resolution.UNRESOLVED, place, written=shown, parameter=name.parameter, reason=unset
         )
     known_handle = isinstance(holder, Handle)
     namespace = holder.namespace if isinstance(holder, Handle) else Text.of("")

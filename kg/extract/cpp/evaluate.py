@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final
 from tree_sitter import Query, QueryCursor
 
 from kg.extract.cpp import library, syntax
+from kg.extract.cpp.constants import Constants
 from kg.extract.cpp.context import Context, Memory, Site
 from kg.extract.cpp.flow import Flow
 from kg.extract.cpp.sites import Sites, call_around, fits
@@ -50,6 +51,7 @@ class Evaluator:
         self.sites = Sites(program)
         self.types = Types(program, self.sites)
         self.flow = Flow(self)
+        self.constants = Constants(self)
         self.memory = Memory()
         self._steps = 0
         self._cut = 0
@@ -157,7 +159,7 @@ class Evaluator:
     def _qualified(self, where: Expr, context: Context) -> Alternatives:
         scope, inner = syntax.split_scope(where.node)
         name = syntax.simple_name(inner)
-        return self._trait(name, where, context) or self.flow.constant(name, scope, where, context)
+        return self._trait(name, where, context) or self.constants.find(name, scope, where, context)
 
     def _trait(self, name: str, where: Expr, context: Context) -> Alternatives:
         """Return what `T::name` is for the classes that a template parameter `T` is bound to."""

@@ -1,4 +1,4 @@
-"""Where the value of a name comes from: back through assignments, parameters, members, constants and macros.
+"""Where the value of a name in a function or class comes from: back through assignments, parameters and members.
 
 Within a function writes are followed upwards from the use; a write that must have happened ends the search,
 one in a branch is an alternative. A member has the values that any method of its class family leaves in it;
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from kg.extract.cpp.unit import Class, Function, Unit
     from kg.extract.cpp.variables import Write
 
-__all__ = ["Flow"]
+__all__ = ["Flow", "settled", "unfinished"]
 
 _MOST_TURNS: Final = 64
 
@@ -47,15 +47,15 @@ class Flow:
         if function is not None and not member:
             local = [w for w in writes(unit, name, function.start, function.end) if w.owner is None]
             if any(_declares(write, at) for write in local):
-                return self._back(local, at, context) or [(Unknown(f"{name} has no value in sight"), context)]
+                return self.back(local, at, context) or [(Unknown(f"{name} has no value in sight"), context)]
         cls = self._evaluator.types.class_around(unit, at)
         if cls is not None:
             found = self._member(cls, name, where, context)
             if found is not None:
                 return found
-        return self.constant(name, (), where, context)
+        return self._evaluator.constants.find(name, (), where, context)
 
-    def _back(
+    def back(
         self, found: list[Write], at: int, context: Context, kinds: frozenset[WriteKind] | None = None
     ) -> Alternatives:
         """Return the values that the writes before a byte leave, latest first."""
@@ -76,7 +76,7 @@ class Flow:
         handed_out = False
         for index in reversed(relevant):
             write = before[index]
-            values = self._written(write, context, before[:index])
+            values = self.written(write, context, before[:index])
             if values is None:
                 handed_out = handed_out or write.kind is WriteKind.OUTPUT
                 continue
@@ -88,9 +88,10 @@ class Flow:
             result += values
             if index in settling:
                 break
-        return _defaults(result)
+        return settled(result)
 
-    def _written(self, write: Write, context: Context, earlier: list[Write]) -> Alternatives | None:
+    def written(self, write: Write, context: Context, earlier: list[Write]) -> Alternatives | None:
+        """Return the values that one write leaves, `earlier` being those before it; None if it is none after all."""
         evaluator = self._evaluator
         kind = write.kind
         if kind is WriteKind.VALUE:
@@ -100,7 +101,7 @@ class Flow:
         if kind is WriteKind.READ:
             return [(Unknown(f"{syntax.text(write.name)} is read from a stream"), context)]
         if kind is WriteKind.APPEND:
-            before = self._back(earlier, write.name.start_byte, context) or [(Text.of(""), context)]
+            before = self.back(earlier, write.name.start_byte, context) or [(Text.of(""), context)]
             pairs = [(v, w, c2) for v, c in before for w, c2 in evaluator.values(write.value, c)]
             return [(concatenate(v, w), c) for v, w, c in pairs]
         if kind is WriteKind.INSERT:
@@ -111,7 +112,7 @@ class Flow:
             return self._parameter(write, context)
         if kind is WriteKind.OUTPUT:
             given = [w for w in earlier if w.kind is not WriteKind.DECLARE]
-            return self.output(write, context, lambda c: self._back(given, write.name.start_byte, c))
+            return self.output(write, context, lambda c: self.back(given, write.name.start_byte, c))
         return self._declared(write, context)
 
     def _typed(self, write: Write, context: Context) -> Alternatives:
@@ -160,7 +161,7 @@ class Flow:
 
     def _inserted(self, write: Write, context: Context, earlier: list[Write]) -> Alternatives:
         evaluator = self._evaluator
-        before = self._back(earlier, write.name.start_byte, context) or [(Sequence(()), context)]
+        before = self.back(earlier, write.name.start_byte, context) or [(Sequence(()), context)]
         if write.node.type == "assignment_expression":
             left, right = write.node.child_by_field_name("left"), write.node.child_by_field_name("right")
             keys = syntax.arguments(left.child_by_field_name("indices")) if left is not None else []
@@ -242,7 +243,7 @@ class Flow:
                 inside = [w for w in everything if w.owner is None and w.kind is not WriteKind.PARAMETER]
                 if inside:
                     site = Site(call, tuple(given), (), context)
-                    found = self._back(inside, other.end - 1, context.bind(other, site).deeper())
+                    found = self.back(inside, other.end - 1, context.bind(other, site).deeper())
                     if found:
                         return [(value, context) for value, _ in found]
         return None
@@ -358,14 +359,14 @@ class Flow:
         if function is not None:
             here = [w for w in writes(where.unit, name, function.start, function.end) if w.owner is None]
             settled = [w for w in here if w.name.start_byte < where.at and w.within[0] <= where.at < w.within[1]]
-            found = self._back(here, where.at, context) if settled else []
-            if found and not _unfinished(found):
+            found = self.back(here, where.at, context) if settled else []
+            if found and not unfinished(found):
                 return found
         key = ("member", cls, name)
         if context.get(key):
             return [(Unknown(f"{name} depends on itself"), context)]
         found = self._evaluator.recalled(key, context, lambda: self._anywhere(family, cls, name, context))
-        given = self._handed_down(family, name) if _unfinished(found) else None
+        given = self._handed_down(family, name) if unfinished(found) else None
         if given is not None:
             return [(given, context)]
         if not found and not any(name in base.fields for base in family):
@@ -383,13 +384,13 @@ class Flow:
         key = ("member", cls, name)
         inner = context.bind(key, True)
         everyone = [*family, *self._program.derived(cls)]
-        found = self._left(everyone, name, inner)
+        found = self.left(everyone, name, inner)
         declared = next((base for base in family if name in base.fields), None)
-        if declared is not None and (not found or _unfinished(found)):
-            found += self._initial(declared, name, inner)
-        return [(value, chosen.bind(key, None)) for value, chosen in _defaults(found)]
+        if declared is not None and (not found or unfinished(found)):
+            found += self.initial(declared, name, inner)
+        return [(value, chosen.bind(key, None)) for value, chosen in settled(found)]
 
-    def _left(self, classes: Iterable[Class], name: str, context: Context) -> Alternatives:
+    def left(self, classes: Iterable[Class], name: str, context: Context) -> Alternatives:
         """Return what the methods of some classes leave in a member."""
         found: Alternatives = []
         for cls in classes:
@@ -397,13 +398,14 @@ class Flow:
                 if function in self._program.reached:
                     here = [w for w in writes(function.unit, name, function.start, function.end) if w.owner is None]
                     if here and not any(w.type is not None for w in here):
-                        found += self._back(here, function.end - 1, context)
+                        found += self.back(here, function.end - 1, context)
         return found
 
-    def _initial(self, cls: Class, name: str, context: Context) -> Alternatives:
+    def initial(self, cls: Class, name: str, context: Context) -> Alternatives:
+        """Return the value that the declaration of a member gives it."""
         for write in writes(cls.unit, name, cls.start, cls.end):
             if write.type is not None and cls.unit.function_at(write.name.start_byte) is None:
-                found = self._written(write, context, []) or []
+                found = self.written(write, context, []) or []
                 empty = write.kind is WriteKind.DECLARE
                 kept = [pair for pair in found if not (empty and isinstance(pair[0], Text))]
                 return kept or self._defined(cls, name, context)
@@ -416,7 +418,7 @@ class Flow:
                 outer = write.name.parent
                 qualified = outer is not None and outer.type == "qualified_identifier"
                 if qualified and write.type is not None and unit.function_at(write.name.start_byte) is None:
-                    return self._written(write, context, []) or []
+                    return self.written(write, context, []) or []
         return []
 
     def field(self, name: str, holder: Expr, where: Expr, context: Context) -> Alternatives:
@@ -439,70 +441,14 @@ class Flow:
                 if not same and cls is not None:
                     same = evaluator.types.class_of(evaluator.types.of(Expr.of(unit, write.owner), context)) is cls
                 if same:
-                    found += self._written(write, inner, []) or []
+                    found += self.written(write, inner, []) or []
         for base in self._program.family(cls) if cls is not None else ():
-            if name in base.fields and (not found or _unfinished(found)):
-                found += self._left([base], name, inner) or self._initial(base, name, inner)
-        found = [(value, chosen.bind(key, None)) for value, chosen in _defaults(found)]
+            if name in base.fields and (not found or unfinished(found)):
+                found += self.left([base], name, inner) or self.initial(base, name, inner)
+        found = [(value, chosen.bind(key, None)) for value, chosen in settled(found)]
         return found or [
             (Unknown(f"the member {name} of {wanted} is given no value in the code that was read"), context)
         ]
-
-    def constant(self, name: str, scope: tuple[str, ...], where: Expr, context: Context) -> Alternatives:
-        """Return what a constant, global variable or macro holds."""
-        if scope:
-            cls = self._program.find_class(scope[-1], where.unit, scope[:-1])
-            if cls is not None and name in cls.fields:
-                found = self._left([cls], name, context) or self._initial(cls, name, context)
-                if found and not _unfinished(found):
-                    return _through(found)
-        for unit in (where.unit, *self._program.project.find(where.unit.file, name)):
-            found = self._global(unit, name, where, context)
-            if found:
-                return _through(found)
-        return [(Unknown(f"{name} is not in the sources that were read"), context)]
-
-    def _global(self, unit: Unit, name: str, where: Expr, context: Context) -> Alternatives:
-        macro = unit.macros.get(name)
-        if macro is not None:
-            return self._macro(unit, name, where, context)
-        key = ("global", unit, name)
-        if context.get(key):
-            return []
-        inner = context.bind(key, True)
-        initial: Alternatives = []
-        declared = False
-        for write in writes(unit, name, 0, len(unit.source)):
-            outside = unit.function_at(write.name.start_byte) is None
-            if outside and write.type is not None:
-                declared = True
-                initial += self._written(write, inner, []) or []
-        if not declared:
-            return []
-        found: Alternatives = []
-        for function in unit.functions:
-            if function in self._program.reached:
-                here = [w for w in writes(unit, name, function.start, function.end) if w.owner is None]
-                if here and not any(w.type is not None for w in here):
-                    found += self._back(
-                        here, where.at if function is unit.function_at(where.at) else function.end - 1, inner
-                    )
-        if not found or _unfinished(found):
-            found += initial
-        return [(value, chosen.bind(key, None)) for value, chosen in _defaults(found)]
-
-    def _macro(self, unit: Unit, name: str, where: Expr, context: Context) -> Alternatives:
-        from kg.extract.cpp.unit import Unit as Parsed  # noqa: PLC0415 - imported for types only above
-
-        body = Parsed(unit.file, f"auto value = {unit.macros[name]};".encode())
-        key = ("macro", unit, name)
-        declarations = body.captured("global")
-        value = declarations[0].child_by_field_name("declarator") if declarations else None
-        node = value.child_by_field_name("value") if value is not None else None
-        if node is None or context.get(key):
-            return [(Unknown(f"the macro {name} is no expression"), context)]
-        found = self._evaluator.values(Expr(where.unit, node, where.at), context.bind(key, True))
-        return [(v, c.bind(key, None)) for v, c in found]
 
 
 def _declares(write: Write, at: int) -> bool:
@@ -542,12 +488,12 @@ def _known(value: Value) -> bool:
     return not isinstance(value, Unknown)
 
 
-def _unfinished(found: Alternatives) -> bool:
+def unfinished(found: Alternatives) -> bool:
     """Tell whether no value is known, or only that a parameter without a default is read."""
     return not any(_known(value) for value, _ in found)
 
 
-def _defaults(found: Alternatives) -> Alternatives:
+def settled(found: Alternatives) -> Alternatives:
     """Return alternatives where what a parameter without default falls back to carries the parameter's name."""
     asked = [v for v, _ in found if isinstance(v, Text) and v.parameter is not None and v.known is None]
     plain = [(v, c) for v, c in found if _known(v)]
@@ -563,7 +509,3 @@ def _defaults(found: Alternatives) -> Alternatives:
     if any(isinstance(v, Text) and v.known for v, _ in found):
         return [(v, c) for v, c in found if not (isinstance(v, Text) and v.known == "" and v.parameter is None)]
     return found
-
-
-def _through(found: Alternatives) -> Alternatives:
-    return [(value.through_constant() if isinstance(value, Text) else value, context) for value, context in found]

@@ -38,6 +38,10 @@ _SAME: Final = frozenset(
         "cref",
         "value_to_string",
         "std_string",
+        "static_cast",
+        "const_cast",
+        "dynamic_cast",
+        "reinterpret_cast",
         "native",
         "generic_string",
         "clone",
@@ -169,6 +173,8 @@ def evaluate(
 ) -> Alternatives | None:
     """Return what a call of a library function makes; None for functions not known here."""
     name, receiver = called.name, called.receiver
+    if name == "string" and not given and receiver is None:
+        return [(Text.of(""), context)]
     if name in _SAME:
         source = where.child(receiver) if receiver is not None else given[0] if given else None
         return _as_texts(evaluator, source, context, name) if source is not None else None
