@@ -31,8 +31,10 @@ def known_package(graph: Queryable, name: str) -> None:
         raise unknown("package", name, names, otherwise="`kg packages` lists the packages.")
 
 
-def one_node(graph: Queryable, name: str) -> NodeRecord:
+def one_node(graph: Queryable, name: str) -> list[NodeRecord]:
     """Return the node called `name`, `package/name` or `repository:package/name`.
+
+    A package may declare a node twice (for two robots, say); these are one node here, and all are returned.
 
     KG001 with suggestions when there is none, KG003 with the full names when there are several.
     """
@@ -42,8 +44,8 @@ def one_node(graph: Queryable, name: str) -> NodeRecord:
     found = [*node_records(graph, node=name)]
     if front and not found:
         found = node_records(graph, node=last, package=front)
-    if len(found) == 1:
-        return found[0]
+    if len({one.full_name for one in found}) == 1:
+        return found
     if not found:
         raise unknown(
             "node", name, _candidates(graph, name, node_names(graph)), otherwise="`kg nodes` lists the nodes."

@@ -11,7 +11,7 @@ from kg.cli.diagnostics import note, say
 from kg.cli.group import KgCommand
 from kg.cli.names import one_node
 from kg.cli.options import Json, Store
-from kg.cli.output import json_lines, line_width, show, terminal, write_bytes
+from kg.cli.output import json_lines, line_width, show, terminal, write, write_bytes
 from kg.cli.session import session
 from kg.errors import Place, UsageError
 from kg.render.text import count
@@ -77,14 +77,17 @@ def node(  # noqa: PLR0913 - the options of a command
     from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
 
     with reading(session(context).settings(store=store)) as snapshot:
-        record = one_node(snapshot, name)
+        records = one_node(snapshot, name)
         links = Links.of(sources(snapshot))
     if json:
-        json_lines([node_object(record)])
+        json_lines(map(node_object, records))
     elif picture is not None:
-        _draw(record, picture, every=every)
+        _draw(records[0], picture, every=every)
     else:
-        _show(record, links, every=every)
+        for number, record in enumerate(records):
+            if number:
+                write()
+            _show(record, links, every=every)
 
 
 def _show(record: "NodeRecord", links: "Links", *, every: bool) -> None:
