@@ -1,0 +1,31 @@
+"""The embedded store is a store as the interface describes it; the checker of types reads this file too."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from pyoxigraph import NamedNode, RdfFormat
+
+from kg.store.embedded import EmbeddedStore
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from kg.store.interface import QuadStore
+
+GRAPH = NamedNode("https://example.org/g")
+
+
+def _use(store: QuadStore) -> tuple[str, int, bytes]:
+    """Write and read through nothing but the interface."""
+    with store.write("test") as transaction:
+        transaction.replace_graphs({GRAPH: [b"<urn:a> <urn:b> <urn:c> .\n"]})
+        transaction.append(GRAPH, b"<urn:a> <urn:b> <urn:d> .\n")
+        transaction.update("DELETE DATA { GRAPH <https://example.org/g> { <urn:a> <urn:b> <urn:c> } }")
+    with store.read() as snapshot:
+        return snapshot.identity, snapshot.count(GRAPH), snapshot.dump(RdfFormat.N_TRIPLES, graph=GRAPH)
+
+
+def test_the_embedded_store_keeps_to_the_interface(tmp_path: Path) -> None:
+    """What is written through the interface is read through it."""
+    assert _use(EmbeddedStore.create(tmp_path / ".kg")) == ("1", 1, b"<urn:a> <urn:b> <urn:d> .\n")
