@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Writing", "Written", "untouched"]
 
-_FLUSH_BYTES: Final = 8 << 20
+_FLUSH_BYTES: Final = 16 << 20
 _SMALL: Final = 10
 """A source is patched when less than one in so many of its packages and of its triples change."""
 
