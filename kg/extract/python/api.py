@@ -102,7 +102,7 @@ _FUNCTIONS: Final[dict[str, Api]] = {
         "mark", namespace=Slot(0, ("name",)), mark="dynamic_reconfigure.client", ros=1
     ),
     "interactive_markers.InteractiveMarkerServer": _mark("interactive_markers.server", name=Slot(0, ("topic_ns",))),
-    "jsk_topic_tools.ConnectionBasedTransport": Api("connection"),
+    "jsk_topic_tools.ConnectionBasedTransport": _mark("jsk_topic_tools.transport"),
     "rclpy.create_node": _ROS2_NODE,
     "rclpy.Node": _ROS2_NODE,
     "rclpy.LifecycleNode": _LIFECYCLE,
@@ -191,5 +191,4 @@ def find_api(path: str, *, bound: bool, arguments: int = 0) -> Api | None:
         return _CONNECTION_METHODS[last]
     if bound and not explicit:
         return None
-    found = _FUNCTIONS.get(f"{first}.{last}")
-    return found if found is not None and found.kind != "connection" else None
+    return _FUNCTIONS.get(f"{first}.{last}")

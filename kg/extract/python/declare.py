@@ -278,13 +278,16 @@ _SCALARS: Final = {bool: "bool", int: "int", float: "double"}
 
 
 def parameter_type(value: Thing) -> str | None:
-    """Return the ROS type of a default value."""
+    """Return the ROS type of a default value, or the one that `rclpy.Parameter.Type.X` names in its place."""
     if isinstance(value, Truth):
         return "bool"
     if isinstance(value, Number):
         return "int" if value.written.lstrip("-").isdigit() else "double"
     if isinstance(value, Text):
         return "string"
+    if isinstance(value, Dotted) and ".Type." in value.path:
+        word = value.path.rpartition(".")[2].lower()
+        return {"integer": "int", "integer_array": "int_array", "not_set": None}.get(word, word)
     if isinstance(value, Items):
         kinds = {parameter_type(item) for item in value.items}
         kind = next(iter(kinds)) if len(kinds) == 1 else None
