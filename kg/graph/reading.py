@@ -85,7 +85,7 @@ def node_records(graph: Queryable, *, package: str | None = None, node: str | No
     properties = _grouped(_rows(graph, _NODES % which))
     sources = _listed(_rows(graph, _SOURCES % which))
     executables = _listed(_rows(graph, _EXECUTABLES % which))
-    parts = _parts(graph, which)
+    parts = _parts(graph, which, owners)
     found = []
     for iri, owner in owners.items():
         fact = _node(properties[iri], sources.get(iri, []), executables.get(iri, []), parts.get(iri, ([], [])))
@@ -139,19 +139,30 @@ def _listed(rows: Iterable[Any]) -> dict[str, list[str]]:
     return {subject: sorted(set(values)) for subject, values in found.items()}
 
 
-def _parts(graph: Queryable, which: str) -> dict[str, tuple[list[Interface], list[Parameter]]]:
+def _parts(graph: Queryable, which: str, owners: Iterable[str]) -> dict[str, tuple[list[Interface], list[Parameter]]]:
+    nodes: defaultdict[str, list[str]] = defaultdict(list)
+    for owner in owners:
+        nodes[owner.partition("#")[0]].append(owner)
     types = {row["type"].value: row["label"].value for row in _rows(graph, _TYPES)}
     qualities = {iri: _qos(properties) for iri, properties in _grouped(_rows(graph, _QOS)).items()}
     found: defaultdict[str, tuple[list[Interface], list[Parameter]]] = defaultdict(lambda: ([], []))
     for iri, properties in _grouped(_rows(graph, _PARTS % which)).items():
-        # A part is a fragment of the IRI of its node (kg.graph.scope), whose own parts are encoded.
-        interfaces, parameters = found[iri.rpartition("#")[0]]
+        interfaces, parameters = found[_owner(iri, nodes)]
         roles = [_ROLES[kind] for kind in properties[v.bare(v.TYPE)] if kind in _ROLES]
         if roles:
             interfaces.append(_interface(roles[0], properties, types, qualities))
         else:
             parameters.append(_parameter(properties))
     return found
+
+
+def _owner(part: str, nodes: Mapping[str, list[str]]) -> str:
+    """Return the node that a part belongs to: its IRI is a fragment of that of its node (`kg.graph.iris.fragment`).
+
+    `nodes` has the IRIs of nodes by what stands before their fragment; only nodes of one name have one of their own.
+    """
+    whole = part.partition("#")[0]
+    return max((one for one in nodes.get(whole, ()) if part.startswith(one)), key=len, default=whole)
 
 
 def _one(properties: _Properties, term: str) -> str | None:

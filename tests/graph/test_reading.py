@@ -126,3 +126,11 @@ def test_any_interface_comes_back(interfaces: list[Interface]) -> None:
     store = stored(("p", (replace(ROVER, interfaces=tuple(interfaces)),)))
     back = node_records(store)[0].node.interfaces
     assert sorted(map(repr, back)) == sorted(map(repr, interfaces))
+
+
+def test_nodes_of_one_name_keep_their_own_parts() -> None:
+    """A package may declare a node twice; each has what it declares itself."""
+    bare = replace(ROVER, location=Location("src/other.cpp", 3), interfaces=ROVER.interfaces[:1], parameters=())
+    found = node_records(stored(("a", (ROVER, bare))))
+    assert [len(one.node.interfaces) for one in found] == [1, len(ROVER.interfaces)]
+    assert [len(one.node.parameters) for one in found] == [0, len(ROVER.parameters)]
