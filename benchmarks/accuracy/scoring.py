@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from pathlib import Path
     from types import ModuleType
 
-    from reading import Reading
+    from accuracy.reading import Reading
 
-__all__ = ["INTERFACES", "LEVELS", "Scores", "load_scorer", "score_file"]
+__all__ = ["INTERFACES", "LEVELS", "Scores", "load_scorer", "score_file", "without_command_line"]
 
 INTERFACES = ("publishes", "subscribes", "services", "clients", "action_servers", "action_clients")
 LEVELS = ("node", "package")
@@ -73,6 +73,33 @@ def score_file(scorer: ModuleType, truths: list[Record], readings: list[Reading]
         scores.misses.extend({"kind": "name", **miss} for miss in named)
         scores.misses.extend(_wrong_types(scorer, mine, reading.records, level))
     return scores
+
+
+def without_command_line(truth: Record) -> Record:
+    """Return an observed record with the names that the node's code gives, where its command line tells them.
+
+    A node that was run with `image:=/cam/image_raw` is observed at `/cam/image_raw`; its code says `image`, and
+    `camera_info` for the topic beside it. Names that are arguments themselves (`relay in out`) stand in no code and are
+    left out.
+    """
+    arguments = truth.get("args") or ()
+    pairs = [argument.split(":=", 1) for argument in arguments if ":=" in argument and not argument.startswith("_")]
+    before = {"/" + new.strip("/"): old for old, new in pairs}
+    before.update({_beside(new): _beside(old) for new, old in list(before.items()) if "/image" in new})
+    given = {"/" + argument.strip("/") for argument in arguments if ":=" not in argument}
+    changed = dict(truth)
+    for category in INTERFACES:
+        entries = [dict(entry) for entry in truth.get(category) or ()]
+        for entry in entries:
+            entry.setdefault("before_remap", before.get(entry["name"]))
+        changed[category] = [entry for entry in entries if entry["name"] not in given]
+    return changed
+
+
+def _beside(image: str) -> str:
+    """Return the topic of the camera information beside an image topic."""
+    head, slash, _ = image.rpartition("/")
+    return f"{head}{slash}camera_info"
 
 
 def _speaks_of(scorer: ModuleType, truth: Record, reading: Reading) -> bool:
