@@ -24,8 +24,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
-from accuracy.reading import Reading, read_sources  # noqa: E402 - a folder that is run finds itself like this
-from accuracy.scoring import (  # noqa: E402 - the same
+from accuracy.reading import Reading, read_sources
+from accuracy.scoring import (
     INTERFACES,
     LEVELS,
     Scores,
