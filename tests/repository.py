@@ -18,7 +18,7 @@ ROOT: Final = Path(__file__).resolve().parent.parent
 
 Routine: TypeAlias = ast.FunctionDef | ast.AsyncFunctionDef
 
-_NOT_OURS: Final = {".git", ".venv", "build", "dist", ".kg", "node_modules"}
+_NOT_OURS: Final = {"dist", "node_modules", "__pycache__"}
 
 
 @cache
@@ -29,8 +29,13 @@ def files() -> tuple[Path, ...]:
         listed = subprocess.run(command, capture_output=True, check=True).stdout.decode().split("\0")
         found = [ROOT / name for name in listed if name]
     except (OSError, subprocess.CalledProcessError):
-        found = [path for path in ROOT.rglob("*") if not _NOT_OURS & set(path.relative_to(ROOT).parts)]
+        found = [path for path in ROOT.rglob("*") if _ours(path.relative_to(ROOT).parts)]
     return tuple(sorted({path for path in found if path.is_file()}))
+
+
+def _ours(parts: tuple[str, ...]) -> bool:
+    hidden = parts[0].startswith(".") and parts[0] not in {".ci", ".gitignore"}
+    return not hidden and not _NOT_OURS & set(parts) and not parts[0].endswith(".egg-info")
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import sys
 from functools import cache
+from shutil import which
 from typing import TYPE_CHECKING, Any, Final
 
 import pytest
@@ -133,6 +134,7 @@ def test_two_lines_set_everything_up() -> None:
     assert RUN_TESTS in text(ROOT / ".ci" / "run")
 
 
+@pytest.mark.skipif(not (ROOT / ".git").exists() or not which("git"), reason="sessions are those of a git checkout")
 @pytest.mark.parametrize("page", generate.SESSIONS)
 def test_sessions_show_what_happens(page: str, tmp_path: Path) -> None:
     """The commands shown in README and quick start print what is shown; `python docs/generate.py` mends this."""

@@ -37,7 +37,7 @@ def guarded(work: Callable[[], object]) -> int:
 
 
 def hang_up() -> int:
-    """End quietly when the reader of standard output has gone: it has what it wanted."""
+    """Write to standard output no more: its reader has gone and has what it wanted, or nothing fits there."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     return Exit.OK
 
@@ -46,6 +46,8 @@ def _show(error: Exception) -> int:
     if isinstance(error, TyperException):
         error = as_usage_error(error)
     elif isinstance(error, OSError) and error.errno == errno.ENOSPC:
+        if error.filename is None:
+            hang_up()
         error = StoreError("KG304", f"no space left on the device ({error.filename or 'output'})")
     if isinstance(error, KgError):
         report(error)

@@ -97,9 +97,10 @@ def test_closed_streams_are_no_fault(streams: str) -> None:
     assert (run.returncode, run.stderr) == (0, "")
 
 
-def test_a_full_disk_behind_the_output_is_said() -> None:
+@pytest.mark.parametrize("locale", ["C", "C.UTF-8", "POSIX"])
+def test_a_full_disk_behind_the_output_is_said(locale: str) -> None:
     """What cannot be written is an error with a code, not a traceback."""
-    command = f"{sys.executable} -m kg explain > /dev/full"
+    command = f"LC_ALL={locale} {sys.executable} -m kg explain > /dev/full"
     run = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
     assert run.returncode == 4
     assert run.stderr.startswith("error[KG304]: no space left")

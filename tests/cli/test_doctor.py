@@ -1,8 +1,10 @@
 from __future__ import annotations
 
 import json
+from shutil import which
 from typing import TYPE_CHECKING
 
+import pytest
 from cli.rover import build
 
 if TYPE_CHECKING:
@@ -16,6 +18,7 @@ def checks(out: str) -> dict[str, dict[str, str]]:
     return {found["subject"]: found for found in map(json.loads, out.splitlines())}
 
 
+@pytest.mark.skipif(not which("git"), reason="git is not installed")
 def test_a_healthy_installation_has_nothing_wrong(kg: Program, tmp_path: Path) -> None:
     """Everything needed is there, and the store is told with its size."""
     build(tmp_path / ".kg")
@@ -27,6 +30,7 @@ def test_a_healthy_installation_has_nothing_wrong(kg: Program, tmp_path: Path) -
     assert found["setting jobs"]["finding"] == "2 (from KG_JOBS)"
 
 
+@pytest.mark.skipif(not which("git"), reason="git is not installed")
 def test_a_damaged_store_is_wrong_and_gets_its_way_out(kg: Program, tmp_path: Path) -> None:
     """What is wrong is marked, the way out is below it, and the exit code says that something was found."""
     build(tmp_path / ".kg")
