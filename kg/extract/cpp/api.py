@@ -127,6 +127,8 @@ class ParameterSpec:
     most: int = 6
     receivers: frozenset[str] = frozenset()
     helper: bool = False
+    handle: int | None = None
+    """The argument with the node handle, where that is not the receiver."""
     listed: bool = False
     single: bool = False
     """The argument `name` is one such pair and not a list of them."""

@@ -47,6 +47,8 @@ def read_parameter(  # noqa: PLR0913, PLR0917 - the parts of one call
 ) -> Iterator[Parameter]:
     """Yield the parameters that a call can mean, one for each alternative of its name."""
     handle = where.child(called.receiver) if called.receiver is not None else None
+    if spec.handle is not None:
+        handle = given[spec.handle]
     holders = evaluator.values(handle, EMPTY) if handle is not None and spec.ros == 1 else [(Handle(), EMPTY)]
     for holder, after in holders:
         namespace = holder.namespace if isinstance(holder, Handle) else Text.of("")

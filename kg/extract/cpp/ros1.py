@@ -177,6 +177,9 @@ _PARAMETERS: Final[dict[str, tuple[ParameterSpec, ...]]] = {
     "getCached": (ParameterSpec(1, Access.READ, 0, 1, None, False, _PARAM, 2, 2),),
     "has": (ParameterSpec(1, Access.READ, 0, None, None, False, _PARAM, 1, 1),),
     "search": (ParameterSpec(1, Access.READ, 0, None, None, False, _PARAM, 2, 2),),
+    "readVectorParameter": (
+        ParameterSpec(1, Access.READ, 1, least=3, most=3, scopes=frozenset({"jsk_topic_tools"}), handle=0),
+    ),
     "setParam": (ParameterSpec(1, Access.WRITE, 0, None, 1, False, frozenset(), 2, 2, _NODE_HANDLE),),
     "deleteParam": (ParameterSpec(1, Access.WRITE, 0, None, None, False, frozenset(), 1, 1, _NODE_HANDLE),),
     "set": (ParameterSpec(1, Access.WRITE, 0, None, 1, False, _PARAM, 2, 2),),

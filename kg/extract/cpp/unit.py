@@ -64,7 +64,7 @@ def _structure() -> Query:
 
 @cache
 def _members() -> Query:
-    return Query(syntax.LANGUAGE, "(field_identifier) @member")
+    return Query(syntax.LANGUAGE, "[(field_identifier) (friend_declaration)] @member")
 
 
 @lru_cache(maxsize=64)
@@ -204,7 +204,7 @@ class Class:
 
     @property
     def words(self) -> frozenset[str]:
-        """Every word of its declarations, without the names of members and the bodies of methods."""
+        """Every word of its declarations, without the names of members, friends and the bodies of methods."""
         if self._words is None:
             inner = [(f.start, f.end) for f in self.unit.functions if f.inside is self]
             members = QueryCursor(_members()).captures(self.node).get("member", [])

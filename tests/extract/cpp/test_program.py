@@ -72,3 +72,9 @@ def test_headers_lead_to_their_sources() -> None:
     source = '#include "a.hpp"\nint main() { A a; a.go(); }'
     files = {"main.cpp": source, "a.hpp": "struct A { void go(); };", "a.cpp": '#include "a.hpp"\nvoid A::go() {}'}
     assert {f.name for f in program_of(files).reached} == {"main", "go"}
+
+
+def test_friends_are_not_made() -> None:
+    """A class that is only named as a friend is not live."""
+    source = "struct F { F() {} }; struct A { friend struct F; A() {} }; int main() { A a; }"
+    assert names(source) == {"main", "A::A"}
