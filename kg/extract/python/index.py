@@ -149,9 +149,11 @@ class _Sweep:
         self.ifs.append([start, end, 0])
 
     def arm(self, node: Node, start: int, end: int) -> None:
-        """Enter a branch of the innermost `if` that holds it."""
+        """Enter a branch of the innermost `if` that holds it; an empty one behind a broken `if` has none."""
         while self.ifs and start >= self.ifs[-1][1]:
             self.ifs.pop()
+        if not self.ifs:
+            return
         opened = self.ifs[-1]
         self.arms.append((end, (*self.here, (opened[0], opened[2]))))
         opened[2] += 1

@@ -75,7 +75,7 @@ def first_error(root: Node) -> int | None:
 
 def code(node: Node | None) -> str:
     """Return the text of a node, and nothing for no node."""
-    return (node.text or b"").decode() if node is not None else ""
+    return (node.text or b"").decode("utf-8", "replace") if node is not None else ""
 
 
 def strip_parentheses(node: Node) -> Node:

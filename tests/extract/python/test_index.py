@@ -52,6 +52,11 @@ def test_any_text_can_be_indexed(tokens: list[str]) -> None:
     assert unit_of(" ".join(tokens)).module.name == "<module>"
 
 
+def test_a_branch_without_its_condition_is_passed_over() -> None:
+    """An `if` that breaks off before its branch leaves the index whole."""
+    assert unit_of("if:").module.bindings == {}
+
+
 def test_branches_are_numbered() -> None:
     """Bindings know the branches that they stand under, nested ones too."""
     unit = unit_of("if a:\n  if b:\n    x = 1\n  else:\n    x = 2\nelif c:\n  x = 3\nelse:\n  x = 4\n")
