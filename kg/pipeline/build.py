@@ -24,7 +24,7 @@ from kg.pipeline import cache
 from kg.pipeline.plan import entries_by_name, listing, make_plan, stamp, version
 from kg.pipeline.recording import RecordingWorkspace
 from kg.pipeline.report import BuildReport, Silent, SourceReport
-from kg.pipeline.sources import gather
+from kg.pipeline.sources import folders, gather
 from kg.pipeline.state import PackageState, SourceState, State, load, save
 from kg.store.failure import translated
 
@@ -98,22 +98,23 @@ class _Build:
         workspace = RecordingWorkspace(sources)
         now = version(self._settings.base, self._settings.max_file_bytes)
         plan = make_plan(workspace, self._state, self._cache, now)
-        jobs = max(1, min(self._jobs, len(plan.read)))
-        self._report.planned(len(plan.read), len(plan.reused), jobs)
+        self._jobs = max(1, min(self._jobs, len(plan.read)))
+        self._report.planned(len(plan.read), len(plan.reused), self._jobs)
         results = dict(plan.reused)
-        changed = self._changed(sources, plan)
+        changed, gone = self._changed(sources, plan), self._gone(sources, roots)
         written: dict[str, Written] = {}
         generation = None
-        if changed:
-            written = self._write(workspace, plan, changed, results, jobs)
+        if changed or gone:
+            written = self._write(workspace, plan, changed, gone, results)
             generation = self._transaction.commit()
         state = self._next_state(sources, plan, results, written, generation, named)
+        state = replace(state, sources={name: one for name, one in state.sources.items() if name not in gone})
         if state != self._state:
             with translated(str(self._cache)):
                 save(self._cache, state)
                 cache.keep_only(self._cache, _results(state))
         reports = tuple(self._source_report(source, plan, results) for source in sources)
-        return BuildReport(reports, generation, 0.0, jobs)
+        return BuildReport(reports, generation, 0.0, self._jobs, gone)
 
     def _changed(self, sources: Sequence[Source], plan: Plan) -> list[Source]:
         """Return the sources whose graph is not what it has to become."""
@@ -126,6 +127,16 @@ class _Build:
             if earlier is None or name in read or name not in trusted or not _same(source, earlier):
                 changed.append(source)
         return changed
+
+    def _gone(self, sources: Sequence[Source], roots: Sequence[str]) -> tuple[str, ...]:
+        """Return the sources of earlier builds that stood in the folders of this one and do not any more."""
+        present = {source.repository.name for source in sources}
+        inside = folders(roots)
+        return tuple(
+            name
+            for name, earlier in self._state.sources.items()
+            if name not in present and any(f"{earlier.repository.root}/".startswith(f"{folder}/") for folder in inside)
+        )
 
     def _trusted(self, sources: Sequence[Source], plan: Plan) -> set[str]:
         """Return the sources whose graph in the store is what the last build put there."""
@@ -144,17 +155,18 @@ class _Build:
         workspace: RecordingWorkspace,
         plan: Plan,
         changed: list[Source],
+        gone: tuple[str, ...],
         results: dict[Key, PackageState],
-        jobs: int,
     ) -> dict[str, Written]:
         """Read what has to be read, adding it to `results`, and write the graphs of the `changed` sources."""
-        with self._pool(workspace, plan, jobs) as pool:
+        with self._pool(workspace, plan) as pool:
             # After the workers have started: they neither need what this loads nor may they inherit an open engine.
             from kg.pipeline.writing import Writing  # noqa: PLC0415 - see above
 
             trusted = self._trusted(workspace.sources, plan)
             writing = Writing(self._transaction, self._cache, self._state, plan, self._settings.base, trusted)
             writing.begin(changed)
+            writing.drop(gone)
             entries = entries_by_name(workspace.sources)
             places = {(source.repository.name, package.path): (source, package) for source, package in plan.read}
             for outcome in pool.outcomes() if pool else ():
@@ -166,7 +178,7 @@ class _Build:
         self._report.writing(writing.triples)
         return writing.finish(changed, results, self._started)
 
-    def _pool(self, workspace: RecordingWorkspace, plan: Plan, jobs: int) -> AbstractContextManager[Pool | None]:
+    def _pool(self, workspace: RecordingWorkspace, plan: Plan) -> AbstractContextManager[Pool | None]:
         """Return the workers for what is read, None for nothing; the largest packages are begun first.
 
         So the workers end at about the same time.
@@ -179,7 +191,7 @@ class _Build:
         workspace.prepare()
         largest = sorted(plan.read, key=lambda place: -_code_bytes(place[1]))
         tasks = [Task(source.repository.name, package.name, package.path) for source, package in largest]
-        return Pool(Job(workspace, self._settings.base, self._settings.max_file_bytes), tasks, jobs)
+        return Pool(Job(workspace, self._settings.base, self._settings.max_file_bytes), tasks, self._jobs)
 
     def _kept(
         self, source: Source, package: PackageFolder, outcome: Outcome, entries: dict[str, FileEntry]

@@ -50,12 +50,16 @@ class SourceReport:
 
 @dataclass(frozen=True, slots=True)
 class BuildReport:
-    """What a build did; `generation` is the snapshot it made, None when nothing had changed. Times in seconds."""
+    """What a build did; `generation` is the snapshot it made, None when nothing had changed. Times in seconds.
+
+    `gone` are the sources that stood in the folders built and do not any more; they were taken out of the store.
+    """
 
     sources: tuple[SourceReport, ...]
     generation: int | None
     seconds: float
     jobs: int
+    gone: tuple[str, ...] = ()
 
     @property
     def read(self) -> int:

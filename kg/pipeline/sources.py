@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from kg.pipeline.report import Report
 
-__all__ = ["gather"]
+__all__ = ["folders", "gather"]
 
 
 def gather(named: Iterable[str], checkouts: Path, report: Report, *, again: bool = False) -> tuple[Source, ...]:
@@ -39,6 +39,12 @@ def gather(named: Iterable[str], checkouts: Path, report: Report, *, again: bool
     for source in found.values():
         report.source(source.repository, len(source.packages), source.problems)
     return tuple(found.values())
+
+
+def folders(named: Iterable[str]) -> tuple[str, ...]:
+    """Return the folders among what `named` stands for: what once stood in them and does not now is gone."""
+    listed = (one.address for text in named for one in _listed(text))
+    return tuple(address for address in listed if not is_address(address))
 
 
 def _listed(text: str) -> Iterator[ListedSource]:

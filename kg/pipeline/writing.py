@@ -81,6 +81,11 @@ class Writing:
                 if reused:
                     self._take(name, self._content(reused))
 
+    def drop(self, names: tuple[str, ...]) -> None:
+        """Take out the graphs of sources that are gone."""
+        for name in names:
+            self._transaction.drop_graph(self._graph(name))
+
     def add(self, source: Source, package: PackageState) -> None:
         """Take a package that was read; those of a source that is patched wait for `finish`."""
         name = source.repository.name

@@ -208,6 +208,25 @@ def test_checkouts_of_a_workspace_are_sources(bench: Bench) -> None:
     assert found["local/src"] is None
 
 
+def test_a_checkout_that_is_gone(bench: Bench) -> None:
+    """A checkout deleted from a workspace leaves the store with the next build, and so does a source renamed."""
+    subprocess.run(["git", "init", "-q"], cwd=bench.source / "one", check=True)
+    bench.build()
+    shutil.rmtree(bench.source / "one")
+    report = bench.build()
+    assert report.gone == ("local/one",)
+    assert report.read == 0
+    assert bench.topics() - IMPLICIT == {"/first", "/talk"}
+    assert bench.build().generation is None
+    subprocess.run(["git", "init", "-q"], cwd=bench.source, check=True)
+    subprocess.run(["git", "remote", "add", "origin", "https://example.org/a/b.git"], cwd=bench.source, check=True)
+    assert bench.build().gone == ("local/src",)
+    assert bench.topics() - IMPLICIT == {"/first", "/talk"}
+    with bench.store.read() as snapshot:
+        graphs = {graph.value.rpartition("/graph/")[2] for graph in snapshot.graphs()}
+    assert graphs == {"builds", "ontology", "source/example.org/a/b"}
+
+
 def test_a_repository_is_cloned(bench: Bench, tmp_path: Path) -> None:
     """A git address is cloned below the store; when it cannot be reached later, the clone is read again."""
     origin = tmp_path / "origin"
