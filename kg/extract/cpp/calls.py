@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.extract.cpp import syntax
 from kg.extract.cpp.callbacks import callback_types
-from kg.extract.cpp.context import EMPTY
+from kg.extract.cpp.context import EMPTY, Site
 from kg.extract.cpp.handles import joined_name
 from kg.extract.cpp.matching import Matcher
 from kg.extract.cpp.options import consumer
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from tree_sitter import Node
 
     from kg.extract.cpp.api import CallSpec, MarkSpec, TypeSpec
-    from kg.extract.cpp.context import Context, Site
+    from kg.extract.cpp.context import Context
     from kg.extract.cpp.evaluate import Evaluator
     from kg.extract.cpp.unit import Unit
     from kg.facts import Parameter, Qos
@@ -89,7 +89,9 @@ class Finder:
                 continue
             given = [Expr.of(unit, a) for a in syntax.arguments(call.child_by_field_name("arguments"))]
             spec = self._matcher.call(self._api.calls[name], where, called, given)
-            if spec is not None and spec.specified:
+            if spec is None and called.scope[-1:] == ("element_type",):
+                self._made_by_type(where, node, given)
+            elif spec is not None and spec.specified:
                 self._specified(spec, where, node, called, given)
             elif spec is not None:
                 handle = given[spec.handle] if spec.handle is not None else None
@@ -223,6 +225,16 @@ class Finder:
                 found = self._matcher.type(site)
                 if found is not None:
                     self._constructed(found[0], site, found[1], unit, node)
+
+    def _made_by_type(self, where: Expr, node: Node, given: list[Expr]) -> None:
+        """Read `decltype(member_)::element_type::create...(...)`, which makes what the member points to."""
+        function = where.node.child_by_field_name("function")
+        outer = function.child_by_field_name("scope") if function is not None else None
+        inner = outer.named_children[0] if outer is not None and outer.type == "decltype" else None
+        kind = self._evaluator.types.of(where.child(inner), EMPTY) if inner is not None else None
+        for spec in self._api.types.get(kind.name, ()) if kind is not None else ():
+            if kind is not None and not spec.scopes:
+                self._constructed(spec, Site(where, tuple(given)), kind.arguments, where.unit, node)
 
     def _constructed(self, spec: TypeSpec, site: Site, template: tuple[Expr, ...], unit: Unit, node: Node) -> None:
         evaluator = self._evaluator

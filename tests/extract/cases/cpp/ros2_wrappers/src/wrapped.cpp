@@ -17,6 +17,7 @@ public:
   {
     latest_ = autoware_utils::InterProcessPollingSubscriber<nav_msgs::msg::Odometry>::create_subscription(
       this, "~/input/latest", rclcpp::QoS{1});
+    held_ = decltype(held_)::element_type::create_subscription(this, "~/input/held", rclcpp::QoS{2});
     cloud_.subscribe(this, "~/input/points", rmw_qos_profile_sensor_data);
     adaptor_.init_pub(pub_mode_);
     adaptor_.init_srv(srv_restart_, this, &Wrapped::on_restart);
@@ -35,6 +36,7 @@ private:
     debug_.publish<std_msgs::msg::Float64>("latency", 1.0);
   }
   autoware_utils::InterProcessPollingSubscriber<nav_msgs::msg::Odometry> odometry_{this, "~/input/odometry"};
+  autoware_utils::InterProcessPollingSubscriber<nav_msgs::msg::Odometry>::SharedPtr held_;
   message_filters::Subscriber<sensor_msgs::msg::PointCloud2> cloud_;
   component_interface_utils::NodeAdaptor adaptor_;
   component_interface_utils::Publisher<specs::CurrentMode>::SharedPtr pub_mode_;
