@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 from kg.extract.values import Unknown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from tree_sitter import Node
 
@@ -77,7 +77,7 @@ class Core(ABC):
 
     @abstractmethod
     def bound(
-        self, bindings: Iterable[Binding], position: int, frame: Frame, choice: Choice
+        self, bindings: Sequence[Binding], position: int, frame: Frame, choice: Choice
     ) -> tuple[Alternatives, bool]:
         """Return what bindings that reach a place give, and whether one of them must hold there."""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Sequence
 
     from kg.extract.python.entities import Choice, Frame
     from kg.extract.python.unit import Arms, Binding, Unit
@@ -37,7 +37,7 @@ def agreeing(one: Choice, other: Choice) -> Choice | None:
 
 
 def reaching(
-    bindings: Iterable[Binding], position: int, frame: Frame, choice: Choice
+    bindings: Sequence[Binding], position: int, frame: Frame, choice: Choice
 ) -> tuple[list[tuple[Binding, Choice]], bool]:
     """Return the bindings that can hold at `position`, last first, and whether one of them must.
 
@@ -45,7 +45,7 @@ def reaching(
     """
     found: list[tuple[Binding, Choice]] = []
     covered: dict[int, set[int]] = {}
-    for binding in reversed(list(bindings)):
+    for binding in reversed(bindings):
         if binding.start > position or not _visible(binding, position):
             continue
         merged = with_arms(choice, frame, binding.arms)

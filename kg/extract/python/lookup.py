@@ -28,7 +28,7 @@ from kg.extract.python.unit import MODULE
 from kg.extract.values import Number, Text, Truth, Unknown, concatenate
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Sequence
 
     from tree_sitter import Node
 
@@ -115,7 +115,7 @@ class Lookups(Containers):
         return name in (scope.parameters.rest, scope.parameters.keywords)
 
     def bound(
-        self, bindings: Iterable[Binding], position: int, frame: Frame, choice: Choice
+        self, bindings: Sequence[Binding], position: int, frame: Frame, choice: Choice
     ) -> tuple[Alternatives, bool]:
         """Return what bindings that reach a place give, and whether one of them must hold there."""
         reached, certain = reaching(bindings, position, frame, choice)
