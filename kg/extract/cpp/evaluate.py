@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from tree_sitter import Query, QueryCursor
+from tree_sitter import Query
 
 from kg.extract.cpp import library, syntax
 from kg.extract.cpp.constants import Constants
@@ -234,7 +234,7 @@ class Evaluator:
         for write in writes(unit, called.name, function.start, function.end):
             if write.node.type == "lambda_expression" and write.name.start_byte < where.at:
                 inner = context.bind(("lambda", unit, write.node.start_byte), Site(where, tuple(given)))
-                for node in QueryCursor(_RETURNS).captures(write.node).get("return", []):
+                for node in syntax.captures(_RETURNS, write.node).get("return", []):
                     if node.named_children and not _in_lambda(node, write.node):
                         result = Expr.of(unit, node.named_children[0])
                         found += [(value, context) for value, _ in self.values(result, inner)]
@@ -335,7 +335,7 @@ class Evaluator:
 
 def returned(function: Function) -> Iterator[Expr]:
     """Yield the expressions that a function returns."""
-    for node in QueryCursor(_RETURNS).captures(function.node).get("return", []):
+    for node in syntax.captures(_RETURNS, function.node).get("return", []):
         if node.named_children and not _in_lambda(node, function.node):
             yield Expr.of(function.unit, node.named_children[0])
 

@@ -12,7 +12,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Final
 
 import tree_sitter_cpp
-from tree_sitter import Language, Parser, Range
+from tree_sitter import Language, Parser, Query, QueryCursor, Range
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -25,6 +25,7 @@ __all__ = [
     "Part",
     "arguments",
     "callee",
+    "captures",
     "declared_name",
     "literal",
     "outward",
@@ -60,6 +61,15 @@ _DEEPEST: Final = 60
 @cache
 def _parser() -> Parser:
     return Parser(LANGUAGE)
+
+
+def captures(query: Query, node: Node) -> dict[str, list[Node]]:
+    """Return what a query captures below a node, by the names of the captures, in the order of the source.
+
+    The order in which tree-sitter gives them is none that can be relied on.
+    """
+    found = QueryCursor(query).captures(node)
+    return {name: sorted(nodes, key=lambda one: (one.start_byte, -one.end_byte)) for name, nodes in found.items()}
 
 
 def parse(source: bytes) -> Tree:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from functools import cache, cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, Final
 
-from tree_sitter import Query, QueryCursor
+from tree_sitter import Query
 
 from kg.extract.cpp import syntax
 
@@ -207,7 +207,7 @@ class Class:
         """Every word of its declarations, without the names of members, friends and the bodies of methods."""
         if self._words is None:
             inner = [(f.start, f.end) for f in self.unit.functions if f.inside is self]
-            members = QueryCursor(_members()).captures(self.node).get("member", [])
+            members = syntax.captures(_members(), self.node).get("member", [])
             left_out = [*inner, *((n.start_byte, n.end_byte) for n in members)]
             self._words = self.unit.words(self.start, self.end, left_out)
         return self._words
@@ -314,7 +314,7 @@ class Unit:
 
     @cached_property
     def _structure(self) -> _Structure:
-        captures = QueryCursor(_structure()).captures(self.root)
+        captures = syntax.captures(_structure(), self.root)
         return _arrange(self, captures)
 
     @property
@@ -473,7 +473,7 @@ def _may_hide_classes(source: bytes) -> bool:
 
 def _visibility_macros(root: Node) -> list[Node]:
     """Return the macros in `class MACRO Name : Base {...};`, which the grammar takes for the name of the class."""
-    found = QueryCursor(_shells()).captures(root).get("macro", [])
+    found = syntax.captures(_shells(), root).get("macro", [])
     return [node for node in found if node.parent is not None and node.parent.child_by_field_name("body") is None]
 
 

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 from hypothesis import given
 from hypothesis import strategies as st
-from tree_sitter import Query, QueryCursor
+from tree_sitter import Query
 
 from kg.extract.cpp import syntax
 
@@ -17,7 +17,7 @@ TEXTS = st.text(st.characters(codec="utf-8", exclude_categories=("Cs", "Cc")), m
 def first(source: str, kind: str) -> Node:
     """Return the first node of a kind."""
     tree = syntax.parse(source.encode())
-    return QueryCursor(Query(syntax.LANGUAGE, f"({kind}) @it")).captures(tree.root_node)["it"][0]
+    return syntax.captures(Query(syntax.LANGUAGE, f"({kind}) @it"), tree.root_node)["it"][0]
 
 
 @given(TEXTS)
