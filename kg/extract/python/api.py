@@ -191,4 +191,6 @@ def find_api(path: str, *, bound: bool, arguments: int = 0) -> Api | None:
         return _CONNECTION_METHODS[last]
     if bound and not explicit:
         return None
+    if path == "rclpy.lifecycle.Node":
+        return _LIFECYCLE
     return _FUNCTIONS.get(f"{first}.{last}")
