@@ -90,7 +90,7 @@ class Program:
 
     def _add_homes(self, unit: Unit) -> None:
         """Add the headers of the classes whose methods a unit defines."""
-        for name in {f.owner for f in unit.functions if f.inside is None and f.owner is not None}:
+        for name in dict.fromkeys(f.owner for f in unit.functions if f.inside is None and f.owner is not None):
             if name not in self._classes:
                 for header in self.project.find(unit.file, name):
                     if any(cls.name == name for cls in header.classes):
@@ -170,7 +170,7 @@ class Program:
         for base in self.bases(cls)[0]:
             self._enliven(base)
         if not cls.unit.file.path.endswith((".cpp", ".cc", ".cxx")):
-            for file in self.project.implementations(cls.unit.file, cls.name):
+            for file in self.project.implementations(cls.unit.file, cls.name, self.units):
                 if file not in self.units and cls.unit.file in self.project.headers(file):
                     self.load([file])
         for function in self.methods(cls):
