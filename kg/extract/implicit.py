@@ -65,7 +65,8 @@ def add(extracted: Extracted) -> NodeType:
                     parameters.setdefault(parameter.name, parameter)
     own = set(node.interfaces)
     new = tuple(found for found in interfaces.values() if found not in own)
-    settings = tuple(found for found in parameters.values() if found not in node.parameters)
+    declared = set(node.parameters)
+    settings = tuple(found for found in parameters.values() if found not in declared)
     return replace(node, interfaces=node.interfaces + new, parameters=node.parameters + settings)
 
 

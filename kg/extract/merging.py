@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final, TypeVar
 
@@ -9,7 +10,7 @@ from kg.facts import Interface, Parameter, Role
 from kg.names import resolve
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
     from kg.extract.marks import Extracted
     from kg.facts import Location, NodeType
@@ -55,8 +56,8 @@ def settled(nodes: Iterable[NodeType]) -> tuple[NodeType, ...]:
         replace(
             node,
             sources=tuple(sorted(set(node.sources))),
-            interfaces=tuple(sorted(_once(tuple(_resolved(node))), key=_interface_order)),
-            parameters=tuple(sorted(_once(node.parameters), key=_parameter_order)),
+            interfaces=_ordered(_once(tuple(_resolved(node))), _interface_order),
+            parameters=_ordered(_once(node.parameters), _parameter_order),
         )
         for node in nodes
     )
@@ -82,6 +83,14 @@ def _place(location: Location) -> tuple[str, str, int]:
     return (location.repository or "", location.path, location.line)
 
 
+def _ordered(items: tuple[_Item, ...], key: Callable[[_Item], tuple[object, ...]]) -> tuple[_Item, ...]:
+    """Return items by their keys; those of equal keys by all they are, which takes long to spell."""
+    keyed = [(key(item), item) for item in items]
+    equal = Counter(place for place, _ in keyed)
+    keyed.sort(key=lambda pair: (*pair[0], repr(pair[1]) if equal[pair[0]] > 1 else ""))
+    return tuple(item for _, item in keyed)
+
+
 def _interface_order(interface: Interface) -> tuple[object, ...]:
     return (
         interface.implicit,
@@ -89,12 +98,11 @@ def _interface_order(interface: Interface) -> tuple[object, ...]:
         _place(interface.location),
         interface.name or "",
         interface.type or "",
-        repr(interface),
     )
 
 
 def _parameter_order(parameter: Parameter) -> tuple[object, ...]:
-    return (parameter.implicit, _place(parameter.location), parameter.name or "", parameter.access, repr(parameter))
+    return (parameter.implicit, _place(parameter.location), parameter.name or "", parameter.access)
 
 
 def _node_order(node: NodeType) -> tuple[object, ...]:

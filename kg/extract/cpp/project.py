@@ -14,7 +14,7 @@ from kg.extract.cpp.unit import Unit, included
 from kg.facts import FileKind
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Container, Iterable
 
     from kg.corpus.files import PackageFolder
     from kg.corpus.reading import Reader
@@ -122,6 +122,8 @@ class Project:
         self._relevant: dict[FilePath, bool] = {}
         self._direct: dict[FilePath, tuple[FilePath, ...]] = {}
         self._holding: dict[tuple[FilePath, str], list[FilePath]] = {}
+        self._read: dict[FilePath, list[tuple[FilePath, bytes]]] = {}
+        self._bodies: dict[FilePath, list[FilePath]] = {}
 
     def own(self, path: str) -> FilePath:
         """Return the key of a file of this source."""
@@ -143,16 +145,13 @@ class Project:
         return self._units[file]
 
     def _parse(self, file: FilePath, data: bytes) -> Unit:
-        if self.is_own(file):
-            return Unit(file, data)
         known = _cache.get(file)
         if known is not None and known.source == data:
             _cache.move_to_end(file)
             return known
-        made = _cache[file] = Unit(file, data)
-        total = sum(len(unit.source) for unit in _cache.values())
-        while total > _CACHE_BYTES and len(_cache) > 1:
-            total -= len(_cache.popitem(last=False)[1].source)
+        made = Unit(file, data)
+        if not self.is_own(file):
+            _keep(made)
         return made
 
     def relevant(self, file: FilePath) -> bool:
@@ -200,26 +199,45 @@ class Project:
             known = self._headers[file] = tuple(seen)[1:]
         return known
 
-    def implementations(self, header: FilePath, name: str) -> list[FilePath]:
-        """Return the files of another package's folder that define methods of the class `name` of its header."""
+    def _header_texts(self, file: FilePath) -> list[tuple[FilePath, bytes]]:
+        """Return the headers of a file that can be read, nearest first, with what they hold."""
+        known = self._read.get(file)
+        if known is None:
+            texts = ((header, self.reader.read(header)) for header in self.headers(file))
+            known = self._read[file] = [(header, data) for header, data in texts if data is not None]
+        return known
+
+    def implementations(self, header: FilePath, name: str, known: Container[FilePath]) -> list[FilePath]:
+        """Return the files, but `known` ones, of the package of a header that define methods of its class `name`."""
         owner = self.reader.workspace.owner(header)
         if owner is None:
             return []
+        folder = FilePath(header.repository, owner.path)
+        bodies = self._bodies.get(folder)
+        if bodies is None:
+            entries = (entry for entry in owner.files if entry.kind is FileKind.CPP and _is_source(entry.path))
+            bodies = self._bodies[folder] = [FilePath(header.repository, entry.path) for entry in entries]
         pattern = f"{name}::".encode()
-        entries = (entry for entry in owner.files if entry.kind is FileKind.CPP and _is_source(entry.path))
-        files = (FilePath(header.repository, entry.path) for entry in entries)
-        return [file for file in files if file != header and self.contains(file, pattern)]
+        return [file for file in bodies if file != header and file not in known and self.contains(file, pattern)]
 
     def find(self, file: FilePath, word: str) -> Iterable[Unit]:
         """Yield the headers of a file that hold a word, nearest first."""
         key = (file, word)
         if key not in self._holding:
             pattern = word.encode()
-            self._holding[key] = [header for header in self.headers(file) if self.contains(header, pattern)]
+            self._holding[key] = [header for header, data in self._header_texts(file) if pattern in data]
         for header in self._holding[key]:
             unit = self.unit(header)
             if unit is not None:
                 yield unit
+
+
+def _keep(unit: Unit) -> None:
+    """Keep a unit for the packages to come, and let those go that were not asked for longest."""
+    _cache[unit.file] = unit
+    total = sum([len(one.source) for one in _cache.values()])
+    while total > _CACHE_BYTES and len(_cache) > 1:
+        total -= len(_cache.popitem(last=False)[1].source)
 
 
 def _has(file: FilePath, data: bytes, words: tuple[bytes, ...]) -> bool:

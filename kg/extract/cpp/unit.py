@@ -494,6 +494,8 @@ def _arrange(unit: Unit, captures: dict[str, list[Node]]) -> _Structure:
     ]
     entries.sort(key=lambda entry: entry[:2])
     silent = ((n.start_byte, n.end_byte) for n in captures.pop("silent", ()))
+    for nodes in captures.values():  # they come in the order of their addresses
+        nodes.sort(key=lambda node: (node.start_byte, -node.end_byte))
     result = _Structure([], [], [], captures, _blanked(unit.source, silent))
     around: list[tuple[int, tuple[str, ...], Class | None]] = []
     for start, minus_end, kind, node in entries:

@@ -61,8 +61,11 @@ def parse(source: bytes) -> Tree:
 
 
 def captures(root: Node) -> dict[str, list[Node]]:
-    """Return the nodes that the index of a file is made of, by kind."""
-    return QueryCursor(_query(_PATTERNS)).captures(root)
+    """Return the nodes that the index of a file is made of, by kind, in their order; outer ones come first."""
+    found = QueryCursor(_query(_PATTERNS)).captures(root)
+    for nodes in found.values():  # they come in the order of their addresses
+        nodes.sort(key=lambda node: (node.start_byte, -node.end_byte))
+    return found
 
 
 def first_error(root: Node) -> int | None:
