@@ -31,6 +31,8 @@ __all__ = [
     "write_bytes",
 ]
 
+_GAP = 2
+"""Spaces between two columns of a table."""
 _UNBOUNDED = 100_000
 
 
@@ -143,7 +145,13 @@ def make_table(columns: Sequence[Column], rows: Iterable[Sequence[object]], *, t
     cells = [[_cell(value) for value in row] for row in rows]
     kept = _fitting(columns, cells)
     table = Table(
-        box=SIMPLE_HEAD, title=title, title_justify="left", pad_edge=False, show_edge=False, header_style="bold"
+        box=SIMPLE_HEAD,
+        title=title,
+        title_justify="left",
+        pad_edge=False,
+        collapse_padding=True,
+        show_edge=False,
+        header_style="bold",
     )
     styles = {"name": "bold", "dim": "dim"}
     for index in kept:
@@ -176,11 +184,12 @@ def _width(cell: str | Linked) -> int:
 def _fitting(columns: Sequence[Column], cells: Sequence[Sequence[str | Linked]]) -> list[int]:
     """Return the positions of the columns that fit on a line, or that cannot be spared."""
     widths = [
-        max([width(column.title), *(_width(row[index]) for row in cells)]) + 3 for index, column in enumerate(columns)
+        max([width(column.title), *(_width(row[index]) for row in cells)]) + _GAP
+        for index, column in enumerate(columns)
     ]
     kept = list(range(len(columns)))
     for index in reversed(range(len(columns))):
-        if sum(widths[one] for one in kept) - 2 <= line_width():
+        if sum(widths[one] for one in kept) - _GAP <= line_width():
             break
         if columns[index].spare:
             kept.remove(index)

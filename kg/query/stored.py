@@ -38,6 +38,7 @@ __all__ = ["QueryParameter", "StoredQuery", "discover", "find", "internal", "rea
 _PARAMETER = re.compile(r'@param\s+(?P<name>\w+)\s+(?P<type>\w+)\s+"(?P<example>[^"]*)"\s+(?P<description>.+)')
 _TYPES: Final = ("string", "name", "integer", "boolean", "iri")
 _INTERNAL: Final = "internal"
+_HINT: Final = "Check the path."
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +116,8 @@ def read(path: Path, name: str) -> StoredQuery:
     try:
         text = path.read_text("utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise UsageError("KG001", f"the query cannot be read: {error}", place=Place(str(path))) from error
+        reason = getattr(error, "strerror", None) or error
+        raise UsageError("KG001", f"the query cannot be read: {reason}", place=Place(str(path)), hint=_HINT) from error
     lines = list(_header(text))
     prose = [line for line in lines if not line.startswith("@")]
     title, *rest = prose or [""]
