@@ -33,18 +33,19 @@ def python(*arguments: str) -> list[str]:
 
 def measure(command: list[str]) -> Measurement:
     """Run a command to its end; SystemExit with what it said when it fails."""
-    with tempfile.TemporaryFile("w+") as said:
+    with tempfile.TemporaryFile("w+") as printed, tempfile.TemporaryFile("w+") as said:
         began = time.perf_counter()
-        process = subprocess.Popen(command, stdout=said, stderr=subprocess.STDOUT, start_new_session=True)
+        process = subprocess.Popen(command, stdout=printed, stderr=said, start_new_session=True)
         watch = _Watch(process.pid)
         _, status, usage = os.wait4(process.pid, 0)
         seconds = time.perf_counter() - began
         watch.stop()
         process.returncode = os.waitstatus_to_exitcode(status)
+        printed.seek(0)
         said.seek(0)
-        output = said.read()
+        output, words = printed.read(), said.read()
     if process.returncode not in {0, 1}:
-        raise SystemExit(f"{' '.join(command)} ended with {process.returncode}:\n{output}")
+        raise SystemExit(f"{' '.join(command)} ended with {process.returncode}:\n{words}")
     return Measurement(seconds, usage.ru_utime + usage.ru_stime, watch.peak / 1e3, output)
 
 
