@@ -8,7 +8,7 @@ values read from ROS parameters go before plain ones, since those are their defa
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 from kg.extract.cpp import syntax
 from kg.extract.cpp.context import Site
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from kg.extract.cpp.unit import Class, Function, Unit
     from kg.extract.cpp.variables import Write
 
+_Call: TypeAlias = "tuple[syntax.Callee, list[Expr], list[tuple[Function, list[Write]]]]"
 __all__ = ["Flow", "settled", "unfinished"]
 
 _MOST_TURNS: Final = 64
@@ -39,6 +40,7 @@ class Flow:
     def __init__(self, evaluator: Evaluator) -> None:
         self._evaluator = evaluator
         self._program = evaluator.program
+        self._calls: dict[Write, _Call | None] = {}
 
     def name(self, name: str, where: Expr, context: Context, *, member: bool = False) -> Alternatives:
         """Return what a plain name can be where it stands."""
@@ -225,28 +227,46 @@ class Flow:
     ) -> Alternatives | None:
         """Return what a call leaves in an argument; None if the call is not known to write it."""
         evaluator = self._evaluator
+        known = self._call_of(write)
+        if known is None:
+            return None
+        called, given, targets = known
         call = Expr.of(write.unit, write.node)
+        found = evaluator.api.output(evaluator, call, called, given, write.index, context, previous)
+        if found is not None:
+            return found
+        for function, inside in targets:
+            if context.get(function) is None:
+                site = Site(call, tuple(given), (), context)
+                left = self.back(inside, function.end - 1, context.bind(function, site).deeper())
+                if left:
+                    return [(value, context) for value, _ in left]
+        return None
+
+    def _call_of(self, write: Write) -> _Call | None:
+        """Return the call that an argument is handed to, and the functions that write it; None where nothing does."""
+        if write not in self._calls:
+            self._calls[write] = None
+            self._calls[write] = self._read_call(write)
+        return self._calls[write]
+
+    def _read_call(self, write: Write) -> _Call | None:
         function = write.node.child_by_field_name("function")
         called = syntax.callee(function) if function is not None else None
         if called is None:
             return None
+        call = Expr.of(write.unit, write.node)
         given = [call.child(a) for a in syntax.arguments(write.node.child_by_field_name("arguments"))]
-        known = evaluator.api.output(evaluator, call, called, given, write.index, context, previous)
-        if known is not None:
-            return known
+        targets = []
         for other in self._program.functions(called.name, write.unit):
-            if write.index < len(other.parameters) and fits(other, len(given)) and context.get(other) is None:
-                parameter = other.parameters[write.index]
-                if not parameter.name or not _mutable(other, write.index):
-                    continue
-                everything = writes(other.unit, parameter.name, other.start, other.end)
+            if write.index < len(other.parameters) and fits(other, len(given)) and _mutable(other, write.index):
+                everything = writes(other.unit, other.parameters[write.index].name, other.start, other.end)
                 inside = [w for w in everything if w.owner is None and w.kind is not WriteKind.PARAMETER]
+                inside = [w for w in inside if w.kind is not WriteKind.OUTPUT or self._call_of(w) is not None]
                 if inside:
-                    site = Site(call, tuple(given), (), context)
-                    found = self.back(inside, other.end - 1, context.bind(other, site).deeper())
-                    if found:
-                        return [(value, context) for value, _ in found]
-        return None
+                    targets.append((other, inside))
+        read = any(spec.output == write.index for spec in self._evaluator.api.parameters.get(called.name, ()))
+        return (called, given, targets) if targets or read else None
 
     def _parameter(self, write: Write, context: Context) -> Alternatives:
         unit = write.unit
