@@ -104,7 +104,7 @@ _FOREIGN: Final = tuple(
         "ros::service",
     )
 )
-_CACHE_BYTES: Final = 6 << 20
+_CACHE_BYTES: Final = 12 << 20
 _MOST_HEADERS: Final = 600
 _cache: OrderedDict[FilePath, Unit] = OrderedDict()
 _worded: dict[tuple[FilePath, int], tuple[int, bool]] = {}

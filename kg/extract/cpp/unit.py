@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from functools import cache, cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, Final
 
-from tree_sitter import Query
+from tree_sitter import Query, QueryCursor
 
 from kg.extract.cpp import syntax
 
@@ -89,9 +89,12 @@ def included(source: bytes) -> list[str]:
     return found
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(slots=True, eq=False)
 class Expr:
-    """An expression where it stands: `at` is the byte from which its names are looked up."""
+    """An expression where it stands: `at` is the byte from which its names are looked up. Nothing changes it.
+
+    It is not frozen because one is made for every argument of every call, and frozen ones take three times as long.
+    """
 
     unit: Unit
     node: Node
@@ -207,7 +210,7 @@ class Class:
         """Every word of its declarations, without the names of members, friends and the bodies of methods."""
         if self._words is None:
             inner = [(f.start, f.end) for f in self.unit.functions if f.inside is self]
-            members = syntax.captures(_members(), self.node).get("member", [])
+            members = QueryCursor(_members()).captures(self.node).get("member", [])
             left_out = [*inner, *((n.start_byte, n.end_byte) for n in members)]
             self._words = self.unit.words(self.start, self.end, left_out)
         return self._words
@@ -314,8 +317,7 @@ class Unit:
 
     @cached_property
     def _structure(self) -> _Structure:
-        captures = syntax.captures(_structure(), self.root)
-        return _arrange(self, captures)
+        return _arrange(self, QueryCursor(_structure()).captures(self.root))
 
     @property
     def functions(self) -> list[Function]:
@@ -494,7 +496,7 @@ def _arrange(unit: Unit, captures: dict[str, list[Node]]) -> _Structure:
     ]
     entries.sort(key=lambda entry: entry[:2])
     silent = ((n.start_byte, n.end_byte) for n in captures.pop("silent", ()))
-    for nodes in captures.values():  # they come in the order of their addresses
+    for nodes in captures.values():  # sorted here and not by `syntax.captures`, which need not sort the many above
         nodes.sort(key=lambda node: (node.start_byte, -node.end_byte))
     result = _Structure([], [], [], captures, _blanked(unit.source, silent))
     around: list[tuple[int, tuple[str, ...], Class | None]] = []
