@@ -1,4 +1,6 @@
-"""Results of extraction on disk: the N-Triples of a package and the look-ups they depend on, compressed.
+"""Results of extraction on disk: the N-Triples of a package, its own and those that sources share, compressed.
+
+The look-ups that they depend on stand before them.
 
 A file is named by the digest of its content, so a damaged or foreign one is noticed, and two builds cannot disturb
 each other.
@@ -19,18 +21,19 @@ if TYPE_CHECKING:
 
     from kg.pipeline.recording import Lookup
 
-__all__ = ["exists", "keep_only", "lookups", "pack", "store", "triples"]
+__all__ = ["exists", "keep_only", "lookups", "pack", "shared", "store", "triples"]
 
 _LEVEL: Final = 1
 _ENDING: Final = ".z"
 _LENGTH_BYTES: Final = 8
+_LOOKUPS, _SHARED, _CONTENT = range(3)
 
 
-def pack(content: bytes, found: Mapping[Lookup, str]) -> bytes:
-    """Return the packed form of N-Triples and of the look-ups (with their answers) that they depend on."""
+def pack(content: bytes, found: Mapping[Lookup, str], common: bytes = b"") -> bytes:
+    """Return the packed form of N-Triples, of the look-ups (with their answers) that they depend on, of shared ones."""
     listed = json.dumps([[*lookup, answer] for lookup, answer in found.items()], separators=(",", ":"))
-    packed = zlib.compress(listed.encode(), _LEVEL)
-    return len(packed).to_bytes(_LENGTH_BYTES) + packed + zlib.compress(content, _LEVEL)
+    parts = [zlib.compress(part, _LEVEL) for part in (listed.encode(), common, content)]
+    return b"".join(len(part).to_bytes(_LENGTH_BYTES) + part for part in parts)
 
 
 def store(folder: Path, packed: bytes) -> str:
@@ -42,17 +45,18 @@ def store(folder: Path, packed: bytes) -> str:
 
 def triples(folder: Path, name: str) -> bytes | None:
     """Return the N-Triples of a result; None when it is not there or damaged."""
-    packed = _read(folder, name)
-    return None if packed is None else zlib.decompress(packed[_LENGTH_BYTES + _length(packed) :])
+    return _part(folder, name, _CONTENT)
+
+
+def shared(folder: Path, name: str) -> bytes | None:
+    """Return those N-Triples of a result that sources share; None when it is not there or damaged."""
+    return _part(folder, name, _SHARED)
 
 
 def lookups(folder: Path, name: str) -> dict[Lookup, str] | None:
     """Return the look-ups that a result depends on, with their answers; None when it is not there or damaged."""
-    packed = _read(folder, name)
-    if packed is None:
-        return None
-    listed = json.loads(zlib.decompress(packed[_LENGTH_BYTES : _LENGTH_BYTES + _length(packed)]))
-    return {tuple(lookup): answer for *lookup, answer in listed}
+    part = _part(folder, name, _LOOKUPS)
+    return None if part is None else {tuple(lookup): answer for *lookup, answer in json.loads(part)}
 
 
 def exists(folder: Path, name: str) -> bool:
@@ -68,8 +72,18 @@ def keep_only(folder: Path, names: Iterable[str]) -> None:
             path.unlink(missing_ok=True)
 
 
-def _length(packed: bytes) -> int:
-    return int.from_bytes(packed[:_LENGTH_BYTES])
+def _part(folder: Path, name: str, number: int) -> bytes | None:
+    packed = _read(folder, name)
+    if packed is None:
+        return None
+    start = 0
+    for _ in range(number):
+        start += _LENGTH_BYTES + _length(packed, start)
+    return zlib.decompress(packed[start + _LENGTH_BYTES : start + _LENGTH_BYTES + _length(packed, start)])
+
+
+def _length(packed: bytes, start: int) -> int:
+    return int.from_bytes(packed[start : start + _LENGTH_BYTES])
 
 
 def _read(folder: Path, name: str) -> bytes | None:

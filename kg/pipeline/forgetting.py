@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 from pyoxigraph import NamedNode
 
 from kg.graph.iris import Iris
+from kg.pipeline.sharing import keep_shared
 from kg.pipeline.state import load, save
+from kg.pipeline.writing import shared_of
 from kg.store.failure import translated
 
 if TYPE_CHECKING:
@@ -31,8 +33,10 @@ def forget(store: EmbeddedStore, base: str, names: Sequence[str], command: str =
         state = load(store.layout.cache)
         for name in names:
             transaction.drop_graph(NamedNode(iris.source_graph(name)))
-        generation = transaction.commit()
         left = _without(state, frozenset(names))
+        packages = [package for source in left.sources.values() for package in source.packages.values()]
+        keep_shared(transaction, iris, [shared_of(store.layout.cache, package) for package in packages], left.sources)
+        generation = transaction.commit()
         current = generation if generation and state.generation + 1 == generation else state.generation
         with translated(str(store.layout.cache)):
             store.layout.cache.mkdir(parents=True, exist_ok=True)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 from kg.extract.package import ExtractSettings, extract_package
 from kg.facts import Problem, Resolution
 from kg.graph import Iris, count, package_triples
+from kg.graph.shared import split
 from kg.pipeline import cache
 from kg.pipeline.report import PackageResult
 
@@ -51,17 +52,18 @@ def work(job: Job, source: str, path: str) -> Outcome:
         raise LookupError(f"{source}:{path}")
     job.workspace.forget()
     facts = extract_package(job.workspace, found, package, ExtractSettings(job.max_file_bytes))
-    content = package_triples(facts, Iris(job.base))
+    iris = Iris(job.base)
+    own, shared = split(package_triples(facts, iris), iris)
     result = PackageResult(
         source=source,
         name=package.name,
         path=path,
-        counts=asdict(count([facts], triples=content.count(b"\n"))),
+        counts=asdict(count([facts], triples=len(own) + len(shared))),
         unresolved=_reasons(facts),
         problems=facts.problems,
         seconds=time.perf_counter() - began,
     )
-    return Outcome(result, dict(facts.inputs), cache.pack(content, job.workspace.lookups))
+    return Outcome(result, dict(facts.inputs), cache.pack(b"".join(own), job.workspace.lookups, b"".join(shared)))
 
 
 def failed(source: str, name: str, path: str, message: str) -> Outcome:

@@ -17,6 +17,7 @@ from kg.errors import Place, StoreError
 from kg.graph import BuildRecord, Counts, Iris, build_triples, repository_triples
 from kg.graph.ontology_files import ontology_triples
 from kg.pipeline import cache
+from kg.pipeline.sharing import keep_shared
 from kg.pipeline.state import discard
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     from kg.store.embedded import EmbeddedStore
     from kg.store.transaction import EmbeddedTransaction
 
-__all__ = ["Writing", "Written", "untouched"]
+__all__ = ["Writing", "Written", "shared_of", "untouched"]
 
 _FLUSH_BYTES: Final = 16 << 20
 _SMALL: Final = 10
@@ -62,6 +63,7 @@ class Writing:
         self._iris = Iris(base)
         self._trusted = trusted
         self._patched: set[str] = set()
+        self._dropped: set[str] = set()
         self._waiting: dict[str, list[bytes]] = {}
         self.triples = 0
 
@@ -83,6 +85,7 @@ class Writing:
 
     def drop(self, names: tuple[str, ...]) -> None:
         """Take out the graphs of sources that are gone."""
+        self._dropped.update(names)
         for name in names:
             self._transaction.drop_graph(self._graph(name))
 
@@ -108,7 +111,17 @@ class Writing:
             written[name] = Written(head.decode(), self._transaction.count(self._graph(name)))
             packages = [results[name, package.path] for package in source.packages]
             self._record(source, packages, written[name].quads, started)
+        self._share(results)
         return written
+
+    def _share(self, results: Mapping[Key, PackageState]) -> None:
+        """Keep what sources share: that of this build, and of the sources of earlier builds that are still there."""
+        built = {name for name, _ in results}
+        earlier = self._state.sources if self._state.version == self._plan.version else {}
+        others = {name: one for name, one in earlier.items() if name not in built and name not in self._dropped}
+        packages = [*results.values(), *(package for one in others.values() for package in one.packages.values())]
+        contents = [shared_of(self._folder, package) for package in packages]
+        keep_shared(self._transaction, self._iris, contents, {*built, *others})
 
     def _is_small(self, source: Source) -> bool:
         """Tell whether so little of a source changed that its graph is patched."""
@@ -158,14 +171,7 @@ class Writing:
         self._transaction.load(self._graph(name), self._waiting.pop(name, []))
 
     def _content(self, package: PackageState) -> bytes:
-        content = cache.triples(self._folder, package.result)
-        if content is None:
-            discard(self._folder)
-            message = f"the cached result of the package {package.name} is damaged"
-            raise StoreError(
-                "KG303", message, place=Place(str(self._folder)), hint="Build again; it will be read anew."
-            )
-        return content
+        return _sound(self._folder, package, cache.triples(self._folder, package.result))
 
     def _graph(self, name: str) -> NamedNode:
         return NamedNode(self._iris.source_graph(name))
@@ -180,6 +186,19 @@ class Writing:
             source.repository, started, datetime.now(UTC), installed_version("kg-ros"), Counts(**totals)
         )
         self._transaction.append(NamedNode(self._iris.graph("builds")), build_triples(record, self._iris))
+
+
+def shared_of(folder: Path, package: PackageState) -> bytes:
+    """Return the N-Triples of a package that sources share; StoreError KG303 when its cached result is damaged."""
+    return _sound(folder, package, cache.shared(folder, package.result))
+
+
+def _sound(folder: Path, package: PackageState, content: bytes | None) -> bytes:
+    if content is None:
+        discard(folder)
+        message = f"the cached result of the package {package.name} is damaged"
+        raise StoreError("KG303", message, place=Place(str(folder)), hint="Build again; it will be read anew.")
+    return content
 
 
 def untouched(store: EmbeddedStore, base: str, sources: Mapping[str, SourceState]) -> set[str]:

@@ -86,6 +86,18 @@ class EmbeddedTransaction:
             rows = self._engine.query(f"SELECT (COUNT(*) AS ?n) WHERE {{ GRAPH {graph} {{ ?s ?p ?o }} }}")
             return int(next(cast("QuerySolutions", rows))["n"].value)
 
+    def graphs(self) -> list[NamedNode]:
+        """Return the named graphs that there are by now."""
+        with translated(str(self._layout.root)):
+            self._begin(frozenset())
+            return [graph for graph in self._engine.named_graphs() if isinstance(graph, NamedNode)]
+
+    def content(self, graph: NamedNode) -> bytes:
+        """Return what a graph holds by now, as N-Triples."""
+        with translated(str(self._layout.root)):
+            self._begin(frozenset())
+            return self._engine.dump(format=RdfFormat.N_TRIPLES, from_graph=graph) or b""
+
     def append(self, graph: NamedNode, triples: bytes) -> None:
         """Add N-Triples to a graph."""
         with translated(str(self._layout.root)):

@@ -61,13 +61,20 @@ class Bench:
         return build(named or [str(self.source)], self.store, load({"jobs": jobs}, environment={}))
 
     def content(self) -> list[str]:
-        """Return all quads of sources, sorted."""
+        """Return all quads of sources and of what they share, sorted."""
         with self.store.read() as snapshot:
             lines = snapshot.dump(RdfFormat.N_QUADS).decode().splitlines()
-        return sorted(line for line in lines if "/graph/source/" in line.rpartition(" <")[2])
+        return sorted(line for line in lines if "/graph/s" in line.rpartition(" <")[2])
 
     def topics(self) -> set[str]:
         """Return the names of all topics in the store."""
+        return set(self._topics())
+
+    def answers(self, topic: str) -> int:
+        """Return how often a query for all topics names one of them."""
+        return self._topics().count(topic)
+
+    def _topics(self) -> list[str]:
         with self.store.read() as snapshot:
             text = "SELECT ?n { ?t a ros:Topic ; rdfs:label ?n }"
             prefixes = {
@@ -75,7 +82,7 @@ class Bench:
                 "rdfs": "http://www.w3.org/2000/01/rdf-schema#",
             }
             answer = snapshot.query(text, prefixes=prefixes)
-            return {row["n"].value for row in cast("QuerySolutions", answer)}
+            return [row["n"].value for row in cast("QuerySolutions", answer)]
 
     def sibling(self, name: str) -> Bench:
         """Return the same workspace with another, empty store."""

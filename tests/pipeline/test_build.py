@@ -224,7 +224,22 @@ def test_a_checkout_that_is_gone(bench: Bench) -> None:
     assert bench.topics() - IMPLICIT == {"/first", "/talk"}
     with bench.store.read() as snapshot:
         graphs = {graph.value.rpartition("/graph/")[2] for graph in snapshot.graphs()}
-    assert graphs == {"builds", "ontology", "source/example.org/a/b"}
+    assert graphs == {"builds", "ontology", "shared", "source/example.org/a/b"}
+
+
+def test_what_sources_share_stands_once(bench: Bench) -> None:
+    """A topic that two sources use is one answer, and stays until the last of them is gone."""
+    bench.package("two", "chatter")
+    subprocess.run(["git", "init", "-q"], cwd=bench.source / "one", check=True)
+    bench.build()
+    assert bench.answers("/chatter") == 1
+    shutil.rmtree(bench.source / "one")
+    bench.build()
+    assert bench.answers("/chatter") == 1
+    bench.package("two", "news")
+    bench.build()
+    assert bench.answers("/chatter") == 0
+    assert bench.answers("/news") == 1
 
 
 def test_a_repository_is_cloned(bench: Bench, tmp_path: Path) -> None:

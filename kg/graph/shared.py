@@ -1,0 +1,40 @@
+"""What belongs to no source alone: topics, services, actions, interface types, names of packages, people, qualities.
+
+Many sources describe the same topic with the same triples. Were these in the graph of each, a query over all graphs
+would answer once for every source; so they stand once, in the graph `shared`, and the graph of a source holds the
+rest. `split` tells them apart by their subjects.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from kg.graph.iris import Iris
+
+__all__ = ["SHARED", "split"]
+
+SHARED: Final = "shared"
+"""The name of the graph."""
+
+_KINDS: Final = (
+    "topic",
+    "service",
+    "action",
+    "message",
+    "service-type",
+    "action-type",
+    "package-name",
+    "person",
+    "qos",
+)
+
+
+def split(content: bytes, iris: Iris) -> tuple[list[bytes], list[bytes]]:
+    """Return the lines of N-Triples that belong to a source, and those about what sources share, in their order."""
+    starts = tuple(f"<{iris.base}{kind}/".encode() for kind in _KINDS)
+    own: list[bytes] = []
+    shared: list[bytes] = []
+    for line in content.splitlines(keepends=True):
+        (shared if line.startswith(starts) else own).append(line)
+    return own, shared
