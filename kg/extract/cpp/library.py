@@ -173,6 +173,8 @@ def evaluate(
 ) -> Alternatives | None:
     """Return what a call of a library function makes; None for functions not known here."""
     name, receiver = called.name, called.receiver
+    if name in ("getenv", "secure_getenv"):
+        return [(Unknown("it comes from the environment"), context)]
     if name == "string" and not given and receiver is None:
         return [(Text.of(""), context)]
     if name in _SAME:

@@ -211,11 +211,21 @@ def _declared(unit: Unit, name: Node) -> _Found | None:
                 return None
             return (WriteKind.PARAMETER, parent, -1, parent.child_by_field_name("type"))
         elif kind in ("declaration", "field_declaration"):
-            return _plain(unit, name, inner, parent)
+            return _in_condition(inner, parent) or _plain(unit, name, inner, parent)
         elif not kind.endswith("_declarator") and kind != "qualified_identifier":
             return None
         inner = parent
     return None
+
+
+def _in_condition(inner: Node, parent: Node) -> _Found | None:
+    """Return the value of `if (Type name = value)`, which has no declarator of its own."""
+    value, outer = parent.child_by_field_name("value"), parent.parent
+    declarator = parent.child_by_field_name("declarator")
+    if value is None or outer is None or outer.type != "condition_clause":
+        return None
+    same = declarator is not None and declarator.id == inner.id
+    return (WriteKind.VALUE, value, -1, parent.child_by_field_name("type")) if same else None
 
 
 def _initialised(inner: Node, parent: Node) -> _Found | None:
