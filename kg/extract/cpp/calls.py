@@ -65,14 +65,21 @@ class Finder:
             for name in unit.having(tuple(api.marks)):
                 self._marked(unit, name, api.marks[name])
 
-    def _uses(self, unit: Unit, name: str) -> Iterator[tuple[Node, Node]]:
+    def _uses(self, unit: Unit, name: str) -> Iterator[tuple[Node, Expr, syntax.Callee, list[Expr]]]:
+        """Yield each call of a name in code that runs: the name, the call, what is called, and its arguments."""
         for node in unit.occurrences(name):
             call = call_around(node)
             if call is None or not self._program.runs(unit, node.start_byte) or self._in_helper(unit, node):
                 continue
-            function = unit.function_at(node.start_byte)
-            if function is None or self._evaluator.sites.is_called(function):
-                yield node, call
+            around = unit.function_at(node.start_byte)
+            if around is not None and not self._evaluator.sites.is_called(around):
+                continue
+            function = call.child_by_field_name("function")
+            called = syntax.callee(function) if function is not None else None
+            if called is not None:
+                self._evaluator.restart()
+                arguments = syntax.arguments(call.child_by_field_name("arguments"))
+                yield node, Expr.of(unit, call), called, [Expr.of(unit, argument) for argument in arguments]
 
     def _in_helper(self, unit: Unit, node: Node) -> bool:
         """Tell whether a call stands in a function that a table knows and whose calls are read instead."""
@@ -80,14 +87,7 @@ class Finder:
         return function is not None and function.name in self._api.helpers
 
     def _calls(self, unit: Unit, name: str) -> None:
-        for node, call in self._uses(unit, name):
-            self._evaluator.restart()
-            where = Expr.of(unit, call)
-            function = call.child_by_field_name("function")
-            called = syntax.callee(function) if function is not None else None
-            if called is None:
-                continue
-            given = [Expr.of(unit, a) for a in syntax.arguments(call.child_by_field_name("arguments"))]
+        for node, where, called, given in self._uses(unit, name):
             spec = self._matcher.call(self._api.calls[name], where, called, given)
             if spec is None and called.scope[-1:] == ("element_type",):
                 self._made_by_type(where, node, given)
@@ -189,14 +189,7 @@ class Finder:
         return kind
 
     def _parameters(self, unit: Unit, name: str) -> None:
-        for node, call in self._uses(unit, name):
-            self._evaluator.restart()
-            where = Expr.of(unit, call)
-            function = call.child_by_field_name("function")
-            called = syntax.callee(function) if function is not None else None
-            if called is None:
-                continue
-            given = [Expr.of(unit, a) for a in syntax.arguments(call.child_by_field_name("arguments"))]
+        for node, where, called, given in self._uses(unit, name):
             spec = self._matcher.parameter(self._api.parameters[name], where, called, given)
             if spec is None:
                 continue
