@@ -27,7 +27,7 @@ from kg.render.text import printable, width
 if TYPE_CHECKING:
     from kg.errors import Place
 
-__all__ = ["MODE", "Mode", "colored", "defect", "note", "problem", "render", "report", "say", "warn"]
+__all__ = ["MODE", "Mode", "colored", "defect", "note", "problem", "render", "report", "say"]
 
 REPORT_ADDRESS: Final = "the issue tracker named on the project's page"
 _LONGEST: Final = 160
@@ -68,11 +68,6 @@ def say(text: str = "") -> None:
 def note(text: str) -> None:
     """Tell something the user should know about the answer, a cut or a choice made."""
     say(f"{_paint('note', 'note', on=colored(sys.stderr))}: {text}")
-
-
-def warn(text: str) -> None:
-    """Tell of something that will probably not be what the user wanted."""
-    say(f"{_paint('warning', 'warning', on=colored(sys.stderr))}: {text}")
 
 
 def problem(code: str, message: str, place: str) -> None:

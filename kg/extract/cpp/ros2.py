@@ -36,6 +36,25 @@ _ACTION: Final = frozenset({"rclcpp_action"})
 _IMAGE: Final = "sensor_msgs/Image"
 _TRANSPORT: Final = frozenset({"image_transport"})
 
+
+def _image(role: Role, *, least: int, qos: int, camera: bool = False) -> CallSpec:
+    """Return the entry of a free function of `image_transport` that takes the node and the topic."""
+    end = "publisher" if role is Role.PUBLISHES else "subscriber"
+    return CallSpec(
+        2,
+        role,
+        name=1,
+        handle=0,
+        scopes=_TRANSPORT,
+        fixed=_IMAGE,
+        least=least,
+        camera=camera,
+        qos=qos,
+        mark=f"image_transport.{end}",
+        usual=_USUAL,
+    )
+
+
 _CALLS: Final[dict[str, tuple[CallSpec, ...]]] = {
     "publish": (
         CallSpec(
@@ -57,66 +76,16 @@ _CALLS: Final[dict[str, tuple[CallSpec, ...]]] = {
         CallSpec(2, Role.PUBLISHES, receivers=_ADAPTOR, specified=True, least=0, explicit=True),
         CallSpec(2, Role.PUBLISHES, receivers=_NODE, template=0, qos=1),
         CallSpec(2, Role.PUBLISHES, name=1, handle=0, scopes=_FREE, template=0, least=2, qos=2),
-        CallSpec(
-            2,
-            Role.PUBLISHES,
-            name=1,
-            handle=0,
-            scopes=_TRANSPORT,
-            fixed=_IMAGE,
-            least=2,
-            qos=2,
-            mark="image_transport.publisher",
-            usual=_USUAL,
-        ),
+        _image(Role.PUBLISHES, least=2, qos=2),
     ),
     "create_subscription": (
         CallSpec(2, Role.SUBSCRIBES, receivers=_ADAPTOR, specified=True, least=0, explicit=True),
         CallSpec(2, Role.SUBSCRIBES, receivers=_NODE, template=0, callback=2, least=2, qos=1),
         CallSpec(2, Role.SUBSCRIBES, name=1, handle=0, scopes=_FREE, template=0, callback=3, least=3, qos=2),
-        CallSpec(
-            2,
-            Role.SUBSCRIBES,
-            name=1,
-            handle=0,
-            scopes=_TRANSPORT,
-            fixed=_IMAGE,
-            least=3,
-            qos=4,
-            mark="image_transport.subscriber",
-            usual=_USUAL,
-        ),
+        _image(Role.SUBSCRIBES, least=3, qos=4),
     ),
-    "create_camera_publisher": (
-        CallSpec(
-            2,
-            Role.PUBLISHES,
-            name=1,
-            handle=0,
-            scopes=_TRANSPORT,
-            fixed=_IMAGE,
-            least=2,
-            camera=True,
-            qos=2,
-            mark="image_transport.publisher",
-            usual=_USUAL,
-        ),
-    ),
-    "create_camera_subscription": (
-        CallSpec(
-            2,
-            Role.SUBSCRIBES,
-            name=1,
-            handle=0,
-            scopes=_TRANSPORT,
-            fixed=_IMAGE,
-            least=2,
-            camera=True,
-            qos=4,
-            mark="image_transport.subscriber",
-            usual=_USUAL,
-        ),
-    ),
+    "create_camera_publisher": (_image(Role.PUBLISHES, least=2, qos=2, camera=True),),
+    "create_camera_subscription": (_image(Role.SUBSCRIBES, least=2, qos=4, camera=True),),
     "create_service": (
         CallSpec(2, Role.SERVICES, receivers=_ADAPTOR, specified=True, least=0, explicit=True),
         CallSpec(2, Role.SERVICES, receivers=_NODE, template=0, least=2, qos=2),
@@ -143,19 +112,18 @@ _CALLS: Final[dict[str, tuple[CallSpec, ...]]] = {
 }
 
 
-def _method(access: Access, least: int, most: int, **rest: int | bool | None) -> ParameterSpec:
-    output, default = rest.get("output"), rest.get("default")
+def _method(  # noqa: PLR0913 - the columns of the table
+    access: Access,
+    least: int,
+    most: int,
+    *,
+    output: int | None = None,
+    default: int | None = None,
+    returns: bool = False,
+) -> ParameterSpec:
+    """Return the entry of a method of a node whose first argument is the name of the parameter."""
     return ParameterSpec(
-        2,
-        access,
-        0,
-        None if output is None else int(output),
-        None if default is None else int(default),
-        bool(rest.get("returns")),
-        frozenset(),
-        least,
-        most,
-        _NODE,
+        2, access, output=output, default=default, returns=returns, least=least, most=most, receivers=_NODE
     )
 
 
