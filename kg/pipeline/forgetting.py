@@ -35,7 +35,8 @@ def forget(store: EmbeddedStore, base: str, names: Sequence[str], command: str =
             transaction.drop_graph(NamedNode(iris.source_graph(name)))
         left = _without(state, frozenset(names))
         packages = [package for source in left.sources.values() for package in source.packages.values()]
-        keep_shared(transaction, iris, [shared_of(store.layout.cache, package) for package in packages], left.sources)
+        contents = (shared_of(store.layout.cache, package) for package in packages)
+        keep_shared(transaction, iris, contents, left.sources)
         generation = transaction.commit()
         current = generation if generation and state.generation + 1 == generation else state.generation
         with translated(str(store.layout.cache)):

@@ -111,16 +111,16 @@ class Writing:
             written[name] = Written(head.decode(), self._transaction.count(self._graph(name)))
             packages = [results[name, package.path] for package in source.packages]
             self._record(source, packages, written[name].quads, started)
-        self._share(results)
+        self._share(changed, results)
         return written
 
-    def _share(self, results: Mapping[Key, PackageState]) -> None:
+    def _share(self, changed: list[Source], results: Mapping[Key, PackageState]) -> None:
         """Keep what sources share: that of this build, and of the sources of earlier builds that are still there."""
-        built = {name for name, _ in results}
+        built = {*(name for name, _ in results), *(source.repository.name for source in changed)}
         earlier = self._state.sources if self._state.version == self._plan.version else {}
         others = {name: one for name, one in earlier.items() if name not in built and name not in self._dropped}
         packages = [*results.values(), *(package for one in others.values() for package in one.packages.values())]
-        contents = [shared_of(self._folder, package) for package in packages]
+        contents = (shared_of(self._folder, package) for package in packages)
         keep_shared(self._transaction, self._iris, contents, {*built, *others})
 
     def _is_small(self, source: Source) -> bool:
