@@ -26,13 +26,21 @@ module.version = lambda base, limit: sys.argv[3]
 store = EmbeddedStore.create(Path(sys.argv[1]))
 print("ready", flush=True)
 module.build([sys.argv[2]], store, load({"jobs": 2}, environment={}))
+sys.stdin.read()
 """
 
 
-def _start(bench: Bench, version: str) -> subprocess.Popen[bytes]:
-    """Start a build that reads everything, in a process group of its own, and return when it begins."""
+def _start(bench: Bench, version: str, *, hold: bool = False) -> subprocess.Popen[bytes]:
+    """Start a build that reads everything, in a process group of its own, and return when it begins.
+
+    With `hold` the process stays until its standard input is closed, so that a signal never meets an interpreter
+    that is already ending, where it kills without a word.
+    """
     command = [sys.executable, "-c", BUILD, str(bench.store.layout.root), str(bench.source), version]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
+    stdin = subprocess.PIPE if hold else subprocess.DEVNULL
+    process = subprocess.Popen(
+        command, stdin=stdin, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True
+    )
     assert process.stdout is not None
     assert process.stdout.readline() == b"ready\n"
     return process
@@ -89,7 +97,7 @@ def test_interrupt_ends_workers_and_keeps_the_store(built: Bench) -> None:
     """Ctrl-C ends the build and its workers, and leaves neither a generation nor temporary files."""
     before = built.content()
     for delay in (0.3, 0.6):
-        process = _start(built, f"interrupted {delay}")
+        process = _start(built, f"interrupted {delay}", hold=True)
         time.sleep(delay)
         os.killpg(process.pid, signal.SIGINT)
         _, errors = process.communicate(timeout=20)
