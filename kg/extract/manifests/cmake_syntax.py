@@ -22,7 +22,7 @@ _ARGUMENT: Final = re.compile(
     re.DOTALL | re.VERBOSE,
 )
 _BRACKET: Final = re.compile(r"\[(={0,40})\[\n?")
-_CONTINUED: Final = re.compile(r"\\\n")
+_CONTINUED: Final = re.compile(r"(?<!\\)((?:\\\\)*)\\\n")
 _OPENERS: Final = {
     "if": "endif",
     "foreach": "endforeach",
@@ -147,7 +147,7 @@ class _Lexer:
         if match is None:
             raise SyntaxFault("an argument is expected here", line)
         form = match.lastgroup or ""
-        text = _CONTINUED.sub("", match[form]) if form == "quoted" else match[form]
+        text = _CONTINUED.sub(r"\1", match[form]) if form == "quoted" else match[form]
         return Argument(text, form, line), match.end()
 
 

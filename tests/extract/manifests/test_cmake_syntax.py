@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from kg.extract.manifests.cmake_syntax import Argument, Block, Command, SyntaxFault, parse, parse_commands
@@ -97,6 +97,7 @@ def bracket(text: str) -> str:
     return f"[{level}[\n{text}]{level}]"
 
 
+@example(["\\\n"], "\n")
 @given(st.lists(PLAIN, max_size=6), st.sampled_from(["\n", " ", "\t", " # c\n", "#[[ x ]]"]))
 def test_round_trip(texts: list[str], gap: str) -> None:
     """Any texts written as quoted or bracket arguments come out as they went in."""

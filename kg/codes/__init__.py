@@ -1,0 +1,25 @@
+"""The catalogue of codes: one text for `kg explain KG101`, the documentation and the pages.
+
+Hundreds name the room: 0 usage and settings, 1 reading sources, 2 rules, 3 the store, 4 findings in an architecture,
+5 queries, 6 graph and ontology, 7 robots, 9 inside `kg` itself.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from kg.codes import defects, graphs, queries, rules, sources, stores, usage
+from kg.codes.entry import CodeEntry
+
+__all__ = ["CATALOGUE", "CodeEntry"]
+
+CATALOGUE: Final[dict[str, CodeEntry]] = {
+    **usage.CODES,
+    **sources.CODES,
+    **rules.CODES,
+    **stores.CODES,
+    **queries.CODES,
+    **graphs.CODES,
+    **defects.CODES,
+}
+"""Code to its entry, by rising number."""

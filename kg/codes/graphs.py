@@ -1,0 +1,37 @@
+"""The codes of graph and ontology: KG6xx."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from kg.codes.entry import CodeEntry
+
+__all__ = ["CODES"]
+
+CODES: Final = {
+    "KG601": CodeEntry(
+        "RDF does not parse",
+        "A file of RDF is not valid in the format it was read as.",
+        "Mend the file at the line given or name its format.",
+    ),
+    "KG602": CodeEntry(
+        "ontology inconsistent",
+        "The reasoner found a contradiction or an unsatisfiable class in the ontologies.",
+        "Read the explanation and correct the ontology.",
+    ),
+    "KG603": CodeEntry(
+        "reasoner missing",
+        "The OWL DL reasoner needs Java, which was not found.",
+        "Install a Java runtime (Debian: default-jre-headless).",
+    ),
+    "KG604": CodeEntry(
+        "shape violated",
+        "Data in the store does not conform to a SHACL shape.",
+        "The report names the node, the shape and the value.",
+    ),
+    "KG605": CodeEntry(
+        "optional part missing",
+        "What was asked for needs Python packages that `kg` does not install by itself.",
+        "Install them: pip install 'kg-ros[ontology]'.",
+    ),
+}

@@ -1,0 +1,1 @@
+"""Rules: files in three notations, one internal form, run to a fixpoint, kept true, explained."""

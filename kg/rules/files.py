@@ -1,0 +1,101 @@
+"""Rules as files: what a file of rules is once it is read, whatever its notation.
+
+    rules/communication/publishes.rq       the rule, its documentation in a header of comments
+    rules/communication/publishes.md       its examples
+
+A header has the same form in the three notations, all of which begin comments with `#`:
+
+    # Nodes publish the topics of their publishers          the title, one line
+    #
+    # ## What it infers
+    #
+    # Any number of lines of prose.
+    #
+    # ## Why
+    # ## Known limits                                       may be missing
+    # ## References                                         may be missing
+    #
+    # since: 0.2
+    # severity: warning                                     only for rules that report: error, warning or note
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from pyoxigraph import Triple
+
+    from kg.rules.form import Rule
+
+__all__ = ["HEADINGS", "NOTATIONS", "REQUIRED_HEADINGS", "Documentation", "RuleFile", "RuleSet"]
+
+HEADINGS: Final = ("What it infers", "Why", "Known limits", "References")
+"""The headings that documentation may have, in their order."""
+
+REQUIRED_HEADINGS: Final = ("What it infers", "Why")
+
+NOTATIONS: Final = {".rq": "SPARQL CONSTRUCT", ".ttl": "SHACL rules", ".srl": "SPARQL 1.2 RL"}
+"""The ending of a file of rules to the name of its notation."""
+
+
+@dataclass(frozen=True, slots=True)
+class Documentation:
+    """The header of a file; `sections` by heading, their text without the comment signs."""
+
+    title: str = ""
+    sections: Mapping[str, str] | None = None
+    since: str | None = None
+    severity: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class RuleFile:
+    """One file of rules, read; `name` is `family/name`."""
+
+    name: str
+    path: Path
+    text: str
+    documentation: Documentation
+    rules: tuple[Rule, ...]
+    data: tuple[Triple, ...] = ()
+    """Triples that the file itself states (`DATA` of SPARQL 1.2 RL)."""
+    prefixes: Mapping[str, str] | None = None
+    pack: str = ""
+    """The rule pack that brought it; empty for folders."""
+
+    @property
+    def family(self) -> str:
+        """The part of the name before its last slash."""
+        return self.name.rpartition("/")[0]
+
+    @property
+    def notation(self) -> str:
+        """The ending of the file."""
+        return self.path.suffix
+
+    @property
+    def examples(self) -> Path:
+        """Where its examples stand, whether there are any or not."""
+        return self.path.with_suffix(".md")
+
+
+@dataclass(frozen=True, slots=True)
+class RuleSet:
+    """The rule files in force, sorted by name."""
+
+    files: tuple[RuleFile, ...]
+
+    @property
+    def rules(self) -> tuple[Rule, ...]:
+        """The rules of all files."""
+        return tuple(rule for file in self.files for rule in file.rules)
+
+    @property
+    def data(self) -> tuple[Triple, ...]:
+        """The triples that files state."""
+        return tuple(triple for file in self.files for triple in file.data)

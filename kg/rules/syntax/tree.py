@@ -1,0 +1,253 @@
+"""The syntax tree that the parsers of `.rq` and `.srl` give; offsets count characters of the text from zero.
+
+Names are resolved: prefixes are expanded, relative IRIs made absolute, `a` is rdf:type, lists and `[ ... ]` are
+triples. Blank nodes in patterns and templates are `form.Variable` with a name that begins with `.` in patterns
+(labels keep theirs behind the dot) and `BlankNode` in templates and DATA.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
+
+if TYPE_CHECKING:
+    from pyoxigraph import NamedNode, Triple
+
+    from kg.rules.form import Pattern, Term, Variable
+
+__all__ = [
+    "AggregateCall",
+    "Alternative",
+    "Bind",
+    "Exists",
+    "Expression",
+    "Filter",
+    "GraphBlock",
+    "Group",
+    "Inverse",
+    "Minus",
+    "Negated",
+    "Node",
+    "Optional",
+    "Path",
+    "Projection",
+    "Repeat",
+    "RuleText",
+    "RuleUnit",
+    "Sequence",
+    "Span",
+    "SubSelect",
+    "TriplePattern",
+    "Union",
+    "ValuesBlock",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """From the first character to the one behind the last."""
+
+    start: int
+    end: int
+
+
+@dataclass(frozen=True, slots=True)
+class Inverse:
+    """`^path`."""
+
+    path: Path
+
+
+@dataclass(frozen=True, slots=True)
+class Sequence:
+    """`first/second`."""
+
+    parts: tuple[Path, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Alternative:
+    """`first|second`."""
+
+    parts: tuple[Path, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Repeat:
+    """`path*` (least 0), `path+` (least 1), or `path?` (least 0, not `many`)."""
+
+    path: Path
+    least: int
+    many: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Negated:
+    """`!(first|^second)`."""
+
+    forward: tuple[NamedNode, ...]
+    backward: tuple[NamedNode, ...]
+
+
+Path: TypeAlias = "NamedNode | Variable | Inverse | Sequence | Alternative | Repeat | Negated"
+
+
+@dataclass(frozen=True, slots=True)
+class TriplePattern:
+    """A triple of a pattern or a template; only patterns have paths."""
+
+    subject: Pattern
+    predicate: Path
+    object: Pattern
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class AggregateCall:
+    """`COUNT(DISTINCT ?x)` inside an expression; `argument` is None for `COUNT(*)`."""
+
+    function: str
+    argument: Expression | None
+    distinct: bool
+    separator: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Expression:
+    """An expression as text: `text` has names as IRIs in brackets, so that it means the same without prefixes.
+
+    `variables` are those free in it, in order of appearance, those inside EXISTS too; `functions` the names of what
+    it calls (upper case for built-in ones, IRIs for others, `+` `-` `*` `/` for arithmetic); `exists` the patterns of
+    EXISTS and NOT EXISTS in it; `aggregates` the calls of aggregates.
+    """
+
+    text: str
+    variables: tuple[str, ...]
+    functions: frozenset[str]
+    span: Span
+    exists: tuple[Exists, ...] = ()
+    aggregates: tuple[AggregateCall, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Filter:
+    """`FILTER expression`. A filter that is nothing but EXISTS or NOT EXISTS is an `Exists` instead."""
+
+    expression: Expression
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Exists:
+    """`FILTER EXISTS {}`, `FILTER NOT EXISTS {}`, and SPARQL RL's `NOT {}` and `NOT DATA {}` (`asserted`)."""
+
+    group: Group
+    negated: bool
+    asserted: bool
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Bind:
+    """`BIND(expression AS ?variable)` or `SET(?variable := expression)`."""
+
+    variable: Variable
+    expression: Expression
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class ValuesBlock:
+    """`VALUES`; None is UNDEF."""
+
+    variables: tuple[Variable, ...]
+    rows: tuple[tuple[Term | None, ...], ...]
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Optional:
+    """`OPTIONAL {}`."""
+
+    group: Group
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Minus:
+    """`MINUS {}`."""
+
+    group: Group
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Union:
+    """`{} UNION {}`; also a group inside a group, with one branch."""
+
+    groups: tuple[Group, ...]
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class GraphBlock:
+    """`GRAPH name {}`."""
+
+    name: NamedNode | Variable
+    group: Group
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Projection:
+    """A column of a sub-SELECT: a variable, with its expression where it is `(expression AS ?variable)`."""
+
+    variable: Variable
+    expression: Expression | None
+
+
+@dataclass(frozen=True, slots=True)
+class SubSelect:
+    """`{ SELECT ... }`; `sliced`: it has ORDER BY, LIMIT or OFFSET. No projections is `SELECT *`."""
+
+    projections: tuple[Projection, ...]
+    distinct: bool
+    group: Group
+    keys: tuple[Projection, ...]
+    having: tuple[Expression, ...]
+    sliced: bool
+    span: Span
+
+
+Node: TypeAlias = (
+    "TriplePattern | Filter | Exists | Bind | ValuesBlock | Optional | Minus | Union | GraphBlock | SubSelect"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """What stands between braces, in the order of the text; `span` has the braces."""
+
+    nodes: tuple[Node, ...]
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class RuleText:
+    """One rule as written: template and pattern; `asserted`: `WHERE DATA`."""
+
+    template: tuple[TriplePattern, ...]
+    group: Group
+    asserted: bool
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class RuleUnit:
+    """A whole file: a `.rq` has one rule; a `.srl` any number, with imports and data."""
+
+    rules: tuple[RuleText, ...]
+    data: tuple[Triple, ...]
+    imports: tuple[NamedNode, ...]
+    prefixes: dict[str, str]
