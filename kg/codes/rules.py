@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
-if TYPE_CHECKING:
-    from kg.codes.entry import CodeEntry
+from kg.codes.entry import CodeEntry
 
 __all__ = ["CODES"]
 
-CODES: Final[dict[str, CodeEntry]] = {}
+CODES: Final = {
+    "KG209": CodeEntry(
+        "not allowed in rules",
+        "A rule has a part that rules cannot have (SERVICE, FROM), or that the notation asked for cannot say.",
+        "Write the rule without it, or in another notation.",
+    ),
+}

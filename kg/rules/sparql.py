@@ -1,0 +1,219 @@
+"""The internal form as SPARQL text, for explanation, remote servers and people.
+
+The order of a body is kept. A group of SPARQL differs from a body in two ways, and both are mended here: its filters
+see all of the group, also what stands behind them, and BIND may not name a bound variable.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final, TypeAlias
+
+from pyoxigraph import BlankNode, Triple
+
+from kg.errors import RuleError
+from kg.rules.form import Aggregate, Assignment, Atom, EngineBlock, Exists, Filter, TripleTerm, Values, Variable
+from kg.rules.scope import binds, bound_in, mentions
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+
+    from pyoxigraph import NamedNode
+
+    from kg.rules.form import Column, Element, Pattern, Rule, Term
+
+    Asserted: TypeAlias = Callable[[str], str]
+    """Gives the text for a triple pattern that matches only what was asserted, from that of the plain pattern."""
+
+__all__ = ["asserted_in", "construct", "group", "outside", "select", "spelling", "substitutions", "term"]
+
+_MADE: Final = "_·"
+"""What the spelling of a variable begins with whose name begins with `.`."""
+
+
+def outside(inferred: NamedNode) -> Asserted:
+    """Say "asserted" by a graph that has all that was inferred and nothing that was asserted."""
+    return lambda pattern: f"{pattern} FILTER NOT EXISTS {{ GRAPH {inferred} {{ {pattern} }} }}"
+
+
+def asserted_in(graph: NamedNode) -> Asserted:
+    """Say "asserted" by the one graph that has all that was asserted."""
+    return lambda pattern: f"GRAPH {graph} {{ {pattern} }}"
+
+
+def _plain(pattern: str) -> str:
+    return pattern
+
+
+def spelling(variable: Variable) -> str:
+    """Return how a variable is written in SPARQL, with `?`; different for different variables."""
+    name = variable.name
+    if name.startswith("."):
+        name = _MADE + "".join(sign if sign == "_" or sign.isalnum() else f"·{ord(sign):x}·" for sign in name[1:])
+    elif name.startswith(_MADE):
+        name = f"{_MADE}·{name}"
+    return f"?{name}"
+
+
+def term(pattern: Pattern) -> str:
+    """Return a term or a variable as SPARQL writes it, names in brackets."""
+    if isinstance(pattern, Variable):
+        return spelling(pattern)
+    if isinstance(pattern, TripleTerm | Triple):
+        return f"<<( {term(pattern.subject)} {term(pattern.predicate)} {term(pattern.object)} )>>"
+    return str(pattern)
+
+
+def group(body: Sequence[Element], *, asserted: Asserted = _plain) -> str:
+    """Return what stands between the braces of a group that has the solutions of a body; one element a line.
+
+    `asserted` writes the atoms that match asserted triples only; without it they match inferred ones too. RuleError
+    KG209 for an atom with a blank node, which SPARQL takes for a variable.
+    """
+    return _Writer(asserted, {}).group(body)
+
+
+def select(
+    body: Sequence[Element],
+    variables: Sequence[Variable],
+    bindings: Mapping[Variable, Term] | None = None,
+    *,
+    asserted: Asserted = _plain,
+) -> str:
+    """Return the query for the distinct solutions of a body that agree with `bindings`, cut to `variables`.
+
+    Bindings to blank nodes cannot be written: the caller gives `substitutions(bindings)` to the store's engine with
+    the query, and those variables must be among `variables`. Without variables it asks for one row without columns.
+    """
+    fixed = {variable: value for variable, value in (bindings or {}).items() if not _has_blank(value)}
+    text = _Writer(asserted, fixed).group(body, used=frozenset(variables))
+    if not variables:
+        return f"SELECT (1 AS ?{_MADE}one) WHERE {{\n{text}\n}} LIMIT 1"
+    return f"SELECT DISTINCT {' '.join(map(spelling, variables))} WHERE {{\n{text}\n}}"
+
+
+def substitutions(bindings: Mapping[Variable, Term]) -> dict[str, Term]:
+    """Return the bindings that `select` leaves out, by the names that it gives to the variables, without `?`."""
+    return {spelling(variable)[1:]: value for variable, value in bindings.items() if _has_blank(value)}
+
+
+def construct(rule: Rule, *, asserted: Asserted = _plain) -> str:
+    """Return the CONSTRUCT query that gives what a rule derives in one application.
+
+    Each distinct solution of the body gives its triples once, which matters where the head has blank nodes.
+    """
+    head = " .\n".join(_triple(atom) for atom in rule.head)
+    text = _indent(group(rule.body, asserted=asserted))
+    if any(_has_blank(position) for atom in rule.head for position in atom.positions):
+        names = " ".join(sorted(map(spelling, bound_in(rule.body)))) or "*"
+        text = _indent(f"{{\n  SELECT DISTINCT {names} WHERE {{\n{_indent(text)}\n  }}\n}}")
+    return f"CONSTRUCT {{\n{_indent(head)}\n}}\nWHERE {{\n{text}\n}}"
+
+
+def _has_blank(value: Pattern) -> bool:
+    if isinstance(value, Triple | TripleTerm):
+        return any(map(_has_blank, (value.subject, value.predicate, value.object)))
+    return isinstance(value, BlankNode)
+
+
+def _triple(atom: Atom) -> str:
+    return " ".join(map(term, atom.positions))
+
+
+def _indent(text: str) -> str:
+    return "\n".join(f"  {line}" for line in text.split("\n"))
+
+
+def _braces(text: str) -> str:
+    return f"{{\n{_indent(text)}\n}}"
+
+
+class _Writer:
+    """Writes one body with some variables replaced by terms, all of which SPARQL can write."""
+
+    def __init__(self, asserted: Asserted, fixed: Mapping[Variable, Term]) -> None:
+        self._asserted = asserted
+        self._fixed = fixed
+
+    def group(self, body: Sequence[Element], used: frozenset[Variable] = frozenset()) -> str:
+        """Write a body; `used`: the variables that must have their values outside of it."""
+        lines: list[str] = list(self._values(body, used))
+        before: frozenset[Variable] = frozenset()
+        for index, element in enumerate(body):
+            late = bound_in(body[index + 1 :]) - before
+            lines.append(self._element(element, late))
+            if self._unseen(element) & late:
+                # A filter of SPARQL would see what is bound behind it: the braces end the group that it sees.
+                lines = [_braces("\n".join(lines))]
+            before |= binds(element)
+        return "\n".join(lines)
+
+    def _unseen(self, element: Element) -> frozenset[Variable]:
+        """Return the variables that change what a filter means when they are bound behind it."""
+        return mentions(element) if isinstance(element, Filter | Exists) else frozenset()
+
+    def _values(self, body: Sequence[Element], used: frozenset[Variable]) -> Iterator[str]:
+        """Bind, before all else, the fixed variables that stay as they are in this group or are used outside."""
+        kept = used.union(*(mentions(element) for element in body if not isinstance(element, Atom | Exists)))
+        for variable in sorted(kept & self._fixed.keys(), key=str):
+            yield f"VALUES {spelling(variable)} {{ {term(self._fixed[variable])} }}"
+
+    def _element(self, element: Element, late: frozenset[Variable]) -> str:
+        """Write an element; `late` are the variables that only elements behind it bind."""
+        if isinstance(element, Atom):
+            return self._atom(element)
+        if isinstance(element, Filter):
+            return f"FILTER({element.expression.text})"
+        if isinstance(element, Assignment):
+            return self._assignment(element)
+        if isinstance(element, Exists):
+            seen = {variable: value for variable, value in self._fixed.items() if variable not in late}
+            inner = _Writer(self._asserted, seen).group(element.body)
+            return f"FILTER {'NOT ' if element.negated else ''}EXISTS {_braces(inner)}"
+        if isinstance(element, Values):
+            return _values(element)
+        if isinstance(element, EngineBlock):
+            return _braces(element.text.strip("\n"))
+        return self._aggregate(element)
+
+    def _atom(self, atom: Atom) -> str:
+        if any(map(_has_blank, atom.positions)):
+            message = f"`{_triple(atom)}` has a blank node of the data, which SPARQL cannot write"
+            raise RuleError("KG209", message, place=atom.place, hint="Give the node a name, or write a variable.")
+        text = " ".join(term(self._replaced(position)) for position in atom.positions) + " ."
+        return self._asserted(text) if atom.asserted else text
+
+    def _replaced(self, pattern: Pattern) -> Pattern:
+        if isinstance(pattern, Variable):
+            return self._fixed.get(pattern, pattern)
+        if isinstance(pattern, TripleTerm):
+            return TripleTerm(*map(self._replaced, (pattern.subject, pattern.predicate, pattern.object)))
+        return pattern
+
+    def _assignment(self, element: Assignment) -> str:
+        """Write BIND, or where the variable has its value already a comparison with it."""
+        value = self._fixed.get(element.variable)
+        if value is None:
+            return f"BIND({element.expression.text} AS {spelling(element.variable)})"
+        return f"FILTER(sameTerm({element.expression.text}, {term(value)}))"
+
+    def _aggregate(self, element: Aggregate) -> str:
+        """Write a sub-SELECT; only its keys have the values of the group around it."""
+        keys = frozenset(element.keys)
+        inner = _Writer(self._asserted, {key: value for key, value in self._fixed.items() if key in keys})
+        columns = " ".join([*map(spelling, element.keys), *map(_column, element.columns)])
+        grouped = f" GROUP BY {' '.join(map(spelling, element.keys))}" if keys else ""
+        return _braces(f"SELECT {columns} WHERE {_braces(inner.group(element.body, used=keys))}{grouped}")
+
+
+def _values(element: Values) -> str:
+    names = " ".join(map(spelling, element.variables))
+    rows = "".join(f"\n  ({' '.join(map(term, row))})" for row in element.rows)
+    return f"VALUES ({names}) {{{rows}\n}}"
+
+
+def _column(column: Column) -> str:
+    argument = ("DISTINCT " if column.distinct else "") + (column.expression.text if column.expression else "*")
+    if column.function == "GROUP_CONCAT" and column.separator != " ":
+        separator = column.separator.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
+        argument += f'; SEPARATOR = "{separator}"'
+    return f"({column.function}({argument}) AS {spelling(column.variable)})"
