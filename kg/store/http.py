@@ -1,0 +1,141 @@
+"""One request to a SPARQL server and its answer, over HTTP; failures are told as errors of `kg`.
+
+A request is sent again only where the server cannot have seen it, or where seeing it twice changes nothing: an
+update that mints blank nodes must not run twice.
+"""
+
+from __future__ import annotations
+
+import base64
+import time
+import urllib.request
+from dataclasses import dataclass
+from http.client import HTTPException
+from typing import Final
+from urllib.error import HTTPError, URLError
+from urllib.parse import unquote, urlencode, urlsplit, urlunsplit
+
+from kg.errors import Place, StoreError
+
+__all__ = ["Answer", "Endpoint"]
+
+_ATTEMPTS: Final = 4
+_FIRST_PAUSE: Final = 0.1
+"""Seconds before the second attempt; each further pause is twice as long."""
+_LONGEST_LINE: Final = 300
+_ANYTHING: Final = "*/*"
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What a server answered: the media type without parameters, and the body."""
+
+    media_type: str
+    body: bytes
+
+
+class _NoRedirects(urllib.request.HTTPRedirectHandler):
+    """A redirected POST would arrive as a GET and change nothing; it is reported instead."""
+
+    def redirect_request(self, *_: object) -> None:
+        return None
+
+
+class Endpoint:
+    """One address of a server; user name and password in it are sent as Basic authentication and never shown.
+
+    Raises:
+        StoreError: KG225 when the address is not one of http or https.
+    """
+
+    def __init__(self, address: str, *, timeout: float = 60.0) -> None:
+        """`timeout` is how many seconds the server may be silent."""
+        self.timeout = timeout
+        parts = urlsplit(address)
+        host = parts.netloc.rpartition("@")[2]
+        self.shown = urlunsplit((parts.scheme, host, parts.path, "", ""))
+        """The address as messages have it: without credentials and without parameters, which may hold keys."""
+        if parts.scheme not in {"http", "https"} or not host:
+            hint = "Give an address such as http://localhost:7878/query."
+            raise StoreError("KG225", "this is no address of a server", place=Place(self.shown), hint=hint)
+        self._url = urlunsplit((parts.scheme, host, parts.path, parts.query, ""))
+        self._headers = {"User-Agent": "kg"}
+        if parts.username is not None:
+            pair = f"{unquote(parts.username)}:{unquote(parts.password or '')}"
+            self._headers["Authorization"] = "Basic " + base64.b64encode(pair.encode()).decode()
+        self._opener = urllib.request.build_opener(_NoRedirects)
+
+    def post(
+        self,
+        body: bytes,
+        media_type: str,
+        *,
+        accept: str = _ANYTHING,
+        parameters: dict[str, str] | None = None,
+        timeout: float | None = None,
+    ) -> Answer:
+        """Send `body` and return the answer.
+
+        What accepts an answer is a query and is sent again when the connection broke half way; an update is not.
+
+        Raises:
+            StoreError: KG225 with the status and the first line of the server's words, or why there is no connection.
+        """
+        separator = "&" if urlsplit(self._url).query else "?"
+        url = self._url + (separator + urlencode(parameters) if parameters else "")
+        headers = {**self._headers, "Content-Type": media_type, "Accept": accept}
+        request = urllib.request.Request(url, body, headers, method="POST")  # noqa: S310 - http or https, see __init__
+        repeatable = accept != _ANYTHING
+        for attempt in range(_ATTEMPTS):
+            try:
+                return self._send(request, timeout or self.timeout)
+            except HTTPError as error:
+                raise self._refused(error) from error
+            except (OSError, HTTPException) as error:
+                if attempt == _ATTEMPTS - 1 or not (_unsent(error) or (repeatable and not _timed_out(error))):
+                    raise self._unreachable(error) from error
+                time.sleep(_FIRST_PAUSE * 2**attempt)
+        raise AssertionError
+
+    def _send(self, request: urllib.request.Request, timeout: float) -> Answer:
+        with self._opener.open(request, timeout=timeout) as response:
+            return Answer(response.headers.get_content_type(), response.read())
+
+    def _refused(self, error: HTTPError) -> StoreError:
+        with error:
+            line = _first_line(error.read(1 << 16))
+        if error.code in {401, 403}:
+            hint = "Give user and password of the server in the address, as http://USER:PASSWORD@HOST/."
+        elif 300 <= error.code < 400:  # noqa: PLR2004 - redirections of HTTP
+            hint = "Give the address that the server answers at itself; redirections are not followed."
+        elif error.code in {404, 405}:
+            hint = "Check the address: servers have one for queries and one for updates."
+        else:
+            hint = "The words after the status are the server's; its log may say more."
+        message = f"the server answered {error.code} {error.reason}" + (f": {line}" if line else "")
+        return StoreError("KG225", message, place=Place(self.shown), hint=hint)
+
+    def _unreachable(self, error: OSError | HTTPException) -> StoreError:
+        reason = error.reason if isinstance(error, URLError) else error
+        if _timed_out(error):
+            message = f"the server did not answer within {self.timeout:g} s"
+            hint = "It may still be at work; allow more time, or give it less to do at once."
+        else:
+            message = f"there is no connection to the server: {reason or type(reason).__name__}"
+            hint = "Check that the server runs and that the address is right."
+        return StoreError("KG225", message, place=Place(self.shown), hint=hint)
+
+
+def _unsent(error: OSError | HTTPException) -> bool:
+    """Tell whether the server cannot have seen the request: there was no connection."""
+    return isinstance(error, URLError) and isinstance(error.reason, ConnectionRefusedError)
+
+
+def _timed_out(error: OSError | HTTPException) -> bool:
+    reason = error.reason if isinstance(error, URLError) else error
+    return isinstance(reason, TimeoutError)
+
+
+def _first_line(body: bytes) -> str:
+    lines = (line.strip() for line in body.decode(errors="replace").splitlines())
+    return next(filter(None, lines), "")[:_LONGEST_LINE]

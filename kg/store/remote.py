@@ -1,0 +1,177 @@
+"""A store on another machine: any server that speaks the SPARQL 1.1 Protocol for queries and updates.
+
+    store = RemoteStore("http://localhost:7878/query", "http://localhost:7878/update")
+    with store.read() as snapshot: ...
+    with store.write("kg rules run") as transaction: ...
+
+What a server cannot give is said where it is missing: it has no snapshots (what is read may change between two
+requests), and a transaction is one request of several operations, which servers run together or not at all
+(SPARQL 1.1 Update, section 3: "a request SHOULD be atomic").
+"""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Final, Self, cast
+from uuid import uuid4
+
+from pyoxigraph import (
+    DefaultGraph,
+    NamedNode,
+    Quad,
+    QueryResultsFormat,
+    RdfFormat,
+    Store,
+    parse,
+    parse_query_results,
+    serialize,
+)
+
+from kg.errors import Place, StoreError
+from kg.store.http import Endpoint
+from kg.store.remote_writing import RemoteTransaction
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+    from types import TracebackType
+
+    from pyoxigraph import QueryBoolean, QuerySolutions, QueryTriples
+
+    from kg.store.http import Answer
+
+__all__ = ["RemoteSnapshot", "RemoteStore"]
+
+_ACCEPT: Final = "application/sparql-results+json, application/n-triples, text/turtle;q=0.5"
+
+
+class RemoteStore:
+    """A SPARQL 1.1 server; see `kg.store.interface.QuadStore`.
+
+    Without an address for updates the one for queries takes them too. `timeout` is how many seconds the server may
+    be silent.
+
+    Raises:
+        StoreError: KG225 when an address is not one of http or https; so does every call that fails.
+    """
+
+    def __init__(self, query_url: str, update_url: str | None = None, *, timeout: float = 60.0) -> None:
+        self._queries = Endpoint(query_url, timeout=timeout)
+        self._updates = Endpoint(update_url or query_url, timeout=timeout)
+
+    @property
+    def address(self) -> str:
+        """Where queries go, without credentials."""
+        return self._queries.shown
+
+    def read(self) -> RemoteSnapshot:
+        """Return the content of the server, as it is at each request."""
+        return RemoteSnapshot(self._queries)
+
+    @contextmanager
+    def write(self, command: str) -> Iterator[RemoteTransaction]:  # noqa: ARG002 - the Protocol's; others see nothing of it
+        """Begin a transaction; its operations are sent as one request at the end unless the body raises."""
+        transaction = RemoteTransaction()
+        yield transaction
+        if operations := transaction.operations:
+            self.update(operations)
+
+    def update(self, text: str, *, timeout: float | None = None) -> None:
+        """Run one request of SPARQL Update now; never sent twice."""
+        media_type = "application/sparql-update"
+        self._updates.post(text.encode(), media_type, timeout=timeout)
+
+
+class RemoteSnapshot:
+    """The content of a server; unlike the embedded store's it is not held still while it is read."""
+
+    def __init__(self, endpoint: Endpoint) -> None:
+        self._endpoint = endpoint
+        self._identity = str(uuid4())
+
+    @property
+    def identity(self) -> str:
+        """Another one for each reading, as a server does not tell whether its content changed."""
+        return self._identity
+
+    def query(
+        self,
+        text: str,
+        *,
+        prefixes: Mapping[str, str] | None = None,
+        union: bool = True,
+        timeout: float | None = None,
+    ) -> QuerySolutions | QueryBoolean | QueryTriples:
+        """Run a SPARQL query.
+
+        The protocol has no word for `union`: most servers have it always, Oxigraph takes a parameter of its own,
+        which is sent, and Fuseki a setting of the data set (`unionDefaultGraph`).
+        """
+        declared = "".join(f"PREFIX {prefix}: <{iri}>\n" for prefix, iri in (prefixes or {}).items())
+        answer = self._endpoint.post(
+            (declared + text).encode(),
+            "application/sparql-query",
+            accept=_ACCEPT,
+            parameters={"union-default-graph": "true"} if union else None,
+            timeout=timeout,
+        )
+        return self._parsed(answer)
+
+    def rows(self, text: str) -> QuerySolutions:
+        """Run a SELECT whose graphs are all named in its text."""
+        return cast("QuerySolutions", self.query(text, union=False))
+
+    def graphs(self) -> list[NamedNode]:
+        """Return the names of all named graphs that are not empty, sorted."""
+        found = (row["g"] for row in self.rows("SELECT DISTINCT ?g WHERE { GRAPH ?g { ?s ?p ?o } }"))
+        return sorted((graph for graph in found if isinstance(graph, NamedNode)), key=lambda graph: graph.value)
+
+    def count(self, graph: NamedNode | None = None) -> int:
+        """Return how many quads a graph holds, or the whole store."""
+        pattern = f"GRAPH {graph} {{ ?s ?p ?o }}" if graph else "{ ?s ?p ?o } UNION { GRAPH ?g { ?s ?p ?o } }"
+        return int(next(self.rows(f"SELECT (COUNT(*) AS ?n) WHERE {{ {pattern} }}"))["n"].value)
+
+    def dump(self, rdf_format: RdfFormat, *, graph: NamedNode | None = None, prefixes: Mapping[str, str] = {}) -> bytes:
+        """Serialise one graph, or everything; a format without graphs gets the union of all graphs.
+
+        Blank nodes have the labels that the server gave them in this answer.
+        """
+        quads: Iterator[object] = self._quads(graph)
+        if not rdf_format.supports_datasets:
+            quads = iter({cast("Quad", quad).triple: None for quad in quads})
+        return serialize(quads, format=rdf_format, prefixes=dict(prefixes)) or b""  # type: ignore[arg-type] # triples or quads
+
+    def close(self) -> None:
+        """Nothing is held."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _quads(self, graph: NamedNode | None) -> Iterator[Quad]:
+        pattern = f"GRAPH {graph} {{ ?s ?p ?o }}" if graph else "{ ?s ?p ?o } UNION { GRAPH ?g { ?s ?p ?o } }"
+        for row in self.rows(f"SELECT ?s ?p ?o ?g WHERE {{ {pattern} }}"):
+            subject, predicate, value, name = row["s"], row["p"], row["o"], row["g"]
+            yield Quad(subject, predicate, value, graph or name or DefaultGraph())
+
+    def _parsed(self, answer: Answer) -> QuerySolutions | QueryBoolean | QueryTriples:
+        place = Place(self._endpoint.shown)
+        try:
+            if results := QueryResultsFormat.from_media_type(answer.media_type):
+                return parse_query_results(answer.body, format=results)
+            if triples := RdfFormat.from_media_type(answer.media_type):
+                return _triples(answer.body, triples)
+        except (SyntaxError, ValueError) as error:
+            raise StoreError("KG225", f"the answer of the server cannot be read: {error}", place=place) from error
+        message = f"the server answered with `{answer.media_type}`, which is no result of a query"
+        raise StoreError("KG225", message, place=place, hint="Check that the address is the one for SPARQL queries.")
+
+
+def _triples(body: bytes, rdf_format: RdfFormat) -> QueryTriples:
+    """Return the triples of an answer in the engine's own kind of result, which can only be made by a query."""
+    store = Store()
+    store.bulk_extend(parse(body, rdf_format))
+    return cast("QueryTriples", store.query("CONSTRUCT { ?s ?p ?o } WHERE { ?s ?p ?o }"))

@@ -1,0 +1,53 @@
+"""SPARQL servers for tests: one of Oxigraph on a free port of this machine, and one that answers as it is told."""
+
+from __future__ import annotations
+
+import socket
+import subprocess
+import time
+import urllib.request
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = ["free_port", "oxigraph_server"]
+
+
+def free_port() -> int:
+    """Return a port that nothing listened to a moment ago."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port: int = probe.getsockname()[1]
+        return port
+
+
+@contextmanager
+def oxigraph_server() -> Iterator[str]:
+    """Run `oxigraph serve` in memory and yield its address; skip the test where the program is not installed."""
+    address = f"127.0.0.1:{free_port()}"
+    try:
+        process = subprocess.Popen(
+            ["oxigraph", "serve", "--bind", address], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        )
+    except FileNotFoundError:
+        pytest.skip("oxigraph is not installed (pip install oxigraph)")
+    try:
+        _wait(f"http://{address}/")
+        yield f"http://{address}"
+    finally:
+        process.terminate()
+        process.wait()
+
+
+def _wait(address: str) -> None:
+    for _ in range(200):
+        try:
+            with urllib.request.urlopen(address, timeout=5):  # noqa: S310 - a server of the test
+                return
+        except OSError:
+            time.sleep(0.05)
+    pytest.fail("oxigraph did not start within 10 s")

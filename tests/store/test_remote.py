@@ -1,0 +1,199 @@
+"""A SPARQL server is a store as the interface describes it."""
+
+from __future__ import annotations
+
+import threading
+from http.server import BaseHTTPRequestHandler, HTTPServer
+from typing import TYPE_CHECKING, ClassVar
+
+import pytest
+from pyoxigraph import NamedNode, QueryBoolean, QuerySolutions, QueryTriples, RdfFormat
+from store.servers import free_port, oxigraph_server
+
+from kg.errors import Exit, StoreError
+from kg.store.remote import RemoteStore
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from kg.store.interface import QuadStore, Snapshot
+
+GRAPH = NamedNode("https://example.org/g")
+OTHER = NamedNode("https://example.org/h")
+
+
+@pytest.fixture(scope="module")
+def address() -> Iterator[str]:
+    """One server for all tests of this file."""
+    with oxigraph_server() as found:
+        yield found
+
+
+@pytest.fixture
+def store(address: str) -> RemoteStore:
+    """The server, empty."""
+    remote = RemoteStore(f"{address}/query", f"{address}/update")
+    remote.update("DROP ALL")
+    return remote
+
+
+def _use(store: QuadStore) -> tuple[int, bytes]:
+    """Write and read through nothing but the interface."""
+    with store.write("test") as transaction:
+        transaction.replace_graphs({GRAPH: [b"<urn:a> <urn:b> <urn:c> .\n"]})
+        transaction.append(GRAPH, b"<urn:a> <urn:b> <urn:d> .\n")
+        transaction.update(
+            "DELETE DATA { GRAPH g:g { <urn:a> <urn:b> <urn:c> } }", prefixes={"g": "https://example.org/"}
+        )
+    with store.read() as snapshot:
+        return snapshot.count(GRAPH), snapshot.dump(RdfFormat.N_TRIPLES, graph=GRAPH)
+
+
+def test_a_server_keeps_to_the_interface(store: RemoteStore) -> None:
+    """What is written through the interface is read through it."""
+    assert _use(store) == (1, b"<urn:a> <urn:b> <urn:d> .\n")
+
+
+def test_each_kind_of_query_gives_its_kind_of_result(store: RemoteStore) -> None:
+    """SELECT, ASK and CONSTRUCT over the union of graphs give what the embedded engine gives."""
+    _use(store)
+    snapshot: Snapshot = store.read()
+    rows = snapshot.query("SELECT ?o { ?s ?p ?o }")
+    assert isinstance(rows, QuerySolutions)
+    assert [row["o"] for row in rows] == [NamedNode("urn:d")]
+    found = snapshot.query("ASK { ?s u:b ?o }", prefixes={"u": "urn:"})
+    assert isinstance(found, QueryBoolean)
+    assert found
+    triples = snapshot.query("CONSTRUCT { ?o ?p ?s } WHERE { ?s ?p ?o }")
+    assert isinstance(triples, QueryTriples)
+    assert [str(triple.subject) for triple in triples] == ["<urn:d>"]
+
+
+def test_all_graphs_are_listed_counted_and_dumped(store: RemoteStore, tmp_path: Path) -> None:
+    """A file of quads loads into its graphs and the default graph; a format without graphs gets each triple once."""
+    quads = tmp_path / "data.nq"
+    quads.write_text("<urn:a> <urn:b> _:c <urn:g> .\n<urn:a> <urn:b> 'x' .\n".replace("'", '"'))
+    with store.write("test") as transaction:
+        transaction.load_file(quads)
+        transaction.append(GRAPH, b'<urn:a> <urn:b> "x" .\n')
+        transaction.append(OTHER, b"_:c <urn:b> _:d .\n")
+    with store.read() as snapshot:
+        assert snapshot.graphs() == [GRAPH, OTHER, NamedNode("urn:g")]
+        assert snapshot.count() == 4
+        assert snapshot.count(OTHER) == 1
+        assert len(snapshot.dump(RdfFormat.N_QUADS).splitlines()) == 4
+        assert len(snapshot.dump(RdfFormat.N_TRIPLES).splitlines()) == 3
+
+
+def test_a_body_that_raises_changes_nothing(store: RemoteStore) -> None:
+    """Operations are sent at the end of the transaction, or not at all."""
+    with pytest.raises(KeyError), store.write("test") as transaction:  # noqa: PT012 - raising is what the body is for
+        transaction.append(GRAPH, b"<urn:a> <urn:b> <urn:c> .\n")
+        raise KeyError
+    assert store.read().count() == 0
+
+
+def test_dropping_a_graph_leaves_the_others(store: RemoteStore) -> None:
+    """A graph that is not there is dropped without a word."""
+    _use(store)
+    with store.write("test") as transaction:
+        transaction.drop_graph(GRAPH)
+        transaction.drop_graph(OTHER)
+    assert store.read().graphs() == []
+
+
+def test_a_refused_request_tells_status_and_first_line(store: RemoteStore) -> None:
+    """The server's own words are in the message, the address is the place."""
+    with pytest.raises(
+        StoreError, match=r"^http://127.0.0.1:\d+/update: KG225: the server answered 400 Bad Request: e"
+    ):
+        store.update("INSERT nonsense")
+
+
+def test_a_server_that_is_not_there_is_tried_again_and_named_without_password() -> None:
+    """Neither user and password nor parameters of the address are shown."""
+    store = RemoteStore(f"http://me:secret@127.0.0.1:{free_port()}/query?key=secret")
+    with pytest.raises(StoreError, match="no connection") as caught:
+        store.read().count()
+    error = caught.value
+    assert error.code == "KG225"
+    assert error.exit_code == Exit.STORE
+    assert "secret" not in f"{error} {error.hint} {store.address}"
+
+
+def test_an_address_that_is_none_is_refused() -> None:
+    """Only http and https are spoken."""
+    with pytest.raises(StoreError, match="no address of a server"):
+        RemoteStore("file:///etc/passwd")
+
+
+class _Told(BaseHTTPRequestHandler):
+    """Answers by the path: /moved, /secret, /html, /broken, and breaks the first connection of /flaky."""
+
+    seen: ClassVar[list[tuple[str, str | None]]] = []
+
+    def do_POST(self) -> None:
+        self.rfile.read(int(self.headers["Content-Length"]))
+        self.seen.append((self.path, self.headers["Authorization"]))
+        if self.path == "/flaky" and len(self.seen) == 1:
+            return
+        status, kind, body = {
+            "/moved": (301, "text/plain", b""),
+            "/secret": (401, "text/plain", b"\n  who are you\nmore"),
+            "/html": (200, "text/html", b"<p>welcome"),
+            "/broken": (200, "application/sparql-results+json", b"{"),
+            "/flaky": (200, "application/sparql-results+json", b'{"head":{},"boolean":true}'),
+        }[self.path]
+        self.send_response(status)
+        self.send_header("Content-Type", kind)
+        self.send_header("Location", "http://127.0.0.1:1/")
+        self.end_headers()
+        self.wfile.write(body)
+
+    def log_message(self, *_: object) -> None:
+        """Say nothing."""
+
+
+@pytest.fixture
+def told() -> Iterator[str]:
+    """Run a server that answers as it is told."""
+    _Told.seen.clear()
+    with HTTPServer(("127.0.0.1", 0), _Told) as server:
+        thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.01})
+        thread.start()
+        yield f"127.0.0.1:{server.server_port}"
+        server.shutdown()
+        thread.join()
+
+
+@pytest.mark.parametrize(
+    ("path", "message"),
+    [
+        ("/moved", "answered 301"),
+        ("/secret", "answered 401 Unauthorized: who are you"),
+        ("/html", "`text/html`, which is no result"),
+        ("/broken", "cannot be read"),
+    ],
+)
+def test_answers_that_are_no_results_are_errors(told: str, path: str, message: str) -> None:
+    """A redirection, a refusal, a page, and half of an answer end with a code and the way out."""
+    with pytest.raises(StoreError, match=message):
+        RemoteStore(f"http://{told}{path}").read().count()
+
+
+def test_user_and_password_are_sent(told: str) -> None:
+    """Basic authentication, with signs that an address must escape."""
+    with pytest.raises(StoreError):
+        RemoteStore(f"http://me:a%40b@{told}/secret").read().count()
+    assert _Told.seen == [("/secret", "Basic bWU6YUBi")]
+
+
+def test_a_query_is_sent_again_when_the_connection_breaks_and_an_update_is_not(told: str) -> None:
+    """An update may have been run although its answer was lost."""
+    store = RemoteStore(f"http://{told}/flaky")
+    assert store.read().query("ASK {}", union=False)
+    _Told.seen.clear()
+    with pytest.raises(StoreError, match="no connection"):
+        store.update("CLEAR ALL")
+    assert len(_Told.seen) == 1
