@@ -6,6 +6,7 @@ see all of the group, also what stands behind them, and BIND may not name a boun
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from pyoxigraph import BlankNode, Triple
@@ -24,10 +25,17 @@ if TYPE_CHECKING:
     Asserted: TypeAlias = Callable[[str], str]
     """Gives the text for a triple pattern that matches only what was asserted, from that of the plain pattern."""
 
-__all__ = ["asserted_in", "construct", "group", "outside", "select", "spelling", "substitutions", "term"]
+__all__ = ["Placed", "asserted_in", "construct", "group", "outside", "select", "spelling", "substitutions", "term"]
 
 _MADE: Final = "_·"
 """What the spelling of a variable begins with whose name begins with `.`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Placed(Atom):
+    """An atom that is read from one graph, whatever the others hold; evaluation on servers puts it into bodies."""
+
+    graph: NamedNode = field(kw_only=True)
 
 
 def outside(inferred: NamedNode) -> Asserted:
@@ -180,6 +188,8 @@ class _Writer:
             message = f"`{_triple(atom)}` has a blank node of the data, which SPARQL cannot write"
             raise RuleError("KG209", message, place=atom.place, hint="Give the node a name, or write a variable.")
         text = " ".join(term(self._replaced(position)) for position in atom.positions) + " ."
+        if isinstance(atom, Placed):
+            return f"GRAPH {atom.graph} {{ {text} }}"
         return self._asserted(text) if atom.asserted else text
 
     def _replaced(self, pattern: Pattern) -> Pattern:
