@@ -7,7 +7,7 @@ triples. Blank nodes in patterns and templates are `form.Variable` with a name t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
 if TYPE_CHECKING:
@@ -104,20 +104,25 @@ class TriplePattern:
 
 @dataclass(frozen=True, slots=True)
 class AggregateCall:
-    """`COUNT(DISTINCT ?x)` inside an expression; `argument` is None for `COUNT(*)`."""
+    """`COUNT(DISTINCT ?x)` inside an expression; `argument` is None for `COUNT(*)`.
+
+    `text` is what the expression's own text has for it, so that it can be replaced there.
+    """
 
     function: str
     argument: Expression | None
     distinct: bool
     separator: str
     span: Span
+    text: str
 
 
 @dataclass(frozen=True, slots=True)
 class Expression:
     """An expression as text: `text` has names as IRIs in brackets, so that it means the same without prefixes.
 
-    `variables` are those free in it, in order of appearance, those inside EXISTS too; `functions` the names of what
+    `variables` are those free in it, in order of appearance, those inside EXISTS too, those inside aggregates not;
+    `functions` the names of what
     it calls (upper case for built-in ones, IRIs for others, `+` `-` `*` `/` for arithmetic); `exists` the patterns of
     EXISTS and NOT EXISTS in it; `aggregates` the calls of aggregates.
     """
@@ -209,7 +214,11 @@ class Projection:
 
 @dataclass(frozen=True, slots=True)
 class SubSelect:
-    """`{ SELECT ... }`; `sliced`: it has ORDER BY, LIMIT or OFFSET. No projections is `SELECT *`."""
+    """`{ SELECT ... }`; `sliced`: it has LIMIT or OFFSET. No projections is `SELECT *`.
+
+    A key of GROUP BY that is an expression without a name has a variable whose name begins with `.`. VALUES behind
+    it stands at the end of `group`.
+    """
 
     projections: tuple[Projection, ...]
     distinct: bool
@@ -227,10 +236,14 @@ Node: TypeAlias = (
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """What stands between braces, in the order of the text; `span` has the braces."""
+    """What stands between braces, in the order of the text; `span` has the braces.
+
+    `text` is the group with its braces, spelt anew with names as IRIs in brackets.
+    """
 
     nodes: tuple[Node, ...]
     span: Span
+    text: str = field(default="", compare=False)
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,191 @@
+"""The place in a rule's text that its parser has come to: tokens, names in force, and errors with their place."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Final
+
+from pyoxigraph import NamedNode
+
+from kg.errors import RuleError
+from kg.query.lexer import normalise
+from kg.query.position import place_at
+from kg.query.similar import did_you_mean
+from kg.rules.syntax.iris import is_absolute, resolve
+from kg.rules.syntax.lexer import END, Kind, Token, token_at, unescape, unescape_local
+from kg.rules.syntax.tree import Span
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+
+__all__ = ["MAX_NESTING", "Cursor"]
+
+MAX_NESTING: Final = 100
+"""How deep brackets may nest: far more than anyone writes, and few enough for every reader that recurses."""
+
+_LONG: Final = 40
+
+
+class Cursor:
+    """Reads tokens from left to right; `token` is the next one, `consumed` are those read."""
+
+    def __init__(self, text: str, path: str, *, prefixes: Mapping[str, str], base: str | None = None) -> None:
+        """Take the text with any ends of lines; `path` is what errors name."""
+        self.text = normalise(text)
+        self.path = path
+        self.prefixes = dict(prefixes)
+        self.base = base
+        self.consumed: list[Token] = []
+        self.token = token_at(self.text, 0)
+        self._depth = 0
+        self._made = 0
+        self._stem = "g"
+        while f"_:{self._stem}" in self.text:
+            self._stem += "g"
+
+    def advance(self) -> Token:
+        """Read one token and return it."""
+        token = self.token
+        self.consumed.append(token)
+        self.token = token_at(self.text, token.end)
+        return token
+
+    def at(self, *signs: str) -> bool:
+        """Tell whether the next token is one of these signs."""
+        return self.token.kind is Kind.SIGN and self.token.text in signs
+
+    def at_word(self, *words: str) -> bool:
+        """Tell whether the next token is one of these keywords, given in upper case."""
+        return self.token.kind is Kind.WORD and self.token.text.upper() in words
+
+    def at_end(self) -> bool:
+        """Tell whether the text is read."""
+        return self.at(END)
+
+    def accept(self, *signs: str) -> bool:
+        """Read one of these signs where it stands."""
+        if found := self.at(*signs):
+            self.advance()
+        return found
+
+    def accept_word(self, *words: str) -> bool:
+        """Read one of these keywords where it stands."""
+        if found := self.at_word(*words):
+            self.advance()
+        return found
+
+    def expect(self, sign: str, what: str = "") -> Token:
+        """Read a sign; raise KG201 for anything else."""
+        if not self.at(sign):
+            raise self.expected(f"`{sign}`{what}")
+        return self.advance()
+
+    def expect_word(self, word: str) -> Token:
+        """Read a keyword; raise KG201 for anything else."""
+        if not self.at_word(word):
+            raise self.expected(f"`{word}`", [word])
+        return self.advance()
+
+    def expected(self, what: str, known: Iterable[str] = ()) -> RuleError:
+        """Return the error that the next token is not what has to stand here; `known` are names it may stand for."""
+        hint = did_you_mean(self.token.text, known) if self.token.kind is Kind.WORD else None
+        return self.error(f"expected {what}, found {self._found()}", self.token.start, hint=hint)
+
+    def error(self, message: str, offset: int, *, code: str = "KG201", hint: str | None = None) -> RuleError:
+        """Return an error about the place at an offset."""
+        return RuleError(code, message, place=place_at(self.text, offset, self.path), hint=hint)
+
+    def _found(self) -> str:
+        text = self.token.text
+        if text == END:
+            return "the end of the text"
+        if text in {"'", '"'}:
+            return "a string that is not closed or has a bad escape"
+        if text == "<":
+            return "`<`, which begins no IRI"
+        return f"`{text if len(text) <= _LONG else text[:_LONG] + '...'}`"
+
+    def span(self, start: int) -> Span:
+        """Return the span from an offset to the end of what was read."""
+        return Span(start, self.consumed[-1].end if self.consumed else start)
+
+    @contextmanager
+    def nested(self) -> Iterator[None]:
+        """Count one more level of nesting; raise KG201 when there are too many."""
+        self._depth += 1
+        if self._depth > MAX_NESTING:
+            raise self.error(f"the rule nests deeper than {MAX_NESTING}", self.token.start)
+        yield
+        self._depth -= 1
+
+    def fresh(self) -> str:
+        """Return the label of a blank node that the text does not have."""
+        self._made += 1
+        return f"{self._stem}{self._made}"
+
+    def at_iri(self) -> bool:
+        """Tell whether the next token is an IRI or a prefixed name."""
+        return _is_iri(self.token)
+
+    def iri(self, what: str = "an IRI") -> NamedNode:
+        """Read an IRI or a prefixed name."""
+        if not self.at_iri():
+            raise self.expected(what)
+        return self.named(self.advance())
+
+    def named(self, token: Token) -> NamedNode:
+        """Return the IRI that a token stands for; KG201 for an unknown prefix or a relative IRI without a base."""
+        value = self._absolute(token) if token.kind is Kind.IRI else self._expanded(token)
+        try:
+            return NamedNode(value)
+        except ValueError as error:
+            raise self.error(f"`{value}` is not a valid IRI: {error}", token.start) from None
+
+    def _expanded(self, token: Token) -> str:
+        prefix, _, local = token.text.partition(":")
+        namespace = self.prefixes.get(prefix)
+        if namespace is None:
+            near = did_you_mean(prefix, self.prefixes) if prefix else None
+            hint = near or f"Declare it: PREFIX {prefix}: <...>."
+            raise self.error(f"unknown prefix `{prefix}:`", token.start, hint=hint)
+        return namespace + unescape_local(local)
+
+    def _absolute(self, token: Token) -> str:
+        try:
+            value = unescape(token.text[1:-1])
+        except ValueError:
+            raise self.error("an escape in the IRI is no character", token.start) from None
+        if self.base is not None:
+            return resolve(self.base, value)
+        if not is_absolute(value):
+            raise self.error(
+                f"the IRI `<{value}>` is relative", token.start, hint="Declare BASE <...> or write it out."
+            )
+        return value
+
+    def spelling(self, tokens: list[Token]) -> str:
+        """Return tokens as text: names as IRIs in brackets, comments left out, one space where one belongs."""
+        pieces: list[str] = []
+        previous: Token | None = None
+        for token in tokens:
+            if previous is not None and _apart(previous, token):
+                pieces.append(" ")
+            pieces.append(str(self.named(token)) if _is_iri(token) else token.text)
+            previous = token
+        return "".join(pieces)
+
+
+def _is_iri(token: Token) -> bool:
+    return token.kind is Kind.IRI or (token.kind is Kind.NAME and not token.text.startswith("_:"))
+
+
+def _apart(left: Token, right: Token) -> bool:
+    """Tell whether a space stands between two tokens; words that are operators keep theirs before a bracket."""
+    if left.text in {"(", "!", "^^"} or right.text in {")", ",", "^^"} or right.kind is Kind.TAG:
+        return False
+    if right.text != "(":
+        return True
+    return not (_is_iri(left) or (left.kind is Kind.WORD and left.text.upper() not in _OPERATORS))
+
+
+_OPERATORS: Final = frozenset({"IN", "NOT", "EXISTS", "AS", "FILTER", "BIND", "VALUES", "BY", "HAVING", "SELECT"})

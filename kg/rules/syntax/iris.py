@@ -1,0 +1,64 @@
+"""Resolution of relative IRIs against a base (RFC 3986, section 5.2)."""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+__all__ = ["is_absolute", "resolve"]
+
+_PARTS: Final = re.compile(r"(?:([^:/?#]+):)?(?://([^/?#]*))?([^?#]*)(?:\?([^#]*))?(?:#(.*))?", re.DOTALL)
+
+
+def is_absolute(iri: str) -> bool:
+    """Tell whether an IRI begins with a scheme."""
+    return re.match(r"[A-Za-z][A-Za-z0-9+.-]*:", iri) is not None
+
+
+def resolve(base: str, reference: str) -> str:
+    """Return `reference` as an absolute IRI; one that is absolute stays as it is written."""
+    if is_absolute(reference):
+        return reference
+    scheme, authority, path, query, _ = _split(base)
+    _, own_authority, own_path, own_query, fragment = _split(reference)
+    if own_authority is not None:
+        authority, path, query = own_authority, _without_dots(own_path or ""), own_query
+    elif not own_path:
+        query = query if own_query is None else own_query
+    else:
+        if not own_path.startswith("/"):
+            own_path = _merged(authority, path or "", own_path)
+        path, query = _without_dots(own_path), own_query
+    return (
+        f"{scheme}:"
+        + ("" if authority is None else f"//{authority}")
+        + (path or "")
+        + ("" if query is None else f"?{query}")
+        + ("" if fragment is None else f"#{fragment}")
+    )
+
+
+def _split(iri: str) -> tuple[str | None, ...]:
+    match = _PARTS.fullmatch(iri)
+    return match.groups() if match else (None, None, iri, None, None)
+
+
+def _merged(authority: str | None, path: str, own: str) -> str:
+    return f"/{own}" if authority is not None and not path else path[: path.rfind("/") + 1] + own
+
+
+def _without_dots(path: str) -> str:
+    kept: list[str] = []
+    segments = path.split("/")
+    for number, segment in enumerate(segments):
+        last = number == len(segments) - 1
+        if segment == "..":
+            if len(kept) > 1 or (kept and kept[0]):
+                kept.pop()
+            if last:
+                kept.append("")
+        elif segment != ".":
+            kept.append(segment)
+        elif last:
+            kept.append("")
+    return "/".join(kept)
