@@ -13,11 +13,13 @@ from kg.store.locks import hold_generation
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from types import TracebackType
-    from typing import Self
+    from typing import Self, TypeAlias
 
-    from pyoxigraph import QueryBoolean, QuerySolutions, QueryTriples
+    from pyoxigraph import BlankNode, Literal, QueryBoolean, QuerySolutions, QueryTriples, Triple, Variable
 
     from kg.store.layout import Layout
+
+    Term: TypeAlias = NamedNode | BlankNode | Literal | Triple
 
 __all__ = ["EmbeddedSnapshot"]
 
@@ -45,10 +47,20 @@ class EmbeddedSnapshot:
         return str(self.generation)
 
     def query(
-        self, text: str, *, prefixes: Mapping[str, str] | None = None, union: bool = True
+        self,
+        text: str,
+        *,
+        prefixes: Mapping[str, str] | None = None,
+        union: bool = True,
+        substitutions: Mapping[Variable, Term] | None = None,
     ) -> QuerySolutions | QueryBoolean | QueryTriples:
-        """Run a SPARQL query on the engine as it is; `kg.query.run` is the way with guards."""
-        return self._db.query(text, prefixes=dict(prefixes or {}), use_default_graph_as_union=union)
+        """Run a SPARQL query on the engine as it is; `kg.query.run` is the way with guards.
+
+        Variables in `substitutions` stand for those terms wherever the query has them, blank nodes too.
+        """
+        known = dict(prefixes or {})
+        given = dict(substitutions) if substitutions else None
+        return self._db.query(text, prefixes=known, use_default_graph_as_union=union, substitutions=given)
 
     def graphs(self) -> list[NamedNode]:
         """Return the names of all named graphs, sorted."""

@@ -1,0 +1,96 @@
+"""Applications of rules that derive a fact, read off the store."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kg.rules.explain.proof import Condition, Derivation
+from kg.rules.explain.unify import heads, instance
+from kg.rules.form import Aggregate, Atom, EngineBlock, Exists
+from kg.rules.scope import bound_in
+from kg.rules.sparql import group
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from pyoxigraph import Triple
+
+    from kg.rules.explain.view import View
+    from kg.rules.form import Element, Rule, Term
+
+__all__ = ["bound_by", "derivations", "described"]
+
+_SAMPLE = 5
+
+
+def bound_by(body: Sequence[Element]) -> list[str]:
+    """Return the names of the variables that a body binds, sorted."""
+    optional = {variable for element in body if isinstance(element, EngineBlock) for variable in element.optional}
+    return sorted(variable.name for variable in bound_in(body) | optional)
+
+
+def derivations(view: View, rules: tuple[Rule, ...], fact: Triple, limit: int) -> list[Derivation]:
+    """Return applications of rules that derive `fact`, up to `limit` for each rule; those closest to asserted first."""
+    found: dict[tuple[str, tuple[Triple, ...]], Derivation] = {}
+    for rule, bindings in heads(rules, fact):
+        for solution in view.solutions(rule.body, bound_by(rule.body), bindings, limit):
+            derivation = _derivation(view, rule, solution)
+            if derivation and fact not in derivation.facts:
+                found.setdefault((str(rule), derivation.facts), derivation)
+    return sorted(found.values(), key=lambda each: (_inferred(view, each), len(each.facts), str(each.rule)))
+
+
+def _inferred(view: View, derivation: Derivation) -> int:
+    return sum(not view.asserted(fact) for fact in derivation.facts)
+
+
+def _derivation(view: View, rule: Rule, solution: dict[str, Term]) -> Derivation | None:
+    """Return the application under a solution; None when a fact stands only where rules do not read."""
+    facts: list[Triple] = []
+    conditions: list[Condition] = []
+    for element in rule.body:
+        if isinstance(element, Atom):
+            fact = instance(element, solution)
+            if fact is None or not (view.asserted(fact) if element.asserted else view.graphs(fact)):
+                return None
+            facts.append(fact)
+        elif isinstance(element, Exists) and not element.negated:
+            facts += _witness(view, element, solution)
+        else:
+            conditions.append(_condition(view, element, solution))
+    named = {name: term for name, term in solution.items() if not name.startswith(".")}
+    return Derivation(rule, named, tuple(dict.fromkeys(facts)), tuple(conditions))
+
+
+def _witness(view: View, element: Exists, solution: Mapping[str, Term]) -> Iterator[Triple]:
+    """Yield the facts of one solution of an inner body."""
+    for inner in view.solutions(element.body, bound_by(element.body), solution, 1):
+        for part in element.body:
+            fact = instance(part, inner) if isinstance(part, Atom) else None
+            if fact is not None:
+                yield fact
+
+
+def _condition(view: View, element: Element, solution: Mapping[str, Term]) -> Condition:
+    if not isinstance(element, Aggregate):
+        return Condition(described(element))
+    keys = {key.name: solution[key.name] for key in element.keys if key.name in solution}
+    members = view.solutions(element.body, bound_by(element.body), keys, 1000)
+    facts = [
+        fact
+        for member in members[:_SAMPLE]
+        for part in element.body
+        if isinstance(part, Atom) and (fact := instance(part, member)) is not None
+    ]
+    values = ", ".join(
+        f"{column.function}({'*' if column.expression is None else column.expression.text}) = "
+        f"{view.label(solution[column.variable.name])}"
+        for column in element.columns
+        if column.variable.name in solution
+    )
+    return Condition(values, tuple(dict.fromkeys(facts)), len(members))
+
+
+def described(element: Element) -> str:
+    """Return one part of a body as SPARQL, on one line."""
+    return " ".join(group((element,)).split())

@@ -1,0 +1,110 @@
+"""Explanations as text: trees of lines, so that a terminal can make links of the places in them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from kg.rules.explain.proof import Proof
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from pyoxigraph import Triple
+
+    from kg.errors import Place
+    from kg.rules.explain.proof import Attempt, Condition, Evidence, Premise, WhyNot
+    from kg.rules.explain.view import View
+    from kg.rules.form import Term
+
+__all__ = ["Line", "proof_lines", "why_not_lines"]
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """One line: the branches of the tree before it, its text, and the line of code or of a rule that it is about.
+
+    `kind` is fact, rule, condition, bindings, failure or hint.
+    """
+
+    branches: str
+    text: str
+    kind: str
+    evidence: Evidence | None = None
+    place: Place | None = None
+
+    def __str__(self) -> str:
+        where = self.evidence or self.place
+        return f"{self.branches}{self.text}" + (f"  {where}" if where else "")
+
+
+def proof_lines(proof: Proof, view: View) -> Iterator[Line]:
+    """Yield a proof as a tree; what was told above is not told again."""
+    yield from _proof(proof, view, "", "", set())
+
+
+def _proof(proof: Proof, view: View, first: str, rest: str, told: set[Triple]) -> Iterator[Line]:
+    """Walk the tree with a stack of its own: a proof may be thousands of steps high."""
+    waiting: list[tuple[Premise, str, str]] = [(proof, first, rest)]
+    while waiting:
+        premise, branch, below = waiting.pop()
+        if not isinstance(premise, Proof):
+            yield from _condition(premise, view, branch, below)
+            continue
+        derivation = premise.derivation
+        again = derivation is not None and premise.fact in told
+        yield Line(branch, view.sentence(premise.fact) + (" (as above)" if again else ""), "fact", premise.evidence)
+        if derivation is None or again:
+            continue
+        told.add(premise.fact)
+        inner = below + ("│ " if premise.premises else "  ")
+        yield Line(inner, f"by rule {derivation.rule.name}", "rule", place=derivation.rule.place)
+        if derivation.bindings:
+            yield Line(inner, _bindings(derivation.bindings, view), "bindings")
+        waiting.extend(reversed(list(_children(premise.premises, below))))
+
+
+def _children(premises: Sequence[Premise], below: str) -> Iterator[tuple[Premise, str, str]]:
+    for index, premise in enumerate(premises):
+        last = index == len(premises) - 1
+        yield premise, below + ("└─ " if last else "├─ "), below + ("   " if last else "│  ")
+
+
+def _condition(condition: Condition, view: View, branch: str, below: str) -> Iterator[Line]:
+    yield Line(
+        branch, condition.text + (f", over {condition.count}" if condition.count is not None else ""), "condition"
+    )
+    for fact in condition.facts:
+        yield Line(below, f"such as {view.sentence(fact)}", "fact", view.evidence(fact))
+
+
+def _bindings(bindings: Mapping[str, Term], view: View) -> str:
+    return "with " + ", ".join(f"?{name} = {view.label(term)}" for name, term in sorted(bindings.items()))
+
+
+def why_not_lines(answer: WhyNot, view: View) -> Iterator[Line]:
+    """Yield why a fact does not hold: each rule that could derive it, how far it comes, and what is there instead."""
+    yield Line("", f"{view.sentence(answer.fact)}: not derived", "fact")
+    yield from _absent(answer, view, "")
+
+
+def _absent(answer: WhyNot, view: View, below: str) -> Iterator[Line]:
+    if not answer.attempts:
+        yield Line(f"{below}  ", f"no rule derives {view.spelt(answer.fact.predicate)} facts of this form", "failure")
+    for attempt in answer.attempts:
+        yield from _attempt(attempt, view, below)
+    for text in answer.nearest:
+        yield Line(f"{below}  ", f"but {text}" if " has " in text else text, "hint")
+
+
+def _attempt(attempt: Attempt, view: View, below: str) -> Iterator[Line]:
+    yield Line(f"{below}├─ ", f"rule {attempt.rule.name}", "rule", place=attempt.rule.place)
+    inner = f"{below}│  "
+    for fact in attempt.held:
+        yield Line(inner, f"holds: {view.sentence(fact)}", "condition", view.evidence(fact))
+    yield Line(inner, f"fails: {attempt.text}", "failure", place=getattr(attempt.failing, "place", None))
+    if attempt.deeper and attempt.deeper.attempts:
+        yield from _absent(attempt.deeper, view, f"{inner}  ")
+    else:
+        for text in attempt.nearest:
+            yield Line(inner, f"nearest: {text}", "hint")

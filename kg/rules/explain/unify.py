@@ -1,0 +1,72 @@
+"""Matching the heads of rules with facts, and patterns with bindings."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, cast
+
+from pyoxigraph import BlankNode, NamedNode, Triple
+
+from kg.rules.form import TripleTerm, Variable
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from kg.rules.form import Atom, Pattern, Rule, Term
+
+__all__ = ["heads", "instance", "unify"]
+
+
+def unify(atom: Atom, fact: Triple) -> dict[str, Term] | None:
+    """Return what the variables of the head `atom` are when it derives `fact`, None when it cannot.
+
+    A blank node in a head stands for any blank node: which one, the solution of the body decides.
+    """
+    bindings: dict[str, Term] = {}
+    terms = (fact.subject, fact.predicate, fact.object)
+    if all(_match(pattern, term, bindings) for pattern, term in zip(atom.positions, terms, strict=True)):
+        return bindings
+    return None
+
+
+def _match(pattern: Pattern, term: Term, bindings: dict[str, Term]) -> bool:
+    if isinstance(pattern, Variable):
+        return bindings.setdefault(pattern.name, term) == term
+    if isinstance(pattern, TripleTerm):
+        if not isinstance(term, Triple):
+            return False
+        patterns = (pattern.subject, pattern.predicate, pattern.object)
+        terms = (term.subject, term.predicate, term.object)
+        return all(_match(inner, part, bindings) for inner, part in zip(patterns, terms, strict=True))
+    if isinstance(pattern, BlankNode):
+        return isinstance(term, BlankNode)
+    return pattern == term
+
+
+def heads(rules: tuple[Rule, ...], fact: Triple) -> Iterator[tuple[Rule, dict[str, Term]]]:
+    """Yield each rule with the bindings under which it derives `fact`, one for each atom of its head that fits."""
+    for rule in rules:
+        for atom in rule.head:
+            bindings = unify(atom, fact)
+            if bindings is not None:
+                yield rule, bindings
+
+
+def instance(atom: Atom, bindings: Mapping[str, Term]) -> Triple | None:
+    """Return the fact that an atom is under `bindings`; None while one of its variables is not bound."""
+    terms = [_filled(pattern, bindings) for pattern in atom.positions]
+    subject, predicate, value = terms
+    if subject is None or value is None or not isinstance(predicate, NamedNode):
+        return None
+    return Triple(cast("NamedNode | BlankNode", subject), predicate, value)
+
+
+def _filled(pattern: Pattern, bindings: Mapping[str, Term]) -> Term | None:
+    if isinstance(pattern, Variable):
+        return bindings.get(pattern.name)
+    if isinstance(pattern, TripleTerm):
+        parts = [_filled(inner, bindings) for inner in (pattern.subject, pattern.predicate, pattern.object)]
+        if any(part is None for part in parts):
+            return None
+        subject, predicate, value = parts
+        return Triple(cast("NamedNode | BlankNode", subject), cast("NamedNode", predicate), cast("Term", value))
+    return pattern

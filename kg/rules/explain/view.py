@@ -1,0 +1,167 @@
+"""What explanations ask of a store: where a fact stands, what a body matches, which line a fact was read from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, Protocol, cast
+
+import pyoxigraph
+from pyoxigraph import Literal, NamedNode
+
+from kg.query.prefixes import shorten
+from kg.rules.explain.proof import Evidence
+from kg.rules.form import Variable
+from kg.rules.sparql import outside, select, spelling, substitutions
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from pyoxigraph import QueryBoolean, QuerySolutions, QueryTriples, Triple
+
+    from kg.rules.form import Element, Term
+
+__all__ = ["Queryable", "View", "Vocabulary"]
+
+_LABEL: Final = "http://www.w3.org/2000/01/rdf-schema#label"
+_GRAPHS: Final = "SELECT ?g ?s ?p ?o WHERE { GRAPH ?g { ?s ?p ?o } } ORDER BY ?g"
+_DEFAULT: Final = "SELECT ?s ?p ?o WHERE { ?s ?p ?o }"
+
+
+class Queryable(Protocol):
+    """The part of a snapshot that explanations use."""
+
+    def query(
+        self,
+        text: str,
+        *,
+        prefixes: Mapping[str, str] | None = None,
+        union: bool = True,
+        substitutions: Mapping[pyoxigraph.Variable, Term] | None = None,
+    ) -> QuerySolutions | QueryBoolean | QueryTriples:
+        """Run a query; variables in `substitutions` stand for those terms."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Vocabulary:
+    """Which graphs and properties of a store matter to explanations.
+
+    `inferred` holds what rules derived; graphs `ignored` are not read by rules; `path`, `line` and `repository` are the
+    properties that say where in the sources a thing was read.
+    """
+
+    inferred: NamedNode
+    ignored: tuple[NamedNode, ...] = ()
+    path: NamedNode | None = None
+    line: NamedNode | None = None
+    repository: NamedNode | None = None
+
+
+class View:
+    """A snapshot as explanations see it; answers are remembered, since a snapshot does not change."""
+
+    def __init__(self, snapshot: Queryable, vocabulary: Vocabulary) -> None:
+        self._snapshot = snapshot
+        self._vocabulary = vocabulary
+        self._ignored = {graph.value for graph in vocabulary.ignored}
+        self._graphs: dict[Triple, tuple[str, ...]] = {}
+        self._labels: dict[Term, str] = {}
+
+    def graphs(self, fact: Triple) -> tuple[str, ...]:
+        """Return the graphs that hold a fact and that rules read; the default graph is the empty string."""
+        found = self._graphs.get(fact)
+        if found is None:
+            named = [cast("NamedNode", row["g"]).value for row in self._rows(_GRAPHS, fact, union=False)]
+            plain = [""] if any(self._rows(_DEFAULT, fact, union=False)) else []
+            found = tuple(graph for graph in (*plain, *named) if graph not in self._ignored)
+            self._graphs[fact] = found
+        return found
+
+    def asserted(self, fact: Triple) -> tuple[str, ...]:
+        """Return the graphs in which a fact is asserted."""
+        return tuple(graph for graph in self.graphs(fact) if graph != self._vocabulary.inferred.value)
+
+    def _rows(self, text: str, fact: Triple, *, union: bool) -> QuerySolutions:
+        terms = {"s": fact.subject, "p": fact.predicate, "o": fact.object}
+        given = {pyoxigraph.Variable(name): term for name, term in terms.items()}
+        return cast("QuerySolutions", self._snapshot.query(text, union=union, substitutions=given))
+
+    def solutions(
+        self, body: Sequence[Element], names: Sequence[str], bindings: Mapping[str, Term], limit: int
+    ) -> list[dict[str, Term]]:
+        """Return up to `limit` solutions of a body under `bindings`: what the variables `names` are, where bound."""
+        given = {Variable(name): term for name, term in bindings.items()}
+        blank = substitutions(given)
+        wanted = [Variable(name) for name in names if name not in bindings or spelling(Variable(name))[1:] in blank]
+        text = select(tuple(body), wanted, given, asserted=outside(self._vocabulary.inferred))
+        fixed = {pyoxigraph.Variable(name): term for name, term in blank.items()}
+        rows = cast("QuerySolutions", self._snapshot.query(_limited(text, wanted, limit), substitutions=fixed))
+        found = []
+        for row in rows:
+            values = {variable.name: row[spelling(variable)[1:]] for variable in wanted}
+            found.append(
+                {**bindings, **{name: cast("Term", term) for name, term in values.items() if term is not None}}
+            )
+        return found
+
+    def objects(self, subject: Term, predicate: Term, limit: int) -> list[Term]:
+        """Return up to `limit` objects of a subject and a predicate."""
+        return self._column("SELECT DISTINCT ?v ?s ?p WHERE { ?s ?p ?v }", limit, s=subject, p=predicate)
+
+    def subjects(self, predicate: Term, value: Term, limit: int) -> list[Term]:
+        """Return up to `limit` subjects of a predicate and an object."""
+        return self._column("SELECT DISTINCT ?v ?p ?o WHERE { ?v ?p ?o }", limit, p=predicate, o=value)
+
+    def predicates(self, subject: Term, limit: int) -> list[Term]:
+        """Return up to `limit` predicates of a subject."""
+        return self._column("SELECT DISTINCT ?v ?s WHERE { ?s ?v ?o }", limit, s=subject)
+
+    def _column(self, text: str, limit: int, **terms: Term) -> list[Term]:
+        given = {pyoxigraph.Variable(name): term for name, term in terms.items()}
+        rows = cast("QuerySolutions", self._snapshot.query(f"{text} LIMIT {limit}", substitutions=given))
+        return [cast("Term", row["v"]) for row in rows]
+
+    def evidence(self, fact: Triple) -> Evidence | None:
+        """Return the line that a fact was read from.
+
+        An object that stands on a line of its own (an interface of a node) is more exact than the subject.
+        """
+        for thing in (fact.object, fact.subject):
+            found = self._place(cast("Term", thing)) if not isinstance(thing, Literal) else None
+            if found:
+                return found
+        return None
+
+    def _place(self, thing: Term) -> Evidence | None:
+        path = self._value(thing, self._vocabulary.path)
+        line = self._value(thing, self._vocabulary.line)
+        if path is None or line is None:
+            return None
+        return Evidence(path, int(line), self._value(thing, self._vocabulary.repository))
+
+    def _value(self, thing: Term, predicate: NamedNode | None) -> str | None:
+        found = self.objects(thing, predicate, 1) if predicate else []
+        return found[0].value if found and isinstance(found[0], Literal) else None
+
+    def label(self, term: Term) -> str:
+        """Return a term as people call it: its label, else its short form."""
+        known = self._labels.get(term)
+        if known is None:
+            found = [] if isinstance(term, Literal) else self.objects(term, NamedNode(_LABEL), 1)
+            label = found[0].value if found and isinstance(found[0], Literal) else None
+            known = self._labels[term] = label or self.spelt(term)
+        return known
+
+    def sentence(self, fact: Triple) -> str:
+        """Return a fact as people read it."""
+        return f"{self.label(fact.subject)} {self.spelt(fact.predicate)} {self.label(fact.object)}"
+
+    @staticmethod
+    def spelt(term: Term) -> str:
+        """Return a term as SPARQL spells it, with known prefixes."""
+        return shorten(term.value) if isinstance(term, NamedNode) else str(term)
+
+
+def _limited(text: str, wanted: Sequence[Variable], limit: int) -> str:
+    """Return a query for some of the rows; the one that asks for no column has its limit."""
+    return f"{text}\nLIMIT {limit}" if wanted else text

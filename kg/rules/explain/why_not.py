@@ -1,0 +1,136 @@
+"""Why a fact does not hold: for each rule that could derive it, the first part of its body that fails."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from kg.rules.explain.derivations import bound_by, described
+from kg.rules.explain.nearest import filled, instead, nearest
+from kg.rules.explain.proof import Attempt, WhyNot
+from kg.rules.explain.unify import heads, instance
+from kg.rules.form import Aggregate, Atom, Exists, Filter, Values, Variable
+from kg.rules.scope import binds, mentions
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from pyoxigraph import Triple
+
+    from kg.rules.explain.view import View
+    from kg.rules.form import Element, Pattern, Rule, Term
+
+__all__ = ["why_not"]
+
+_SAMPLES: Final = 20
+"""How many solutions of what holds are looked at to find the nearest match of what fails."""
+
+_DEPTH: Final = 3
+_LATE: Final = 10
+
+
+def why_not(view: View, rules: tuple[Rule, ...], fact: Triple, *, depth: int = _DEPTH) -> WhyNot:
+    """Return how far each rule comes that could derive `fact`; `depth` bounds how far missing premises are followed."""
+    inquiry = _Inquiry(view, rules)
+    return inquiry.about(fact, depth)
+
+
+@dataclass(frozen=True, slots=True)
+class _Inquiry:
+    view: View
+    rules: tuple[Rule, ...]
+
+    def about(self, fact: Triple, depth: int) -> WhyNot:
+        attempts = [self._attempt(rule, bindings, depth) for rule, bindings in heads(self.rules, fact)]
+        unique = {(str(each.rule), each.text): each for each in attempts}
+        ordered = sorted(unique.values(), key=lambda each: (-len(each.held), str(each.rule)))
+        return WhyNot(fact, tuple(ordered), instead(self.view, fact))
+
+    def _attempt(self, rule: Rule, bindings: dict[str, Term], depth: int) -> Attempt:
+        """Extend what holds by one element of the body after the other, until there is no solution."""
+        order = _ordered(rule.body, bindings)
+        solutions: list[dict[str, Term]] = [dict(bindings)]
+        for index, element in enumerate(order):
+            so_far = order[: index + 1]
+            following = self.view.solutions(so_far, bound_by(so_far), bindings, _SAMPLES)
+            if not following:
+                return self._failure(rule, order[:index], element, solutions, depth)
+            solutions = following
+        text = "everything that the rule asks for holds; rules have not been run since"
+        return Attempt(rule, _named(solutions[0]), _facts(order, solutions[0]), None, text)
+
+    def _failure(
+        self, rule: Rule, before: Sequence[Element], element: Element, solutions: list[dict[str, Term]], depth: int
+    ) -> Attempt:
+        chosen, deeper = solutions[0], None
+        others: tuple[str, ...] = ()
+        if isinstance(element, Atom):
+            chosen, others = nearest(self.view, element, solutions)
+            missing = instance(element, chosen)
+            if missing is not None and depth > 1 and not element.asserted and any(heads(self.rules, missing)):
+                deeper = self.about(missing, depth - 1)
+        elif isinstance(element, Exists) and element.negated:
+            others = tuple(self._blocking(element, chosen))
+        text = self._told(element, chosen)
+        return Attempt(rule, _named(chosen), _facts(before, chosen), element, text, others, deeper)
+
+    def _blocking(self, element: Exists, solution: Mapping[str, Term]) -> Iterator[str]:
+        """Say which facts are there that must not be."""
+        for inner in self.view.solutions(element.body, bound_by(element.body), solution, 1):
+            for fact in _facts(element.body, inner):
+                yield f"there is {self.view.sentence(fact)}"
+
+    def _told(self, element: Element, solution: Mapping[str, Term]) -> str:
+        if isinstance(element, Atom):
+            subject, predicate, value = (self._shown(position, solution) for position in element.positions)
+            return f"no {subject} {predicate} {value}"
+        known = [each for each in sorted(mentions(element), key=str) if each.name in solution]
+        values = ", ".join(f"{each} = {self.view.label(solution[each.name])}" for each in known)
+        suffix = f" where {values}" if values else ""
+        if isinstance(element, Filter):
+            return f"FILTER({element.expression.text}) is not true{suffix}"
+        return f"{described(element)} fails{suffix}"
+
+    def _shown(self, position: Pattern, solution: Mapping[str, Term]) -> str:
+        term = filled(position, solution)
+        if term is None:
+            return str(position) if isinstance(position, Variable) and not position.name.startswith(".") else "[]"
+        return self.view.label(term) if isinstance(position, Variable) else self.view.spelt(term)
+
+
+def _named(solution: Mapping[str, Term]) -> dict[str, Term]:
+    return {name: term for name, term in solution.items() if not name.startswith(".")}
+
+
+def _facts(body: Sequence[Element], solution: Mapping[str, Term]) -> tuple[Triple, ...]:
+    found = (instance(element, solution) for element in body if isinstance(element, Atom))
+    return tuple(fact for fact in found if fact is not None)
+
+
+def _ordered(body: Sequence[Element], bindings: Mapping[str, Term]) -> list[Element]:
+    """Return a body with the atoms first that have the most positions bound, as one would look at it by hand.
+
+    Everything else keeps its place behind what binds its variables.
+    """
+    waiting, known = list(body), {Variable(name) for name in bindings}
+    order: list[Element] = []
+    while waiting:
+        ready = [element for element in waiting if _ready(element, waiting, known)]
+        chosen = min(ready or waiting[:1], key=lambda element: _free(element, known))
+        waiting.remove(chosen)
+        order.append(chosen)
+        known |= binds(chosen)
+    return order
+
+
+def _ready(element: Element, waiting: Sequence[Element], known: set[Variable]) -> bool:
+    """Tell whether nothing that stands before an element and is still waiting binds what it needs."""
+    if isinstance(element, Atom | Values | Aggregate):
+        return True
+    before = waiting[: waiting.index(element)]
+    later = {variable for other in before for variable in binds(other)} - known
+    return not later & mentions(element)
+
+
+def _free(element: Element, known: set[Variable]) -> int:
+    return len(binds(element) - known) if isinstance(element, Atom) else _LATE

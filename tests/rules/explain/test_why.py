@@ -1,0 +1,134 @@
+"""Why facts hold: proofs are sound, end in what was asserted, and are as short as promised."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pyoxigraph import Quad
+from rules.explain.worlds import BUILDS, INFERRED, World, bound, fact, rule, where, without
+
+from kg.errors import RuleError
+from kg.rules.explain.proof import Condition, Proof
+from kg.rules.explain.why import why, why_all
+
+if TYPE_CHECKING:
+    from pyoxigraph import Triple
+
+    from kg.rules.form import Rule
+
+PARENT = rule("family/parent", "?x ancestor ?y", "?x parent ?y")
+LINEAR = rule("family/linear", "?x ancestor ?z", "?x ancestor ?y", "?y parent ?z")
+ADOPTED = rule("family/adopted", "?x ancestor ?y", "?x adopted ?y")
+KNOWN = rule("family/known", "?x knows ?y", "?x ancestor ?y")
+DOUBLE = rule("family/double", "?x ancestor ?z", "?x ancestor ?y", "?y ancestor ?z")
+SAME = rule("family/same", "?y knows ?x", "?x knows ?y")
+
+
+def leaves(proof: Proof) -> set[Triple]:
+    """Return the asserted facts that a proof ends in."""
+    return {each.fact for _, each in proof.walk() if isinstance(each, Proof) and each.derivation is None}
+
+
+def check(proof: Proof, above: tuple[Triple, ...] = ()) -> None:
+    """Assert that a proof is one: no fact rests on itself, and what is not derived is asserted."""
+    assert proof.fact not in above
+    if proof.derivation is None:
+        assert proof.graphs
+        return
+    premises = [premise for premise in proof.premises if isinstance(premise, Proof)]
+    assert [premise.fact for premise in premises] == list(proof.derivation.facts)
+    for premise in premises:
+        check(premise, (*above, proof.fact))
+
+
+def test_an_asserted_fact_is_its_own_proof_with_its_line() -> None:
+    """What was asserted is explained by its graph and the line of code it was read from."""
+    world = World(':n :has :p . :p :path "src/a.cpp" ; :line 128 .', ())
+    proof = why(world.view, (), fact("n has p"))
+    assert (proof.graphs, str(proof.evidence)) == (("https://example.org/graph/asserted",), "src/a.cpp:128")
+
+
+def test_a_chain_ends_in_what_was_asserted() -> None:
+    """A fact that recursion derived rests on each step of the chain."""
+    world = World(":a :parent :b . :b :parent :c . :c :parent :d .", (PARENT, LINEAR))
+    proof = why(world.view, world.rules, fact("a ancestor d"))
+    check(proof)
+    assert leaves(proof) == {fact("a parent b"), fact("b parent c"), fact("c parent d")}
+    assert proof.derivation is not None
+    assert (proof.derivation.rule.name, proof.derivation.bindings["y"]) == ("family/linear", fact("c c c").subject)
+
+
+def test_cycles_prove_nothing() -> None:
+    """Two facts that derive each other rest on the one that was asserted."""
+    world = World(":a :knows :b .", (SAME,))
+    check(why(world.view, world.rules, fact("b knows a")))
+    world.store.remove(next(iter(world.store.quads_for_pattern(None, None, fact("b b b").object))))
+    with pytest.raises(RuleError, match="does not hold"):
+        why(world.view, world.rules, fact("a knows b"))
+    with pytest.raises(RuleError, match="no rule in force derives"):
+        why(world.view, world.rules, fact("b knows a"))
+
+
+def test_all_ways() -> None:
+    """Each way in which a fact comes about is given, the smallest first."""
+    world = World(
+        ":a :parent :b . :b :parent :c . :a :adopted :c .",
+        (PARENT, LINEAR, ADOPTED),
+    )
+    ways = why_all(world.view, world.rules, fact("a ancestor c"))
+    assert [way.derivation.rule.name for way in ways if way.derivation] == ["family/adopted", "family/linear"]
+
+
+def test_the_shortest_proof() -> None:
+    """The shortest proof has the fewest steps, whatever recursion offers."""
+    world = World(" ".join(f":n{i} :parent :n{i + 1} ." for i in range(8)), (PARENT, DOUBLE))
+    proof = why(world.view, world.rules, fact("n0 ancestor n8"), shortest=True)
+    check(proof)
+    assert len({each.fact for _, each in proof.walk() if isinstance(each, Proof)}) == 8 + 8 + 7
+
+
+def test_conditions_are_told() -> None:
+    """Filters, assignments and what must be absent stand in the proof as conditions."""
+    parts = ("?x parent ?y", where("?x != ?y"), without("?y parent ?z"), bound("s", "STR(?y)"))
+    world = World(":a :parent :b .", (rule("x/y", "?x child ?s", *parts),))
+    proof = why(world.view, world.rules, world.inferred()[0])
+    texts = [premise.text for premise in proof.premises if isinstance(premise, Condition)]
+    assert [text.split()[0] for text in texts] == ["FILTER(?x", "FILTER", "BIND(STR(?y)"]
+
+
+def test_graphs_that_rules_do_not_read_prove_nothing() -> None:
+    """A fact that stands only in the graph of builds is no premise."""
+    world = World(":a :parent :b . :b :parent :c .", (PARENT, LINEAR))
+    moved = fact("b parent c")
+    world.store.remove(next(iter(world.store.quads_for_pattern(moved.subject, moved.predicate, moved.object))))
+    world.store.add(Quad(moved.subject, moved.predicate, moved.object, BUILDS))
+    with pytest.raises(RuleError, match="no rule in force derives"):
+        why(world.view, world.rules, fact("a ancestor c"))
+
+
+def test_a_long_chain() -> None:
+    """A proof of a thousand steps is found and walked."""
+    world = World(" ".join(f":n{i} :next :n{i + 1} ." for i in range(1200)) + " :n0 :reached :n0 .", ())
+    step = rule("x/step", "?y reached ?y", "?x reached ?x", "?x next ?y")
+    for i in range(1, 1201):
+        each = fact(f"n{i} reached n{i}")
+        world.store.add(Quad(each.subject, each.predicate, each.object, INFERRED))
+    proof = why(world.view, (step,), fact("n1200 reached n1200"))
+    assert len(list(proof.walk())) == 2 * 1200 + 1
+
+
+EDGES = st.lists(st.tuples(st.integers(0, 4), st.integers(0, 4)), min_size=1, max_size=8, unique=True)
+RULES = st.lists(st.sampled_from([PARENT, LINEAR, DOUBLE, SAME, KNOWN]), min_size=1, unique=True)
+
+
+@settings(deadline=None, max_examples=40)
+@given(EDGES, RULES)
+def test_every_inferred_fact_has_a_sound_proof(edges: list[tuple[int, int]], chosen: list[Rule]) -> None:
+    """Whatever rules derive from whatever graph has a proof that ends in asserted facts."""
+    world = World(" ".join(f":n{a} :parent :n{b} ." for a, b in edges), tuple(chosen))
+    for each in world.inferred():
+        check(why(world.view, world.rules, each))
+        assert all(leaves(way) for way in why_all(world.view, world.rules, each))
