@@ -48,8 +48,8 @@ class Expressions(Triples):
     aggregates_allowed = False
     """Whether an aggregate may stand in what is read now."""
 
-    def begin_expressions(self) -> None:
-        """Begin without an open expression."""
+    def __init__(self, text: str, path: str, *, prefixes: Mapping[str, str], base: str | None = None) -> None:
+        super().__init__(text, path, prefixes=prefixes, base=base)
         self._open: list[_Found] = []
 
     @abstractmethod

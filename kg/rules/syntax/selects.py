@@ -25,6 +25,7 @@ class Selects(Expressions):
 
     def sub_select(self) -> SubSelect:
         """Read a sub-SELECT without its braces."""
+        first = len(self.consumed)
         start = self.expect_word("SELECT").start
         distinct = self.accept_word("DISTINCT")
         if not distinct:
@@ -39,7 +40,8 @@ class Selects(Expressions):
         self._check_columns(columns, keys, visible(group.nodes), grouped=grouped, start=start)
         group = self._with_values(group, keys, grouped=grouped)
         projections = tuple(column for column, _ in columns)
-        return SubSelect(projections, distinct, group, keys, having, sliced, self.span(start))
+        text = self.spelling(self.consumed[first:])
+        return SubSelect(projections, distinct, group, keys, having, sliced, self.span(start), text)
 
     def _columns(self) -> list[tuple[Projection, int]]:
         """Read columns, each with its offset; none is `*`."""

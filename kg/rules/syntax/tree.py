@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
 if TYPE_CHECKING:
-    from pyoxigraph import NamedNode, Triple
+    from pyoxigraph import NamedNode
 
     from kg.rules.form import Pattern, Term, Variable
 
@@ -216,6 +216,8 @@ class Projection:
 class SubSelect:
     """`{ SELECT ... }`; `sliced`: it has LIMIT or OFFSET. No projections is `SELECT *`.
 
+    `text` is all of it without braces, spelt anew like that of a group.
+
     A key of GROUP BY that is an expression without a name has a variable whose name begins with `.`. VALUES behind
     it stands at the end of `group`.
     """
@@ -227,6 +229,7 @@ class SubSelect:
     having: tuple[Expression, ...]
     sliced: bool
     span: Span
+    text: str = field(default="", compare=False)
 
 
 Node: TypeAlias = (
@@ -248,19 +251,23 @@ class Group:
 
 @dataclass(frozen=True, slots=True)
 class RuleText:
-    """One rule as written: template and pattern; `asserted`: `WHERE DATA`."""
+    """One rule as written: template and pattern; `asserted`: `WHERE DATA`; `identifier`: the IRI behind `RULE`."""
 
     template: tuple[TriplePattern, ...]
     group: Group
     asserted: bool
     span: Span
+    identifier: NamedNode | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class RuleUnit:
-    """A whole file: a `.rq` has one rule; a `.srl` any number, with imports and data."""
+    """A whole file: a `.rq` has one rule; a `.srl` any number, with imports and data.
+
+    The terms of `data` have no variables; their blank nodes mean the same in all of the file.
+    """
 
     rules: tuple[RuleText, ...]
-    data: tuple[Triple, ...]
+    data: tuple[TriplePattern, ...]
     imports: tuple[NamedNode, ...]
     prefixes: dict[str, str]

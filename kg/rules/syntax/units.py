@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kg.query.prefixes import PREFIXES
 from kg.rules.syntax.lexer import END, Kind
 from kg.rules.syntax.patterns import Patterns
+from kg.rules.syntax.rulesets import RuleSets
 from kg.rules.syntax.terms import Mode
 from kg.rules.syntax.tree import Group, RuleText, RuleUnit
 
@@ -15,7 +17,7 @@ if TYPE_CHECKING:
 
     from kg.rules.syntax.tree import TriplePattern
 
-__all__ = ["parse_rq"]
+__all__ = ["parse_rq", "parse_srl"]
 
 
 def parse_rq(text: str, path: str) -> RuleUnit:
@@ -24,7 +26,18 @@ def parse_rq(text: str, path: str) -> RuleUnit:
     The prefixes of `kg.query.prefixes` are declared already. Raises RuleError: KG201 where the text is not SPARQL,
     KG209 for what rules may not do (other servers, other data sets, rows in an order or up to a limit).
     """
-    parser = _Construct(text, path, prefixes=PREFIXES)
+    return _parsed(_Construct(text, path, prefixes=PREFIXES))
+
+
+def parse_srl(text: str, path: str) -> RuleUnit:
+    """Return the rules, data and imports of a rule set of SPARQL 1.2 RL; `path` is what errors name.
+
+    No prefix is declared already; relative IRIs are relative to the file. Raises RuleError KG201.
+    """
+    return _parsed(RuleSets(text, path, prefixes={}, base=Path(path).absolute().as_uri()))
+
+
+def _parsed(parser: _Construct | RuleSets) -> RuleUnit:
     try:
         return parser.unit()
     except RecursionError:
@@ -36,7 +49,6 @@ class _Construct(Patterns):
 
     def unit(self) -> RuleUnit:
         """Read the whole text."""
-        self.begin_expressions()
         self.begin_labels()
         self._prologue()
         rule = self._rule()
