@@ -179,6 +179,14 @@ class Settings:
         default=(),
         metadata=_about(_paths, "FOLDERS", f"Folders with stored queries of your own, joined by {os.pathsep!r}."),
     )
+    rules: tuple[Path, ...] = field(
+        default=(),
+        metadata=_about(
+            _paths,
+            "FOLDERS",
+            f"Folders with rules of your own, joined by {os.pathsep!r}; by default rules/ beside kg.toml or here.",
+        ),
+    )
     origins: Mapping[str, Origin] = field(default_factory=dict)
 
     def origin(self, name: str) -> Origin:

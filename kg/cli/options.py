@@ -16,6 +16,7 @@ __all__ = [
     "MaxFileBytes",
     "PackageName",
     "Queries",
+    "Rules",
     "Store",
     "Timeout",
     "from_setting",
@@ -43,6 +44,7 @@ Timeout = Annotated[str | None, from_setting("timeout")]
 Limit = Annotated[str | None, from_setting("limit", "-n")]
 Format = Annotated[str | None, from_setting("format")]
 Queries = Annotated[str | None, from_setting("queries")]
+Rules = Annotated[str | None, from_setting("rules")]
 Json = Annotated[bool, typer.Option("--json", help="Write JSON Lines: one object a line.")]
 PackageName = Annotated[
     str | None,

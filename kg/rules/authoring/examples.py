@@ -1,0 +1,214 @@
+"""Examples of rules, read from the Markdown page beside a file of rules (docs/rule-examples.md has the format).
+
+An example is data (`given`), what the rule infers from it (`expect`, `expect exactly`), what it does not
+(`expect-not`), and what stands in the proofs (`why`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final
+
+from pyoxigraph import RdfFormat, Triple, parse
+
+from kg.errors import Place, RuleError
+from kg.query.prefixes import PREFIXES
+from kg.query.similar import did_you_mean
+from kg.rules.authoring.markdown import Fence, Heading, parts
+from kg.rules.authoring.spelling import spell_triple
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+    from pathlib import Path
+
+__all__ = ["EXAMPLE_NAMESPACE", "Example", "Expectation", "WhyLine", "parse_examples", "read_examples"]
+
+EXAMPLE_NAMESPACE: Final = "https://example.org/"
+"""What the prefix `ex:` and the empty one stand for in examples."""
+
+_KINDS: Final = ("given", "expect", "expect-not")
+_FORMS: Final = ("turtle given", "turtle given with=FAMILY/NAME", "turtle expect", "turtle expect exactly")
+_HINT: Final = f"Blocks of examples are {', '.join(f'`{form}`' for form in _FORMS)}, `turtle expect-not`, `text why`."
+_KNOWN: Final[Mapping[str, str]] = {"": EXAMPLE_NAMESPACE, "ex": EXAMPLE_NAMESPACE, **PREFIXES}
+_PREAMBLE: Final = "".join(f"@prefix {prefix}: <{iri}> . " for prefix, iri in _KNOWN.items())
+
+
+@dataclass(frozen=True, slots=True)
+class Expectation:
+    """One block of expected triples: `kind` is expect, exactly or not; a blank node stands for any term."""
+
+    kind: str
+    triples: tuple[Triple, ...]
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class WhyLine:
+    """One line that must be part of a line of a proof."""
+
+    text: str
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Example:
+    """One example; `others` are the rules that run beside those of the file, each with the place that names it."""
+
+    title: str
+    place: Place
+    given: tuple[Triple, ...]
+    others: tuple[tuple[str, Place], ...]
+    expectations: tuple[Expectation, ...]
+    why: tuple[WhyLine, ...]
+    prefixes: Mapping[str, str]
+
+    @property
+    def expected(self) -> tuple[Triple, ...]:
+        """The triples that must be inferred."""
+        return tuple(triple for each in self.expectations if each.kind != "not" for triple in each.triples)
+
+
+def read_examples(path: Path) -> tuple[Example, ...]:
+    """Return the examples of a page; raises as `parse_examples`, and KG221 when the file cannot be read."""
+    try:
+        return parse_examples(path.read_text("utf-8"), str(path))
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise RuleError("KG221", f"the examples cannot be read: {reason}", place=Place(str(path))) from error
+
+
+def parse_examples(text: str, path: str) -> tuple[Example, ...]:
+    """Return the examples of a page given as text.
+
+    Raises:
+        RuleError: KG221 with the line of the block that is no part of an example, or does not parse.
+    """
+    return tuple(one.finished() for one in _drafts(text, path))
+
+
+@dataclass(slots=True)
+class _Draft:
+    """An example while its blocks are read."""
+
+    title: str
+    place: Place
+    given: list[Triple] = field(default_factory=list)
+    others: dict[str, Place] = field(default_factory=dict)
+    expectations: list[Expectation] = field(default_factory=list)
+    why: list[WhyLine] = field(default_factory=list)
+    prefixes: dict[str, str] = field(default_factory=lambda: dict(_KNOWN))
+
+    def add(self, fence: Fence, place: Place) -> None:
+        """Take a block; those for readers are left alone."""
+        kind, words = _kind(fence, place)
+        if kind == "why":
+            self.why += _why_lines(fence, place)
+        elif kind == "given":
+            self.given += self._triples(fence, place)
+            self._name_others(words, place)
+        elif kind:
+            self._expect(kind, words, tuple(self._triples(fence, place)), place)
+
+    def _expect(self, kind: str, words: list[str], triples: tuple[Triple, ...], place: Place) -> None:
+        exactly = kind == "expect" and words == ["exactly"]
+        if words and not exactly:
+            raise RuleError("KG221", f"`{' '.join(words)}` says nothing about {kind}", place=place, hint=_HINT)
+        if not triples and not exactly:
+            hint = "Write triples, or `turtle expect exactly` for an example in which nothing is inferred."
+            raise RuleError("KG221", f"the block {kind} has no triples", place=place, hint=hint)
+        self.expectations.append(Expectation("exactly" if exactly else kind.removeprefix("expect-"), triples, place))
+
+    def _name_others(self, words: list[str], place: Place) -> None:
+        for word in words:
+            key, sign, names = word.partition("=")
+            if key != "with" or not sign or not all(names.split(",")):
+                raise RuleError("KG221", f"`{word}` says nothing about given data", place=place, hint=_HINT)
+            self.others.update(dict.fromkeys(names.split(","), place))
+
+    def _triples(self, fence: Fence, place: Place) -> Iterator[Triple]:
+        declared = "".join(f"@prefix {name}: <{iri}> . " for name, iri in self.prefixes.items() if name not in _KNOWN)
+        preamble = _PREAMBLE + declared
+        try:
+            parsed = parse(preamble + fence.text, RdfFormat.TURTLE, base_iri=EXAMPLE_NAMESPACE)
+            yield from (quad.triple for quad in parsed)
+        except SyntaxError as error:
+            raise _turtle_error(error, fence, place, len(preamble)) from None
+        self.prefixes.update(parsed.prefixes)
+
+    def finished(self) -> Example:
+        """Return the example, when it says something that can be tested."""
+        if not self.expectations and not self.why:
+            hint = "Add a block `turtle expect`, `turtle expect exactly` or `turtle expect-not` below the heading."
+            raise RuleError("KG221", f"the example `{self.title}` expects nothing", place=self.place, hint=hint)
+        given = set(self.given)
+        for each in self.expectations:
+            stated = [triple for triple in each.triples if triple in given and each.kind != "not"]
+            if stated:
+                message = (
+                    f"`{spell_triple(stated[0], self.prefixes)}` is expected and given; what is given is not inferred"
+                )
+                raise RuleError("KG221", message, place=each.place, hint="Take it out of one of the two blocks.")
+        return Example(
+            self.title,
+            self.place,
+            tuple(dict.fromkeys(self.given)),
+            tuple(self.others.items()),
+            tuple(self.expectations),
+            tuple(self.why),
+            self.prefixes,
+        )
+
+
+def _drafts(text: str, path: str) -> Iterator[_Draft]:
+    """Yield the parts below headings of the second level that have blocks of examples."""
+    draft: _Draft | None = None
+    for part in parts(text):
+        place = Place(path, part.line)
+        if isinstance(part, Heading):
+            if part.level > 2:  # noqa: PLR2004 - deeper headings stand inside an example
+                continue
+            if draft and _speaks(draft):
+                yield draft
+            draft = _Draft(part.title, place) if part.level == 2 else None  # noqa: PLR2004 - `##`
+        elif not part.closed:
+            raise RuleError("KG221", "the block is not closed", place=place, hint="End it with a line of backticks.")
+        elif draft:
+            draft.add(part, place)
+        elif _kind(part, place)[0]:
+            raise RuleError("KG221", "the block stands under no example", place=place, hint="Begin it with `## TITLE`.")
+    if draft and _speaks(draft):
+        yield draft
+
+
+def _speaks(draft: _Draft) -> bool:
+    """Tell whether there is any block of an example below a heading; prose may have headings too."""
+    return bool(draft.given or draft.others or draft.expectations or draft.why)
+
+
+def _kind(fence: Fence, place: Place) -> tuple[str, list[str]]:
+    """Return what a block is to an example, empty for those that are for readers, and the words behind that."""
+    language, *words = fence.info.split() or [""]
+    if language not in {"turtle", "text", "ttl"} or not words:
+        return "", []
+    kind, *rest = words
+    known = ("why",) if language == "text" else _KINDS
+    if kind not in known:
+        near = did_you_mean(kind, known)
+        hint = f"{near} {_HINT}" if near else _HINT
+        raise RuleError("KG221", f"there is no block `{language} {kind}` in examples", place=place, hint=hint)
+    return kind, rest
+
+
+def _why_lines(fence: Fence, place: Place) -> Iterator[WhyLine]:
+    for number, line in enumerate(fence.text.splitlines(), fence.line + 1):
+        if line.strip():
+            yield WhyLine(" ".join(line.split()), Place(place.path, number))
+
+
+def _turtle_error(error: SyntaxError, fence: Fence, place: Place, before: int) -> RuleError:
+    """Translate the engine's error; its first line begins behind the `before` signs of prefixes."""
+    line = error.lineno or 1
+    column = (error.offset or 1) - (before if line == 1 else 0)
+    message = error.msg.partition(": ")[2] or error.msg
+    where = Place(place.path, fence.line + line, column if column > 0 else None)
+    return RuleError("KG221", f"this is not Turtle: {message}", place=where, hint="Correct the block there.")

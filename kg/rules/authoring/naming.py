@@ -1,0 +1,81 @@
+"""Which rules a person means: by name, by family, by the last part of a name, by file or folder."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from kg.errors import UnknownNameError, UsageError
+from kg.query.similar import did_you_mean
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from kg.rules.files import RuleFile, RuleSet
+
+__all__ = ["choose", "find_rule"]
+
+
+def find_rule(rules: RuleSet, name: str) -> RuleFile:
+    """Return the file of the rule called `name`, whole or by its last part, or at that path.
+
+    Raises:
+        UsageError: KG001 with what was probably meant, or with the rules that share the last part.
+    """
+    found = _named(rules, name)
+    if len(found) == 1:
+        return found[0]
+    if found:
+        names = ", ".join(file.name for file in found)
+        raise UsageError("KG001", f"several rules are called `{name}`: {names}", hint="Give the whole name.")
+    raise _unknown(rules, name)
+
+
+def choose(rules: RuleSet, names: Iterable[str]) -> tuple[RuleFile, ...]:
+    """Return the files of the rules, families, files and folders named, each once; of all rules without any name.
+
+    Raises:
+        UnknownNameError: KG001 with what was probably meant.
+    """
+    wanted = list(names)
+    if not wanted:
+        return rules.files
+    chosen: dict[str, RuleFile] = {}
+    for name in wanted:
+        found = _named(rules, name) or _below(rules, name)
+        if not found:
+            raise _unknown(rules, name)
+        chosen.update({file.name: file for file in found})
+    return tuple(chosen[name] for name in sorted(chosen))
+
+
+def _named(rules: RuleSet, name: str) -> list[RuleFile]:
+    whole = [file for file in rules.files if file.name == name]
+    if whole:
+        return whole
+    path = Path(name)
+    if path.is_file():
+        return [file for file in rules.files if _same(path, file)]
+    return [file for file in rules.files if file.name.rpartition("/")[2] == name]
+
+
+def _same(path: Path, file: RuleFile) -> bool:
+    """Tell whether a path is that of a rule or of its examples."""
+    return path.resolve() in {file.path.resolve(), file.examples.resolve()}
+
+
+def _below(rules: RuleSet, name: str) -> list[RuleFile]:
+    """Return the rules of a family, or those in a folder."""
+    family = [file for file in rules.files if file.name.startswith(name.rstrip("/") + "/")]
+    folder = Path(name).resolve()
+    if family or not folder.is_dir():
+        return family
+    return [file for file in rules.files if file.path.resolve().is_relative_to(folder)]
+
+
+def _unknown(rules: RuleSet, name: str) -> UnknownNameError:
+    known = [file.name for file in rules.files]
+    hint = did_you_mean(
+        name, [*known, *(one.rpartition("/")[2] for one in known), *(one.family for one in rules.files)]
+    )
+    return UnknownNameError("KG001", f"there is no rule `{name}`", hint=hint or "`kg rules list` lists them.")

@@ -1,0 +1,41 @@
+"""Terms and triples as people read them: prefixed names where prefixes are known."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from pyoxigraph import Literal, NamedNode, Triple
+
+from kg.query.prefixes import PREFIXES
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kg.rules.form import Term
+
+__all__ = ["spell_term", "spell_triple"]
+
+
+def spell_term(term: Term, prefixes: Mapping[str, str] = PREFIXES) -> str:
+    """Return a term as Turtle spells it with these prefixes; the empty prefix is used where no other fits."""
+    if isinstance(term, NamedNode):
+        return _name(term.value, prefixes)
+    if isinstance(term, Literal) and '"^^<' in str(term):
+        quoted, _, _ = str(term).rpartition("^^")
+        return f"{quoted}^^{_name(term.datatype.value, prefixes)}"
+    if isinstance(term, Triple):
+        return f"<<( {spell_triple(term, prefixes)} )>>"
+    return str(term)
+
+
+def spell_triple(triple: Triple, prefixes: Mapping[str, str] = PREFIXES) -> str:
+    """Return a triple as Turtle spells it, without the full stop."""
+    return " ".join(spell_term(term, prefixes) for term in (triple.subject, triple.predicate, triple.object))
+
+
+def _name(iri: str, prefixes: Mapping[str, str]) -> str:
+    for prefix in sorted(prefixes, key=lambda one: (one == "", -len(prefixes[one]), one)):
+        local = iri.removeprefix(prefixes[prefix])
+        if local != iri and local.replace("_", "").replace("-", "").isalnum() and local.isascii():
+            return f"{prefix}:{local}"
+    return f"<{iri}>"

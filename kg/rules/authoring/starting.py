@@ -1,0 +1,70 @@
+"""A new rule: a file that runs as it stands, and examples of it that pass."""
+
+from __future__ import annotations
+
+import re
+from importlib.resources import files
+from typing import TYPE_CHECKING, Final
+
+from kg.errors import UsageError
+from kg.query.similar import did_you_mean
+from kg.rules.files import NOTATIONS
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+__all__ = ["start"]
+
+_NAME: Final = re.compile(r"[a-z0-9][a-z0-9_-]*(/[a-z0-9][a-z0-9_-]*)+")
+
+
+def start(name: str, folder: Path, notation: str = "rq") -> tuple[Path, Path]:
+    """Write the rule `name` and its examples below `folder`, and return the two files.
+
+    Raises:
+        UsageError: KG003 for a name that is not `family/name`, a notation there is not, and a rule that exists.
+    """
+    ending = _ending(notation)
+    if not _NAME.fullmatch(name):
+        hint = f"Did you mean `{near}`?" if _NAME.fullmatch(near := _mended(name)) else "For example wiring/listens-to."
+        message = f"`{name}` is no name of a rule: a family and a name, of a-z, 0-9 and -, joined by a slash"
+        raise UsageError("KG003", message, hint=hint)
+    targets = folder / f"{name}{ending}", folder / f"{name}.md"
+    existing = [path for path in (*(folder / f"{name}{each}" for each in NOTATIONS), targets[1]) if path.exists()]
+    if existing:
+        hint = "Choose another name, or edit that file."
+        raise UsageError("KG003", f"there is a file {existing[0]} already", hint=hint)
+    targets[0].parent.mkdir(parents=True, exist_ok=True)
+    for path, template in zip(targets, (f"rule{ending}", "examples.md"), strict=True):
+        path.write_text(_filled(template, name), encoding="utf-8")
+    return targets
+
+
+def _ending(notation: str) -> str:
+    ending = "." + notation.lower().lstrip(".")
+    if ending not in NOTATIONS:
+        names = [each.lstrip(".") for each in NOTATIONS]
+        hint = did_you_mean(notation, names) or f"The notations are {', '.join(names)}."
+        raise UsageError("KG003", f"there is no notation `{notation}` of rules", hint=hint)
+    return ending
+
+
+def _mended(name: str) -> str:
+    """Return a name of the right form for one that is nearly so."""
+    mended = re.sub(r"[^a-z0-9/]+", "-", re.sub(r"\.(rq|ttl|srl|md)$", "", name).lower()).strip("-/")
+    return mended if "/" in mended else f"mine/{mended}"
+
+
+def _filled(template: str, name: str) -> str:
+    family, _, last = name.rpartition("/")
+    first, *rest = re.split(r"[-_]", last)
+    return (
+        (files("kg.rules.authoring") / "templates" / template)
+        .read_text("utf-8")
+        .format(
+            name=name,
+            title=" ".join([first.capitalize(), *rest]),
+            property="".join([first if first[0].isalpha() else f"is{first}", *map(str.capitalize, rest)]),
+            namespace=f"https://example.org/{family}#",
+        )
+    )
