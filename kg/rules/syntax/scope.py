@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 from kg.rules.form import Variable, variables_of
 from kg.rules.syntax.tree import (
     Bind,
+    Exists,
+    Filter,
     GraphBlock,
     Optional,
     SubSelect,
@@ -20,12 +22,23 @@ if TYPE_CHECKING:
 
     from kg.rules.syntax.tree import Node
 
-__all__ = ["visible"]
+__all__ = ["mentioned", "visible"]
 
 
 def visible(nodes: Iterable[Node]) -> set[str]:
     """Return the names of the variables that may be bound behind `nodes`, those of blank nodes too."""
     return {name for node in nodes for name in _names(node)}
+
+
+def mentioned(nodes: Iterable[Node]) -> set[str]:
+    """Return the names of all variables in the triples, filters and assignments of `nodes`, those inside NOT too."""
+    found = visible(nodes := list(nodes))
+    for node in nodes:
+        if isinstance(node, Exists):
+            found |= mentioned(node.group.nodes)
+        elif isinstance(node, Filter | Bind):
+            found.update(node.expression.variables)
+    return found
 
 
 def _names(node: Node) -> Iterator[str]:

@@ -1,0 +1,69 @@
+"""The header of a file of rules: comments that document it, in the form that `kg.rules.files` states."""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+from kg.errors import Place, RuleError
+from kg.query.similar import did_you_mean
+from kg.rules.files import HEADINGS, Documentation
+
+__all__ = ["SEVERITIES", "parse_header"]
+
+SEVERITIES: Final = ("error", "warning", "note")
+
+_KEY: Final = re.compile(r"(since|severity):\s*(\S*)\s*")
+
+
+def parse_header(text: str, path: str) -> Documentation:
+    """Return the documentation in the comments that a text begins with; an empty one when it begins with none.
+
+    Raises RuleError: KG206 for a heading that is unknown or stands twice, and for a severity that there is not.
+    """
+    title = ""
+    sections: dict[str, list[str]] = {}
+    keys: dict[str, str] = {}
+    section: list[str] | None = None
+    for number, line, column in _comments(text):
+        place = Place(path, number, column, text.splitlines()[number - 1])
+        if line.startswith("## "):
+            section = sections.setdefault(_heading(line[3:].strip(), sections, place), [])
+        elif match := _KEY.fullmatch(line):
+            keys[match[1]] = _value(match[1], match[2], place)
+            section = None
+        elif section is not None:
+            section.append(line)
+        elif not title:
+            title = line.strip()
+    written = {heading: "\n".join(lines).strip("\n") for heading, lines in sections.items()}
+    return Documentation(title, written, keys.get("since"), keys.get("severity"))
+
+
+def _comments(text: str) -> list[tuple[int, str, int]]:
+    """Return the lines of the header with their number, without the comment sign, and the column they begin at."""
+    found: list[tuple[int, str, int]] = []
+    for number, line in enumerate(text.splitlines(), 1):
+        if line.startswith("#"):
+            found.append((number, line[1:].removeprefix(" ").rstrip(), 3))
+        elif found or line.strip():
+            break
+    return found
+
+
+def _heading(heading: str, before: dict[str, list[str]], place: Place) -> str:
+    if heading not in HEADINGS:
+        near = did_you_mean(heading, HEADINGS) or f"The headings are: {', '.join(HEADINGS)}."
+        raise RuleError("KG206", f"unknown heading `{heading}`", place=place, hint=near)
+    if heading in before:
+        raise RuleError("KG206", f"the heading `{heading}` stands twice", place=place, hint="Join the two parts.")
+    return heading
+
+
+def _value(key: str, value: str, place: Place) -> str:
+    if key == "severity" and value not in SEVERITIES:
+        near = did_you_mean(value, SEVERITIES) or f"The severities are: {', '.join(SEVERITIES)}."
+        raise RuleError("KG206", f"unknown severity `{value}`", place=place, hint=near)
+    if not value:
+        raise RuleError("KG206", f"`{key}:` has no value", place=place, hint="Write the version, as in `since: 0.2`.")
+    return value

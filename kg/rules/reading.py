@@ -1,0 +1,153 @@
+"""Rule files from disk: one file of any notation, all of some folders, and installed packs of rules."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from importlib.metadata import entry_points
+from inspect import getfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from kg.errors import Place, RuleError
+from kg.rules.files import NOTATIONS, RuleFile, RuleSet
+from kg.rules.header import parse_header
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+    from importlib.metadata import EntryPoint
+
+    from kg.rules.files import Documentation
+
+__all__ = ["ENTRY_POINTS", "Pack", "discover", "packs", "read", "read_text", "rule_files"]
+
+ENTRY_POINTS: Final = "kg.rules"
+"""The group of entry points that name packs of rules."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pack:
+    """An installed pack of rules: the name of its entry point and its folder."""
+
+    name: str
+    folder: Path
+
+
+def read(path: Path, name: str, *, pack: str = "") -> RuleFile:
+    """Return the rule file at `path`; `name` is `family/name`, `pack` the rule pack that brings it.
+
+    Raises RuleError: KG201 where it cannot be read or does not parse, KG203 where it is unsafe, KG206 for its header,
+    KG208 for what it imports, KG209 and KG230 for what rules cannot do.
+    """
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8"
+        raise RuleError("KG201", f"the file cannot be read: {reason}", place=Place(str(path))) from None
+    return read_text(text, path, name, pack=pack)
+
+
+def read_text(text: str, path: Path, name: str, *, pack: str = "") -> RuleFile:
+    """Return the rule file that `text` would be at `path`, as an editor has it before it is saved; errors as `read`."""
+    documentation = parse_header(text, str(path))
+    readers = {".rq": _read_rq, ".srl": _read_srl, ".ttl": _read_ttl}
+    if path.suffix not in readers:
+        hint = f"The endings of rules are {', '.join(NOTATIONS)}."
+        raise RuleError("KG201", f"`{path.suffix}` is not the ending of a rule", place=Place(str(path)), hint=hint)
+    return replace(readers[path.suffix](text, path, name, documentation), pack=pack)
+
+
+def _read_rq(text: str, path: Path, name: str, documentation: Documentation) -> RuleFile:
+    from kg.rules.notations import rq  # noqa: PLC0415 - a notation is loaded when a file has it
+    from kg.rules.syntax.units import parse_rq  # noqa: PLC0415 - the same
+
+    unit = parse_rq(text, str(path))
+    found = rq.rules(unit, name, str(path), text)
+    return RuleFile(name, path, text, documentation, found, prefixes=unit.prefixes)
+
+
+def _read_srl(text: str, path: Path, name: str, documentation: Documentation) -> RuleFile:
+    from kg.rules.notations import imports, srl  # noqa: PLC0415 - a notation is loaded when a file has it
+    from kg.rules.syntax.units import parse_srl  # noqa: PLC0415 - the same
+
+    unit = parse_srl(text, str(path))
+    rules = list(srl.rules(unit, name, str(path), text))
+    data = list(srl.data(unit, str(path), text))
+    parts = len(unit.rules)
+    for file, inner, brought in imports.imported(unit, path, text):
+        rules += srl.rules(brought, name, str(file), inner, first=parts + 1)
+        data += srl.data(brought, str(file), inner)
+        parts += len(brought.rules)
+    return RuleFile(name, path, text, documentation, tuple(rules), tuple(data), unit.prefixes)
+
+
+def _read_ttl(text: str, path: Path, name: str, documentation: Documentation) -> RuleFile:
+    from kg.rules.notations import shacl  # noqa: PLC0415 - a notation is loaded when a file has it
+
+    return RuleFile(name, path, text, documentation, shacl.rules(text, name, path))
+
+
+def discover(folders: Iterable[Path], installed: Iterable[Pack] = ()) -> RuleSet:
+    """Return all rules below some folders and in some packs, sorted by name.
+
+    The name of a file is its path below the folder without the ending. A folder may also be one file, whose name is
+    that of its folder and its own. What several files import comes once. Raises RuleError: KG207 for two files of one
+    name, and what `read` raises.
+    """
+    found: dict[str, RuleFile] = {}
+    sources = [*((pack.folder, pack.name) for pack in installed), *((folder, "") for folder in folders)]
+    for folder, pack in sources:
+        for path, name in rule_files(folder):
+            if name in found:
+                message = f"the rule `{name}` is in {found[name].path} already"
+                hint = "Rename one; files of two endings share a name too."
+                raise RuleError("KG207", message, place=Place(str(path)), hint=hint)
+            found[name] = read(path, name, pack=pack)
+    return RuleSet(tuple(_once([found[name] for name in sorted(found)])))
+
+
+def rule_files(folder: Path) -> Iterator[tuple[Path, str]]:
+    """Yield the rule files below a folder, sorted, with their names; hidden folders are left out."""
+    if folder.is_file():
+        yield folder, f"{folder.absolute().parent.name}/{folder.stem}"
+        return
+    if not folder.is_dir():
+        hint = "Folders of rules are named by the setting `rules`."
+        raise RuleError("KG201", "there is no such folder of rules", place=Place(str(folder)), hint=hint)
+    for path in sorted(folder.rglob("*")):
+        below = path.relative_to(folder)
+        if path.suffix in NOTATIONS and path.is_file() and not any(part.startswith(".") for part in below.parts):
+            yield path, below.with_suffix("").as_posix()
+
+
+def _once(files: list[RuleFile]) -> Iterator[RuleFile]:
+    """Leave out imported rules that another file has, or that an earlier one imports too."""
+    owners = {file.path.resolve(): file.name for file in files}
+    for file in files:
+        written = str(file.path)
+        brought = {rule.place.path for rule in file.rules} - {written}
+        foreign = {path for path in brought if owners.setdefault(Path(path).resolve(), file.name) != file.name}
+        kept = tuple(rule for rule in file.rules if rule.place.path not in foreign)
+        yield replace(file, rules=kept) if foreign else file
+
+
+def packs() -> tuple[Pack, ...]:
+    """Return the installed packs, sorted by name.
+
+    An entry point of the group `kg.rules` names a package, whose folder it is, or a function that returns the folder.
+    Raises RuleError KG208 for one that cannot be loaded.
+    """
+    return tuple(sorted(map(_pack, entry_points(group=ENTRY_POINTS)), key=lambda pack: pack.name))
+
+
+def _pack(entry: EntryPoint) -> Pack:
+    hint = f"Reinstall or remove the package that declares it: {entry.value}."
+    try:
+        loaded = entry.load()
+        folder = Path(loaded()) if callable(loaded) else Path(getfile(loaded)).parent
+    except (ImportError, AttributeError, TypeError, OSError) as error:
+        message = f"the rule pack `{entry.name}` cannot be loaded: {error}"
+        raise RuleError("KG208", message, place=Place(entry.value), hint=hint) from error
+    if not folder.is_dir():
+        message = f"the rule pack `{entry.name}` has no folder {folder}"
+        raise RuleError("KG208", message, place=Place(entry.value), hint=hint)
+    return Pack(entry.name, folder)
