@@ -94,9 +94,9 @@ def defect(error: BaseException) -> None:
     report(wrapped)
 
 
-def render(error: KgError, *, color: bool = False) -> str:
-    """Return the lines that show an error."""
-    lines = [_paint("error", f"error[{error.code}]", on=color) + ": " + printable(error.message)]
+def render(error: KgError, *, color: bool = False, severity: str = "error") -> str:
+    """Return the lines that show an error, or a finding of less severity (`warning`, `note`)."""
+    lines = [_paint(severity, f"{severity}[{error.code}]", on=color) + ": " + printable(error.message)]
     if error.place:
         lines += _excerpt(error.place, color=color)
     help_text = error.hint or CATALOGUE[error.code].way_out

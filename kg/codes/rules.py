@@ -14,15 +14,15 @@ CODES: Final = {
         "The text of a rule is not of its notation at the place given.",
         "Correct the rule there.",
     ),
-    "KG203": CodeEntry(
-        "unsafe rule",
-        "A variable of the head or of an expression is not bound by the body before it, or is bound twice.",
-        "Bind the variable by a triple, or by SET or BIND, before it is read.",
-    ),
     "KG202": CodeEntry(
         "rules cannot be stratified",
         "A rule depends, directly or through others, on the negation or the count of what it derives.",
         "Follow the cycle in the message and let the negated or counted pattern read something else.",
+    ),
+    "KG203": CodeEntry(
+        "unsafe rule",
+        "A variable of the head or of an expression is not bound by the body before it, or is bound twice.",
+        "Bind the variable by a triple, or by SET or BIND, before it is read.",
     ),
     "KG204": CodeEntry(
         "terms made in recursion",
@@ -54,6 +54,51 @@ CODES: Final = {
         "not allowed in rules",
         "A rule has a part that rules cannot have (SERVICE, FROM), or that the notation asked for cannot say.",
         "Write the rule without it, or in another notation.",
+    ),
+    "KG211": CodeEntry(
+        "unknown class or property",
+        "A rule names a class or property that no ontology defines, no other rule derives and the store does not have.",
+        "Correct the name, or define it in an ontology.",
+    ),
+    "KG212": CodeEntry(
+        "cartesian product",
+        "Parts of a rule's body share no variable: every match of one is combined with every match of the other.",
+        "Join the parts by a variable, or compare them in a filter.",
+    ),
+    "KG213": CodeEntry(
+        "never fires",
+        "On this store nothing matches the body of a rule.",
+        "Look at the part named: a name may be misspelt, or the data are not there yet. `kg why-not` goes deeper.",
+    ),
+    "KG214": CodeEntry(
+        "always fires",
+        "The body of a rule matches even without any data.",
+        "Add what the rule should depend on, or state the facts in an ontology.",
+    ),
+    "KG215": CodeEntry(
+        "head never read",
+        "No other rule and no stored query reads what a rule derives.",
+        "Write a stored query that shows it, or leave the rule out.",
+    ),
+    "KG216": CodeEntry(
+        "duplicate or subsumed",
+        "Another rule derives everything that this one derives.",
+        "Remove one of the two.",
+    ),
+    "KG217": CodeEntry(
+        "variable used once",
+        "A variable stands in one place of a rule only: it may be misspelt.",
+        "Correct it, write `[]`, or begin its name with `_`.",
+    ),
+    "KG218": CodeEntry(
+        "documentation missing",
+        "The header of a rule lacks its title, a heading that every rule has, or the version it came with.",
+        "Write what is missing; `kg rules new` makes a header to fill in.",
+    ),
+    "KG219": CodeEntry(
+        "examples missing",
+        "No file of examples stands beside a rule.",
+        "Write NAME.md with blocks `turtle given` and `turtle expect`; `kg rules new` makes one to fill in.",
     ),
     "KG220": CodeEntry(
         "example failed",

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from kg.store.interface import Snapshot
 
-__all__ = ["unknown_terms"]
+__all__ = ["iris_of", "unknown_terms"]
 
 _NOT_LOOKED_UP: Final = frozenset({"xsd", "sh"})
 """Prefixes whose terms stand in queries but seldom in data: data types of literals, shapes."""
@@ -49,3 +49,20 @@ def _names(text: str) -> Iterator[tuple[str, str]]:
         if known and local.isidentifier() and token.text not in seen:
             seen.add(token.text)
             yield token.text, PREFIXES[prefix] + local
+
+
+def iris_of(text: str) -> set[str]:
+    """Return the IRIs that a query mentions, written out or as names of prefixes that it declares or that are known."""
+    prefixes = dict(PREFIXES)
+    found = set()
+    declared: str | None = None
+    for token in tokens(text):
+        if token.kind is Kind.IRI and declared is not None:
+            prefixes[declared] = token.text[1:-1]
+        elif token.kind is Kind.IRI:
+            found.add(token.text[1:-1])
+        prefix, _, local = token.text.partition(":")
+        if token.kind is Kind.NAME and prefix in prefixes and local:
+            found.add(prefixes[prefix] + local.replace("\\", ""))
+        declared = prefix if token.kind is Kind.NAME and not local else None
+    return found

@@ -1,0 +1,137 @@
+"""`kg rules check`: what is wrong with rules before they run."""
+
+from collections import Counter
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
+
+from kg.cli.diagnostics import colored, render, say
+from kg.cli.names import unknown
+from kg.cli.options import Json, Rules, Store
+from kg.cli.output import json_lines, write
+from kg.cli.session import session
+from kg.errors import Exit, RuleError, StoreError, UsageError
+from kg.render.text import count
+from kg.store.opening import reading
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kg.rules.checks.finding import Finding
+    from kg.rules.checks.run import Read
+    from kg.settings import Settings
+
+__all__ = ["check"]
+
+_FORMATS: Final = ("text", "json", "sarif", "github")
+_SEVERITIES: Final = ("error", "warning", "note")
+
+Names = Annotated[list[str] | None, typer.Argument(metavar="[NAME]...", help="Rules, families or files; all of them.")]
+Form = Annotated[str, typer.Option("--format", "-f", metavar="FORMAT", help=f"One of {', '.join(_FORMATS)}.")]
+Level = Annotated[
+    str, typer.Option("--level", metavar="SEVERITY", help="Leave out what is less than error, warning or note.")
+]
+
+
+def check(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    names: Names = None,
+    *,
+    form: Form = "text",
+    level: Level = "note",
+    json: Json = False,
+    rules: Rules = None,
+    store: Store = None,
+) -> None:
+    """Check rules: names, safety, strata, what never fires, documentation.
+
+    Terms are checked against the ontologies, and against the store where there is one. Exit code 1 when there are
+    errors or warnings. For example:
+
+        kg rules check
+        kg rules check mine/feeds --level warning
+        kg rules check --format sarif > rules.sarif
+    """
+    form = "json" if json else form
+    for word, allowed, what in ((form, _FORMATS, "format"), (level, _SEVERITIES, "severity")):
+        if word not in allowed:
+            raise UsageError("KG003", f"`{word}` is no {what}", hint=f"One of {', '.join(allowed)}.")
+    settings = session(context).settings(store=store, rules=rules)
+    findings, checked = _found(settings, names or [])
+    shown = [one for one in findings if _SEVERITIES.index(one.severity) <= _SEVERITIES.index(level)]
+    _write(shown, form, checked)
+    if any(one.severity != "note" for one in shown):
+        raise typer.Exit(Exit.FOUND)
+
+
+def _found(settings: "Settings", names: list[str]) -> "tuple[list[Finding], int]":
+    from kg.pipeline.reasoning import check_context, rule_folders  # noqa: PLC0415 - start-up time
+    from kg.rules.checks.run import check as run  # noqa: PLC0415 - start-up time
+    from kg.rules.checks.run import read_all  # noqa: PLC0415 - start-up time
+    from kg.rules.reading import packs  # noqa: PLC0415 - start-up time
+
+    found = read_all(rule_folders(settings), packs())
+    wanted = _wanted(found, names)
+    with ExitStack() as stack:
+        try:
+            snapshot = stack.enter_context(reading(settings))
+        except StoreError:
+            snapshot = None
+        findings = run(found, check_context(settings, snapshot), wanted)
+    return findings, len(found.rules.files) if wanted is None else len(wanted)
+
+
+def _wanted(found: "Read", names: list[str]) -> list[str] | None:
+    """Return the names of the rules that are meant by names, families and files; None for all of them."""
+    if not names:
+        return None
+    known = {file.name: file.path for file in found.rules.files}
+    known |= {one.rule: Path(one.place.path) for one in found.findings}
+    wanted: list[str] = []
+    for name in names:
+        path = Path(name).absolute()
+        chosen = [
+            each
+            for each, file in known.items()
+            if each == name or each.startswith(f"{name.rstrip('/')}/") or file.absolute().is_relative_to(path)
+        ]
+        if not chosen:
+            raise unknown("rule", name, known, otherwise="`kg rules list` lists the rules.")
+        wanted += chosen
+    return list(dict.fromkeys(wanted))
+
+
+def _write(findings: "Sequence[Finding]", form: str, checked: int) -> None:
+    from kg.rules.checks.sarif import as_object, sarif  # noqa: PLC0415 - start-up time
+
+    if form == "json":
+        json_lines(map(as_object, findings))
+    elif form == "sarif":
+        json_lines([sarif(findings, Path.cwd())])
+    elif form == "github":
+        for one in findings:
+            write(_annotation(one))
+    else:
+        _tell(findings, checked)
+
+
+def _annotation(finding: "Finding") -> str:
+    """Return the line that GitHub's runners turn into a remark at the line."""
+    kind = {"note": "notice"}.get(finding.severity, finding.severity)
+    place = finding.place
+    message = finding.message.replace("%", "%25").replace("\n", "%0A")
+    return f"::{kind} file={place.path},line={place.line or 1},col={place.column or 1},title={finding.code}::{message}"
+
+
+def _tell(findings: "Sequence[Finding]", checked: int) -> None:
+    import sys  # noqa: PLC0415 - start-up time
+
+    for one in findings:
+        error = RuleError(one.code, one.message, place=one.place, hint=one.hint)
+        write(render(error, color=colored(sys.stdout), severity=one.severity))
+        write()
+    sums = Counter(one.severity for one in findings)
+    told = ", ".join(count(sums[severity], severity) for severity in _SEVERITIES if sums[severity])
+    say(f"{count(checked, 'rule')} checked: {told or 'nothing wrong'}")

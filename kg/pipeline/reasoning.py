@@ -1,0 +1,78 @@
+"""Rules over a store of RNKG: which are in force, and what of the graph they and explanations know."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+import pyoxigraph
+from pyoxigraph import NamedNode, RdfFormat
+
+from kg import resources
+from kg.graph.iris import Iris
+from kg.graph.ontology_files import ontology_triples
+from kg.graph.vocabulary import RNKG
+from kg.query.prefixes import PREFIXES
+from kg.query.stored import discover as discover_queries
+from kg.query.terms import iris_of
+from kg.rules.checks.finding import Context
+from kg.rules.checks.stores import StoreOf, nothing
+from kg.rules.explain.view import View, Vocabulary
+from kg.rules.files import RuleSet
+from kg.rules.folders import user_folders
+from kg.rules.reading import discover, packs
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from kg.settings import Settings
+    from kg.store.snapshot import EmbeddedSnapshot
+
+__all__ = ["check_context", "explained_vocabulary", "rule_folders", "rules_in_force"]
+
+_VOCABULARY: Final = """
+SELECT DISTINCT ?term WHERE {
+  { SELECT DISTINCT ?term WHERE { ?s ?term ?o } }
+  UNION { SELECT DISTINCT ?term WHERE { ?s a ?term } }
+  UNION { VALUES ?kind { owl:Class owl:ObjectProperty owl:DatatypeProperty owl:AnnotationProperty rdf:Property }
+          ?term a ?kind }
+  FILTER(ISIRI(?term))
+}"""
+
+
+def rules_in_force(settings: Settings) -> RuleSet:
+    """Return the rules that `kg` ships, those of installed packs and those of the user's folders.
+
+    Raises:
+        RuleError: KG201 and others of KG2xx for a file that cannot be used.
+    """
+    return discover(rule_folders(settings), packs())
+
+
+def rule_folders(settings: Settings) -> tuple[Path, ...]:
+    """Return the folder of rules that `kg` ships and those of the user."""
+    return (resources.folder("rules"), *user_folders(settings))
+
+
+def check_context(settings: Settings, snapshot: EmbeddedSnapshot | None) -> Context:
+    """Return what rules are checked against: the ontologies, the stored queries, and a store where there is one."""
+    vocabulary = explained_vocabulary(settings.base)
+    ontologies = pyoxigraph.Store()
+    ontologies.bulk_load(ontology_triples(), RdfFormat.N_TRIPLES)
+    terms = _terms(ontologies.query(_VOCABULARY, prefixes=dict(PREFIXES)))
+    if snapshot:
+        terms |= _terms(snapshot.query(_VOCABULARY, prefixes=PREFIXES))
+    queries = discover_queries(settings.queries)
+    read = frozenset(iri for query in queries.values() for iri in iris_of(query.text))
+    store = StoreOf(View(snapshot, vocabulary)) if snapshot else None
+    return Context(RuleSet(()), terms, read, store, nothing(vocabulary))
+
+
+def _terms(rows: Any) -> frozenset[str]:
+    return frozenset(row[0].value for row in rows)
+
+
+def explained_vocabulary(base: str) -> Vocabulary:
+    """Return what explanations need to know of a graph with this base."""
+    iris = Iris(base)
+    properties = (NamedNode(RNKG + name) for name in ("path", "line", "repository"))
+    return Vocabulary(NamedNode(iris.graph("inferred")), (NamedNode(iris.graph("builds")),), *properties)

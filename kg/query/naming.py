@@ -1,0 +1,103 @@
+"""Terms as people type them: IRIs, prefixed names, literals, or what a thing is called in the store."""
+
+from __future__ import annotations
+
+import re
+from itertools import product
+from typing import TYPE_CHECKING, Any, Final, cast
+
+from pyoxigraph import Literal, NamedNode, RdfFormat, Triple, parse
+
+from kg.errors import UnknownNameError, UsageError
+from kg.query.prefixes import PREFIXES, shorten
+from kg.query.similar import did_you_mean
+
+if TYPE_CHECKING:
+    from pyoxigraph import BlankNode
+
+    from kg.store.interface import Snapshot
+
+__all__ = ["facts", "terms"]
+
+_PREFIXED: Final = re.compile(r"([A-Za-z][\w.-]*):([\w.-]*)")
+_WRITTEN: Final = re.compile(r"""["'].*|[+-]?\d[\d.eE+-]*|true|false|<<.*""", re.DOTALL)
+_TYPE: Final = NamedNode(PREFIXES["rdf"] + "type")
+_CALLED: Final = "SELECT DISTINCT ?t WHERE { VALUES ?name { %s } ?t rdfs:label|rnkg:name ?name } ORDER BY ?t"
+_NAMES: Final = "SELECT DISTINCT ?name WHERE { ?t rdfs:label ?name }"
+_PROPERTIES: Final = "SELECT DISTINCT ?name WHERE { ?s ?name ?o }"
+
+
+def facts(snapshot: Snapshot, subject: str, predicate: str, value: str) -> tuple[list[Triple], bool]:
+    """Return the facts that three typed words may mean, and whether the store holds them.
+
+    A name that several things have means the ones of which the store holds the fact; where it holds none, all.
+
+    Raises:
+        UnknownNameError: KG001 with suggestions for a word that names nothing.
+        UsageError: KG003 when the store holds no such fact and the words name several things.
+    """
+    parts = (terms(snapshot, subject), terms(snapshot, predicate, property_=True), terms(snapshot, value))
+    every = [
+        Triple(one, two, three)
+        for one, two, three in product(*parts)
+        if isinstance(one, NamedNode) and isinstance(two, NamedNode)
+    ]
+    held = [fact for fact in every if snapshot.query(f"ASK {{ {fact.subject} {fact.predicate} {fact.object} }}")]
+    if held:
+        return held, True
+    for word, found in zip((subject, predicate, value), parts, strict=True):
+        if len(found) > 1:
+            ways = "\n".join(str(term) for term in found)
+            raise UsageError("KG003", f"{len(found)} things are called `{word}`; say which", hint=ways)
+    return every, False
+
+
+def terms(snapshot: Snapshot, word: str, *, property_: bool = False) -> list[NamedNode | BlankNode | Literal]:
+    """Return the terms that a word may mean: `<iri>`, `ros:Node`, `"text"`, `5`, `a`, or a name in the store.
+
+    Raises:
+        UnknownNameError: KG001 with suggestions when it means nothing.
+    """
+    if property_ and word == "a":
+        return [_TYPE]
+    if word.startswith("<") and word.endswith(">"):
+        return [NamedNode(word[1:-1])]
+    prefixed = _PREFIXED.fullmatch(word)
+    if prefixed and prefixed[1] in PREFIXES:
+        return [NamedNode(PREFIXES[prefixed[1]] + prefixed[2])]
+    if "://" in word:
+        return [NamedNode(word)]
+    if _WRITTEN.fullmatch(word):
+        return [_literal(word)]
+    return list(_property(snapshot, word) if property_ else _called(snapshot, word))
+
+
+def _literal(word: str) -> Literal:
+    prefixes = "".join(f"@prefix {name}: <{namespace}> .\n" for name, namespace in PREFIXES.items())
+    try:
+        found = next(iter(parse(f"{prefixes}<x:s> <x:p> {word} .", RdfFormat.TURTLE))).object
+    except SyntaxError as error:
+        raise UsageError("KG003", f"`{word}` is not a literal as Turtle writes it") from error
+    return cast("Literal", found)
+
+
+def _property(snapshot: Snapshot, word: str) -> list[NamedNode]:
+    rows: Any = snapshot.query(_PROPERTIES)
+    known = [row[0] for row in rows]
+    found = [iri for iri in known if re.split(r"[/#]", iri.value)[-1] == word]
+    if not found:
+        hint = did_you_mean(word, [shorten(iri.value) for iri in known])
+        raise UnknownNameError("KG001", f"there is no property `{word}`", hint=hint)
+    return found
+
+
+def _called(snapshot: Snapshot, word: str) -> list[NamedNode]:
+    """Return what is called `word`; the leading slash of a ROS name may be left out."""
+    names = f"{Literal(word)} {Literal('/' + word)}"
+    rows: Any = snapshot.query(_CALLED % names, prefixes=PREFIXES)
+    found = [row[0] for row in rows if isinstance(row[0], NamedNode)]
+    if not found:
+        known: Any = snapshot.query(_NAMES, prefixes=PREFIXES)
+        hint = did_you_mean(word, [row[0].value for row in known])
+        raise UnknownNameError("KG001", f"nothing in the store is called `{word}`", hint=hint)
+    return found

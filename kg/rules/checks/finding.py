@@ -1,0 +1,84 @@
+"""What checks report, and what they look at."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, Protocol
+
+from kg.query.position import place_at, place_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping
+
+    from kg.errors import Place, RuleError
+    from kg.rules.files import RuleFile, RuleSet
+    from kg.rules.form import Element, Term
+
+__all__ = ["SEVERITIES", "Context", "Finding", "Store", "at_offset", "at_rule", "from_error"]
+
+SEVERITIES: Final = ("error", "warning", "note")
+"""From the worst to the least; errors keep a rule from running."""
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """Something wrong with a rule: `rule` is the name of its file, `place` has the line and column."""
+
+    code: str
+    severity: str
+    rule: str
+    message: str
+    place: Place
+    hint: str | None = None
+
+
+class Store(Protocol):
+    """What checks ask of a store that the rules are for."""
+
+    def matches(self, body: tuple[Element, ...]) -> bool:
+        """Tell whether a body has a solution."""
+        ...
+
+    def failing(self, body: tuple[Element, ...]) -> Element | None:
+        """Return the first part of a body that leaves it without solutions."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Context:
+    """What a file is checked against.
+
+    `rules` are all in force, the file itself among them; `terms` what ontologies and data define or use, as IRIs;
+    `read` the IRIs that stored queries mention; `empty` is a store without data. `store` is None when there is none.
+    """
+
+    rules: RuleSet
+    terms: frozenset[str] = frozenset()
+    read: frozenset[str] = frozenset()
+    store: Store | None = None
+    empty: Store | None = None
+    labels: Callable[[Term], str] = str
+    prefixes: Mapping[str, str] | None = None
+
+
+class Check(Protocol):
+    """A check: a module with a function `check`."""
+
+    def check(self, file: RuleFile, context: Context) -> Iterator[Finding]:
+        """Yield what is wrong with one file."""
+        ...
+
+
+def at_rule(file: RuleFile) -> Place:
+    """Return the place of the first rule of a file, or its first line."""
+    return file.rules[0].place if file.rules else place_of(file.text, 1, 1, str(file.path))
+
+
+def at_offset(file: RuleFile, offset: int) -> Place:
+    """Return the place of a character of a file."""
+    return place_at(file.text, offset, str(file.path))
+
+
+def from_error(error: RuleError, name: str, place: Place) -> Finding:
+    """Return the finding that an error is, raised while a file was read or rules were put in order."""
+    return Finding(error.code, "error", name, error.message, error.place or place, error.hint)

@@ -1,0 +1,108 @@
+"""Running the checks: files are read one by one, so that one that does not parse leaves the others checked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
+
+from kg.errors import Place, RuleError
+from kg.rules.checks import (
+    always_fires,
+    cartesian_product,
+    documentation_missing,
+    examples_missing,
+    head_never_read,
+    never_fires,
+    subsumed,
+    unknown_terms,
+    variable_used_once,
+)
+from kg.rules.checks.finding import SEVERITIES, Context, Finding, from_error
+from kg.rules.files import RuleSet
+from kg.rules.reading import read, rule_files
+from kg.rules.stratify import stratify
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+    from pathlib import Path
+
+    from kg.rules.checks.finding import Check
+    from kg.rules.files import RuleFile
+    from kg.rules.reading import Pack
+
+__all__ = ["CHECKS", "Read", "check", "check_file", "read_all"]
+
+CHECKS: Final[tuple[Check, ...]] = (
+    unknown_terms,
+    cartesian_product,
+    never_fires,
+    always_fires,
+    head_never_read,
+    subsumed,
+    variable_used_once,
+    documentation_missing,
+    examples_missing,
+)
+"""Every check of a rule that could be read, in the order of their codes."""
+
+
+@dataclass(frozen=True, slots=True)
+class Read:
+    """The rules of some folders: those that could be read, and what is wrong with the others."""
+
+    rules: RuleSet
+    findings: tuple[Finding, ...]
+
+
+def read_all(folders: Iterable[Path], installed: Iterable[Pack] = ()) -> Read:
+    """Read every rule file below some folders and in some packs."""
+    files: dict[str, RuleFile] = {}
+    findings: list[Finding] = []
+    for folder, pack in [*((each.folder, each.name) for each in installed), *((folder, "") for folder in folders)]:
+        for path, name in rule_files(folder):
+            place = Place(str(path), 1, 1)
+            if name in files:
+                twice = f"the rule `{name}` is in {files[name].path} already"
+                findings.append(Finding("KG207", "error", name, twice, place, "Rename one of the two."))
+                continue
+            try:
+                files[name] = read(path, name, pack=pack)
+            except RuleError as error:
+                findings.append(from_error(error, name, place))
+    return Read(RuleSet(tuple(files[name] for name in sorted(files))), tuple(findings))
+
+
+def check(found: Read, context: Context, names: Iterable[str] | None = None) -> list[Finding]:
+    """Return what is wrong with the rules read, or with those called `names`, sorted by place.
+
+    `context` tells what they are checked against; its rules are those that were read.
+    """
+    context = replace(context, rules=found.rules)
+    wanted = None if names is None else set(names)
+    findings = [*found.findings, *_order(found.rules)]
+    for file in found.rules.files:
+        if wanted is None or file.name in wanted:
+            findings += check_file(file, context)
+    chosen = [finding for finding in findings if wanted is None or finding.rule in wanted]
+    return sorted(chosen, key=_place)
+
+
+def check_file(file: RuleFile, context: Context) -> Iterator[Finding]:
+    """Yield what is wrong with one file that could be read."""
+    for each in CHECKS:
+        yield from each.check(file, context)
+
+
+def _order(rules: RuleSet) -> Iterator[Finding]:
+    """Yield the one reason why the rules cannot be put in order, at the rule that it is about."""
+    try:
+        stratify(rules.rules)
+    except RuleError as error:
+        place = error.place or Place("rules")
+        owner = next((file.name for file in rules.files if str(file.path) == place.path), "rules")
+        yield from_error(error, owner, place)
+
+
+def _place(finding: Finding) -> tuple[str, int, int, int]:
+    place = finding.place
+    return place.path, place.line or 0, place.column or 0, SEVERITIES.index(finding.severity)

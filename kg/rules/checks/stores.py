@@ -1,0 +1,61 @@
+"""Stores as checks see them: whether bodies match, and which part of one does not."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import pyoxigraph
+
+from kg.rules.explain.derivations import bound_by
+from kg.rules.explain.view import View
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from pyoxigraph import QueryBoolean, QuerySolutions, QueryTriples
+
+    from kg.rules.explain.view import Vocabulary
+    from kg.rules.form import Element, Term
+
+__all__ = ["StoreOf", "nothing"]
+
+
+@dataclass(frozen=True, slots=True)
+class StoreOf:
+    """A snapshot, after rules have run over it."""
+
+    view: View
+
+    def matches(self, body: tuple[Element, ...]) -> bool:
+        """Tell whether a body has a solution."""
+        return bool(self.view.solutions(body, bound_by(body), {}, 1))
+
+    def failing(self, body: tuple[Element, ...]) -> Element | None:
+        """Return the first part of a body that leaves it without solutions."""
+        return next((part for index, part in enumerate(body) if not self.matches(body[: index + 1])), None)
+
+
+class _Empty:
+    """A store without data."""
+
+    def __init__(self) -> None:
+        self._store = pyoxigraph.Store()
+
+    def query(
+        self,
+        text: str,
+        *,
+        prefixes: Mapping[str, str] | None = None,
+        union: bool = True,
+        substitutions: Mapping[pyoxigraph.Variable, Term] | None = None,
+    ) -> QuerySolutions | QueryBoolean | QueryTriples:
+        """Run a query; see `kg.rules.explain.view.Queryable`."""
+        given = dict(substitutions) if substitutions else None
+        known = dict(prefixes or {})
+        return self._store.query(text, prefixes=known, use_default_graph_as_union=union, substitutions=given)
+
+
+def nothing(vocabulary: Vocabulary) -> StoreOf:
+    """Return a store without data."""
+    return StoreOf(View(_Empty(), vocabulary))

@@ -1,0 +1,120 @@
+"""KG216: a rule that another one makes superfluous (theta-subsumption: Plotkin 1970)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from kg.rules.checks.finding import Finding, at_rule
+from kg.rules.form import Assignment, Atom, Exists, Filter, TripleTerm, Variable
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from kg.rules.checks.finding import Context
+    from kg.rules.files import RuleFile
+    from kg.rules.form import Element, Pattern, Rule
+
+__all__ = ["CODE", "TITLE", "check", "subsumes"]
+
+CODE: Final = "KG216"
+TITLE: Final = "duplicate or subsumed"
+
+
+def check(file: RuleFile, context: Context) -> Iterator[Finding]:
+    """Yield one finding for a file whose every rule is subsumed by a rule of another file."""
+    others = [rule for rule in context.rules.rules if rule.name != file.name]
+    wider = [next((other for other in others if subsumes(other, rule)), None) for rule in file.rules]
+    found = [other for other in wider if other is not None]
+    if not file.rules or len(found) < len(file.rules):
+        return
+    by = found[0]
+    same = any(subsumes(rule, by) for rule in file.rules)
+    if same and by.name > file.name:
+        return
+    words = "says the same as" if same else "derives only what this derives anyway:"
+    hint = "Remove one of the two."
+    yield Finding(CODE, "warning", file.name, f"the rule {words} {by.name} ({by.place})", at_rule(file), hint)
+
+
+def subsumes(general: Rule, special: Rule) -> bool:
+    """Tell whether a renaming of `general`'s variables gives the head of `special` and a part of its body.
+
+    Then whatever `special` derives `general` derives too. Bodies with blocks that are compared by nothing but their
+    text (aggregates, blocks of SPARQL) count as equal only when they are the same.
+    """
+    return any(
+        _covers(list(general.body), special.body, bindings) for bindings in _heads(list(special.head), general.head, {})
+    )
+
+
+def _heads(
+    wanted: Sequence[Atom], offered: Sequence[Atom], bindings: dict[Variable, Pattern]
+) -> Iterator[dict[Variable, Pattern]]:
+    """Yield the substitutions under which each wanted atom is one of those offered."""
+    if not wanted:
+        yield bindings
+        return
+    for atom in offered:
+        extended = _matched(atom, wanted[0], bindings)
+        if extended is not None:
+            yield from _heads(wanted[1:], offered, extended)
+
+
+def _covers(general: list[Element], special: Sequence[Element], bindings: dict[Variable, Pattern]) -> bool:
+    """Tell whether each part of the general body is a part of the special one under some substitution."""
+    if not general:
+        return True
+    first, *rest = general
+    for element in special:
+        extended = _same(first, element, bindings)
+        if extended is not None and _covers(rest, special, extended):
+            return True
+    return False
+
+
+def _same(general: Element, special: Element, bindings: dict[Variable, Pattern]) -> dict[Variable, Pattern] | None:
+    if isinstance(general, Atom) and isinstance(special, Atom):
+        return _matched(general, special, bindings) if special.asserted or not general.asserted else None
+    if isinstance(general, Filter) and isinstance(special, Filter):
+        return bindings if _renamed(general.expression.text, bindings) == special.expression.text else None
+    if isinstance(general, Assignment) and isinstance(special, Assignment):
+        if _renamed(general.expression.text, bindings) != special.expression.text:
+            return None
+        return _pattern(general.variable, special.variable, bindings)
+    if isinstance(general, Exists) and isinstance(special, Exists) and general.negated == special.negated:
+        # Blocks are compared as sets both ways: a narrower negated block would let more through, not less.
+        if len(general.body) == len(special.body) and _covers(list(general.body), special.body, bindings):
+            return bindings
+        return None
+    return bindings if general == special else None
+
+
+def _renamed(text: str, bindings: dict[Variable, Pattern]) -> str:
+    words = text.split("?")
+    named = {variable.name: str(term).removeprefix("?") for variable, term in bindings.items()}
+    renamed = [words[0]]
+    for word in words[1:]:
+        length = next((index for index, sign in enumerate(word) if not (sign.isalnum() or sign == "_")), len(word))
+        renamed.append(named.get(word[:length], word[:length]) + word[length:])
+    return "?".join(renamed)
+
+
+def _matched(general: Atom, special: Atom, bindings: dict[Variable, Pattern]) -> dict[Variable, Pattern] | None:
+    found: dict[Variable, Pattern] | None = bindings
+    for one, other in zip(general.positions, special.positions, strict=True):
+        found = None if found is None else _pattern(one, other, found)
+    return found
+
+
+def _pattern(general: Pattern, special: Pattern, bindings: dict[Variable, Pattern]) -> dict[Variable, Pattern] | None:
+    if isinstance(general, Variable):
+        known = bindings.get(general)
+        if known is None:
+            return {**bindings, general: special}
+        return bindings if known == special else None
+    if isinstance(general, TripleTerm) and isinstance(special, TripleTerm):
+        found: dict[Variable, Pattern] | None = bindings
+        for name in ("subject", "predicate", "object"):
+            found = None if found is None else _pattern(getattr(general, name), getattr(special, name), found)
+        return found
+    return bindings if general == special else None
