@@ -14,9 +14,23 @@ if TYPE_CHECKING:
 
     Keys: TypeAlias = NDArray[np.int64]
 
-__all__ = ["EMPTY", "Facts", "difference", "distinct", "flipped", "intersection", "pack", "union", "unpack"]
+__all__ = [
+    "EMPTY",
+    "Facts",
+    "difference",
+    "distinct",
+    "flipped",
+    "intersection",
+    "merged",
+    "pack",
+    "parted",
+    "starts",
+    "union",
+    "unpack",
+]
 
 _LOW: Final = 0xFFFFFFFF
+_FEW: Final = 8
 EMPTY: Final = np.empty(0, np.int64)
 
 
@@ -73,12 +87,34 @@ def union(keys: Keys, others: Keys) -> Keys:
     return others if not keys.size else distinct(np.concatenate([keys, others]))
 
 
+def merged(keys: Keys, others: Keys) -> Keys:
+    """Return two sorted arrays that share nothing as one; a few others are put in their places without a sort."""
+    if not keys.size or not others.size:
+        return others if not keys.size else keys
+    if others.size * _FEW < keys.size:
+        return np.insert(keys, np.searchsorted(keys, others), others)
+    return np.sort(np.concatenate([keys, others]))
+
+
+def parted(keys: Keys, gone: Keys) -> Keys:
+    """Return sorted keys without some of them, in one copy."""
+    return np.delete(keys, np.searchsorted(keys, gone))
+
+
+def starts(keys: Keys, terms: int) -> NDArray[np.int32]:
+    """Return where the pairs of each first term begin in sorted keys; those of `t` end where those of `t + 1` begin."""
+    found = np.zeros(terms + 1, np.int32)
+    np.cumsum(np.bincount(keys >> 32, minlength=terms), out=found[1:])
+    return found
+
+
 class Facts:
     """A set of triples; arrays that it gives out are never written to."""
 
     def __init__(self) -> None:
         self._keys: dict[int, Keys] = {}
         self._flipped: dict[int, Keys] = {}
+        self._starts: dict[tuple[int, bool], NDArray[np.int32]] = {}
 
     def __len__(self) -> int:
         return sum(keys.size for keys in self._keys.values())
@@ -103,31 +139,73 @@ class Facts:
             found = self._flipped[predicate] = flipped(self.keys(predicate))
         return found
 
+    def starts(self, predicate: int, terms: int, *, by_object: bool = False) -> NDArray[np.int32]:
+        """Return `starts` of the pairs of a predicate, for identifiers below `terms`; kept until the pairs change."""
+        found = self._starts.get((predicate, by_object))
+        if found is None or found.size <= terms:
+            keys = self.by_object(predicate) if by_object else self.keys(predicate)
+            found = self._starts[predicate, by_object] = starts(keys, terms)
+        return found
+
+    def has_starts(self, predicate: int, terms: int, *, by_object: bool = False) -> bool:
+        """Tell whether `starts` of that many terms is there already."""
+        found = self._starts.get((predicate, by_object))
+        return found is not None and found.size > terms
+
     def replace(self, predicate: int, keys: Keys) -> None:
         """Give a predicate other pairs: sorted, each once."""
+        self._forget(predicate)
         self._flipped.pop(predicate, None)
         if keys.size:
             self._keys[predicate] = keys
         else:
             self._keys.pop(predicate, None)
 
+    def _forget(self, predicate: int) -> None:
+        self._starts.pop((predicate, False), None)
+        self._starts.pop((predicate, True), None)
+
     def add(self, predicate: int, keys: Keys) -> Keys:
         """Add sorted pairs to a predicate and return those that are new."""
         new = difference(keys, self.keys(predicate))
-        if new.size:
-            self.replace(predicate, union(self.keys(predicate), new))
+        self.extend(predicate, new)
         return new
+
+    def extend(self, predicate: int, new: Keys) -> None:
+        """Add sorted pairs of which the predicate has none; the order by object is carried on if it is there."""
+        if not new.size:
+            return
+        self._keys[predicate] = merged(self.keys(predicate), new)
+        other = self._flipped.get(predicate)
+        if other is not None:
+            self._flipped[predicate] = merged(other, flipped(new))
+        self._forget(predicate)
 
     def remove(self, predicate: int, keys: Keys) -> Keys:
         """Take sorted pairs from a predicate and return those that it had."""
         gone = intersection(keys, self.keys(predicate))
-        if gone.size:
-            self.replace(predicate, difference(self.keys(predicate), gone))
+        self.discard(predicate, gone)
         return gone
+
+    def discard(self, predicate: int, gone: Keys) -> None:
+        """Take away sorted pairs, all of which the predicate has; the order by object is carried on if it is there."""
+        if not gone.size:
+            return
+        other = self._flipped.get(predicate)
+        self.replace(predicate, parted(self.keys(predicate), gone))
+        if other is not None and predicate in self._keys:
+            self._flipped[predicate] = parted(other, flipped(gone))
+
+    def take_over(self, predicate: int, other: Facts) -> None:
+        """Give a predicate the pairs that another set has, sharing its arrays."""
+        self.replace(predicate, other.keys(predicate))
+        if predicate in other._flipped:
+            self._flipped[predicate] = other._flipped[predicate]
 
     def copy(self) -> Facts:
         """Return a set that shares the arrays and can be changed by itself."""
         other = Facts()
         other._keys = dict(self._keys)
         other._flipped = dict(self._flipped)
+        other._starts = dict(self._starts)
         return other

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from pyoxigraph import NamedNode
+from pyoxigraph import NamedNode, RdfFormat, Triple, parse
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -14,10 +14,20 @@ if TYPE_CHECKING:
 
     from kg.rules.form import Term
 
-__all__ = ["MAX_TERMS", "Dictionary", "spell"]
+__all__ = ["BLANK", "IRI", "LITERAL", "MAX_TERMS", "TRIPLE", "Dictionary", "spell"]
 
 MAX_TERMS = 1 << 31
 """Two identifiers share one signed integer of 64 bits."""
+
+IRI, BLANK, LITERAL, TRIPLE = range(1, 5)
+"""The kinds of terms; 0 is that of "unbound"."""
+
+_KINDS = np.zeros(1 << 16, np.int8)
+# The first two bytes of a spelling, as a little-endian number, to the kind; `<<` opens a triple term.
+_KINDS[0x3C::0x100] = IRI
+_KINDS[0x3C3C] = TRIPLE
+_KINDS[0x5F::0x100] = BLANK
+_KINDS[0x22::0x100] = LITERAL
 
 
 class _Identifiers(dict[bytes, int]):
@@ -39,6 +49,8 @@ class Dictionary:
     def __init__(self) -> None:
         self._spellings: list[bytes] = [b""]
         self._identifiers = _Identifiers(self._spellings)
+        self._kinds = np.zeros(1, np.int8)
+        self._parts: dict[int, tuple[int, int, int]] = {}
 
     def __len__(self) -> int:
         return len(self._spellings)
@@ -69,7 +81,54 @@ class Dictionary:
         found = identifiers.tolist() if isinstance(identifiers, np.ndarray) else identifiers
         return [every[identifier] for identifier in found]
 
+    def term(self, identifier: int) -> Term:
+        """Return a term as one of pyoxigraph's."""
+        return _parsed(self._spellings[identifier])
+
+    def kinds(self) -> NDArray[np.int8]:
+        """Return the kind of each term that is known by now, indexed by identifier; the array is not to be changed."""
+        known = self._kinds.size
+        if known < len(self._spellings):
+            beginnings = b"".join([spelling[:2] for spelling in self._spellings[known:]])
+            added = _KINDS[np.frombuffer(beginnings, "<u2")]
+            self._kinds = np.concatenate([self._kinds, added])
+        return self._kinds
+
+    def intern_triple(self, subject: int, predicate: int, value: int) -> int:
+        """Return the identifier of the triple term of three terms."""
+        every = self._spellings
+        found = self.intern(b"<<( %s %s %s )>>" % (every[subject], every[predicate], every[value]))
+        self._parts[found] = (subject, predicate, value)
+        return found
+
+    def parts(self, identifier: int) -> tuple[int, int, int]:
+        """Return subject, predicate and object of a triple term; interns those that are not known."""
+        found = self._parts.get(identifier)
+        if found is None:
+            triple = self.term(identifier)
+            if not isinstance(triple, Triple):
+                raise TypeError(self._spellings[identifier])
+            found = (
+                self.intern_term(triple.subject),
+                self.intern_term(triple.predicate),
+                self.intern_term(triple.object),
+            )
+            self._parts[identifier] = found
+        return found
+
+
+def _parsed(spelling: bytes) -> Term:
+    """Return the term that a spelling stands for."""
+    line = b"<urn:s> <urn:p> " + spelling + b" ."
+    term: Term = next(iter(parse(line, RdfFormat.N_TRIPLES))).object
+    return term
+
 
 def spell(term: Term) -> bytes:
     """Return the N-Triples spelling of a term of pyoxigraph, the same that a dump of the store has."""
-    return b"<" + term.value.encode() + b">" if isinstance(term, NamedNode) else str(term).encode()
+    if isinstance(term, NamedNode):
+        return b"<" + term.value.encode() + b">"
+    if isinstance(term, Triple):
+        # The library writes a triple as a statement; inside of another triple it writes it as a term.
+        return b"<<( %s %s %s )>>" % (spell(term.subject), spell(term.predicate), spell(term.object))
+    return str(term).encode()

@@ -1,0 +1,188 @@
+"""What a rule reads and writes, and whether one rule's head can match what another's body reads.
+
+A body atom depends on a head atom if the two unify: constants tell them apart, so `?x a :A` does not depend on a head
+`?x a :B`. A blank node of a head is a term that nothing else has: it unifies with variables only.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
+
+from pyoxigraph import BlankNode, NamedNode, Triple
+
+from kg.rules.form import (
+    AUXILIARY,
+    Aggregate,
+    Assignment,
+    Atom,
+    EngineBlock,
+    Exists,
+    Expression,
+    Filter,
+    TripleTerm,
+    Variable,
+    variables_of,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kg.rules.form import Element, Pattern, Rule
+
+__all__ = ["Read", "depends", "expressions_of", "mints", "reads", "unifies", "volatile", "writes"]
+
+
+@dataclass(frozen=True, slots=True)
+class Read:
+    """An atom that a body reads; with `negated` more matches may take solutions away (NOT, aggregates)."""
+
+    atom: Atom
+    negated: bool
+
+
+@dataclass(frozen=True, slots=True)
+class _Fresh:
+    """A blank node in a head."""
+
+    label: str
+
+
+_Node: TypeAlias = "Pattern | _Fresh | tuple[_Node, _Node, _Node]"
+_Bindings: TypeAlias = "dict[Variable, _Node]"
+
+
+def reads(rule: Rule) -> Iterator[Read]:
+    """Yield what a body reads and rules may derive; atoms on asserted data only are left out.
+
+    A block of SPARQL reads one atom for each of its predicates, or every triple.
+    """
+    yield from _reads(rule.body, negated=False)
+
+
+def _reads(body: tuple[Element, ...], *, negated: bool) -> Iterator[Read]:
+    for element in body:
+        if isinstance(element, Atom):
+            if not element.asserted:
+                yield Read(element, negated)
+        elif isinstance(element, Exists):
+            yield from _reads(element.body, negated=negated or element.negated)
+        elif isinstance(element, Aggregate):
+            yield from _reads(element.body, negated=True)
+        elif isinstance(element, EngineBlock):
+            yield from (Read(atom, negated or not element.monotone) for atom in _atoms_of_block(element))
+
+
+def _atoms_of_block(block: EngineBlock) -> Iterator[Atom]:
+    """Yield atoms that match whatever a block of SPARQL may read."""
+    subject, anything, value = Variable(".s"), Variable(".p"), Variable(".o")
+    if block.reads is None:
+        yield Atom(subject, anything, value, place=block.place)
+        return
+    for predicate in sorted(block.reads, key=str):
+        yield Atom(subject, predicate, value, place=block.place)
+
+
+def writes(rule: Rule) -> tuple[Atom, ...]:
+    """Return the triples that a rule may derive."""
+    return rule.head
+
+
+def depends(reader: Atom, head: Atom) -> bool:
+    """Tell whether a triple derived by `head` can match `reader`: whether they unify, variables renamed apart.
+
+    A predicate that decomposition introduced is no triple of the data: a variable predicate does not match it.
+    """
+    if isinstance(reader.predicate, Variable) and _auxiliary(head.predicate):
+        return False
+    bindings: _Bindings = {}
+    return all(
+        unifies(_apart(read), _derived(written), bindings)
+        for read, written in zip(reader.positions, head.positions, strict=True)
+    )
+
+
+def _auxiliary(predicate: Pattern) -> bool:
+    return isinstance(predicate, NamedNode) and predicate.value.startswith(AUXILIARY)
+
+
+def _apart(pattern: Pattern) -> _Node:
+    """Return a pattern of a body with its variables renamed away from those of heads."""
+    if isinstance(pattern, Variable):
+        return Variable(f"{pattern.name} body")
+    if isinstance(pattern, TripleTerm):
+        return _apart(pattern.subject), _apart(pattern.predicate), _apart(pattern.object)
+    return _opened(pattern)
+
+
+def _derived(pattern: Pattern) -> _Node:
+    """Return a pattern of a head with its blank nodes as fresh terms."""
+    if isinstance(pattern, BlankNode):
+        return _Fresh(pattern.value)
+    if isinstance(pattern, TripleTerm):
+        return _derived(pattern.subject), _derived(pattern.predicate), _derived(pattern.object)
+    return _opened(pattern)
+
+
+def _opened(pattern: Pattern) -> _Node:
+    """Return a triple term without variables in the shape of those with them."""
+    if isinstance(pattern, Triple):
+        return _opened(pattern.subject), _opened(pattern.predicate), _opened(pattern.object)
+    return pattern
+
+
+def unifies(left: _Node, right: _Node, bindings: _Bindings) -> bool:
+    """Unify two patterns, extending `bindings`. Triple terms nest only as written, so no check for cycles."""
+    left, right = _value(left, bindings), _value(right, bindings)
+    if isinstance(left, Variable):
+        if left != right:
+            bindings[left] = right
+        return True
+    if isinstance(right, Variable):
+        bindings[right] = left
+        return True
+    if isinstance(left, tuple) and isinstance(right, tuple):
+        return all(unifies(one, other, bindings) for one, other in zip(left, right, strict=True))
+    return left == right
+
+
+def _value(node: _Node, bindings: _Bindings) -> _Node:
+    while isinstance(node, Variable) and node in bindings:
+        node = bindings[node]
+    return node
+
+
+def expressions_of(body: tuple[Element, ...]) -> Iterator[Expression]:
+    """Yield the expressions of filters, assignments and aggregates, those of inner bodies too."""
+    for element in body:
+        if isinstance(element, Filter | Assignment):
+            yield element.expression
+        elif isinstance(element, Exists):
+            yield from expressions_of(element.body)
+        elif isinstance(element, Aggregate):
+            yield from (column.expression for column in element.columns if column.expression)
+            yield from expressions_of(element.body)
+
+
+def mints(rule: Rule) -> bool:
+    """Tell whether a rule can derive terms that neither data nor rules have, so that feeding itself may never end.
+
+    Blank nodes and triple terms with variables in the head do, and assigned values that are computed.
+    """
+    computed = any(isinstance(element, Assignment) and element.expression.mints for element in rule.body)
+    return computed or any(_makes(pattern) for atom in rule.head for pattern in atom.positions)
+
+
+def _makes(pattern: Pattern) -> bool:
+    return isinstance(pattern, BlankNode) or (isinstance(pattern, TripleTerm) and _open(pattern))
+
+
+def _open(pattern: TripleTerm) -> bool:
+    """Whether a triple term of a head has anything in it that differs from solution to solution."""
+    parts = (pattern.subject, pattern.predicate, pattern.object)
+    return any(True for _ in variables_of(pattern)) or any(_makes(part) for part in parts)
+
+
+def volatile(rule: Rule) -> bool:
+    """Tell whether a rule has an expression whose value differs from call to call."""
+    return any(expression.volatile for expression in expressions_of(rule.body))

@@ -1,0 +1,84 @@
+"""Blocks of SPARQL that were not decomposed: evaluated by the store's engine over the triples they may read."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+import pyoxigraph as ox
+
+from kg.rules.engine.facts import unpack
+from kg.rules.engine.tables import Table
+from kg.rules.engine.terms import spell
+from kg.rules.sparql import spelling
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from kg.rules.engine.facts import Facts, Keys
+    from kg.rules.engine.limits import Clock
+    from kg.rules.engine.plan import Block
+    from kg.rules.engine.terms import Dictionary
+
+__all__ = ["Blocks", "lines"]
+
+_REMEMBERED: Final = 64
+
+
+def lines(dictionary: Dictionary, facts: Facts, predicates: Iterable[int]) -> Iterator[bytes]:
+    """Yield the triples of some predicates as lines of N-Triples."""
+    for predicate in predicates:
+        subjects, objects = unpack(facts.keys(predicate))
+        verb = dictionary.spelling(predicate)
+        for subject, value in zip(dictionary.spellings(subjects), dictionary.spellings(objects), strict=True):
+            yield b"%s %s %s .\n" % (subject, verb, value)
+
+
+class Blocks:
+    """Evaluates blocks; the solutions of the last ones are kept for as long as what they read is the same."""
+
+    def __init__(self, dictionary: Dictionary) -> None:
+        self._dictionary = dictionary
+        self._known: dict[tuple[str, tuple[str, ...]], tuple[list[tuple[int, Keys]], Table]] = {}
+
+    def solutions(self, step: Block, facts: Facts, clock: Clock, hidden: frozenset[int]) -> Table:
+        """Return the solutions of a block over `facts` without the predicates `hidden`; 0 where one is unbound."""
+        read = [(predicate, facts.keys(predicate)) for predicate in self._predicates(step, facts) - hidden]
+        read.sort(key=lambda pair: pair[0])
+        name = step.block.text, tuple(column for _, column in step.columns)
+        known = self._known.get(name)
+        if known is not None and _same(known[0], read):
+            return known[1]
+        clock.check()
+        table = self._evaluate(step, facts, [predicate for predicate, _ in read])
+        if len(self._known) >= _REMEMBERED:
+            self._known.pop(next(iter(self._known)))
+        self._known[name] = read, table
+        return table
+
+    def _predicates(self, step: Block, facts: Facts) -> set[int]:
+        if step.block.reads is None:
+            return set(facts.predicates)
+        found = {self._dictionary.intern_term(predicate) for predicate in step.block.reads}
+        return found & set(facts.predicates)
+
+    def _evaluate(self, step: Block, facts: Facts, predicates: list[int]) -> Table:
+        store = ox.Store()
+        # Parsed here, since the store's own loading gives blank nodes other labels.
+        text = b"".join(lines(self._dictionary, facts, predicates))
+        store.bulk_extend(ox.parse(text, ox.RdfFormat.N_TRIPLES))
+        shown = " ".join(spelling(variable) for variable in step.block.variables)
+        rows: list[list[int]] = []
+        for solution in store.query(f"SELECT {shown or '*'} {{ {step.block.text} }}"):  # type: ignore[union-attr]  # a SELECT gives solutions
+            terms = [solution[index] for index in range(len(step.columns))]
+            rows.append([0 if term is None else self._dictionary.intern(spell(term)) for term in terms])
+        found = np.array(rows, np.int64).reshape(len(rows), len(step.columns))
+        columns = {column: found[:, index].copy() for index, (_, column) in enumerate(step.columns)}
+        return Table(columns, len(rows))
+
+
+def _same(known: list[tuple[int, Keys]], read: list[tuple[int, Keys]]) -> bool:
+    """Whether the very arrays that were read are there still; arrays are never changed."""
+    return len(known) == len(read) and all(
+        one[0] == other[0] and one[1] is other[1] for one, other in zip(known, read, strict=True)
+    )

@@ -1,0 +1,218 @@
+"""Evaluates a set of rules to its fixpoint, stratum by stratum, each derivation tried once.
+
+A stratum that is not recursive runs once. In a recursive one every rule runs over all there is, then in rounds: for
+each atom that reads what the stratum derives, the rule runs with that atom on what the last round added, the atoms
+before it on what was there before, those after it on everything (semi-naive evaluation).
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
+
+from pyoxigraph import NamedNode
+
+from kg.rules.dependencies import depends
+from kg.rules.engine.blocks import Blocks
+from kg.rules.engine.expressions import Expressions
+from kg.rules.engine.facts import Facts, difference
+from kg.rules.engine.heads import Collector
+from kg.rules.engine.limits import Clock, Limits
+from kg.rules.engine.planning import plan
+from kg.rules.engine.solve import Solver, View, Workshop
+from kg.rules.form import AUXILIARY, Atom
+from kg.rules.stratify import Stratum, stratify
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from kg.rules.engine.facts import Keys
+    from kg.rules.engine.plan import RulePlan
+    from kg.rules.engine.terms import Dictionary
+    from kg.rules.form import Rule
+
+__all__ = ["Limits", "Outcome", "Program", "RuleReport", "evaluate"]
+
+
+@dataclass(slots=True)
+class RuleReport:
+    """What a rule did: `derived` counts the triples that it was the first to derive."""
+
+    rule: Rule
+    stratum: int
+    rounds: int = 0
+    derived: int = 0
+    seconds: float = 0.0
+    matched: tuple[int, ...] = ()
+    """For each element of the body the rows after it, over all rounds; 0: never reached, or nothing passed it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What was inferred, without anything that was asserted, and what each rule did, in the order they ran."""
+
+    inferred: Facts
+    reports: list[RuleReport] = field(default_factory=list)
+
+
+class Program:
+    """A set of rules, stratified; plans and what expressions gave are kept for each dictionary it runs over."""
+
+    def __init__(self, rules: Iterable[Rule]) -> None:
+        """Raise `RuleError` KG202 for rules that cannot be stratified, KG204 for volatile functions in recursion."""
+        self.rules = tuple(rules)
+        self.strata: list[Stratum] = stratify(self.rules, bounded=True)
+        self._bound: WeakKeyDictionary[Dictionary, _Bound] = WeakKeyDictionary()
+
+    def refuse_minting(self) -> None:
+        """Raise `RuleError` KG204 when a rule makes terms from what it derives itself."""
+        stratify(self.rules)
+
+    def plans(self, dictionary: Dictionary) -> dict[Rule, RulePlan]:
+        """Return the plan of each rule over a dictionary."""
+        return self._over(dictionary).plans
+
+    def workshop(self, dictionary: Dictionary, limits: Limits | None = None) -> Workshop:
+        """Return what evaluation over a dictionary needs, with a clock that begins now."""
+        bound = self._over(dictionary)
+        return Workshop(dictionary, bound.expressions, bound.blocks, Clock(limits or Limits()), bound.hidden)
+
+    def _over(self, dictionary: Dictionary) -> _Bound:
+        found = self._bound.get(dictionary)
+        if found is None:
+            found = self._bound[dictionary] = _Bound(self.rules, dictionary)
+        return found
+
+
+class _Bound:
+    """A program over one dictionary."""
+
+    def __init__(self, rules: Sequence[Rule], dictionary: Dictionary) -> None:
+        self.plans = {rule: plan(rule, dictionary) for rule in rules}
+        self.expressions = Expressions(dictionary)
+        self.blocks = Blocks(dictionary)
+        predicates = {atom.predicate for rule in rules for atom in rule.head}
+        self.hidden = frozenset(
+            dictionary.intern_term(predicate)
+            for predicate in predicates
+            if isinstance(predicate, NamedNode) and predicate.value.startswith(AUXILIARY)
+        )
+
+
+def evaluate(program: Program, dictionary: Dictionary, asserted: Facts, *, limits: Limits | None = None) -> Outcome:
+    """Return what the rules infer from `asserted`, which is not changed.
+
+    Raises `RuleError`: KG204 where rules make terms in recursion and `limits` has no bound, KG205 at a limit.
+    """
+    limits = limits or Limits()
+    if not limits.bounded:
+        program.refuse_minting()
+    run = _Run(program, dictionary, asserted, limits)
+    for stratum in program.strata:
+        run.stratum(stratum)
+    return Outcome(run.inferred, run.reports)
+
+
+class _Run:
+    """One evaluation: `known` is all there is so far, `inferred` the part that rules added."""
+
+    def __init__(self, program: Program, dictionary: Dictionary, asserted: Facts, limits: Limits) -> None:
+        self._shop = program.workshop(dictionary, limits)
+        self._plans = program.plans(dictionary)
+        self._asserted = asserted
+        self._known = asserted.copy()
+        self._size = 0
+        self.inferred = Facts()
+        self.reports: list[RuleReport] = []
+
+    def stratum(self, stratum: Stratum) -> None:
+        """Evaluate a stratum to its fixpoint."""
+        reports = [RuleReport(rule, stratum.number, matched=(0,) * len(rule.body)) for rule in stratum.rules]
+        self.reports += reports
+        delta = Facts()
+        for report in reports:
+            self._apply(report, self._sources(report.rule), delta)
+        if not stratum.recursive:
+            self._merge(delta)
+            return
+        pivots = {rule: _pivots(self._plans[rule], stratum.rules) for rule in stratum.rules}
+        while delta.predicates:
+            old = self._known.copy()
+            self._merge(delta)
+            last, delta = delta, Facts()
+            for report in reports:
+                for pivot in pivots[report.rule]:
+                    sources = self._sources(report.rule, old, last, pivot, pivots[report.rule])
+                    if sources is not None:
+                        self._apply(report, sources, delta)
+
+    def _sources(
+        self,
+        rule: Rule,
+        old: Facts | None = None,
+        last: Facts | None = None,
+        pivot: int = -1,
+        changing: Sequence[int] = (),
+    ) -> list[Facts] | None:
+        """Return what each source of a rule reads; None when nothing of what the pivot reads has changed."""
+        found = [self._asserted if source.asserted else self._known for source in self._plans[rule].sources]
+        if old is None or last is None:
+            return found
+        reads = self._plans[rule].sources[pivot].reads
+        if not isinstance(reads, Atom):
+            return found
+        if (
+            isinstance(reads.predicate, NamedNode)
+            and not last.keys(self._shop.dictionary.intern_term(reads.predicate)).size
+        ):
+            return None
+        for number in changing:
+            if number < pivot and isinstance(self._plans[rule].sources[number].reads, Atom):
+                found[number] = old
+        found[pivot] = last
+        return found
+
+    def _apply(self, report: RuleReport, sources: list[Facts] | None, delta: Facts) -> None:
+        """Run a rule and add to `delta` what is not known."""
+        if sources is None:
+            return
+        begin = time.perf_counter()
+        clock = self._shop.clock
+        clock.rule = str(report.rule)
+        report.rounds += 1
+        clock.round = report.rounds
+        rule_plan = self._plans[report.rule]
+        solver = Solver(self._shop, View(sources))
+        collector = Collector(rule_plan, self._shop.dictionary)
+        for table in solver.solutions(rule_plan.body, rule_plan.outputs):
+            collector.add(table, rule_plan.heads)
+        for predicate, keys in collector.facts():
+            new = delta.add(predicate, self._unknown(predicate, keys))
+            report.derived += new.size
+            self._size += new.size
+        report.matched = tuple(rows + solver.matched.get(number, 0) for number, rows in enumerate(report.matched))
+        report.seconds += time.perf_counter() - begin
+        clock.check(self._size)
+
+    def _unknown(self, predicate: int, keys: Keys) -> Keys:
+        return difference(keys, self._known.keys(predicate))
+
+    def _merge(self, delta: Facts) -> None:
+        for predicate, keys in delta:
+            self._known.extend(predicate, keys)
+            self.inferred.extend(predicate, keys)
+
+
+def _pivots(rule_plan: RulePlan, rules: Sequence[Rule]) -> list[int]:
+    """Return the numbers of the sources that read what the rules of the stratum derive."""
+    heads = [head for rule in rules for head in rule.head]
+    found = []
+    for number, source in enumerate(rule_plan.sources):
+        reads = source.reads
+        if not source.positive or source.asserted:
+            continue
+        if not isinstance(reads, Atom) or any(depends(reads, head) for head in heads):
+            found.append(number)
+    return found

@@ -1,0 +1,101 @@
+"""Triples of heads from solutions."""
+
+from __future__ import annotations
+
+from hashlib import blake2b
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from kg.rules.engine.facts import Facts, distinct, pack
+from kg.rules.engine.plan import Fresh
+from kg.rules.engine.tables import Table, distinct_rows
+from kg.rules.engine.terms import IRI
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from kg.rules.engine.facts import Keys
+    from kg.rules.engine.plan import Head, HeadNode, RulePlan
+    from kg.rules.engine.terms import Dictionary
+
+__all__ = ["Collector"]
+
+_SUBJECTS: Final = np.array([False, True, True, False, False])
+"""By kind: IRIs and blank nodes may be subjects."""
+
+
+class Collector:
+    """Gathers the head's triples of one rule, table by table."""
+
+    def __init__(self, plan: RulePlan, dictionary: Dictionary) -> None:
+        self._plan = plan
+        self._dictionary = dictionary
+        self._keys: dict[int, list[Keys]] = {}
+
+    def add(self, table: Table, heads: Sequence[Head]) -> None:
+        """Add the triples of `heads` for each row. What is no triple of RDF is left out, as CONSTRUCT does."""
+        if self._plan.solution:
+            table = distinct_rows(table)
+        kinds = self._dictionary.kinds
+        for head in heads:
+            subjects, predicates, objects = (self._column(node, table) for node in head.nodes)
+            kept = (objects != 0) & _SUBJECTS[kinds()[subjects]] & (kinds()[predicates] == IRI)
+            if not kept.all():
+                subjects, predicates, objects = subjects[kept], predicates[kept], objects[kept]
+            self._put(head, subjects, predicates, objects)
+
+    def _put(self, head: Head, subjects: Keys, predicates: Keys, objects: Keys) -> None:
+        keys = pack(subjects, objects)
+        if isinstance(head.predicate, int):
+            if keys.size:
+                self._keys.setdefault(head.predicate, []).append(distinct(keys))
+            return
+        order = np.argsort(predicates, kind="stable")
+        predicates, keys = predicates[order], keys[order]
+        for predicate in distinct(predicates).tolist():
+            begin, end = np.searchsorted(predicates, [predicate, predicate + 1])
+            self._keys.setdefault(predicate, []).append(distinct(keys[begin:end]))
+
+    def _column(self, node: HeadNode, table: Table) -> Keys:
+        """Return a node's identifier for each row; 0 where it has none."""
+        if isinstance(node, int):
+            return np.full(table.rows, node, np.int64)
+        if isinstance(node, str):
+            return table.columns[node]
+        if isinstance(node, Fresh):
+            return self._fresh(node, table)
+        parts = [self._column(part, table) for part in node]
+        return self._triples(parts)
+
+    def _fresh(self, node: Fresh, table: Table) -> Keys:
+        """Return a blank node for each row, the same whenever the same rule has the same solution."""
+        rule = self._plan.rule
+        beginning = f"{rule.name}\n{rule.part}\n{node.label}\n".encode()
+        spelt = [self._dictionary.spellings(table.columns[column]) for _, column in self._plan.solution]
+        names = [name.encode() for name, _ in self._plan.solution]
+        solutions: Iterable[tuple[bytes, ...]] = zip(*spelt, strict=True) if spelt else ((),) * table.rows
+        return self._dictionary.intern_all(_label(beginning, names, values) for values in solutions)
+
+    def _triples(self, parts: Sequence[Keys]) -> Keys:
+        """Return the triple term of the parts for each row, 0 where they make none."""
+        kinds = self._dictionary.kinds()
+        subjects, predicates, objects = parts
+        good = _SUBJECTS[kinds[subjects]] & (kinds[predicates] == IRI) & (objects != 0)
+        rows = zip(subjects.tolist(), predicates.tolist(), objects.tolist(), strict=True)
+        intern = self._dictionary.intern_triple
+        return np.array([intern(*row) if kept else 0 for row, kept in zip(rows, good.tolist(), strict=True)], np.int64)
+
+    def facts(self) -> Facts:
+        """Return the triples gathered."""
+        found = Facts()
+        for predicate, parts in self._keys.items():
+            found.replace(predicate, parts[0] if len(parts) == 1 else distinct(np.concatenate(parts)))
+        return found
+
+
+def _label(beginning: bytes, names: Sequence[bytes], values: Sequence[bytes]) -> bytes:
+    """Return the spelling of the blank node of a solution: 128 bits, the first digit a letter as engines like it."""
+    text = beginning + b"\n".join(b"%s=%s" % pair for pair in zip(names, values, strict=True))
+    digest = blake2b(text, digest_size=16).digest()
+    return b"_:" + bytes([digest[0] | 0xE0, *digest[1:]]).hex().encode()

@@ -1,0 +1,50 @@
+"""Limits of a run, so that it never runs away."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+from kg.errors import RuleError
+
+__all__ = ["Clock", "Limits"]
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """How long a run may take and how much it may infer; None is no limit.
+
+    With either of them rules may make terms in recursion: the limit ends what would not end.
+    """
+
+    deadline: float | None = None
+    """Seconds."""
+    max_triples: int | None = None
+    """Inferred triples."""
+
+    @property
+    def bounded(self) -> bool:
+        """Whether there is any limit."""
+        return self.deadline is not None or self.max_triples is not None
+
+
+class Clock:
+    """Watches the limits of one run; knows which rule runs, to name it."""
+
+    def __init__(self, limits: Limits) -> None:
+        self._limits = limits
+        self._end = None if limits.deadline is None else time.monotonic() + limits.deadline
+        self.rule = ""
+        self.round = 0
+
+    def check(self, inferred: int = 0) -> None:
+        """Raise `RuleError` KG205 when the time is over or there are more triples than allowed."""
+        if self._end is not None and time.monotonic() > self._end:
+            raise self._error(f"the deadline of {self._limits.deadline:g} s is over", "Raise the deadline")
+        most = self._limits.max_triples
+        if most is not None and inferred > most:
+            raise self._error(f"more than {most:,} triples are inferred", "Raise the limit")
+
+    def _error(self, what: str, way: str) -> RuleError:
+        message = f"{what}, at rule {self.rule}, round {self.round}; nothing was changed"
+        return RuleError("KG205", message, hint=f"{way}, or make the rule more specific.")

@@ -1,0 +1,197 @@
+"""Joins a table with the triples that an atom matches."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from kg.rules.engine.facts import pack, unpack
+from kg.rules.engine.tables import CHUNK, Table, TooManyRowsError, among, concatenate, positions
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from numpy.typing import NDArray
+
+    from kg.rules.engine.facts import Facts, Keys
+    from kg.rules.engine.plan import Match, Node
+
+__all__ = ["Pairs", "Reading", "estimate", "match"]
+
+_LOW: Final = 0xFFFFFFFF
+_SAMPLE: Final = 256
+_MANY: Final = 512
+_DENSE: Final = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Pairs:
+    """The triples of one predicate as an atom sees them."""
+
+    facts: Facts
+    predicate: int
+    terms: int
+    """How many terms the dictionary has."""
+
+    def keys(self, *, by_object: bool) -> Keys:
+        """Return the pairs sorted by subject or by object."""
+        return self.facts.by_object(self.predicate) if by_object else self.facts.keys(self.predicate)
+
+    def ranges(self, needles: Keys, *, by_object: bool) -> tuple[NDArray[np.integer], NDArray[np.integer]]:
+        """Return where the pairs of each needle begin and end among the keys."""
+        keys = self.keys(by_object=by_object)
+        many = needles.size > _MANY and needles.size * _DENSE > keys.size + self.terms
+        if many or self.facts.has_starts(self.predicate, self.terms, by_object=by_object):
+            starts = self.facts.starts(self.predicate, self.terms, by_object=by_object)
+            return starts[needles], starts[needles + 1]
+        return np.searchsorted(keys, needles << 32), np.searchsorted(keys, (needles + 1) << 32)
+
+    def slice(self, term: int, *, by_object: bool) -> Keys:
+        """Return the other ends of the pairs of one term, sorted."""
+        keys = self.keys(by_object=by_object)
+        begin, end = np.searchsorted(keys, [term << 32, (term + 1) << 32])
+        return keys[begin:end] & _LOW
+
+    def fan_out(self, *, by_object: bool) -> float:
+        """Estimate how many pairs a term has, from a few stretches of the keys."""
+        keys = self.keys(by_object=by_object)
+        if not keys.size:
+            return 0.0
+        stretches = (
+            [keys]
+            if keys.size <= 4 * _SAMPLE
+            else [keys[at : at + _SAMPLE] for at in range(0, keys.size - _SAMPLE, keys.size // 4)]
+        )
+        seen = sum(1 + np.count_nonzero(np.diff(stretch >> 32)) for stretch in stretches)
+        return sum(stretch.size for stretch in stretches) / seen
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """How an atom is read: from `facts`, over a dictionary of so many `terms`, for the columns `needed` afterwards."""
+
+    facts: Facts
+    terms: int
+    needed: frozenset[str]
+    hidden: frozenset[int] = frozenset()
+    """Predicates that a variable predicate does not match."""
+
+    def pairs(self, predicate: int) -> Pairs:
+        """Return the triples of one predicate."""
+        return Pairs(self.facts, predicate, self.terms)
+
+
+def match(table: Table, atom: Match, reading: Reading) -> Table:
+    """Return the table joined with the triples that match an atom; new columns only where they are needed."""
+    needed = reading.needed
+    if isinstance(atom.predicate, int):
+        return _pairs(table, atom.subject, atom.object, reading.pairs(atom.predicate), needed)
+    parts = [part for part in _by_predicate(table, atom, reading) if part.rows]
+    names = table.columns.keys() | (atom.names & needed)
+    return concatenate(parts, names)
+
+
+def _by_predicate(table: Table, atom: Match, reading: Reading) -> Iterator[Table]:
+    """Yield the join with each predicate that a variable predicate may be."""
+    name = str(atom.predicate)
+    bound = table.columns.get(name)
+    if bound is not None:
+        order = np.argsort(bound, kind="stable")
+        ordered = bound[order]
+    for predicate in sorted(reading.facts.predicates):
+        if predicate in reading.hidden:
+            continue
+        part = table
+        if bound is not None:
+            begin, end = np.searchsorted(ordered, [predicate, predicate + 1])
+            if begin == end:
+                continue
+            part = table.take(order[begin:end])
+        else:
+            part = table.plus({name: np.full(table.rows, predicate, np.int64)})
+        found = _pairs(part, atom.subject, atom.object, reading.pairs(predicate), reading.needed)
+        if bound is None and name not in reading.needed:
+            found = found.keeping(found.columns.keys() - {name})
+        yield found
+
+
+def _pairs(table: Table, subject: Node, value: Node, pairs: Pairs, needed: frozenset[str]) -> Table:
+    """Join with the pairs of one predicate."""
+    free_subject = isinstance(subject, str) and subject not in table.columns
+    free_value = isinstance(value, str) and value not in table.columns
+    if free_subject and free_value:
+        return _both_free(table, str(subject), str(value), pairs, needed)
+    if free_value:
+        return _one_free(table, (subject, str(value)), pairs, needed, by_object=False)
+    if free_subject:
+        return _one_free(table, (value, str(subject)), pairs, needed, by_object=True)
+    return _none_free(table, subject, value, pairs)
+
+
+def _both_free(table: Table, subject: str, value: str, pairs: Pairs, needed: frozenset[str]) -> Table:
+    subjects, objects = unpack(pairs.keys(by_object=False))
+    if subject == value:
+        subjects = subjects[subjects == objects]
+        return _cross(table, {subject: subjects}, subjects.size, needed)
+    return _cross(table, {subject: subjects, value: objects}, subjects.size, needed)
+
+
+def _cross(table: Table, columns: dict[str, Keys], size: int, needed: frozenset[str]) -> Table:
+    """Return each row of the table with each row of the columns; those without a needed column count once."""
+    kept = {name: column for name, column in columns.items() if name in needed}
+    if not kept:
+        return table if size else table.take(slice(0, 0))
+    if table.rows == 1 and not table.columns:
+        return Table(kept, size)
+    if table.rows > 1 and table.rows * size > 2 * CHUNK:
+        raise TooManyRowsError(table.rows * size)
+    source = np.repeat(np.arange(table.rows), size)
+    return table.take(source).plus({name: np.tile(column, table.rows) for name, column in kept.items()})
+
+
+def _one_free(table: Table, ends: tuple[Node, str], pairs: Pairs, needed: frozenset[str], *, by_object: bool) -> Table:
+    """Join where one end is known and the other is a new column."""
+    known, free = ends
+    if isinstance(known, int):
+        found = pairs.slice(known, by_object=by_object)
+        return _cross(table, {free: found}, found.size, needed)
+    begin, end = pairs.ranges(table.columns[known], by_object=by_object)
+    if free not in needed:
+        return table.take(end > begin)
+    places, source = positions(begin, end)
+    return table.take(source).plus({free: pairs.keys(by_object=by_object)[places] & _LOW})
+
+
+def _none_free(table: Table, subject: Node, value: Node, pairs: Pairs) -> Table:
+    """Keep the rows whose pair is there."""
+    if isinstance(subject, str) and isinstance(value, str):
+        return table.take(among(pack(table.columns[subject], table.columns[value]), pairs.keys(by_object=False)))
+    if isinstance(subject, str):
+        return table.take(among(table.columns[subject], pairs.slice(int(value), by_object=True)))
+    if isinstance(value, str):
+        return table.take(among(table.columns[value], pairs.slice(subject, by_object=False)))
+    there = among(np.array([(subject << 32) | value], np.int64), pairs.keys(by_object=False))
+    return table if there[0] else table.take(slice(0, 0))
+
+
+def estimate(table: Table, atom: Match, facts: Facts, terms: int) -> float:
+    """Estimate the rows of the table joined with an atom."""
+    subject = isinstance(atom.subject, int) or atom.subject in table.columns
+    value = isinstance(atom.object, int) or atom.object in table.columns
+    if not isinstance(atom.predicate, int):
+        size = float(len(facts))
+        if subject and value:
+            return float(table.rows)
+        spread = max(size, 1.0) ** 0.5 if subject or value else size
+        return table.rows * (spread if atom.predicate in table.columns else 2 * spread)
+    pairs = Pairs(facts, atom.predicate, terms)
+    if subject and value:
+        return min(table.rows, pairs.keys(by_object=False).size) * 0.5
+    if not subject and not value:
+        return float(table.rows * pairs.keys(by_object=False).size)
+    known = atom.subject if subject else atom.object
+    if isinstance(known, int):
+        return float(table.rows * pairs.slice(known, by_object=value).size)
+    return table.rows * pairs.fan_out(by_object=value)

@@ -1,0 +1,205 @@
+"""Rules prepared for evaluation: terms are identifiers, every variable of a rule has a column of its own name.
+
+Atoms, those of inner bodies too, and blocks of SPARQL are numbered over the whole rule: `RulePlan.sources`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, TypeAlias
+
+from kg.rules.form import Atom, EngineBlock
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from kg.rules.form import Column, Expression, Rule
+
+__all__ = [
+    "Assign",
+    "Block",
+    "Body",
+    "Fresh",
+    "Grouped",
+    "Head",
+    "Match",
+    "Nested",
+    "Node",
+    "Rows",
+    "RulePlan",
+    "Source",
+    "Step",
+    "Structure",
+    "Test",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class Fresh:
+    """A blank node of a head: a new one in each solution."""
+
+    label: str
+
+
+Node: TypeAlias = int | str
+"""A term's identifier, or the name of a column."""
+
+HeadNode: TypeAlias = "Node | Fresh | tuple[HeadNode, HeadNode, HeadNode]"
+"""What stands in a position of a head; three nodes are a triple term."""
+
+
+@dataclass(frozen=True, slots=True)
+class Match:
+    """An atom; `number` is its place among the sources, `element` that of the element of the body it belongs to."""
+
+    number: int
+    subject: Node
+    predicate: Node
+    object: Node
+    element: int
+
+    @property
+    def names(self) -> frozenset[str]:
+        """The columns it binds."""
+        nodes = (self.subject, self.predicate, self.object)
+        return frozenset(node for node in nodes if isinstance(node, str))
+
+
+@dataclass(frozen=True, slots=True)
+class Structure:
+    """Takes the triple terms of a column apart; drops the rows whose term is none or does not fit."""
+
+    term: str
+    parts: tuple[Node, Node, Node]
+    element: int
+
+    @property
+    def names(self) -> frozenset[str]:
+        """The columns it binds or reads."""
+        return frozenset({self.term, *(node for node in self.parts if isinstance(node, str))})
+
+
+@dataclass(frozen=True, slots=True)
+class Test:
+    """A filter; `columns` has the column of each variable that it sees."""
+
+    expression: Expression
+    columns: tuple[tuple[str, str], ...]
+    element: int
+
+
+@dataclass(frozen=True, slots=True)
+class Assign:
+    """An assignment; where its column is bound already, it keeps the rows whose value is the same term."""
+
+    name: str
+    expression: Expression
+    columns: tuple[tuple[str, str], ...]
+    element: int
+
+
+@dataclass(frozen=True, slots=True)
+class Nested:
+    """An inner body that has a solution, or has none; `shared` are the columns bound before it."""
+
+    body: Body
+    negated: bool
+    shared: frozenset[str]
+    element: int
+
+
+@dataclass(frozen=True, slots=True)
+class Rows:
+    """Values: one column of identifiers for each name."""
+
+    names: frozenset[str]
+    columns: tuple[tuple[str, NDArray[np.int64]], ...]
+    size: int
+    element: int
+
+
+@dataclass(frozen=True, slots=True)
+class Grouped:
+    """An aggregate: `keys` pairs inner with outer columns, `columns` each aggregate with its outer column."""
+
+    body: Body
+    keys: tuple[tuple[str, str], ...]
+    columns: tuple[tuple[Column, str], ...]
+    scope: tuple[tuple[str, str], ...]
+    element: int
+
+    @property
+    def names(self) -> frozenset[str]:
+        """The columns it binds."""
+        return frozenset(outer for _, outer in self.keys) | frozenset(name for _, name in self.columns)
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """A block of SPARQL; `columns` pairs its variables with columns."""
+
+    number: int
+    block: EngineBlock
+    columns: tuple[tuple[str, str], ...]
+    element: int
+
+    @property
+    def names(self) -> frozenset[str]:
+        """The columns it binds."""
+        return frozenset(name for _, name in self.columns)
+
+
+Step: TypeAlias = Match | Structure | Test | Assign | Nested | Rows | Grouped | Block
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """Steps to run in any order that respects what filters, assignments and inner bodies see."""
+
+    steps: tuple[Step, ...]
+    numbers: frozenset[int]
+    """Of the atoms and blocks in it, those of inner bodies too."""
+    names: frozenset[str]
+    """The columns bound once all steps have run."""
+
+
+@dataclass(frozen=True, slots=True)
+class Head:
+    """A triple of the head."""
+
+    subject: HeadNode
+    predicate: HeadNode
+    object: HeadNode
+
+    @property
+    def nodes(self) -> tuple[HeadNode, HeadNode, HeadNode]:
+        """Subject, predicate and object."""
+        return self.subject, self.predicate, self.object
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """What an atom or a block reads; `positive`: more of it only adds solutions, and each of them through it."""
+
+    reads: Atom | EngineBlock
+    positive: bool
+
+    @property
+    def asserted(self) -> bool:
+        """Whether it reads asserted triples only."""
+        return isinstance(self.reads, Atom) and self.reads.asserted
+
+
+@dataclass(frozen=True, slots=True)
+class RulePlan:
+    """A rule prepared for one dictionary."""
+
+    rule: Rule
+    body: Body
+    heads: tuple[Head, ...]
+    sources: tuple[Source, ...]
+    solution: tuple[tuple[str, str], ...]
+    """The variables that tell one solution from another, with their columns; sorted by name."""
+    outputs: frozenset[str] = field(default_factory=frozenset)
+    """The columns that the head needs."""

@@ -1,0 +1,97 @@
+"""Filters that identifiers alone decide, as masks over rows: what the store's engine would say, without asking it."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from pyoxigraph import NamedNode
+
+from kg.rules.engine.terms import BLANK, IRI, LITERAL, spell
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from numpy.typing import NDArray
+
+    from kg.rules.engine.facts import Keys
+    from kg.rules.engine.tables import Table
+    from kg.rules.engine.terms import Dictionary
+    from kg.rules.form import Expression
+
+    Mask = NDArray[np.bool_]
+
+__all__ = ["shortcut"]
+
+_OPERAND: Final = r"(\?\w+|<[^<>\"{}|^`\\\s]*>)"
+_COMPARISON: Final = re.compile(rf"\s*{_OPERAND}\s*(!?=)\s*{_OPERAND}\s*")
+_SAME: Final = re.compile(rf"\s*(!?)\s*sameTerm\s*\(\s*{_OPERAND}\s*,\s*{_OPERAND}\s*\)\s*", re.IGNORECASE)
+_KIND: Final = re.compile(r"\s*(!?)\s*(isIRI|isURI|isBlank|isLiteral)\s*\(\s*(\?\w+)\s*\)\s*", re.IGNORECASE)
+_KINDS: Final = {"isiri": IRI, "isuri": IRI, "isblank": BLANK, "isliteral": LITERAL}
+
+
+@dataclass(frozen=True, slots=True)
+class _Rows:
+    """The rows that a filter is asked about."""
+
+    table: Table
+    columns: Mapping[str, str]
+    dictionary: Dictionary
+
+    def operand(self, text: str) -> Keys | None:
+        """Return the identifiers of an operand; None when it is not bound everywhere."""
+        if not text.startswith("?"):
+            return np.array([self.dictionary.intern(spell(NamedNode(text[1:-1])))], np.int64)
+        if text[1:] not in self.columns:
+            return None
+        values = self.table.columns[self.columns[text[1:]]]
+        return values if values.all() else None
+
+    def same(self, left: Keys, right: Keys, *, wanted: bool) -> Mask:
+        """Tell for each row whether two operands are the same term, or are not."""
+        mask: Mask = np.broadcast_to((left == right) == wanted, (self.table.rows,))
+        return mask
+
+
+def shortcut(expression: Expression, table: Table, columns: Mapping[str, str], dictionary: Dictionary) -> Mask | None:
+    """Return for each row whether a filter holds, or None where only evaluation can tell."""
+    rows = _Rows(table, columns, dictionary)
+    for form, decide in _FORMS:
+        found = form.fullmatch(expression.text)
+        if found:
+            return decide(found, rows)
+    return None
+
+
+def _compared(found: re.Match[str], rows: _Rows) -> Mask | None:
+    """Compare by `=` or `!=`; two literals may be equal though they are different terms, so they are left out."""
+    left, right = rows.operand(found[1]), rows.operand(found[3])
+    if left is None or right is None:
+        return None
+    kinds = rows.dictionary.kinds()
+    plain = (kinds[left] <= BLANK) | (kinds[right] <= BLANK)
+    return rows.same(left, right, wanted=found[2] == "=") if plain.all() else None
+
+
+def _same_term(found: re.Match[str], rows: _Rows) -> Mask | None:
+    left, right = rows.operand(found[2]), rows.operand(found[3])
+    if left is None or right is None:
+        return None
+    return rows.same(left, right, wanted=not found[1])
+
+
+def _of_kind(found: re.Match[str], rows: _Rows) -> Mask | None:
+    values = rows.operand(found[3])
+    if values is None:
+        return None
+    mask: Mask = (rows.dictionary.kinds()[values] == _KINDS[found[2].lower()]) != bool(found[1])
+    return mask
+
+
+_FORMS: Final[tuple[tuple[re.Pattern[str], Callable[[re.Match[str], _Rows], Mask | None]], ...]] = (
+    (_COMPARISON, _compared),
+    (_SAME, _same_term),
+    (_KIND, _of_kind),
+)

@@ -1,0 +1,241 @@
+"""Solutions of a body: its steps are run in the order that the sizes at hand suggest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from kg.rules.engine.groups import grouped
+from kg.rules.engine.matching import Reading, estimate, match
+from kg.rules.engine.plan import Assign, Block, Grouped, Match, Nested, Rows, Structure, Test
+from kg.rules.engine.tables import CHUNK, UNIT, Table, TooManyRowsError, concatenate, distinct_rows, join
+from kg.rules.engine.terms import TRIPLE
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from numpy.typing import NDArray
+
+    from kg.rules.engine.blocks import Blocks
+    from kg.rules.engine.expressions import Expressions
+    from kg.rules.engine.facts import Facts
+    from kg.rules.engine.limits import Clock
+    from kg.rules.engine.plan import Body, Step
+    from kg.rules.engine.terms import Dictionary
+
+__all__ = ["Solver", "View", "Workshop"]
+
+_DEDUPLICATE: Final = 2048
+"""Smaller tables are not searched for rows that are twice in it."""
+
+_SEED: Final = 4096
+"""An aggregate is restricted to the groups asked for when there are no more of them."""
+
+
+@dataclass(slots=True)
+class Workshop:
+    """What evaluations over one dictionary share and keep from run to run."""
+
+    dictionary: Dictionary
+    expressions: Expressions
+    blocks: Blocks
+    clock: Clock
+    hidden: frozenset[int] = frozenset()
+    """Predicates that variable predicates do not match."""
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """What each source of a rule reads in one evaluation, by number: a change, what was before it, or everything."""
+
+    sources: Sequence[Facts]
+
+
+@dataclass(slots=True)
+class Solver:
+    """Evaluates the bodies of one rule over one view."""
+
+    shop: Workshop
+    view: View
+    matched: dict[int, int] = field(default_factory=dict)
+    """For each element of the rule's body the rows after it, added up."""
+
+    def solutions(
+        self, body: Body, outputs: frozenset[str], seeds: Table = UNIT, *, bag: bool = False
+    ) -> Iterator[Table]:
+        """Yield tables that together have the solutions' values of `outputs` and of the columns of `seeds` among them.
+
+        A solution may come more than once; with `bag` each comes as often as it is one, `outputs` being all columns.
+        """
+        yield from self._run(seeds, body.steps, outputs, bag=bag)
+
+    def _run(self, table: Table, steps: tuple[Step, ...], outputs: frozenset[str], *, bag: bool) -> Iterator[Table]:
+        while table.rows and steps:
+            step = self._next(table, steps)
+            self.shop.clock.check()
+            try:
+                table = self._after(table, step, steps, outputs, bag=bag)
+            except TooManyRowsError as error:
+                for piece in np.array_split(np.arange(table.rows), min(table.rows, error.rows // CHUNK + 1)):
+                    yield from self._run(table.take(piece), steps, outputs, bag=bag)
+                return
+            steps = _without(steps, step)
+        if table.rows:
+            yield table.keeping(outputs)
+
+    def _after(self, table: Table, step: Step, steps: tuple[Step, ...], outputs: frozenset[str], *, bag: bool) -> Table:
+        """Return the table after a step, without the columns that nothing needs any more."""
+        rest = _without(steps, step)
+        needed = outputs.union(*(_reads(other) for other in rest))
+        found = self._apply(table, step, needed)
+        self.matched[step.element] = self.matched.get(step.element, 0) + found.rows
+        if bag:
+            return found
+        kept = found.keeping(needed)
+        lost = len(kept.columns) < len(table.columns.keys() | _binds(step))
+        if lost and kept.rows > _DEDUPLICATE and any(isinstance(other, Match) for other in rest):
+            return distinct_rows(kept)
+        return kept if kept.columns else Table({}, min(kept.rows, 1))
+
+    def _next(self, table: Table, steps: tuple[Step, ...]) -> Step:
+        """Return the step to run next: the one after which the fewest rows are expected."""
+        best: tuple[Step, float] | None = None
+        for step in steps:
+            size = self._estimate(table, step)
+            if size is not None and (best is None or size < best[1]):
+                best = step, size
+        if best is None:
+            raise RuntimeError(steps)
+        return best[0]
+
+    def _estimate(self, table: Table, step: Step) -> float | None:
+        """Estimate the rows after a step; None while it cannot run. Cheap tests come before joins, dear ones after."""
+        bound = table.columns.keys()
+        if isinstance(step, Match):
+            terms = len(self.shop.dictionary)
+            return estimate(table, step, self.view.sources[step.number], terms)
+        if isinstance(step, Test):
+            return table.rows * 0.55 if _columns(step.columns) <= bound else None
+        if isinstance(step, Assign):
+            return table.rows * 1.0 if _columns(step.columns) <= bound else None
+        if isinstance(step, Structure):
+            return table.rows * 0.9 if step.term in bound else None
+        if isinstance(step, Nested):
+            return table.rows * 0.6 if step.shared <= bound else None
+        if isinstance(step, Rows):
+            return float(step.size) if step.names & bound else float(step.size * table.rows)
+        return table.rows * 1.1 + 1.0 if not bound or step.names & bound else table.rows * 1e3
+
+    def _apply(self, table: Table, step: Step, needed: frozenset[str]) -> Table:
+        if isinstance(step, Match):
+            terms = len(self.shop.dictionary)
+            reading = Reading(self.view.sources[step.number], terms, needed, self.shop.hidden)
+            return match(table, step, reading)
+        if isinstance(step, Test):
+            return table.take(self.shop.expressions.holds(step.expression, table, step.columns, self.shop.clock))
+        if isinstance(step, Assign):
+            return self._assign(table, step)
+        if isinstance(step, Structure):
+            return self._structure(table, step)
+        if isinstance(step, Nested):
+            return self._nested(table, step)
+        if isinstance(step, Rows):
+            return join(table, Table(dict(step.columns), step.size))
+        if isinstance(step, Block):
+            shop = self.shop
+            return join(table, shop.blocks.solutions(step, self.view.sources[step.number], shop.clock, shop.hidden))
+        return self._grouped(table, step)
+
+    def _assign(self, table: Table, step: Assign) -> Table:
+        values = self.shop.expressions.values(step.expression, table, step.columns, self.shop.clock)
+        bound = table.columns.get(step.name)
+        if bound is not None:
+            return table.take((values == bound) & (values != 0))
+        found = table.plus({step.name: values})
+        return found if values.all() else found.take(values != 0)
+
+    def _structure(self, table: Table, step: Structure) -> Table:
+        dictionary = self.shop.dictionary
+        terms = table.columns[step.term]
+        is_triple = dictionary.kinds()[terms] == TRIPLE
+        table = table.take(is_triple)
+        parts = np.array([dictionary.parts(term) for term in table.columns[step.term].tolist()], np.int64)
+        for index, node in enumerate(step.parts):
+            column = parts.reshape(-1, 3)[:, index]
+            known = node if isinstance(node, int) else table.columns.get(node)
+            if known is None:
+                table = table.plus({str(node): column.copy()})
+            else:
+                kept = column == known
+                table, parts = table.take(kept), parts.reshape(-1, 3)[kept]
+        return table
+
+    def _nested(self, table: Table, step: Nested) -> Table:
+        found = self._mask(table, step)
+        return table.take(~found if step.negated else found)
+
+    def _mask(self, table: Table, step: Nested) -> NDArray[np.bool_]:
+        """Tell for each row whether the inner body has a solution."""
+        seeds = table.keeping(step.shared)
+        if not step.shared:
+            there = any(part.rows for part in self._inner().solutions(step.body, frozenset()))
+            return np.full(table.rows, there)
+        if len(step.shared) > 1:
+            seeds = seeds.plus({".row": np.arange(table.rows)})
+            found = np.zeros(table.rows, bool)
+            for part in self._inner().solutions(step.body, frozenset({".row"}), seeds):
+                found[part.columns[".row"]] = True
+            return found
+        (name,) = step.shared
+        found = np.zeros(len(self.shop.dictionary), bool)
+        for part in self._inner().solutions(step.body, step.shared, distinct_rows(seeds)):
+            found[part.columns[name]] = True
+        return found[table.columns[name]]
+
+    def _inner(self) -> Solver:
+        """Return a solver whose rows are not counted."""
+        return Solver(self.shop, self.view)
+
+    def _grouped(self, table: Table, step: Grouped) -> Table:
+        """Join with the groups; those only that are asked for, where that is known and few."""
+        inner_of = {outer: inner for inner, outer in step.keys}
+        asked = sorted(table.columns.keys() & inner_of.keys())
+        seeds = UNIT
+        if asked and table.rows <= _SEED:
+            few = distinct_rows(table.keeping(asked))
+            seeds = Table({inner_of[name]: column for name, column in few.columns.items()}, few.rows)
+        return join(table, self._inner().groups(step, seeds))
+
+    def groups(self, step: Grouped, seeds: Table) -> Table:
+        """Return keys and values of the groups of an aggregate, in outer columns."""
+        names = step.body.names
+        parts = list(self.solutions(step.body, names, seeds, bag=True))
+        table = concatenate([part.keeping(names) for part in parts], names)
+        return grouped(step, table, self.shop.dictionary, self.shop.expressions, self.shop.clock)
+
+
+def _without(steps: tuple[Step, ...], step: Step) -> tuple[Step, ...]:
+    return tuple(other for other in steps if other is not step)
+
+
+def _columns(pairs: Sequence[tuple[str, str]]) -> set[str]:
+    return {column for _, column in pairs}
+
+
+def _reads(step: Step) -> frozenset[str]:
+    """Return the columns that a step joins on or looks at."""
+    if isinstance(step, Test):
+        return frozenset(_columns(step.columns))
+    if isinstance(step, Assign):
+        return frozenset({step.name, *_columns(step.columns)})
+    if isinstance(step, Nested):
+        return step.shared
+    return step.names
+
+
+def _binds(step: Step) -> frozenset[str]:
+    if isinstance(step, Assign):
+        return frozenset({step.name})
+    return frozenset() if isinstance(step, Test | Nested) else step.names

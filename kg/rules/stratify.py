@@ -1,0 +1,215 @@
+"""Strata: the order in which rules run, so that negation and aggregates see only what is finished.
+
+A stratum is one strongly connected component of the rules' dependencies: rules that feed each other run together to a
+fixpoint, any other rule runs once. Dependencies decide the order. `sh:order` decides where they leave it open: of the
+rules that may run next, one of the lowest order does. So a rule of a lower order is finished before one of a higher
+order unless it reads, directly or through others, what that one derives; it then sees the whole fixpoint, where an
+evaluation in a single pass (SHACL-AF, section 8) would miss a part of it.
+"""
+
+from __future__ import annotations
+
+import heapq
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+from pyoxigraph import NamedNode
+
+from kg.errors import RuleError
+from kg.rules.dependencies import Read, depends, mints, reads, volatile, writes
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+
+    from kg.rules.form import Atom, Rule
+
+__all__ = ["Stratum", "edges", "stratify"]
+
+
+@dataclass(frozen=True, slots=True)
+class Stratum:
+    """Rules that are evaluated together; `number` counts from one; `recursive`: one of them feeds itself."""
+
+    number: int
+    rules: tuple[Rule, ...]
+    recursive: bool
+
+
+def stratify(rules: Iterable[Rule], *, bounded: bool = False) -> list[Stratum]:
+    """Return the rules in strata, in the order in which they run.
+
+    Raises `RuleError`: KG202 where a rule depends on its own negation or aggregate (SPARQL 1.2 RL, stratification),
+    KG204 where a rule that mints terms or calls a volatile function feeds itself; `bounded` lets the former pass, for
+    runs that have a limit.
+    """
+    ordered = list(rules)
+    needs = edges(ordered)
+    components = _components([sorted(need) for need in needs])
+    strata: list[Stratum] = []
+    for component in _in_order(ordered, needs, components):
+        members = set(component)
+        recursive = any(need in members for rule in component for need in needs[rule])
+        if recursive:
+            _check_negation(ordered, needs, component)
+            _check_minting([ordered[rule] for rule in component], bounded=bounded)
+        strata.append(Stratum(len(strata) + 1, tuple(ordered[rule] for rule in sorted(component)), recursive))
+    return strata
+
+
+def edges(rules: Sequence[Rule]) -> list[dict[int, Read]]:
+    """Return for each rule those whose heads it reads, with the atom that does; a negated one where there is any."""
+    heads = _Heads(rules)
+    found: list[dict[int, Read]] = []
+    for rule in rules:
+        needs: dict[int, Read] = {}
+        for read in reads(rule):
+            for writer in heads.matching(read.atom):
+                if writer not in needs or (read.negated and not needs[writer].negated):
+                    needs[writer] = read
+        found.append(needs)
+    return found
+
+
+class _Heads:
+    """The heads of rules by predicate, so that not every pair is tried."""
+
+    def __init__(self, rules: Sequence[Rule]) -> None:
+        self._all: list[tuple[int, Atom]] = []
+        self._variable: list[tuple[int, Atom]] = []
+        self._by_predicate: dict[NamedNode, list[tuple[int, Atom]]] = {}
+        for number, rule in enumerate(rules):
+            for head in writes(rule):
+                self._all.append((number, head))
+                if isinstance(head.predicate, NamedNode):
+                    self._by_predicate.setdefault(head.predicate, []).append((number, head))
+                else:
+                    self._variable.append((number, head))
+
+    def matching(self, reader: Atom) -> Iterator[int]:
+        """Yield the numbers of the rules that derive what the atom reads."""
+        candidates: Iterable[tuple[int, Atom]] = self._all
+        if isinstance(reader.predicate, NamedNode):
+            candidates = [*self._by_predicate.get(reader.predicate, ()), *self._variable]
+        return (number for number, head in candidates if depends(reader, head))
+
+
+def _components(needs: Sequence[Sequence[int]]) -> list[list[int]]:
+    """Return the strongly connected components (Tarjan 1972, without recursion: chains of rules may be long)."""
+    index: dict[int, int] = {}
+    low: dict[int, int] = {}
+    stack: list[int] = []
+    waiting: set[int] = set()
+    found: list[list[int]] = []
+    for root in range(len(needs)):
+        path = [] if root in index else [(root, iter(needs[root]))]
+        while path:
+            node, following = path[-1]
+            if node not in index:
+                index[node] = low[node] = len(index)
+                stack.append(node)
+                waiting.add(node)
+            unseen = None
+            for need in following:
+                if need not in index:
+                    unseen = need
+                    break
+                if need in waiting:
+                    low[node] = min(low[node], index[need])
+            if unseen is not None:
+                path.append((unseen, iter(needs[unseen])))
+                continue
+            path.pop()
+            if path:
+                low[path[-1][0]] = min(low[path[-1][0]], low[node])
+            if low[node] == index[node]:
+                found.append(_popped(stack, waiting, node))
+    return found
+
+
+def _popped(stack: list[int], waiting: set[int], node: int) -> list[int]:
+    """Take a component, down to the node that was reached first, from the stack."""
+    component: list[int] = []
+    while not component or component[-1] != node:
+        component.append(stack.pop())
+        waiting.discard(component[-1])
+    return component
+
+
+def _in_order(rules: Sequence[Rule], needs: list[dict[int, Read]], components: list[list[int]]) -> Iterator[list[int]]:
+    """Yield the components after those that they read; among those that are ready, the lowest `sh:order` first."""
+    home = {rule: number for number, component in enumerate(components) for rule in component}
+    missing: list[set[int]] = [set() for _ in components]
+    readers: list[set[int]] = [set() for _ in components]
+    for rule, need in enumerate(needs):
+        for writer in need:
+            if home[writer] != home[rule]:
+                missing[home[rule]].add(home[writer])
+                readers[home[writer]].add(home[rule])
+    # Each component is as late as the earliest of its rules asks; the place in the list keeps runs alike.
+    rank = [(min(rules[rule].order for rule in component), min(component)) for component in components]
+    ready = [(rank[number], number) for number, absent in enumerate(missing) if not absent]
+    heapq.heapify(ready)
+    while ready:
+        _, number = heapq.heappop(ready)
+        yield components[number]
+        for reader in readers[number]:
+            missing[reader].discard(number)
+            if not missing[reader]:
+                heapq.heappush(ready, (rank[reader], reader))
+
+
+def _check_negation(rules: Sequence[Rule], needs: list[dict[int, Read]], component: list[int]) -> None:
+    members = set(component)
+    for rule in sorted(component):
+        for writer, read in needs[rule].items():
+            if read.negated and writer in members:
+                cycle = _path(needs, writer, rule, members)
+                raise RuleError(
+                    "KG202",
+                    _cycle_in_words(rules, needs, [rule, *cycle]),
+                    place=read.atom.place or rules[rule].place,
+                    hint="Let the negated or counted pattern read something that this rule does not feed.",
+                )
+
+
+def _path(needs: list[dict[int, Read]], start: int, goal: int, members: set[int]) -> list[int]:
+    """Return a shortest chain of rules from `start` to `goal`, each reading what the next derives."""
+    came: dict[int, int] = {start: start}
+    queue = [start]
+    for node in queue:
+        for need in needs[node]:
+            if need in members and need not in came:
+                came[need] = node
+                queue.append(need)
+    chain = [goal]
+    while chain[-1] != start:
+        chain.append(came[chain[-1]])
+    return chain[::-1]
+
+
+def _cycle_in_words(rules: Sequence[Rule], needs: list[dict[int, Read]], cycle: Sequence[int]) -> str:
+    steps = []
+    for reader, writer in pairwise(cycle):
+        read = needs[reader][writer]
+        how = "negates or counts" if read.negated else "reads"
+        where = f" ({read.atom.place})" if read.atom.place else ""
+        steps.append(f"{rules[reader]} {how} {_shown(read.atom)}{where}, which {rules[writer]} derives")
+    return "the rules cannot be stratified: " + "; ".join(steps)
+
+
+def _shown(atom: Atom) -> str:
+    return " ".join(str(position) for position in atom.positions)
+
+
+def _check_minting(rules: Sequence[Rule], *, bounded: bool) -> None:
+    others = ", ".join(str(rule) for rule in rules)
+    for rule in rules:
+        if volatile(rule):
+            message = f"{rule} calls a function that differs from call to call and feeds itself (through {others})"
+            raise RuleError("KG204", message, place=rule.place, hint="Move the call to a rule that does not recur.")
+        if mints(rule) and not bounded:
+            message = f"{rule} makes new terms from what it derives itself (through {others}), which may never end"
+            raise RuleError(
+                "KG204", message, place=rule.place, hint="Move what makes terms to a rule of its own, or set a limit."
+            )
