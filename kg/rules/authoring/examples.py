@@ -69,12 +69,17 @@ class Example:
 
 
 def read_examples(path: Path) -> tuple[Example, ...]:
-    """Return the examples of a page; raises as `parse_examples`, and KG221 when the file cannot be read."""
+    """Return the examples of a page; raises as `parse_examples`, and KG221 for a file without any, or not readable."""
     try:
-        return parse_examples(path.read_text("utf-8"), str(path))
+        found = parse_examples(path.read_text("utf-8"), str(path))
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or error
         raise RuleError("KG221", f"the examples cannot be read: {reason}", place=Place(str(path))) from error
+    if not found:
+        raise RuleError(
+            "KG221", "the page has no example", place=Place(str(path), 1), hint="Begin one with `## TITLE`."
+        )
+    return found
 
 
 def parse_examples(text: str, path: str) -> tuple[Example, ...]:

@@ -11,13 +11,13 @@ from kg.query.similar import did_you_mean
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from kg.rules.files import RuleFile, RuleSet
+    from kg.rules.authoring.library import Entry, Library
 
 __all__ = ["choose", "find_rule"]
 
 
-def find_rule(rules: RuleSet, name: str) -> RuleFile:
-    """Return the file of the rule called `name`, whole or by its last part, or at that path.
+def find_rule(rules: Library, name: str) -> Entry:
+    """Return the rule called `name`, whole or by its last part, or at that path.
 
     Raises:
         UsageError: KG001 with what was probably meant, or with the rules that share the last part.
@@ -31,16 +31,16 @@ def find_rule(rules: RuleSet, name: str) -> RuleFile:
     raise _unknown(rules, name)
 
 
-def choose(rules: RuleSet, names: Iterable[str]) -> tuple[RuleFile, ...]:
-    """Return the files of the rules, families, files and folders named, each once; of all rules without any name.
+def choose(rules: Library, names: Iterable[str]) -> tuple[Entry, ...]:
+    """Return the rules, families, files and folders named, each rule once; without any name all rules.
 
     Raises:
         UnknownNameError: KG001 with what was probably meant.
     """
     wanted = list(names)
     if not wanted:
-        return rules.files
-    chosen: dict[str, RuleFile] = {}
+        return tuple(rules.entries.values())
+    chosen: dict[str, Entry] = {}
     for name in wanted:
         found = _named(rules, name) or _below(rules, name)
         if not found:
@@ -49,33 +49,32 @@ def choose(rules: RuleSet, names: Iterable[str]) -> tuple[RuleFile, ...]:
     return tuple(chosen[name] for name in sorted(chosen))
 
 
-def _named(rules: RuleSet, name: str) -> list[RuleFile]:
-    whole = [file for file in rules.files if file.name == name]
-    if whole:
-        return whole
+def _named(rules: Library, name: str) -> list[Entry]:
+    if name in rules.entries:
+        return [rules.entries[name]]
     path = Path(name)
     if path.is_file():
-        return [file for file in rules.files if _same(path, file)]
-    return [file for file in rules.files if file.name.rpartition("/")[2] == name]
+        return [file for file in rules.entries.values() if _same(path, file)]
+    return [file for file in rules.entries.values() if file.name.rpartition("/")[2] == name]
 
 
-def _same(path: Path, file: RuleFile) -> bool:
+def _same(path: Path, entry: Entry) -> bool:
     """Tell whether a path is that of a rule or of its examples."""
-    return path.resolve() in {file.path.resolve(), file.examples.resolve()}
+    return path.resolve() in {entry.path.resolve(), entry.examples.resolve()}
 
 
-def _below(rules: RuleSet, name: str) -> list[RuleFile]:
+def _below(rules: Library, name: str) -> list[Entry]:
     """Return the rules of a family, or those in a folder."""
-    family = [file for file in rules.files if file.name.startswith(name.rstrip("/") + "/")]
+    family = [file for file in rules.entries.values() if file.name.startswith(name.rstrip("/") + "/")]
     folder = Path(name).resolve()
     if family or not folder.is_dir():
         return family
-    return [file for file in rules.files if file.path.resolve().is_relative_to(folder)]
+    return [file for file in rules.entries.values() if file.path.resolve().is_relative_to(folder)]
 
 
-def _unknown(rules: RuleSet, name: str) -> UnknownNameError:
-    known = [file.name for file in rules.files]
+def _unknown(rules: Library, name: str) -> UnknownNameError:
+    known = list(rules.entries)
     hint = did_you_mean(
-        name, [*known, *(one.rpartition("/")[2] for one in known), *(one.family for one in rules.files)]
+        name, [*known, *(one.rpartition("/")[2] for one in known), *(one.family for one in rules.entries.values())]
     )
     return UnknownNameError("KG001", f"there is no rule `{name}`", hint=hint or "`kg rules list` lists them.")

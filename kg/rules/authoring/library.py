@@ -1,0 +1,88 @@
+"""The rules at hand, read one by one as they are needed: a file that does not parse hides no other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from kg import resources
+from kg.errors import Place, RuleError
+from kg.rules.folders import user_folders
+from kg.rules.reading import packs, read, rule_files
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from pathlib import Path
+
+    from kg.rules.files import RuleFile
+    from kg.rules.reading import Pack
+    from kg.settings import Settings
+
+__all__ = ["Entry", "Library"]
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A file of rules that was not read yet; `pack` names the rule pack that brings it, empty for folders."""
+
+    name: str
+    path: Path
+    pack: str = ""
+
+    @property
+    def family(self) -> str:
+        """The part of the name before its last slash."""
+        return self.name.rpartition("/")[0]
+
+    @property
+    def examples(self) -> Path:
+        """Where its examples stand, whether there are any or not."""
+        return self.path.with_suffix(".md")
+
+
+class Library:
+    """The rules of some folders and packs by name, sorted. A file is read again when it has changed.
+
+    `problems` are the files whose name another has (KG207).
+    """
+
+    def __init__(self, folders: Iterable[Path], installed: Iterable[Pack] = ()) -> None:
+        """Raise `RuleError` KG201 for a folder that is not there."""
+        found: dict[str, Entry] = {}
+        self.problems: list[RuleError] = []
+        for folder, pack in [*((each.folder, each.name) for each in installed), *((folder, "") for folder in folders)]:
+            for path, name in rule_files(folder):
+                if name in found:
+                    message = f"the rule `{name}` is in {found[name].path} already"
+                    hint = "Rename one; files of two endings share a name too."
+                    self.problems.append(RuleError("KG207", message, place=Place(str(path)), hint=hint))
+                found.setdefault(name, Entry(name, path, pack))
+        self.entries = {name: found[name] for name in sorted(found)}
+        self._read: dict[str, tuple[int, RuleFile]] = {}
+
+    @classmethod
+    def of(cls, settings: Settings) -> Library:
+        """Return the rules in force: those that `kg` ships, those of installed packs, and the user's own."""
+        return cls((resources.folder("rules"), *user_folders(settings)), packs())
+
+    def read(self, name: str) -> RuleFile:
+        """Return the file of a rule; raises what `kg.rules.reading.read` raises."""
+        entry = self.entries[name]
+        try:
+            changed = entry.path.stat().st_mtime_ns
+        except OSError:
+            changed = -1
+        known = self._read.get(name)
+        if known is None or known[0] != changed:
+            known = self._read[name] = changed, read(entry.path, name, pack=entry.pack)
+        return known[1]
+
+    def read_all(self, entries: Iterable[Entry] | None = None) -> tuple[list[RuleFile], list[RuleError]]:
+        """Return the files of some rules, or of all, and the errors of those that cannot be read."""
+        files, errors = [], [] if entries is not None else list(self.problems)
+        for entry in self.entries.values() if entries is None else entries:
+            try:
+                files.append(self.read(entry.name))
+            except RuleError as error:
+                errors.append(error)
+        return files, errors

@@ -1,0 +1,204 @@
+"""Runs the examples of rules: only the rules of the file and those that an example names, in memory."""
+
+from __future__ import annotations
+
+import re
+import time
+from dataclasses import dataclass
+from itertools import chain
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.errors import KgError, Place, RuleError, UnknownNameError
+from kg.rules.authoring.examples import read_examples
+from kg.rules.authoring.matching import compare
+from kg.rules.authoring.memory import VOCABULARY, World, infer
+from kg.rules.authoring.naming import find_rule
+from kg.rules.authoring.spelling import spell_term, spell_triple
+from kg.rules.engine.evaluate import Program
+from kg.rules.engine.limits import Limits
+from kg.rules.explain.proof import Proof
+from kg.rules.explain.view import View
+from kg.rules.explain.why import why, why_all
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+    from pyoxigraph import Triple
+
+    from kg.rules.authoring.examples import Example, WhyLine
+    from kg.rules.authoring.library import Entry, Library
+    from kg.rules.explain.proof import Premise
+    from kg.rules.files import RuleFile
+    from kg.rules.form import Rule
+
+__all__ = ["Result", "failure", "result_object", "run_example", "run_examples", "tested"]
+
+_LIMITS: Final = Limits(deadline=30.0, max_triples=1_000_000)
+"""An example is a few triples: a rule that does not end on it never ends."""
+_EMPTY_PREFIX: Final = re.compile(r"(?<![\w:]):(?=\w)")
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """How one example went: triples as the example spells them, the lines that no proof has, the proof there is.
+
+    `error` is set instead when the rule or the page cannot be run; then `title` may be empty.
+    """
+
+    rule: str
+    title: str
+    place: Place
+    missing: tuple[str, ...] = ()
+    unexpected: tuple[str, ...] = ()
+    why_missing: tuple[WhyLine, ...] = ()
+    proof: tuple[str, ...] = ()
+    error: KgError | None = None
+    seconds: float = 0.0
+
+    @property
+    def passed(self) -> bool:
+        """Whether all was as expected."""
+        return not (self.missing or self.unexpected or self.why_missing or self.error)
+
+
+def tested(entries: Iterable[Entry]) -> tuple[list[Entry], list[Entry]]:
+    """Return the rules that have examples, and those that have none."""
+    groups: tuple[list[Entry], list[Entry]] = [], []
+    for entry in entries:
+        groups[not entry.examples.is_file()].append(entry)
+    return groups
+
+
+def run_examples(entries: Iterable[Entry], library: Library) -> Iterator[Result]:
+    """Yield the result of each example of some rules; what cannot be run is a result too."""
+    for entry in entries:
+        try:
+            file, examples = library.read(entry.name), read_examples(entry.examples)
+        except RuleError as error:
+            yield Result(entry.name, "", error.place or Place(str(entry.path)), error=error)
+            continue
+        programs: dict[tuple[str, ...], Program] = {}
+        for example in examples:
+            yield run_example(file, example, library, programs)
+
+
+def run_example(
+    file: RuleFile, example: Example, library: Library, programs: dict[tuple[str, ...], Program] | None = None
+) -> Result:
+    """Run one example of a rule; `programs` keeps what is the same for the examples of a file."""
+    begin = time.perf_counter()
+    try:
+        files = [file, *(_other(library, name, place) for name, place in example.others)]
+        key = tuple(each.name for each in files)
+        known = {} if programs is None else programs
+        program = known.get(key) or known.setdefault(key, _program(files))
+        data = tuple(triple for each in files for triple in each.data)
+        return _judged(file.name, example, program, data, begin)
+    except KgError as error:
+        seconds = time.perf_counter() - begin
+        return Result(file.name, example.title, example.place, error=error, seconds=seconds)
+
+
+def _program(files: Sequence[RuleFile]) -> Program:
+    program = Program(dict.fromkeys(rule for file in files for rule in file.rules))
+    program.refuse_minting()
+    return program
+
+
+def _other(library: Library, name: str, place: Place) -> RuleFile:
+    try:
+        return library.read(find_rule(library, name).name)
+    except UnknownNameError as error:
+        message = f"the example names the rule `{name}`, which there is not"
+        raise RuleError("KG221", message, place=place, hint=error.hint) from None
+
+
+def _judged(rule: str, example: Example, program: Program, data: tuple[Triple, ...], begin: float) -> Result:
+    given = (*example.given, *data)
+    inferred, _ = infer(program, given, _LIMITS)
+    world = World(given, inferred)
+    found = compare(example, inferred, world)
+    lacking, proof = _unexplained(example, program.rules, found.facts, world)
+    return Result(
+        rule,
+        example.title,
+        example.place,
+        tuple(spell_triple(triple, example.prefixes) for triple in found.missing),
+        tuple(spell_triple(triple, example.prefixes) for triple in found.unexpected),
+        lacking,
+        proof,
+        None,
+        time.perf_counter() - begin,
+    )
+
+
+def _unexplained(
+    example: Example, rules: tuple[Rule, ...], facts: Sequence[Triple], world: World
+) -> tuple[tuple[WhyLine, ...], tuple[str, ...]]:
+    """Return the lines under `why` that stand in no proof of the expected facts, and the shortest proofs then."""
+    if not example.why or not facts:
+        return example.why, ()
+    view = View(world, VOCABULARY)
+    shortest = list(chain.from_iterable(_lines(why(view, rules, fact), example.prefixes) for fact in facts))
+    lacking = _absent(example.why, shortest)
+    if lacking:
+        proofs = (proof for fact in facts for proof in why_all(view, rules, fact))
+        lacking = _absent(lacking, list(chain.from_iterable(_lines(proof, example.prefixes) for proof in proofs)))
+    return lacking, tuple(shortest) if lacking else ()
+
+
+def _absent(lines: Iterable[WhyLine], proofs: Sequence[str]) -> tuple[WhyLine, ...]:
+    """Return the lines that are part of no line of the proofs; the empty prefix is spelt `ex:` there."""
+    return tuple(line for line in lines if not any(_EMPTY_PREFIX.sub("ex:", line.text) in proof for proof in proofs))
+
+
+def _lines(proof: Proof, prefixes: Mapping[str, str]) -> Iterator[str]:
+    """Yield the lines of a proof, parents first, two blanks a step."""
+    for depth, premise in proof.walk():
+        yield "  " * depth + _line(premise, prefixes)
+
+
+def _line(premise: Premise, prefixes: Mapping[str, str]) -> str:
+    if not isinstance(premise, Proof):
+        return premise.text
+    fact = spell_triple(premise.fact, prefixes)
+    if premise.derivation is None:
+        return fact
+    bound = sorted(premise.derivation.bindings.items())
+    values = ", ".join(f"?{name} = {spell_term(term, prefixes)}" for name, term in bound)
+    return f"{fact}  by rule {premise.derivation.rule.name}" + (f" with {values}" if values else "")
+
+
+def failure(result: Result) -> RuleError | None:
+    """Return KG220 for an example that failed, or the error that kept it from running; None when it passed."""
+    if result.passed:
+        return None
+    if isinstance(result.error, RuleError):
+        return result.error
+    lines = [f"- missing       {text}" for text in result.missing]
+    lines += [f"+ not expected  {text}" for text in result.unexpected]
+    lines += [f"- no proof has  {line.text}  ({line.place})" for line in result.why_missing]
+    lines += [f"  the proof is  {line}" for line in result.proof]
+    return RuleError(
+        "KG220",
+        f"the example `{result.title}` of {result.rule} failed",
+        place=result.place,
+        hint="\n".join(lines) or str(result.error),
+    )
+
+
+def result_object(result: Result) -> dict[str, Any]:
+    """Return a result as plain values, ready for JSON."""
+    error = result.error
+    return {
+        "rule": result.rule,
+        "example": result.title,
+        "passed": result.passed,
+        "file": result.place.path,
+        "line": result.place.line,
+        "missing": list(result.missing),
+        "unexpected": list(result.unexpected),
+        "why_missing": [line.text for line in result.why_missing],
+        "error": {"code": error.code, "message": error.message, "place": str(error.place or "")} if error else None,
+        "seconds": round(result.seconds, 4),
+    }
