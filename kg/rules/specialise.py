@@ -1,0 +1,165 @@
+"""Rules over a schema, such as those of OWL 2 RL, cut to the schema that there is.
+
+A rule like `prp-spo1` (`?x ?q ?y` from `?p rdfs:subPropertyOf ?q . ?x ?p ?y`) reads and writes any predicate, so that
+it makes one cycle of all rules beside it: nothing could be stratified any more, and all data would have to be read. For
+the few axioms that a store holds it is the same as one plain rule for each, `?x rnkg:needs ?y` from
+`?x rnkg:subscribes ?y`. That is what stands here: atoms about the schema are solved once, and the rules that are
+left say which predicates they read and write.
+
+It is exact as long as no rule derives schema from data; where one does, rules are left as they are.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import replace
+from itertools import count
+from typing import TYPE_CHECKING, Final
+
+from pyoxigraph import BlankNode, NamedNode, Quad, Store
+
+from kg.rules.form import Atom, Filter, TripleTerm, Values, Variable, variables_of
+from kg.rules.scope import bound_in, mentions
+from kg.rules.sparql import construct, select
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+    from pyoxigraph import Triple
+
+    from kg.rules.form import Element, Pattern, Rule, Term
+
+__all__ = ["SCHEMA_PREDICATES", "is_schema", "specialise"]
+
+_OWL: Final = "http://www.w3.org/2002/07/owl#"
+_RDFS: Final = "http://www.w3.org/2000/01/rdf-schema#"
+_RDF: Final = "http://www.w3.org/1999/02/22-rdf-syntax-ns#"
+_TYPE: Final = NamedNode(f"{_RDF}type")
+_OF_DATA: Final = frozenset(NamedNode(_OWL + name) for name in ("Thing", "Nothing", "NamedIndividual", "Axiom"))
+"""Classes of OWL that are stated of data, not of the schema."""
+
+SCHEMA_PREDICATES: Final = frozenset(
+    NamedNode(iri)
+    for iri in (
+        *(_RDFS + name for name in ("subClassOf", "subPropertyOf", "domain", "range")),
+        *(_OWL + name for name in ("equivalentClass", "equivalentProperty", "inverseOf", "disjointWith")),
+        *(_OWL + name for name in ("propertyDisjointWith", "complementOf", "onProperty", "onClass", "hasValue")),
+        *(_OWL + name for name in ("someValuesFrom", "allValuesFrom", "maxCardinality", "maxQualifiedCardinality")),
+        *(_OWL + name for name in ("unionOf", "intersectionOf", "oneOf", "propertyChainAxiom", "hasKey", "members")),
+    )
+)
+"""What relates classes and properties to each other (OWL 2 Mapping to RDF Graphs, section 2)."""
+
+
+def is_schema(predicate: Pattern, value: Pattern) -> bool:
+    """Tell whether a triple with these is about the schema: an axiom, or a thing being a class, a property, ..."""
+    if predicate == _TYPE:
+        return isinstance(value, NamedNode) and value.value.startswith((_OWL, _RDFS)) and value not in _OF_DATA
+    return predicate in SCHEMA_PREDICATES
+
+
+def specialise(rules: Iterable[Rule], schema: Iterable[Triple]) -> tuple[Rule, ...]:
+    """Return the rules with those about any schema replaced by their instances for `schema`, in order.
+
+    `schema` are the triples of the store for which `is_schema` holds; others do no harm. The rules of one name are
+    numbered anew. Rules are returned as they are where one of them may derive schema from data.
+    """
+    given = tuple(rules)
+    kept, waiting = [rule for rule in given if _about_schema(rule)], [rule for rule in given if not _about_schema(rule)]
+    store = Store()
+    store.extend(map(_quad, schema))
+    _close(store, kept)
+    found = [instance for rule in waiting for instance in _instances(rule, store)]
+    if any(_may_write_schema(atom) for rule in found for atom in rule.head):
+        return given
+    return tuple(_numbered(sorted([*kept, *found], key=lambda rule: rule.name)))
+
+
+def _about_schema(rule: Rule) -> bool:
+    """Tell whether a rule derives schema from nothing but schema."""
+    return all(map(_is_axiom, rule.head)) and all(_is_axiom(each) or isinstance(each, Filter) for each in rule.body)
+
+
+def _may_write_schema(atom: Atom) -> bool:
+    """Tell whether a head can be a triple of the schema."""
+    if isinstance(atom.predicate, Variable):
+        return True
+    open_class = atom.predicate == _TYPE and isinstance(atom.object, Variable)
+    return open_class or is_schema(atom.predicate, atom.object)
+
+
+def _close(store: Store, rules: Sequence[Rule]) -> None:
+    """Add what rules about the schema derive from it."""
+    queries = [construct(rule) for rule in rules]
+    before = -1
+    while before != len(store):
+        before = len(store)
+        for query in queries:
+            store.extend([_quad(triple) for triple in _triples(store, query)])
+
+
+def _quad(triple: Triple) -> Quad:
+    return Quad(triple.subject, triple.predicate, triple.object)
+
+
+def _triples(store: Store, query: str) -> list[Triple]:
+    return list(store.query(query))  # type: ignore[arg-type]  # a CONSTRUCT gives triples
+
+
+def _instances(rule: Rule, store: Store) -> Iterator[Rule]:
+    """Yield a rule for each way in which its atoms about the schema hold; the rule itself where it need not be cut."""
+    axioms = tuple(element for element in rule.body if _is_axiom(element))
+    known = bound_in(axioms)
+    if not axioms or not (known & set(_open(rule))):
+        yield rule
+        return
+    schema = (*axioms, *(each for each in rule.body if isinstance(each, Filter) and mentions(each) <= known))
+    rest = tuple(element for element in rule.body if element not in schema)
+    variables = sorted(known, key=str)
+    rows = store.query(select(schema, variables))
+    found = [dict(zip(variables, row, strict=True)) for row in rows]  # type: ignore[union-attr]  # rows
+    for bindings in sorted(found, key=lambda row: [str(row[variable]) for variable in variables]):
+        instance = _instance(rule, rest, bindings)
+        if not set(instance.head) <= {element for element in instance.body if isinstance(element, Atom)}:
+            yield instance
+
+
+def _is_axiom(element: Element) -> bool:
+    return isinstance(element, Atom) and not element.asserted and is_schema(element.predicate, element.object)
+
+
+def _open(rule: Rule) -> Iterator[Variable]:
+    """Yield the variables that stand for predicates or classes."""
+    for atom in (*rule.head, *(element for element in rule.body if isinstance(element, Atom))):
+        if isinstance(atom.predicate, Variable):
+            yield atom.predicate
+        elif atom.predicate == _TYPE and isinstance(atom.object, Variable):
+            yield atom.object
+
+
+def _instance(rule: Rule, rest: Sequence[Element], bindings: Mapping[Variable, Term]) -> Rule:
+    """Return a rule with variables replaced by terms in its atoms, and bound by a row where terms cannot stand."""
+    written = {variable: value for variable, value in bindings.items() if not isinstance(value, BlankNode)}
+    head = tuple(_replaced(atom, written) for atom in rule.head)
+    body = tuple(_replaced(element, written) if isinstance(element, Atom) else element for element in rest)
+    left = {variable for atom in head for part in atom.positions for variable in variables_of(part)}
+    needed = sorted(left.union(*map(mentions, body)) & bindings.keys(), key=str)
+    row = (Values(tuple(needed), (tuple(bindings[variable] for variable in needed),)),) if needed else ()
+    return replace(rule, head=head, body=(*row, *body))
+
+
+def _replaced(atom: Atom, terms: Mapping[Variable, Term]) -> Atom:
+    def term(pattern: Pattern) -> Pattern:
+        if isinstance(pattern, TripleTerm):
+            return TripleTerm(term(pattern.subject), term(pattern.predicate), term(pattern.object))
+        return terms.get(pattern, pattern) if isinstance(pattern, Variable) else pattern
+
+    subject, predicate, value = map(term, atom.positions)
+    return replace(atom, subject=subject, predicate=predicate, object=value)
+
+
+def _numbered(rules: Iterable[Rule]) -> Iterator[Rule]:
+    """Number the rules of each name from one."""
+    parts: defaultdict[str, Iterator[int]] = defaultdict(lambda: count(1))
+    for rule in rules:
+        yield replace(rule, part=next(parts[rule.name]))
