@@ -1,0 +1,7 @@
+"""Incremental maintenance: what rules infer, kept true under insertions and deletions."""
+
+from __future__ import annotations
+
+from kg.rules.maintain.maintaining import Change, Maintained, maintain
+
+__all__ = ["Change", "Maintained", "maintain"]

@@ -1,0 +1,156 @@
+"""What one rule derives from a change, in the data before it or after it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from kg.rules.engine.facts import Facts, unpack
+from kg.rules.engine.heads import Collector
+from kg.rules.engine.solve import Solver, View
+from kg.rules.engine.tables import UNIT, Table, concatenate, distinct_rows
+from kg.rules.maintain.pivots import pivots
+from kg.rules.maintain.sets import absorb
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from kg.rules.engine.plan import Head, RulePlan
+    from kg.rules.engine.solve import Workshop
+    from kg.rules.maintain.pivots import Pivot, Reading
+
+__all__ = ["Delta", "MaintainedRule", "World"]
+
+
+@dataclass(slots=True)
+class World:
+    """The data at one moment: what is asserted, and everything that is asserted or inferred."""
+
+    asserted: Facts
+    known: Facts
+
+    def copy(self) -> World:
+        """Return a world that can be changed by itself."""
+        return World(self.asserted.copy(), self.known.copy())
+
+
+@dataclass(slots=True)
+class Delta:
+    """Triples that came or that went: from what is asserted, and from everything."""
+
+    asserted: Facts
+    known: Facts
+
+
+class MaintainedRule:
+    """A rule with its pivots; `before` and `after` are the worlds that it is solved in."""
+
+    def __init__(self, plan: RulePlan, shop: Workshop) -> None:
+        self.plan = plan
+        self._shop = shop
+        self._pivots = pivots(plan, shop.dictionary)
+
+    def everything(self, world: World) -> Facts:
+        """Return what the rule derives."""
+        return self._derived(self._sources(world), UNIT)
+
+    def supported(self, candidates: Facts, world: World) -> Facts:
+        """Return what the rule derives in a world where a triple of its head is among the candidates; more at times."""
+        found = Facts()
+        sources = self._sources(world)
+        for head in self.plan.heads:
+            for seeds in _seeds(head, candidates, self._shop.hidden):
+                absorb(found, self._derived(sources, seeds))
+        return found
+
+    def consequences(
+        self, came: Delta | None, gone: Delta | None, worlds: tuple[World, World], *, after: bool
+    ) -> Facts:
+        """Return what the rule derives, in the world before or `after` the change, from what came or went.
+
+        Sources of the outer body are asked for what went in the world before, and for what came in the one after.
+        """
+        found = Facts()
+        for pivot in self._pivots:
+            for delta, readings in ((came, pivot.coming), (gone, pivot.going)):
+                change = None if delta is None else self._touching(pivot, delta)
+                if change is None:
+                    continue
+                if pivot.block:
+                    return self.everything(worlds[after])
+                for reading in readings:
+                    if reading[0] == after:
+                        absorb(found, self._reached(pivot, change, reading, worlds))
+        return found
+
+    def _touching(self, pivot: Pivot, delta: Delta) -> Facts | None:
+        """Return the part of a change that a source may read, None when it reads none of it."""
+        change = delta.asserted if pivot.asserted else delta.known
+        if pivot.predicates is None:
+            return change if len(change) else None
+        return change if any(predicate in pivot.predicates for predicate in change.predicates) else None
+
+    def _reached(self, pivot: Pivot, change: Facts, reading: Reading, worlds: tuple[World, World]) -> Facts:
+        """Return what the rule derives in the reading's outer world where the chain, from inside, restricts it."""
+        seeds = UNIT
+        for depth in range(len(pivot.chain), 0, -1):
+            link = pivot.chain[depth - 1]
+            sources = self._sources(worlds[reading[depth]])
+            if depth == len(pivot.chain):
+                sources[pivot.number] = change
+            names = frozenset(inner for inner, _ in link.shared)
+            tables = list(Solver(self._shop, View(sources)).solutions(link.body, names, seeds))
+            if not any(table.rows for table in tables):
+                return Facts()
+            inside = distinct_rows(concatenate(tables, names))
+            seeds = Table({outer: inside.columns[inner] for inner, outer in link.shared}, inside.rows)
+        sources = self._sources(worlds[reading[0]])
+        if not pivot.chain:
+            sources[pivot.number] = change
+        return self._derived(sources, seeds)
+
+    def _sources(self, world: World) -> list[Facts]:
+        return [world.asserted if source.asserted else world.known for source in self.plan.sources]
+
+    def _derived(self, sources: Sequence[Facts], seeds: Table) -> Facts:
+        plan = self.plan
+        collector = Collector(plan, self._shop.dictionary)
+        for table in Solver(self._shop, View(sources)).solutions(plan.body, plan.outputs, seeds):
+            collector.add(table.keeping(plan.outputs), plan.heads)
+        return collector.facts()
+
+
+def _seeds(head: Head, candidates: Facts, hidden: frozenset[int]) -> Iterator[Table]:
+    """Yield tables that bind the variables of a head to the candidates that it may derive.
+
+    Blank nodes and triple terms of a head are made from the solution and bind nothing.
+    """
+    if isinstance(head.predicate, int):
+        chosen = [head.predicate] if candidates.keys(head.predicate).size else []
+    else:
+        chosen = [predicate for predicate in candidates.predicates if predicate not in hidden]
+    for predicate in chosen:
+        subjects, objects = unpack(candidates.keys(predicate))
+        table = Table({".subject": subjects, ".object": objects}, subjects.size)
+        columns = {}
+        for node, name in ((head.subject, ".subject"), (head.object, ".object")):
+            if isinstance(node, int):
+                table = table.take(table.columns[name] == node)
+            elif isinstance(node, str):
+                columns[node] = name
+        if isinstance(head.subject, str) and head.subject == head.object:
+            table = table.take(table.columns[".subject"] == table.columns[".object"])
+        if table.rows:
+            yield _named(table, columns, head, predicate)
+
+
+def _named(table: Table, columns: dict[str, str], head: Head, predicate: int) -> Table:
+    """Return the columns under the names that the head has for them, each row once."""
+    found = Table({node: table.columns[name] for node, name in columns.items()}, table.rows)
+    if isinstance(head.predicate, str):
+        if head.predicate in columns:
+            found = found.take(found.columns[head.predicate] == predicate)
+        found = found.plus(
+            {head.predicate: (found.columns.get(head.predicate, table.columns[".subject"]) * 0) + predicate}
+        )
+    return distinct_rows(found)

@@ -1,0 +1,134 @@
+"""One stratum after a change: delete and rederive, then insert (Gupta, Mumick and Subrahmanian 1993, section 7).
+
+1. Whatever was derived, in the data before, from a triple that went, is taken away (unless it is asserted), and so on
+   where the stratum is recursive. This takes away too much: a triple may have other derivations.
+2. What was taken away and still is derived from the data that is left is put back.
+3. What follows from triples that came, or that were put back, is added, round by round.
+
+Triples under negation and aggregates belong to strata that are finished; `kg.rules.maintain.pivots` says what they do.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from kg.rules.engine.facts import Facts, difference, union
+from kg.rules.maintain.deriving import Delta, MaintainedRule, World
+from kg.rules.maintain.sets import absorb, common, lacking, take_out
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kg.rules.engine.limits import Clock
+    from kg.rules.stratify import Stratum
+
+__all__ = ["Progress", "maintain_stratum"]
+
+
+@dataclass(slots=True)
+class Progress:
+    """How far a change has come: the worlds before and after it, and what came and went so far.
+
+    `came` and `gone` share nothing; of everything, `gone` was known before and `came` was not.
+    """
+
+    before: World
+    after: World
+    came: Delta
+    gone: Delta
+    clock: Clock
+    added: int = 0
+    """Triples that rules added, for the limit on them."""
+
+    @property
+    def worlds(self) -> tuple[World, World]:
+        """Before and after."""
+        return self.before, self.after
+
+
+@dataclass(slots=True)
+class _Work:
+    """One stratum; `earlier` are the rules of the strata before it."""
+
+    progress: Progress
+    rules: Sequence[MaintainedRule]
+    earlier: Sequence[MaintainedRule]
+    recursive: bool
+    lost: Facts = field(default_factory=Facts)
+    """What was derived by then and has been taken away."""
+
+    def take_away(self) -> None:
+        """Take away what may have no derivation any more."""
+        progress = self.progress
+        frontier = self._lose(self._consequences(progress.came, progress.gone, after=False))
+        while self.recursive and len(frontier):
+            frontier = self._lose(self._consequences(None, Delta(Facts(), frontier), after=False))
+
+    def put_back(self) -> Facts:
+        """Put back what is still derived from what is left, and return it."""
+        progress = self.progress
+        back = Facts()
+        for candidates, rules in ((self.lost, (*self.earlier, *self.rules)), (progress.gone.known, self.rules)):
+            if not len(candidates):
+                continue
+            for rule in rules:
+                self._watch(rule)
+                absorb(back, common(rule.supported(candidates, progress.after), candidates))
+        take_out(self.lost, back)
+        take_out(progress.gone.known, back)
+        for predicate, keys in back:
+            progress.after.known.extend(predicate, keys)
+        return back
+
+    def add(self, back: Facts) -> None:
+        """Add what follows from what came and from what was put back."""
+        progress = self.progress
+        came = progress.came
+        if self.recursive and len(back):
+            came = Delta(came.asserted, came.known.copy())
+            absorb(came.known, back)
+        frontier = self._gain(self._consequences(came, progress.gone, after=True))
+        while self.recursive and len(frontier):
+            frontier = self._gain(self._consequences(Delta(Facts(), frontier), None, after=True))
+        absorb(progress.gone.known, self.lost)
+
+    def _consequences(self, came: Delta | None, gone: Delta | None, *, after: bool) -> Facts:
+        found = Facts()
+        for rule in self.rules:
+            self._watch(rule)
+            absorb(found, rule.consequences(came, gone, self.progress.worlds, after=after))
+        return found
+
+    def _watch(self, rule: MaintainedRule) -> None:
+        self.progress.clock.rule = str(rule.plan.rule)
+        self.progress.clock.check(self.progress.added)
+
+    def _lose(self, found: Facts) -> Facts:
+        """Take triples away, those that are there and not asserted, and return them."""
+        after = self.progress.after
+        going = lacking(common(found, after.known), after.asserted)
+        for predicate, keys in going:
+            after.known.discard(predicate, keys)
+            self.lost.extend(predicate, keys)
+        return going
+
+    def _gain(self, found: Facts) -> Facts:
+        """Add triples, those that are not there, and return them."""
+        progress = self.progress
+        new = lacking(found, progress.after.known)
+        for predicate, keys in new:
+            progress.after.known.extend(predicate, keys)
+            progress.added += keys.size
+            again = union(self.lost.remove(predicate, keys), progress.gone.known.remove(predicate, keys))
+            progress.came.known.extend(predicate, difference(keys, again))
+        return new
+
+
+def maintain_stratum(
+    stratum: Stratum, rules: Sequence[MaintainedRule], earlier: Sequence[MaintainedRule], progress: Progress
+) -> None:
+    """Bring what the `rules` of a stratum derive up to date with what came and went before it."""
+    work = _Work(progress, rules, earlier, stratum.recursive)
+    work.take_away()
+    work.add(work.put_back())

@@ -1,0 +1,58 @@
+"""Whatever changes, the inferred triples are those of an evaluation from scratch."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import strategies as st
+from rules.engine.comparing import columns, tuples
+from rules.engine.oracle import infer
+from rules.engine.test_properties import facts, rule_sets
+
+from kg.errors import RuleError
+from kg.rules.engine.evaluate import Program, evaluate
+from kg.rules.engine.terms import Dictionary
+from kg.rules.maintain import Maintained
+from kg.rules.stratify import stratify
+
+if TYPE_CHECKING:
+    from rules.engine.oracle import Fact
+
+    from kg.rules.form import Rule
+
+
+@st.composite
+def changes(draw: st.DrawFn) -> list[tuple[set[Fact], set[Fact]]]:
+    """Draw changes of a few triples."""
+    few = facts.map(lambda found: set(sorted(found, key=str)[:4]))
+    return draw(st.lists(st.tuples(few, few), min_size=1, max_size=4))
+
+
+@settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
+@given(rule_sets(), facts, st.data())
+def test_any_changes_equal_starting_over(rules: list[Rule], asserted: set[Fact], data: st.DataObject) -> None:
+    """Insertions and deletions, of triples that are asserted, inferred or neither."""
+    try:
+        stratify(rules)
+    except RuleError:
+        assume(condition=False)
+    program, dictionary = Program(rules), Dictionary()
+    begin = columns(asserted, dictionary)
+    state = Maintained(program, dictionary, begin, evaluate(program, dictionary, begin).inferred)
+    for _ in range(data.draw(st.integers(1, 4))):
+        inferred = tuples(state.inferred, dictionary)
+        pool = sorted(asserted | inferred, key=str)
+        deleted = data.draw(st.sets(st.sampled_from(pool), max_size=4)) if pool else set()
+        inserted = set(sorted(data.draw(facts), key=str)[: data.draw(st.integers(0, 4))])
+        if inferred and data.draw(st.booleans()):
+            inserted.add(data.draw(st.sampled_from(sorted(inferred, key=str))))
+        change = state.apply(columns(inserted, dictionary), columns(deleted, dictionary))
+        asserted = (asserted - deleted) | inserted
+        expected = infer(rules, asserted)
+        assert tuples(state.asserted, dictionary) == asserted
+        assert tuples(state.inferred, dictionary) == expected
+        assert tuples(change.added, dictionary) == expected - inferred
+        assert tuples(change.removed, dictionary) == inferred - expected
+        again = evaluate(program, dictionary, state.asserted).inferred
+        assert tuples(again, dictionary) == expected
