@@ -1,0 +1,141 @@
+"""Groups that stay SPARQL: what the engine has to know of them, told conservatively."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from pyoxigraph import NamedNode
+
+from kg.rules import sparql
+from kg.rules.decompose.uses import certain, possible
+from kg.rules.form import EngineBlock, Variable
+from kg.rules.syntax.tree import (
+    Alternative,
+    Bind,
+    Exists,
+    Filter,
+    GraphBlock,
+    Inverse,
+    Minus,
+    Negated,
+    Optional,
+    Repeat,
+    Sequence,
+    SubSelect,
+    TriplePattern,
+    Union,
+    ValuesBlock,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from kg.errors import Place
+    from kg.rules.syntax.tree import Expression, Node, Path
+
+__all__ = ["block", "is_monotone", "path_text", "pattern_text", "reads"]
+
+_ANY: Final = None
+"""Stands among predicates for all of them."""
+
+
+def block(text: str, nodes: tuple[Node, ...], place: Place | None = None) -> EngineBlock:
+    """Return the block of a group; `text` is it without braces, its names IRIs in brackets."""
+    always, ever = certain(nodes), possible(nodes)
+    return EngineBlock(
+        text.strip(),
+        tuple(Variable(name) for name in sorted(ever)),
+        tuple(Variable(name) for name in sorted(ever - always)),
+        reads(nodes),
+        monotone=is_monotone(nodes),
+        place=place,
+    )
+
+
+def reads(nodes: Iterable[Node]) -> frozenset[NamedNode] | None:
+    """Return the predicates that nodes read, None where they may read any."""
+    found = set(_read(nodes))
+    return None if _ANY in found else frozenset(predicate for predicate in found if predicate is not None)
+
+
+def _read(nodes: Iterable[Node]) -> Iterator[NamedNode | None]:
+    for node in nodes:
+        if isinstance(node, TriplePattern):
+            yield from _path_reads(node.predicate)
+        elif isinstance(node, Filter | Bind):
+            yield from _expression_reads(node.expression)
+        elif isinstance(node, SubSelect):
+            yield from _read(node.group.nodes)
+            for expression in (*node.having, *(column.expression for column in (*node.projections, *node.keys))):
+                if expression:
+                    yield from _expression_reads(expression)
+        elif not isinstance(node, ValuesBlock):
+            for group in node.groups if isinstance(node, Union) else (node.group,):
+                yield from _read(group.nodes)
+
+
+def _expression_reads(expression: Expression) -> Iterator[NamedNode | None]:
+    for exists in expression.exists:
+        yield from _read(exists.group.nodes)
+
+
+def _path_reads(path: Path) -> Iterator[NamedNode | None]:
+    if isinstance(path, NamedNode):
+        yield path
+    elif isinstance(path, Sequence | Alternative):
+        for part in path.parts:
+            yield from _path_reads(part)
+    elif isinstance(path, Inverse):
+        yield from _path_reads(path.path)
+    elif isinstance(path, Repeat):
+        if path.least == 0:
+            # Of length zero it holds for all terms of the graph, whatever predicate they stand with.
+            yield _ANY
+        yield from _path_reads(path.path)
+    else:
+        yield _ANY
+
+
+def is_monotone(nodes: Iterable[Node]) -> bool:
+    """Tell whether more triples never take a solution away; False when in doubt."""
+    return all(map(_grows, nodes))
+
+
+def _grows(node: Node) -> bool:
+    if isinstance(node, Optional | Minus):
+        return False
+    if isinstance(node, Exists):
+        return not node.negated and is_monotone(node.group.nodes)
+    if isinstance(node, Filter | Bind):
+        return not node.expression.exists
+    if isinstance(node, SubSelect):
+        grouped = node.keys or node.having or any(c.expression and c.expression.aggregates for c in node.projections)
+        plain = not any(c.expression and c.expression.exists for c in node.projections)
+        return not node.sliced and not grouped and plain and is_monotone(node.group.nodes)
+    if isinstance(node, Union | GraphBlock):
+        groups = node.groups if isinstance(node, Union) else (node.group,)
+        return all(is_monotone(group.nodes) for group in groups)
+    return True
+
+
+def pattern_text(pattern: TriplePattern) -> str:
+    """Return a triple pattern as SPARQL text."""
+    return f"{sparql.term(pattern.subject)} {path_text(pattern.predicate)} {sparql.term(pattern.object)} ."
+
+
+def path_text(path: Path) -> str:
+    """Return a path as SPARQL text, with more brackets than it needs."""
+    if isinstance(path, NamedNode | Variable):
+        return sparql.term(path)
+    if isinstance(path, Sequence | Alternative):
+        sign = "/" if isinstance(path, Sequence) else "|"
+        return f"({sign.join(map(path_text, path.parts))})"
+    if isinstance(path, Inverse):
+        return f"^({path_text(path.path)})"
+    if isinstance(path, Repeat):
+        return f"({path_text(path.path)}){'+' if path.least else '*' if path.many else '?'}"
+    return _negated_text(path)
+
+
+def _negated_text(path: Negated) -> str:
+    return f"!({'|'.join([*map(str, path.forward), *(f'^{predicate}' for predicate in path.backward)])})"

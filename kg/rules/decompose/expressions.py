@@ -1,0 +1,238 @@
+"""Expressions as text: cutting them at `&&`, giving variables other names, and knowing what makes them fail.
+
+All work on tokens, so that strings and IRIs are never taken for names or signs.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import TYPE_CHECKING, Final
+
+from kg.rules.form import Expression
+from kg.rules.syntax.lexer import END, Kind, token_at
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection, Iterator, Mapping
+
+    from kg.errors import Place
+    from kg.rules.syntax.lexer import Token
+
+__all__ = [
+    "can_fail",
+    "conjuncts",
+    "existence",
+    "expression",
+    "fails",
+    "is_strict",
+    "renamed",
+    "resolved",
+    "simplified",
+    "variables",
+]
+
+UNBOUND: Final = "(!<urn:kg:unbound>)"
+"""An expression that is always in error, as an unbound variable is: an IRI has no effective boolean value."""
+
+_FORGIVING: Final = frozenset({"||", "&&", "BOUND", "COALESCE", "IF", "IN", "EXISTS"})
+"""What may have a value although an operand is in error (SPARQL 1.1, section 17.2)."""
+
+_VOLATILE: Final = frozenset({"RAND", "NOW", "UUID", "STRUUID", "BNODE"})
+
+_TESTS: Final = frozenset({"BOUND", "ISIRI", "ISURI", "ISBLANK", "ISLITERAL", "ISNUMERIC", "SAMETERM"})
+"""Functions that have a value for all terms."""
+
+_GIVE_KNOWN_TERMS: Final = _TESTS | {
+    *("LANGMATCHES", "CONTAINS", "STRSTARTS", "STRENDS", "REGEX", "HASLANG", "HASLANGDIR", "ISTRIPLE"),
+    *("IF", "COALESCE", "IN", "NOT", "EXISTS", "TRUE", "FALSE", "SUBJECT", "PREDICATE", "OBJECT"),
+}
+"""Words whose value is a truth value, an operand or a part of one."""
+
+_OPENING: Final = frozenset("([{")
+_CLOSING: Final = frozenset(")]}")
+_TERMS: Final = frozenset({Kind.IRI, Kind.STRING, Kind.VARIABLE, Kind.NUMBER, Kind.NAME})
+
+
+def _tokens(text: str) -> list[Token]:
+    found = []
+    token = token_at(text, 0)
+    while token.text != END:
+        found.append(token)
+        token = token_at(text, token.end)
+    return found
+
+
+def _word(token: Token) -> str:
+    return token.text.upper() if token.kind is Kind.WORD else token.text
+
+
+def variables(text: str) -> tuple[str, ...]:
+    """Return the names of the variables in an expression, in order, each once."""
+    return tuple(dict.fromkeys(token.text[1:] for token in _tokens(text) if token.kind is Kind.VARIABLE))
+
+
+def expression(text: str, place: Place | None = None) -> Expression:
+    """Return an expression of the internal form."""
+    tokens = _tokens(text)
+    words = {_word(token) for token in tokens}
+    return Expression(text, variables(text), _mints(tokens), bool(words & _VOLATILE), place)
+
+
+def _mints(tokens: list[Token]) -> bool:
+    """Tell whether the value may be a new term: arithmetic, triple terms, all functions that are not known not to."""
+    for index, token in enumerate(tokens):
+        follows = tokens[index + 1 : index + 2]
+        if token.kind is Kind.WORD and _word(token) not in _GIVE_KNOWN_TERMS:
+            return True
+        if token.kind is Kind.IRI and follows and follows[0].text == "(":
+            return True
+        if token.text in {"*", "/", "<<("} or (token.text in {"+", "-"} and not _is_sign(tokens, index)):
+            return True
+    return False
+
+
+def _is_sign(tokens: list[Token], index: int) -> bool:
+    """Tell whether `+` or `-` begins a number."""
+    before, behind = tokens[:index], tokens[index + 1 :]
+    operand = bool(before) and (before[-1].kind in _TERMS or before[-1].text == ")")
+    return not operand and bool(behind) and behind[0].kind is Kind.NUMBER
+
+
+def is_strict(text: str) -> bool:
+    """Tell whether an expression is in error whenever one of its variables is unbound."""
+    return not any(_word(token) in _FORGIVING for token in _tokens(text))
+
+
+def can_fail(text: str) -> bool:
+    """Tell whether an expression may be in error although all of its variables are bound; True when in doubt."""
+    tokens = _tokens(text)
+    if len(tokens) == 1:
+        return tokens[0].kind is Kind.WORD and _word(tokens[0]) not in {"TRUE", "FALSE"}
+    if tokens[0].kind is Kind.STRING:
+        return any(token.text != "^^" and token.kind not in {Kind.IRI, Kind.TAG} for token in tokens[1:])
+    call = _word(tokens[0]) in _TESTS and tokens[1].text == "(" and tokens[-1].text == ")"
+    return not (call and all(token.kind in _TERMS or token.text == "," for token in tokens[2:-1]))
+
+
+def fails(text: str) -> str:
+    """Return the expression that is true where another is in error and false elsewhere; it is never in error."""
+    return f"!COALESCE(isBLANK({text}) IN (true, false), false)"
+
+
+def renamed(text: str, names: Mapping[str, str]) -> str:
+    """Return a text with other names for variables; it may be a whole group of SPARQL."""
+    return _edited(text, lambda token: f"?{names[token.text[1:]]}" if token.text[1:] in names else None)
+
+
+def simplified(text: str, bound: Collection[str]) -> str:
+    """Return `true` or `false` for a test that is BOUND of a variable that is bound everywhere, or its negation."""
+    words = [_word(token) for token in _tokens(text)]
+    negated = words[:1] == ["!"]
+    match words[negated:]:
+        case ["BOUND", "(", name, ")"] if name[1:] in bound:
+            return "false" if negated else "true"
+        case ["FALSE"] if negated:
+            return "true"
+    return text
+
+
+def resolved(text: str, visible: Collection[str]) -> str | None:
+    """Return an expression without the variables that are not visible and so unbound; None if it is always in error.
+
+    BOUND of such a variable is false; elsewhere it is an error, for which an expression that fails stands.
+    """
+    missing = set(variables(text)) - set(visible)
+    if not missing:
+        return text
+    if is_strict(text):
+        return None
+    tokens = _tokens(text)
+    pieces, end = [], 0
+    for before, token in pairwise(_bounds(tokens, missing)):
+        pieces.append(text[before[1] : token[0]] + token[2])
+        end = token[1]
+    return "".join(pieces) + text[end:]
+
+
+def _bounds(tokens: list[Token], missing: set[str]) -> Iterator[tuple[int, int, str]]:
+    """Yield what is to be replaced, from where to where, by what; first a place before all."""
+    yield 0, 0, ""
+    for index, token in enumerate(tokens):
+        if token.kind is not Kind.VARIABLE or token.text[1:] not in missing:
+            continue
+        if index > 1 and _word(tokens[index - 2]) == "BOUND":
+            yield tokens[index - 2].start, tokens[index + 1].end, "false"
+        else:
+            yield token.start, token.end, UNBOUND
+
+
+def _edited(text: str, spelling: Callable[[Token], str | None]) -> str:
+    """Return a text with some of its variables spelt anew."""
+    pieces, end = [], 0
+    for token in _tokens(text):
+        new = spelling(token) if token.kind is Kind.VARIABLE else None
+        if new is not None:
+            pieces += [text[end : token.start], new]
+            end = token.end
+    return "".join(pieces) + text[end:]
+
+
+def conjuncts(text: str) -> list[str]:
+    """Cut an expression at its outermost `&&`: a filter by it is exactly the filters by its parts, one by one.
+
+    The conjunction is true only where both sides are true; false and error alike take the solution away.
+    """
+    text = _bare(text)
+    tokens = _tokens(text)
+    depth, start, parts = 0, 0, []
+    for token in tokens:
+        depth += (token.text in _OPENING or token.text == "<<(") - (token.text in _CLOSING or token.text == ")>>")
+        if depth == 0 and token.text == "||":
+            return [text]
+        if depth == 0 and token.text == "&&":
+            parts.append(text[start : token.start].strip())
+            start = token.end
+    if not parts:
+        return [text]
+    return [piece for part in (*parts, text[start:].strip()) for piece in conjuncts(part)]
+
+
+def _bare(text: str) -> str:
+    """Return an expression without brackets around all of it."""
+    tokens = _tokens(text)
+    while len(tokens) > 2 and tokens[0].text == "(" and _partner(tokens) == len(tokens) - 1:  # noqa: PLR2004
+        tokens = tokens[1:-1]
+    return text[tokens[0].start : tokens[-1].end] if tokens else text
+
+
+def _partner(tokens: list[Token]) -> int:
+    """Return the index of the bracket that closes the first."""
+    depth = 0
+    for index, token in enumerate(tokens):
+        depth += (token.text in _OPENING) - (token.text in _CLOSING)
+        if depth == 0:
+            return index
+    return -1
+
+
+def existence(text: str) -> bool | None:
+    """Tell of a test that is nothing but EXISTS or NOT EXISTS whether a `!` turns it round; None for other tests.
+
+    Raises ValueError where an EXISTS is only a part of the test.
+    """
+    tokens = _tokens(text)
+    if not any(_word(token) == "EXISTS" for token in tokens):
+        return None
+    negated = False
+    while tokens[0].text in {"!", "("}:
+        if tokens[0].text == "!":
+            negated = not negated
+            tokens = tokens[1:]
+        elif _partner(tokens) == len(tokens) - 1:
+            tokens = tokens[1:-1]
+        else:
+            break
+    if _word(tokens[0]) == "NOT":
+        tokens = tokens[1:]
+    if _word(tokens[0]) != "EXISTS" or _partner(tokens[1:]) != len(tokens) - 2:
+        raise ValueError(text)
+    return negated

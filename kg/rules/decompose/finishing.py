@@ -1,0 +1,118 @@
+"""The last steps to a rule: names that fit their place, heads that fit their part."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from kg.rules import sparql
+from kg.rules.decompose.parts import IndivisibleError
+from kg.rules.decompose.renaming import renamed, renamed_atom
+from kg.rules.form import Aggregate, Assignment, Atom, EngineBlock, Exists, Filter, Variable
+from kg.rules.scope import binds, bound_in, mentions
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from kg.rules.decompose.names import Names
+    from kg.rules.form import Element
+
+__all__ = ["finished"]
+
+Statement = tuple[tuple[Atom, ...], tuple["Element", ...]]
+"""A head and a body."""
+
+
+def finished(head: tuple[Atom, ...], body: tuple[Element, ...], names: Names) -> Statement | None:
+    """Return a rule's head and body as they stay; None if nothing comes of the part.
+
+    IndivisibleError where a block may leave a variable unbound that another element mentions.
+    """
+    body = _printable(body, names)
+    head, body = _without_copies(head, body)
+    body = tuple(_localised(body, frozenset(), frozenset(), names))
+    _check_blocks(body)
+    bound = bound_in(body)
+    kept = tuple(atom for atom in head if binds(atom) <= bound)
+    return (kept, body) if kept else None
+
+
+def _expressions(body: Sequence[Element]) -> Iterator[str]:
+    """Yield the names in expressions and blocks at any depth, as they are spelt there."""
+    for element in body:
+        if isinstance(element, Filter | Assignment):
+            yield from element.expression.variables
+        elif isinstance(element, EngineBlock):
+            yield from (sparql.spelling(variable)[1:] for variable in element.variables)
+        elif isinstance(element, Exists | Aggregate):
+            yield from _expressions(element.body)
+
+
+def _printable(body: tuple[Element, ...], names: Names) -> tuple[Element, ...]:
+    """Give names that SPARQL can write to variables that stand for blank nodes and are in expressions or blocks."""
+    written = set(_expressions(body))
+    hidden = {variable for variable in _everywhere(body) if variable.name.startswith(".")}
+    chosen = sorted((v for v in hidden if sparql.spelling(v)[1:] in written), key=str)
+    return renamed(body, {variable: names.like(variable) for variable in chosen})
+
+
+def _everywhere(body: Sequence[Element]) -> frozenset[Variable]:
+    """Return the variables at any depth, in aggregates too."""
+    inner = [_everywhere(element.body) for element in body if isinstance(element, Exists | Aggregate)]
+    return frozenset().union(*inner, *map(mentions, body))
+
+
+def _without_copies(head: tuple[Atom, ...], body: tuple[Element, ...]) -> Statement:
+    """Use a variable in the place of one that is assigned its value: a solution has the same term for both."""
+    index = 0
+    while index < len(body):
+        element = body[index]
+        source = _copied(element, body[index + 1 :])
+        if source is None or not isinstance(element, Assignment):
+            index += 1
+            continue
+        names = {element.variable: source}
+        head = tuple(renamed_atom(atom, names) for atom in head)
+        body = (*body[:index], *renamed(body[index + 1 :], names))
+    return head, body
+
+
+def _copied(element: Element, rest: tuple[Element, ...]) -> Variable | None:
+    """Return the variable whose value an element assigns to another that may be replaced in the `rest`."""
+    if not isinstance(element, Assignment) or element.expression.text != f"?{''.join(element.expression.variables)}":
+        return None
+    simple = all(isinstance(other, Atom | Filter | Assignment) for other in rest if element.variable in mentions(other))
+    return Variable(element.expression.variables[0]) if simple else None
+
+
+def _localised(
+    body: tuple[Element, ...], before: frozenset[Variable], later: frozenset[Variable], names: Names
+) -> Iterator[Element]:
+    """Yield elements with own names for what is only inside an EXISTS, where something behind it has the same name."""
+    for index, element in enumerate(body):
+        if isinstance(element, Exists):
+            around = later | bound_in(body[index + 1 :])
+            clash = sorted((_everywhere(element.body) & around) - before, key=str)
+            inner = renamed(element.body, {variable: names.like(variable) for variable in clash})
+            yield replace(element, body=tuple(_localised(inner, before, around, names)))
+        else:
+            yield element
+        before |= binds(element)
+
+
+def _check_blocks(body: tuple[Element, ...]) -> None:
+    for index, element in enumerate(body):
+        others = (*body[:index], *body[index + 1 :])
+        if isinstance(element, EngineBlock) and frozenset().union(*map(mentions, others)) & set(element.optional):
+            raise IndivisibleError
+        if isinstance(element, Exists):
+            _check_inner(element.body, frozenset().union(*map(mentions, others)))
+        if isinstance(element, Aggregate):
+            _check_blocks(element.body)
+
+
+def _check_inner(body: tuple[Element, ...], around: frozenset[Variable]) -> None:
+    _check_blocks(body)
+    for element in body:
+        if isinstance(element, EngineBlock) and around & set(element.optional):
+            raise IndivisibleError

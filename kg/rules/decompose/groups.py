@@ -1,0 +1,220 @@
+"""Groups of SPARQL as unions of bodies (SPARQL 1.1, section 18.2: what a group means; section 18.5: its operators).
+
+Each rewriting keeps the set of solutions:
+
+* UNION: a union of joins is a join with the union, so each branch goes on as a part of its own.
+* A group in braces is evaluated by itself and joined. Its variables that it does not bind are unbound in its filters,
+  whatever is bound outside: `expressions.resolved` puts that into the expression.
+* OPTIONAL {G}: the solutions joined with G where its filters hold, and those for which there is no such join. The
+  second part leaves out its negation where what only G binds is mentioned nowhere but in the head: a solution that
+  does have a match then derives triples of the head that the first part derives too.
+* MINUS {G}: no solution of G that agrees on the shared variables; without shared variables nothing is removed.
+* FILTER EXISTS {G}: a test for each solution, which everything in G sees.
+* FILTER: tests all of the group, wherever it stands, so it comes behind what binds its variables.
+* BIND: the solutions in which the expression has a value; and those in which it is in error, with the variable
+  unbound, left out where nothing comes of a solution without the variable.
+* VALUES: a join with rows; rows with UNDEF at the same places are a table of their own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final
+
+from kg.rules.decompose import expressions
+from kg.rules.decompose.blocks import block
+from kg.rules.decompose.conditions import Condition, conditions
+from kg.rules.decompose.parts import EMPTY, IndivisibleError, Scope, attached, joined, placed
+from kg.rules.decompose.patterns import basic, known
+from kg.rules.decompose.selects import selected
+from kg.rules.decompose.uses import certain, uses
+from kg.rules.form import Assignment, Exists, Filter, Values, Variable
+from kg.rules.syntax import tree
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kg.rules.decompose.parts import Part
+    from kg.rules.decompose.work import Work
+    from kg.rules.form import Term
+
+__all__ = ["MOST_PARTS", "Groups"]
+
+MOST_PARTS: Final = 64
+"""More than these and the store's engine evaluates the rule as it is written."""
+
+
+class Groups:
+    """Decomposes the groups of one rule; IndivisibleError where that is not exact."""
+
+    def __init__(self, work: Work) -> None:
+        self._work = work
+
+    def group(self, group: tree.Group, scope: Scope) -> list[Part]:
+        """Return the parts of a group evaluated by itself."""
+        filters = [node for node in group.nodes if isinstance(node, tree.Filter | tree.Exists)]
+        tests = conditions(filters)
+        strict = [name for test in tests for name in test.requires]
+        scope = replace(scope, required=scope.required.union(strict))
+        parts = [known(EMPTY, scope)]
+        together: list[tree.TriplePattern] = []
+        for node in group.nodes:
+            if isinstance(node, tree.TriplePattern):
+                together.append(node)
+            elif node not in filters:
+                parts = self._counted(self._triples(together, parts, scope), scope)
+                together = []
+                parts = self._counted([new for part in parts for new in self._node(node, part, scope)], scope)
+        parts = self._triples(together, parts, scope)
+        return self._counted([new for part in parts for new in self._filtered(part, tests, scope)], scope)
+
+    def _triples(self, patterns: list[tree.TriplePattern], parts: list[Part], scope: Scope) -> list[Part]:
+        return [new for part in parts for new in basic(self._work, patterns, part, scope)]
+
+    def _counted(self, parts: list[Part], scope: Scope) -> list[Part]:
+        """Return parts without those that are there already; refuse too many of them."""
+        parts = list(dict.fromkeys(parts))
+        if len(parts) > MOST_PARTS or (scope.single and len(parts) != 1):
+            raise IndivisibleError
+        return parts
+
+    def _node(self, node: tree.Node, part: Part, scope: Scope) -> Iterator[Part]:
+        if isinstance(node, tree.Union):
+            for group in node.groups:
+                for branch in self.group(group, scope.behind(part)):
+                    yield joined(part, branch, self._work.names)
+        elif isinstance(node, tree.Optional):
+            yield from self._optional(node, part, scope)
+        elif isinstance(node, tree.Minus):
+            yield self._minus(node, part, scope)
+        elif isinstance(node, tree.Bind):
+            yield from self._bind(node, part, scope)
+        elif isinstance(node, tree.ValuesBlock):
+            yield from self._values(node, part, scope)
+        elif isinstance(node, tree.SubSelect):
+            yield from self._select(node, part, scope)
+        elif isinstance(node, tree.GraphBlock):
+            yield self._blocked(node, f"GRAPH {_graph(node)} {node.group.text}", part, scope)
+
+    def _optional(self, node: tree.Optional, part: Part, scope: Scope) -> Iterator[Part]:
+        bound = part.bound
+        matches = self.group(node.group, scope.optional(part))
+        new = frozenset(variable.name for match in matches for variable in match.bound - bound)
+        plain = not scope.single and not self._work.mints_blanks and not self._work.used_elsewhere(new, node)
+        if not plain or new & self._work.template:
+            for match in matches:
+                yield joined(part, match, self._work.names)
+        if self._comes_to_nothing(new, node, scope):
+            return
+        if plain:
+            yield part
+            return
+        if rest := self._without(part, matches, bound):
+            yield rest
+
+    def _comes_to_nothing(self, names: frozenset[str], node: tree.Node, scope: Scope) -> bool:
+        """Tell whether solutions in which a node did not bind these names come to nothing."""
+        return any(not self._work.bound_elsewhere(name, node) for name in names & scope.required)
+
+    def _without(self, part: Part, matches: list[Part], shared: frozenset[Variable]) -> Part | None:
+        """Return the part without the solutions that agree with one of `matches`; None if none are left."""
+        for match in matches:
+            if not match.elements:
+                return None
+            part = part.then(Exists(tuple(attached(match.elements, shared, self._work.names)), negated=True))
+        return part
+
+    def _minus(self, node: tree.Minus, part: Part, scope: Scope) -> Part:
+        bound = part.bound
+        removed = []
+        for match in self.group(node.group, scope.removing(part)):
+            if match.bound & bound:
+                removed.append(match)
+            elif match.bound & scope.outer:
+                # With variables that an EXISTS around gives their values, engines disagree on what is shared.
+                raise IndivisibleError
+        return self._without(part, removed, bound) or part
+
+    def _bind(self, node: tree.Bind, part: Part, scope: Scope) -> Iterator[Part]:
+        if node.expression.exists or node.variable in scope.outer:
+            raise IndivisibleError
+        name = node.variable.name
+        visible = {variable.name for variable in part.bound | scope.outer}
+        text = expressions.resolved(node.expression.text, visible)
+        place = self._work.place(node.expression.span)
+        if text is not None:
+            value = expressions.expression(text, place)
+            mints = expressions.expression(node.expression.text).mints
+            yield part.then(Assignment(node.variable, replace(value, mints=mints)))
+        if text is not None and not expressions.can_fail(text):
+            return
+        if self._comes_to_nothing(frozenset((name,)), node, scope):
+            return
+        used = scope.single or self._work.mints_blanks or self._work.used_elsewhere(frozenset((name,)), node)
+        if text is None or not used:
+            yield part
+        else:
+            yield part.then(Filter(expressions.expression(expressions.fails(text), place)))
+
+    def _values(self, node: tree.ValuesBlock, part: Part, scope: Scope) -> Iterator[Part]:
+        if scope.single and len(set(node.rows)) < len(node.rows):
+            raise IndivisibleError
+        tables: dict[tuple[int, ...], list[tuple[Term | None, ...]]] = {}
+        for row in dict.fromkeys(node.rows):
+            tables.setdefault(tuple(i for i, cell in enumerate(row) if cell is not None), []).append(row)
+        for columns, rows in tables.items():
+            variables = tuple(node.variables[index] for index in columns)
+            cells = tuple(tuple(cell for cell in row if cell is not None) for row in rows)
+            yield part.then(Values(variables, cells)) if variables else part
+
+    def _select(self, node: tree.SubSelect, part: Part, scope: Scope) -> Iterator[Part]:
+        try:
+            for inner in selected(self._work, node, scope.behind(part), self.group):
+                yield joined(part, inner, self._work.names)
+        except IndivisibleError:
+            if scope.single and not node.distinct:
+                raise
+            yield self._blocked(node, f"{{ {node.text} }}", part, scope)
+
+    def _blocked(self, node: tree.Node, text: str, part: Part, scope: Scope) -> Part:
+        """Leave a node to the store's engine, which evaluates it by itself, as SPARQL does unless in an EXISTS."""
+        inner = uses([node]).keys() - certain([node])
+        if scope.single and not isinstance(node, tree.SubSelect):
+            raise IndivisibleError
+        if inner & {variable.name for variable in scope.outer}:
+            raise IndivisibleError
+        return part.then(block(text, (node,), self._work.place(node.span)))
+
+    def _filtered(self, part: Part, tests: list[Condition], scope: Scope) -> list[Part]:
+        """Return the parts of a part with the filters of its group."""
+        parts = [part]
+        for test in tests:
+            parts = [new for old in parts for new in self._tested(old, test, scope)]
+        return parts
+
+    def _tested(self, part: Part, test: Condition, scope: Scope) -> list[Part]:
+        if test.exists is not None:
+            return self._exists(part, test.exists, scope)
+        around = scope.outer | scope.seen
+        text = expressions.resolved(test.text, {variable.name for variable in part.bound | around})
+        text = text and expressions.simplified(text, {variable.name for variable in part.always | around})
+        if text == "true":
+            return [part]
+        if text is None or text == "false":
+            return []
+        return [placed(part, Filter(expressions.expression(text, self._work.place(test.span))), around)]
+
+    def _exists(self, part: Part, node: tree.Exists, scope: Scope) -> list[Part]:
+        inner = scope.inside(part)
+        matches = self.group(node.group, inner)
+        if node.negated:
+            rest = self._without(part, matches, inner.outer)
+            return [rest] if rest else []
+        if any(not match.elements for match in matches):
+            return [part]
+        names = self._work.names
+        return [part.then(Exists(tuple(attached(match.elements, inner.outer, names)))) for match in matches]
+
+
+def _graph(node: tree.GraphBlock) -> str:
+    return f"?{node.name.name}" if isinstance(node.name, Variable) else str(node.name)

@@ -1,0 +1,155 @@
+"""Bodies in the making: a group of SPARQL is a union of parts, each a body in which all is bound or nothing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
+
+from kg.rules import sparql
+from kg.rules.decompose import expressions
+from kg.rules.form import Aggregate, Assignment, Atom, EngineBlock, Filter, Variable
+from kg.rules.scope import binds, bound_in
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from kg.rules.decompose.names import Names
+    from kg.rules.form import Element, Expression
+
+__all__ = ["EMPTY", "IndivisibleError", "Part", "Scope", "attached", "joined", "placed", "same"]
+
+
+class IndivisibleError(Exception):
+    """A group has no exact decomposition; one around it is left to the store's engine."""
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """Elements in order.
+
+    `nodes` are the variables whose value is certainly a subject or object in the graph, `subjects` those of them whose
+    value is a subject, and so neither a literal nor a triple term.
+    """
+
+    elements: tuple[Element, ...] = ()
+    nodes: frozenset[Variable] = frozenset()
+    subjects: frozenset[Variable] = frozenset()
+
+    @property
+    def bound(self) -> frozenset[Variable]:
+        """The variables that solutions bind."""
+        return bound_in(self.elements)
+
+    @property
+    def always(self) -> frozenset[Variable]:
+        """The variables that each solution binds: all but those that a block may leave open."""
+        open_ends = [element.optional for element in self.elements if isinstance(element, EngineBlock)]
+        return self.bound.difference(*open_ends)
+
+    def then(self, *elements: Element) -> Part:
+        """Return the part with more elements behind."""
+        atoms = [element for element in elements if isinstance(element, Atom)]
+        subjects = frozenset(atom.subject for atom in atoms if isinstance(atom.subject, Variable))
+        objects = frozenset(atom.object for atom in atoms if isinstance(atom.object, Variable))
+        nodes = self.nodes | subjects | objects
+        return Part((*self.elements, *elements), nodes, self.subjects | subjects)
+
+    def same_node(self, variable: Variable, other: Variable) -> Part:
+        """Return the part, knowing that one variable has the value of another."""
+        nodes = self.nodes | ({variable} if other in self.nodes else set())
+        return replace(self, nodes=nodes, subjects=self.subjects | ({variable} if other in self.subjects else set()))
+
+
+EMPTY: Final = Part()
+"""One solution that binds nothing."""
+
+
+@dataclass(frozen=True, slots=True)
+class Scope:
+    """What a group is decomposed for.
+
+    `outer`: variables bound around an EXISTS, which everything inside sees. `seen`: those that only the group's own
+    filters see, for OPTIONAL. `near`: those that are subjects or objects in the graph and bound before the group where
+    it will stand; `subjects` those of them that are subjects. `required`: solutions without one of these come to
+    nothing. `single`: it matters how often a solution comes.
+    """
+
+    outer: frozenset[Variable] = frozenset()
+    seen: frozenset[Variable] = frozenset()
+    near: frozenset[Variable] = frozenset()
+    subjects: frozenset[Variable] = frozenset()
+    required: frozenset[str] = frozenset()
+    single: bool = False
+
+    def behind(self, part: Part) -> Scope:
+        """Return the scope of a group that is joined with `part`, which its filters do not see."""
+        return replace(self, seen=frozenset(), near=self.near | part.nodes, subjects=self.subjects | part.subjects)
+
+    def optional(self, part: Part) -> Scope:
+        """Return the scope of the group of an OPTIONAL behind `part`: its own filters see what is before it."""
+        return replace(self.behind(part), seen=part.bound, required=frozenset())
+
+    def inside(self, part: Part) -> Scope:
+        """Return the scope of the group of an EXISTS that is tested for each solution of `part`."""
+        outer = self.outer | self.seen | part.bound
+        behind = self.behind(part)
+        return Scope(outer, near=behind.near, subjects=behind.subjects)
+
+    def removing(self, part: Part) -> Scope:
+        """Return the scope of the group of a MINUS behind `part`: it sees nothing of it."""
+        behind = self.behind(part)
+        return Scope(self.outer, near=behind.near, subjects=behind.subjects)
+
+
+def joined(left: Part, right: Part, names: Names) -> Part:
+    """Return the join of two parts that know nothing of each other.
+
+    Putting the elements of one behind those of the other is exact, for each tests and binds by its own variables,
+    which `attached` sees to.
+    """
+    elements = (*left.elements, *attached(right.elements, left.bound, names))
+    return Part(elements, left.nodes | right.nodes, left.subjects | right.subjects)
+
+
+def attached(elements: Iterable[Element], bound: frozenset[Variable], names: Names) -> Iterator[Element]:
+    """Yield elements as they stand behind what binds `bound`: what they assign is compared with what is there.
+
+    SPARQL joins solutions whose terms are the same, so `sameTerm` is the comparison. The expression compared is in
+    error where the assignment is, and both take the solution away.
+    """
+    for element in elements:
+        if isinstance(element, Assignment) and element.variable in bound:
+            yield Filter(same(element.variable, element.expression))
+        elif isinstance(element, Aggregate):
+            yield from _grouped(element, bound, names)
+        else:
+            yield element
+        bound |= binds(element)
+
+
+def _grouped(element: Aggregate, bound: frozenset[Variable], names: Names) -> Iterator[Element]:
+    new = {column.variable: names.like(column.variable) for column in element.columns if column.variable in bound}
+    columns = tuple(replace(column, variable=new.get(column.variable, column.variable)) for column in element.columns)
+    yield replace(element, columns=columns)
+    for old, fresh in new.items():
+        yield Filter(same(old, expressions.expression(sparql.spelling(fresh))))
+
+
+def same(variable: Variable, expression: Expression) -> Expression:
+    """Return the test that a variable is the value of an expression."""
+    text = f"sameTerm({sparql.spelling(variable)}, {expression.text})"
+    return expressions.expression(text, expression.place)
+
+
+def placed(part: Part, element: Filter, known: frozenset[Variable]) -> Part:
+    """Put a filter right behind what binds its variables; `known` are bound before the part.
+
+    Elements only join, bind or drop solutions one by one, so a filter does the same anywhere behind that.
+    """
+    needed = frozenset(map(Variable, element.expression.variables)) - known
+    elements = part.elements
+    if needed and not element.expression.volatile:
+        for index in range(1, len(elements)):
+            if needed <= bound_in(elements[:index]):
+                return replace(part, elements=(*elements[:index], element, *elements[index:]))
+    return replace(part, elements=(*elements, element))

@@ -1,0 +1,101 @@
+"""Other names for the variables of a body."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from kg.rules import sparql
+from kg.rules.decompose import expressions
+from kg.rules.form import (
+    Aggregate,
+    Assignment,
+    Atom,
+    EngineBlock,
+    Exists,
+    Expression,
+    Filter,
+    TripleTerm,
+    Values,
+    Variable,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from kg.rules.form import Element, Pattern
+
+__all__ = ["renamed", "renamed_atom", "renamed_expression"]
+
+
+def renamed(body: Iterable[Element], names: Mapping[Variable, Variable]) -> tuple[Element, ...]:
+    """Return elements with other variables, those inside EXISTS, aggregates and text too."""
+    return tuple(_renamed(element, names) for element in body) if names else tuple(body)
+
+
+def _renamed(element: Element, names: Mapping[Variable, Variable]) -> Element:
+    if isinstance(element, Atom):
+        return renamed_atom(element, names)
+    if isinstance(element, Filter):
+        return Filter(renamed_expression(element.expression, names))
+    if isinstance(element, Assignment):
+        return Assignment(_of(element.variable, names), renamed_expression(element.expression, names))
+    if isinstance(element, Exists):
+        return Exists(renamed(element.body, names), element.negated)
+    if isinstance(element, Values):
+        return Values(_all(element.variables, names), element.rows)
+    if isinstance(element, EngineBlock):
+        return _block(element, names)
+    return _aggregate(element, names)
+
+
+def renamed_atom(atom: Atom, names: Mapping[Variable, Variable]) -> Atom:
+    """Return an atom with other variables."""
+    subject, predicate, obj = (_pattern(position, names) for position in atom.positions)
+    return replace(atom, subject=subject, predicate=predicate, object=obj)
+
+
+def _pattern(pattern: Pattern, names: Mapping[Variable, Variable]) -> Pattern:
+    if isinstance(pattern, Variable):
+        return _of(pattern, names)
+    if isinstance(pattern, TripleTerm):
+        return TripleTerm(*(_pattern(part, names) for part in (pattern.subject, pattern.predicate, pattern.object)))
+    return pattern
+
+
+def renamed_expression(expression: Expression, names: Mapping[Variable, Variable]) -> Expression:
+    """Return an expression with other variables."""
+    if not any(Variable(name) in names for name in expression.variables):
+        return expression
+    text = expressions.renamed(expression.text, {old.name: new.name for old, new in names.items()})
+    return replace(expression, text=text, variables=expressions.variables(text))
+
+
+def _block(element: EngineBlock, names: Mapping[Variable, Variable]) -> EngineBlock:
+    spelt = {sparql.spelling(old)[1:]: sparql.spelling(new)[1:] for old, new in names.items()}
+    return replace(
+        element,
+        text=expressions.renamed(element.text, spelt),
+        variables=_all(element.variables, names),
+        optional=_all(element.optional, names),
+    )
+
+
+def _aggregate(element: Aggregate, names: Mapping[Variable, Variable]) -> Aggregate:
+    columns = tuple(
+        replace(
+            column,
+            variable=_of(column.variable, names),
+            expression=column.expression and renamed_expression(column.expression, names),
+        )
+        for column in element.columns
+    )
+    return Aggregate(_all(element.keys, names), columns, renamed(element.body, names))
+
+
+def _of(variable: Variable, names: Mapping[Variable, Variable]) -> Variable:
+    return names.get(variable, variable)
+
+
+def _all(variables: tuple[Variable, ...], names: Mapping[Variable, Variable]) -> tuple[Variable, ...]:
+    return tuple(_of(variable, names) for variable in variables)

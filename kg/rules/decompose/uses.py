@@ -1,0 +1,142 @@
+"""Where the variables of a rule as written occur: all mentions, and those places that bind."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING, TypeAlias
+
+from kg.rules.form import Variable, variables_of
+from kg.rules.syntax.tree import (
+    Bind,
+    Exists,
+    Filter,
+    GraphBlock,
+    Minus,
+    Optional,
+    SubSelect,
+    TriplePattern,
+    Union,
+    ValuesBlock,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from kg.rules.form import Pattern
+    from kg.rules.syntax.tree import Expression, Group, Node, Path
+
+__all__ = ["Uses", "certain", "possible", "uses"]
+
+Uses: TypeAlias = "Counter[str]"
+"""The names of variables with how often they occur."""
+
+
+def uses(nodes: Iterable[Node], *, binding: bool = False) -> Uses:
+    """Count mentions of variables at any depth; with `binding` only where they may be bound, not in expressions."""
+    return Counter(name for node in nodes for name in _names(node, binding=binding))
+
+
+def _names(node: Node, *, binding: bool) -> Iterator[str]:
+    if isinstance(node, TriplePattern):
+        yield from _pattern_names(node)
+    elif isinstance(node, Filter):
+        yield from _expression_names(node.expression, binding=binding)
+    elif isinstance(node, Bind):
+        yield node.variable.name
+        yield from _expression_names(node.expression, binding=binding)
+    elif isinstance(node, ValuesBlock):
+        yield from (variable.name for variable in node.variables)
+    elif isinstance(node, SubSelect):
+        yield from _select_names(node, binding=binding)
+    else:
+        if isinstance(node, GraphBlock) and isinstance(node.name, Variable):
+            yield node.name.name
+        for group in _groups(node):
+            yield from uses(group.nodes, binding=binding).elements()
+
+
+def _groups(node: Exists | Optional | Minus | Union | GraphBlock) -> tuple[Group, ...]:
+    return node.groups if isinstance(node, Union) else (node.group,)
+
+
+def _expression_names(expression: Expression, *, binding: bool) -> Iterator[str]:
+    if not binding:
+        yield from expression.variables
+    for exists in expression.exists:
+        yield from uses(exists.group.nodes, binding=binding).elements()
+
+
+def _select_names(node: SubSelect, *, binding: bool) -> Iterator[str]:
+    yield from uses(node.group.nodes, binding=binding).elements()
+    for column in (*node.projections, *node.keys):
+        yield column.variable.name
+        if column.expression:
+            yield from _expression_names(column.expression, binding=binding)
+    for condition in node.having:
+        yield from _expression_names(condition, binding=binding)
+
+
+def _pattern_names(node: TriplePattern) -> Iterator[str]:
+    yield from (variable.name for variable in _variables(node.subject))
+    yield from (variable.name for variable in _variables(node.predicate))
+    yield from (variable.name for variable in _variables(node.object))
+
+
+def _variables(part: Pattern | Path) -> Iterator[Variable]:
+    """Yield the variables of a position; paths have none but one that is the whole predicate."""
+    if isinstance(part, Variable):
+        yield part
+    else:
+        yield from variables_of(part)  # type: ignore[arg-type]  # a path has no variables and is passed over
+
+
+def possible(nodes: Iterable[Node]) -> frozenset[str]:
+    """Return the names that some solution of a group may bind, those of blank nodes left out (SPARQL 1.1, 18.2.1)."""
+    return frozenset(name for node in nodes for name in _bound_by(node, some=True))
+
+
+def certain(nodes: Iterable[Node]) -> frozenset[str]:
+    """Return the names that each solution of a group binds; fewer when in doubt."""
+    return frozenset(name for node in nodes for name in _bound_by(node, some=False))
+
+
+def _bound_by(node: Node, *, some: bool) -> frozenset[str]:
+    if isinstance(node, TriplePattern):
+        return frozenset(name for name in _pattern_names(node) if not name.startswith("."))
+    if isinstance(node, Bind):
+        return frozenset((node.variable.name,) if some else ())
+    if isinstance(node, ValuesBlock):
+        return frozenset(_columns(node, some=some))
+    if isinstance(node, SubSelect):
+        return _selected(node, some=some)
+    if isinstance(node, Union):
+        branches = [possible(group.nodes) if some else certain(group.nodes) for group in node.groups]
+        return frozenset().union(*branches) if some else frozenset.intersection(*branches)
+    if isinstance(node, Optional):
+        return possible(node.group.nodes) if some else frozenset()
+    if isinstance(node, GraphBlock):
+        name = frozenset((node.name.name,) if isinstance(node.name, Variable) else ())
+        return (possible(node.group.nodes) if some else certain(node.group.nodes)) | name
+    return frozenset()
+
+
+def _columns(node: ValuesBlock, *, some: bool) -> Iterator[str]:
+    for index, variable in enumerate(node.variables):
+        if some or all(row[index] is not None for row in node.rows):
+            yield variable.name
+
+
+def _selected(node: SubSelect, *, some: bool) -> frozenset[str]:
+    """Return the columns of a sub-SELECT; an expression may fail, unless it only counts."""
+    inner = possible(node.group.nodes) if some else certain(node.group.nodes)
+    if not node.projections:
+        return inner
+    if some:
+        return frozenset(column.variable.name for column in node.projections)
+    counted = {column.variable.name for column in node.projections if column.expression and _counts(column.expression)}
+    return inner.intersection(column.variable.name for column in node.projections) | counted
+
+
+def _counts(expression: Expression) -> bool:
+    calls = expression.aggregates
+    return len(calls) == 1 and calls[0].function == "COUNT" and calls[0].text == expression.text

@@ -1,0 +1,76 @@
+"""What is known of the one rule that is being decomposed, and what is made on the way."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from itertools import chain
+from typing import TYPE_CHECKING
+
+from pyoxigraph import BlankNode, Triple
+
+from kg.query.lexer import normalise
+from kg.query.position import place_at
+from kg.rules.decompose.names import Names
+from kg.rules.decompose.uses import uses
+from kg.rules.form import TripleTerm, variables_of
+
+if TYPE_CHECKING:
+    from kg.errors import Place
+    from kg.rules.decompose.uses import Uses
+    from kg.rules.form import Atom, Element, Pattern
+    from kg.rules.syntax.tree import Node, RuleText, Span, TriplePattern
+
+__all__ = ["AuxiliaryRules", "Work", "head_variables"]
+
+AuxiliaryRules = dict[str, list[tuple["tuple[Atom]", "tuple[Element, ...]"]]]
+"""The IRI of a predicate to the heads and bodies that derive it."""
+
+
+@dataclass(slots=True)
+class Work:
+    """One rule: its text, the names that are taken, and the auxiliary rules that its paths need."""
+
+    rule: RuleText
+    text: str
+    path: str
+    auxiliary: AuxiliaryRules = field(default_factory=dict)
+    names: Names = field(init=False)
+    mentioned: Uses = field(init=False)
+    binding: Uses = field(init=False)
+    template: frozenset[str] = field(init=False)
+    mints_blanks: bool = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Count what occurs where."""
+        self.mentioned = uses(self.rule.group.nodes)
+        self.binding = uses(self.rule.group.nodes, binding=True)
+        self.template = frozenset(chain.from_iterable(map(head_variables, self.rule.template)))
+        self.mints_blanks = any(
+            _has_blank(end) for triple in self.rule.template for end in (triple.subject, triple.object)
+        )
+        self.names = Names({*self.mentioned, *self.template})
+
+    def place(self, span: Span) -> Place:
+        """Return where something begins."""
+        return place_at(normalise(self.text), span.start, self.path)
+
+    def used_elsewhere(self, names: frozenset[str], node: Node) -> bool:
+        """Tell whether the pattern mentions one of the variables outside of a node."""
+        within = uses([node])
+        return any(self.mentioned[name] > within[name] for name in names)
+
+    def bound_elsewhere(self, name: str, node: Node) -> bool:
+        """Tell whether something outside of a node may bind a variable."""
+        return self.binding[name] > uses([node], binding=True)[name]
+
+
+def head_variables(triple: TriplePattern) -> frozenset[str]:
+    """Return the names of the variables in a triple of a template."""
+    positions = (triple.subject, triple.predicate, triple.object)
+    return frozenset(variable.name for position in positions for variable in variables_of(position))  # type: ignore[arg-type]  # a template has no paths
+
+
+def _has_blank(pattern: Pattern) -> bool:
+    if isinstance(pattern, TripleTerm | Triple):
+        return _has_blank(pattern.subject) or _has_blank(pattern.object)
+    return isinstance(pattern, BlankNode)
