@@ -23,7 +23,7 @@ from kg.rules.reading import read, rule_files
 from kg.rules.stratify import stratify
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Collection, Iterable, Iterator
     from pathlib import Path
 
     from kg.rules.checks.finding import Check
@@ -54,12 +54,12 @@ class Read:
     findings: tuple[Finding, ...]
 
 
-def read_all(folders: Iterable[Path], installed: Iterable[Pack] = ()) -> Read:
-    """Read every rule file below some folders and in some packs."""
+def read_all(folders: Iterable[Path], installed: Iterable[Pack] = (), families: Collection[str] = ()) -> Read:
+    """Read every rule file below some folders and in some packs; `families` as for `kg.rules.reading.rule_files`."""
     files: dict[str, RuleFile] = {}
     findings: list[Finding] = []
     for folder, pack in [*((each.folder, each.name) for each in installed), *((folder, "") for folder in folders)]:
-        for path, name in rule_files(folder):
+        for path, name in rule_files(folder, families):
             place = Place(str(path), 1, 1)
             if name in files:
                 twice = f"the rule `{name}` is in {files[name].path} already"

@@ -24,7 +24,9 @@ __all__ = ["CODE", "TITLE", "check"]
 CODE: Final = "KG211"
 TITLE: Final = "unknown class or property"
 _TYPE: Final = PREFIXES["rdf"] + "type"
-_BUILT_IN: Final = tuple(PREFIXES[name] for name in ("rdf", "rdfs", "owl", "xsd", "sh"))
+_ELSEWHERE: Final = ("rdf", "rdfs", "owl", "xsd", "sh", "skos", "prov", "dcterms", "schema")
+_BUILT_IN: Final = tuple(PREFIXES[name] for name in _ELSEWHERE)
+"""Vocabularies that everyone uses and whose ontologies the store does not hold."""
 
 
 def check(file: RuleFile, context: Context) -> Iterator[Finding]:

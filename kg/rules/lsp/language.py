@@ -1,0 +1,118 @@
+"""What an editor asks about the text of a rule, as functions of the text; positions are offsets in characters."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from kg.errors import Place, RuleError
+from kg.query.lexer import Kind, tokens
+from kg.query.prefixes import PREFIXES
+from kg.rules.checks.finding import from_error
+from kg.rules.checks.run import check_file
+from kg.rules.reading import read_text
+from kg.rules.syntax.functions import FUNCTIONS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from kg.query.lexer import Token
+    from kg.rules.checks.finding import Context, Finding
+    from kg.rules.lsp.terms import DefinedTerm, Terms
+
+__all__ = ["Suggestion", "complete", "diagnose", "hover", "prefixes_of", "term_at"]
+
+_PREFIX: Final = re.compile(r"@?prefix\s+([\w.-]*):\s*<([^>]*)>", re.IGNORECASE)
+_WORD: Final = re.compile(r"[?$]?[\w.-]*(?::[\w.-]*)?$")
+_KEYWORDS: Final = {
+    ".rq": ("CONSTRUCT", "WHERE", "FILTER", "OPTIONAL", "UNION", "MINUS", "BIND", "VALUES", "NOT EXISTS", "PREFIX"),
+    ".srl": ("RULE", "WHERE", "FILTER", "SET", "NOT", "DATA", "PREFIX", "IMPORTS"),
+    ".ttl": ("@prefix",),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Suggestion:
+    """A completion: `start` is the offset of what `text` replaces; `kind` is variable, term, keyword or function."""
+
+    text: str
+    kind: str
+    start: int
+    detail: str = ""
+    documentation: str = ""
+
+
+def prefixes_of(text: str) -> dict[str, str]:
+    """Return the prefixes that a text may use: those that it declares, and those that need no declaration."""
+    return {**PREFIXES, **dict(_PREFIX.findall(text))}
+
+
+def diagnose(text: str, path: Path, name: str, context: Context) -> list[Finding]:
+    """Return what is wrong with the text of a rule, saved or not."""
+    try:
+        file = read_text(text, path, name)
+    except RuleError as error:
+        return [from_error(error, name, Place(str(path), 1, 1))]
+    return list(check_file(file, context))
+
+
+def complete(text: str, offset: int, suffix: str, terms: Terms) -> list[Suggestion]:
+    """Return what may stand where the text ends at `offset`: variables, terms of a prefix, words of the notation."""
+    match = _WORD.search(text, 0, offset)
+    word = match.group() if match else ""
+    start = offset - len(word)
+    if word[:1] in {"?", "$"}:
+        others = sorted({each for each in _variables(text) if each[1:] != word[1:]})
+        return [Suggestion(each, "variable", start) for each in others]
+    prefix, colon, _ = word.partition(":")
+    if colon:
+        namespace = prefixes_of(text).get(prefix)
+        found = terms.in_namespace(namespace) if namespace else []
+        return [_suggested(each, prefix, namespace or "", start) for each in found]
+    words = [Suggestion(each, "keyword", start) for each in _KEYWORDS[suffix]]
+    words += [Suggestion(f"{each}:", "term", start, iri) for each, iri in prefixes_of(text).items()]
+    if suffix != ".ttl":
+        words += [Suggestion(f"{each}(", "function", start) for each in sorted(FUNCTIONS)]
+    return words
+
+
+def _suggested(term: DefinedTerm, prefix: str, namespace: str, start: int) -> Suggestion:
+    text = f"{prefix}:{term.iri.removeprefix(namespace)}"
+    return Suggestion(text, "term", start, f"{term.kind} {term.label}".strip(), term.described())
+
+
+def _variables(text: str) -> Iterator[str]:
+    return (token.text for token in tokens(text) if token.kind is Kind.VARIABLE)
+
+
+def hover(text: str, offset: int, path: Path, name: str, terms: Terms) -> str | None:
+    """Return Markdown about what stands at `offset`: a term, or in the header the documentation of the rule."""
+    term = term_at(text, offset, terms)
+    if term is not None:
+        return term.described()
+    line = text[text.rfind("\n", 0, offset) + 1 :]
+    if not line.startswith("#"):
+        return None
+    try:
+        documentation = read_text(text, path, name).documentation
+    except RuleError:
+        return None
+    sections = [f"### {heading}\n\n{body}" for heading, body in (documentation.sections or {}).items()]
+    return "\n\n".join([f"## {documentation.title}", *sections])
+
+
+def term_at(text: str, offset: int, terms: Terms) -> DefinedTerm | None:
+    """Return the term of an ontology that is named at `offset`."""
+    token = next((each for each in tokens(text) if each.start <= offset <= each.end and _names(each)), None)
+    if token is None:
+        return None
+    if token.kind is Kind.IRI:
+        return terms.by_iri.get(token.text[1:-1])
+    prefix, _, local = token.text.partition(":")
+    return terms.by_iri.get(prefixes_of(text).get(prefix, "") + local)
+
+
+def _names(token: Token) -> bool:
+    return token.kind in {Kind.IRI, Kind.NAME}

@@ -1,0 +1,64 @@
+"""Each check finds what its cases say, at the place they say, and nothing in the cases without an expectation.
+
+A case is a rule in `cases/CODE/`; a line `# expect: CODE line:column words` at its end says what is found.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from pyoxigraph import NamedNode
+from rules.explain.worlds import EX, World
+
+from kg.rules.checks.finding import Context
+from kg.rules.checks.run import CHECKS, check_file
+from kg.rules.checks.stores import StoreOf, nothing
+from kg.rules.explain.view import View, Vocabulary
+from kg.rules.files import RuleSet
+from kg.rules.reading import read, read_text
+
+FOLDER = Path(__file__).parent / "cases"
+CASES = sorted(path for path in FOLDER.rglob("*") if path.suffix in {".rq", ".srl"})
+DATA = ":ann a :Person ; :knows :bo . :bo :likes :ann ; :met :ann ."
+TERMS = frozenset(EX + name for name in ("knows", "likes", "hates", "met", "Person"))
+OTHERS = f"PREFIX : <{EX}> CONSTRUCT {{ ?x :met ?y }} WHERE {{ ?y :met ?x }}"
+EXPECTATION = re.compile(r"# expect: (\w+) (\d+:\d+) (.*)")
+
+
+def context(path: Path) -> Context:
+    """Return what a case is checked against: a small store, some terms, one other rule and one stored query."""
+    vocabulary = Vocabulary(NamedNode(EX + "inferred"))
+    other = read_text(OTHERS, Path("aa/met-both-ways.rq"), "aa/met-both-ways")
+    rules = RuleSet((read(path, f"case/{path.stem}"), other))
+    store = StoreOf(View(World(DATA, ()), vocabulary))
+    return Context(rules, TERMS, frozenset({EX + "likes"}), store, nothing(vocabulary))
+
+
+@pytest.mark.parametrize("path", CASES, ids=lambda path: f"{path.parent.name}/{path.stem}")
+def test_case(path: Path) -> None:
+    """A case has exactly the findings of its check that its last lines expect."""
+    code = path.parent.name
+    expected = [match.groups() for match in map(EXPECTATION.fullmatch, path.read_text().splitlines()) if match]
+    given = context(path)
+    found = [finding for finding in check_file(given.rules.files[0], given) if finding.code == code]
+    assert [(each.code, f"{each.place.line}:{each.place.column}") for each in found] == [(c, p) for c, p, _ in expected]
+    for finding, (_, _, words) in zip(found, expected, strict=True):
+        assert words in finding.message
+
+
+def test_every_check_has_cases_for_and_against() -> None:
+    """Each check has a case in which it finds something and one in which it does not."""
+    for check in CHECKS:
+        code = getattr(check, "CODE")  # noqa: B009 - a module's constant
+        expecting = ["# expect:" in path.read_text() for path in CASES if path.parent.name == code]
+        assert {True, False} <= set(expecting), code
+
+
+def test_a_store_that_is_empty() -> None:
+    """The store without data has no match for an atom."""
+    store = nothing(Vocabulary(NamedNode(EX + "inferred")))
+    rule = read_text(OTHERS, Path("a/b.rq"), "a/b").rules[0]
+    assert not store.matches(rule.body)
+    assert store.failing(rule.body) == rule.body[0]

@@ -1,0 +1,75 @@
+"""Running all checks: files that do not parse, two of one name, rules without an order; JSON and SARIF."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+from kg.rules.checks.finding import Context
+from kg.rules.checks.run import check, read_all
+from kg.rules.checks.sarif import as_object, sarif
+from kg.rules.files import RuleSet
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from kg.rules.checks.finding import Finding
+
+PREFIX = "PREFIX : <https://example.org/>\n"
+
+
+def findings(folder: Path, **files: str) -> list[Finding]:
+    """Write rules into a folder and return the errors in them."""
+    for name, text in files.items():
+        stem, _, ending = name.rpartition("_")
+        (folder / f"{stem}.{ending}").write_text(PREFIX + text)
+    found = check(read_all([folder]), Context(RuleSet(())))
+    return [each for each in found if each.severity == "error"]
+
+
+def test_a_file_that_does_not_parse_leaves_the_others(tmp_path: Path) -> None:
+    """One file with an error of syntax is one finding; the others are checked."""
+    (found,) = findings(
+        tmp_path, bad_rq="CONSTRUCT { ?x :p ?y } WHERE { ?x :q }", good_rq="CONSTRUCT { ?x :p ?y } WHERE { ?x :q ?y }"
+    )
+    assert (found.code, found.rule, found.place.line) == ("KG201", "bad", 2)
+
+
+def test_two_files_of_one_name(tmp_path: Path) -> None:
+    """A rule in two notations has one name twice."""
+    rule = "CONSTRUCT { ?x :p ?y } WHERE { ?x :q ?y }"
+    (found,) = findings(tmp_path, same_rq=rule, same_srl="RULE { ?x :p ?y } WHERE { ?x :q ?y }")
+    assert found.code == "KG207"
+
+
+def test_rules_without_an_order(tmp_path: Path) -> None:
+    """Rules that negate each other are one finding, at one of them, naming both."""
+    cycle = {
+        "one_rq": "CONSTRUCT { ?x a :One } WHERE { ?x :p ?y FILTER NOT EXISTS { ?x a :Two } }",
+        "two_rq": "CONSTRUCT { ?x a :Two } WHERE { ?x :p ?y FILTER NOT EXISTS { ?x a :One } }",
+    }
+    (found,) = findings(tmp_path, **cycle)
+    assert found.code == "KG202"
+    assert found.rule in {"one", "two"}
+    assert "one negates" in found.message
+    assert "two negates" in found.message
+
+
+def test_unbound_heads(tmp_path: Path) -> None:
+    """A variable of the head that the body does not bind is named at its place."""
+    (found,) = findings(tmp_path, unsafe_rq="CONSTRUCT { ?x :p ?z } WHERE { ?x :q ?y }")
+    assert found.code == "KG203"
+    assert "?z" in found.message
+
+
+def test_json_and_sarif(tmp_path: Path) -> None:
+    """Findings can be read by programs: JSON objects, and SARIF with files relative to the root."""
+    found = findings(tmp_path, bad_rq="CONSTRUCT { ?x :p ?y } WHERE { ?x :q }")
+    assert json.loads(json.dumps(as_object(found[0])))["code"] == "KG201"
+    log = json.loads(json.dumps(sarif(found, tmp_path)))
+    (run,) = log["runs"]
+    (result,) = run["results"]
+    assert result["ruleId"] == run["tool"]["driver"]["rules"][result["ruleIndex"]]["id"] == "KG201"
+    location = result["locations"][0]["physicalLocation"]
+    assert location["artifactLocation"]["uri"] == "bad.rq"
+    assert location["region"]["startLine"] == 2
