@@ -114,6 +114,13 @@ def _paths(value: object, base: Path) -> tuple[Path, ...]:
     return tuple(_path(part, base) for part in parts)
 
 
+def _words(value: object, _base: Path) -> tuple[str, ...]:
+    words = value.replace(",", " ").split() if isinstance(value, str) else value
+    if not isinstance(words, list | tuple) or not all(isinstance(word, str) and word for word in words):
+        raise _FormError("a list of words")
+    return tuple(words)
+
+
 def _iri(value: object, _base: Path) -> str:
     text = str(value)
     host = text.partition("://")[2].partition("/")[0]
@@ -185,6 +192,14 @@ class Settings:
             _paths,
             "FOLDERS",
             f"Folders with rules of your own, joined by {os.pathsep!r}; by default rules/ beside kg.toml or here.",
+        ),
+    )
+    rule_families: tuple[str, ...] = field(
+        default=(),
+        metadata=_about(
+            _words,
+            "FAMILIES",
+            "The families of rules in force, joined by commas; by default all but those marked optional, as owl-rl is.",
         ),
     )
     origins: Mapping[str, Origin] = field(default_factory=dict)

@@ -27,7 +27,10 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["check_context", "explained_vocabulary", "rule_folders", "rules_in_force"]
+__all__ = ["check_context", "explained_vocabulary", "rule_folders", "rules_in_force", "term_uses"]
+
+_USES: Final = """
+SELECT ?term (COUNT(*) AS ?uses) WHERE { { ?s ?term ?o } UNION { ?s a ?term FILTER(ISIRI(?term)) } } GROUP BY ?term"""
 
 _VOCABULARY: Final = """
 SELECT DISTINCT ?term WHERE {
@@ -45,7 +48,7 @@ def rules_in_force(settings: Settings) -> RuleSet:
     Raises:
         RuleError: KG201 and others of KG2xx for a file that cannot be used.
     """
-    return discover(rule_folders(settings), packs())
+    return discover(rule_folders(settings), packs(), settings.rule_families)
 
 
 def rule_folders(settings: Settings) -> tuple[Path, ...]:
@@ -65,6 +68,12 @@ def check_context(settings: Settings, snapshot: EmbeddedSnapshot | None) -> Cont
     read = frozenset(iri for query in queries.values() for iri in iris_of(query.text))
     store = StoreOf(View(snapshot, vocabulary)) if snapshot else None
     return Context(RuleSet(()), terms, read, store, nothing(vocabulary))
+
+
+def term_uses(snapshot: EmbeddedSnapshot) -> dict[str, int]:
+    """Return how many triples have each property, and how many things each class has."""
+    rows: Any = snapshot.query(_USES)
+    return {row[0].value: int(row[1].value) for row in rows}
 
 
 def _terms(rows: Any) -> frozenset[str]:

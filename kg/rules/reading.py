@@ -13,15 +13,18 @@ from kg.rules.files import NOTATIONS, RuleFile, RuleSet
 from kg.rules.header import parse_header
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Collection, Iterable, Iterator
     from importlib.metadata import EntryPoint
 
     from kg.rules.files import Documentation
 
-__all__ = ["ENTRY_POINTS", "Pack", "discover", "packs", "read", "read_text", "rule_files"]
+__all__ = ["ENTRY_POINTS", "OPTIONAL", "Pack", "discover", "packs", "read", "read_text", "rule_files"]
 
 ENTRY_POINTS: Final = "kg.rules"
 """The group of entry points that name packs of rules."""
+
+OPTIONAL: Final = "optional"
+"""A file of this name in the folder of a family says, and why, that the family is in force only where it is named."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,17 +89,18 @@ def _read_ttl(text: str, path: Path, name: str, documentation: Documentation) ->
     return RuleFile(name, path, text, documentation, shacl.rules(text, name, path))
 
 
-def discover(folders: Iterable[Path], installed: Iterable[Pack] = ()) -> RuleSet:
+def discover(folders: Iterable[Path], installed: Iterable[Pack] = (), families: Collection[str] = ()) -> RuleSet:
     """Return all rules below some folders and in some packs, sorted by name.
 
     The name of a file is its path below the folder without the ending. A folder may also be one file, whose name is
-    that of its folder and its own. What several files import comes once. Raises RuleError: KG207 for two files of one
+    that of its folder and its own. What several files import comes once. `families` are those in force, by default all
+    but the optional ones. Raises RuleError: KG207 for two files of one
     name, and what `read` raises.
     """
     found: dict[str, RuleFile] = {}
     sources = [*((pack.folder, pack.name) for pack in installed), *((folder, "") for folder in folders)]
     for folder, pack in sources:
-        for path, name in rule_files(folder):
+        for path, name in rule_files(folder, families):
             if name in found:
                 message = f"the rule `{name}` is in {found[name].path} already"
                 hint = "Rename one; files of two endings share a name too."
@@ -105,8 +109,11 @@ def discover(folders: Iterable[Path], installed: Iterable[Pack] = ()) -> RuleSet
     return RuleSet(tuple(_once([found[name] for name in sorted(found)])))
 
 
-def rule_files(folder: Path) -> Iterator[tuple[Path, str]]:
-    """Yield the rule files below a folder, sorted, with their names; hidden folders are left out."""
+def rule_files(folder: Path, families: Collection[str] = ()) -> Iterator[tuple[Path, str]]:
+    """Yield the rule files below a folder, sorted, with their names; hidden folders are left out.
+
+    So are families other than `families`; without these, those that are optional.
+    """
     if folder.is_file():
         yield folder, f"{folder.absolute().parent.name}/{folder.stem}"
         return
@@ -115,8 +122,13 @@ def rule_files(folder: Path) -> Iterator[tuple[Path, str]]:
         raise RuleError("KG201", "there is no such folder of rules", place=Place(str(folder)), hint=hint)
     for path in sorted(folder.rglob("*")):
         below = path.relative_to(folder)
-        if path.suffix in NOTATIONS and path.is_file() and not any(part.startswith(".") for part in below.parts):
+        hidden = any(part.startswith(".") for part in below.parts)
+        if path.suffix in NOTATIONS and path.is_file() and not hidden and _in_force(path, below.parts[0], families):
             yield path, below.with_suffix("").as_posix()
+
+
+def _in_force(path: Path, family: str, families: Collection[str]) -> bool:
+    return family in families if families else not (path.parent / OPTIONAL).is_file()
 
 
 def _once(files: list[RuleFile]) -> Iterator[RuleFile]:

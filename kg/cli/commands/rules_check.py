@@ -72,7 +72,7 @@ def _found(settings: "Settings", names: list[str]) -> "tuple[list[Finding], int]
     from kg.rules.checks.run import read_all  # noqa: PLC0415 - start-up time
     from kg.rules.reading import packs  # noqa: PLC0415 - start-up time
 
-    found = read_all(rule_folders(settings), packs())
+    found = read_all(rule_folders(settings), packs(), settings.rule_families)
     wanted = _wanted(found, names)
     with ExitStack() as stack:
         try:

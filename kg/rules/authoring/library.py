@@ -11,7 +11,7 @@ from kg.rules.folders import user_folders
 from kg.rules.reading import packs, read, rule_files
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Collection, Iterable
     from pathlib import Path
 
     from kg.rules.files import RuleFile
@@ -46,12 +46,12 @@ class Library:
     `problems` are the files whose name another has (KG207).
     """
 
-    def __init__(self, folders: Iterable[Path], installed: Iterable[Pack] = ()) -> None:
+    def __init__(self, folders: Iterable[Path], installed: Iterable[Pack] = (), families: Collection[str] = ()) -> None:
         """Raise `RuleError` KG201 for a folder that is not there."""
         found: dict[str, Entry] = {}
         self.problems: list[RuleError] = []
         for folder, pack in [*((each.folder, each.name) for each in installed), *((folder, "") for folder in folders)]:
-            for path, name in rule_files(folder):
+            for path, name in rule_files(folder, families):
                 if name in found:
                     message = f"the rule `{name}` is in {found[name].path} already"
                     hint = "Rename one; files of two endings share a name too."
@@ -63,7 +63,7 @@ class Library:
     @classmethod
     def of(cls, settings: Settings) -> Library:
         """Return the rules in force: those that `kg` ships, those of installed packs, and the user's own."""
-        return cls((resources.folder("rules"), *user_folders(settings)), packs())
+        return cls((resources.folder("rules"), *user_folders(settings)), packs(), settings.rule_families)
 
     def read(self, name: str) -> RuleFile:
         """Return the file of a rule; raises what `kg.rules.reading.read` raises."""
