@@ -6,14 +6,16 @@ the expression and the identifiers, across rounds and runs. What identifiers alo
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+import re
+from typing import TYPE_CHECKING, Final, cast
 
 import numpy as np
-from pyoxigraph import Store, Variable
+from pyoxigraph import Literal, NamedNode, Quad, Store
 
 from kg.rules import form
 from kg.rules.engine.facts import EMPTY, distinct
 from kg.rules.engine.shortcuts import shortcut
+from kg.rules.engine.strings import OPEN, text_test
 from kg.rules.engine.tables import Table, among
 from kg.rules.engine.terms import BLANK
 from kg.rules.sparql import spelling
@@ -22,9 +24,11 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
+    from pyoxigraph import QuerySolutions
 
     from kg.rules.engine.facts import Keys
     from kg.rules.engine.limits import Clock
+    from kg.rules.engine.strings import TextTest
     from kg.rules.engine.terms import Dictionary
     from kg.rules.form import Expression
 
@@ -32,6 +36,8 @@ __all__ = ["ERROR", "Expressions"]
 
 ERROR: Final = 0
 """What stands for the value of an expression in error."""
+
+_VARIABLE: Final = re.compile(r"\?\w+")
 
 _PACKABLE: Final = 2
 _BATCH: Final = 20_000
@@ -54,12 +60,36 @@ class Expressions:
         quick = shortcut(expression, table, dict(columns), self._dictionary)
         if quick is not None:
             return quick
+        test = text_test(expression.text)
+        if test is not None and test.variable in dict(columns):
+            return self._texts(test, expression, table, columns, clock)
+        return self._truth(expression, table, columns, clock)
+
+    def _truth(
+        self, expression: Expression, table: Table, columns: Sequence[tuple[str, str]], clock: Clock
+    ) -> NDArray[np.bool_]:
         text = f"IF({expression.text}, true, false)"
         truth: NDArray[np.bool_] = self._values(text, expression, table, columns, clock) == self._true
         return truth
 
+    def _texts(
+        self, test: TextTest, expression: Expression, table: Table, columns: Sequence[tuple[str, str]], clock: Clock
+    ) -> NDArray[np.bool_]:
+        """Decide a test of text by the spellings, and ask the engine where it is left open."""
+        values = table.columns[dict(columns)[test.variable]]
+        different = distinct(values)
+        decided = test.decide(self._dictionary.spellings(different))[np.searchsorted(different, values)]
+        found: NDArray[np.bool_] = decided == 1
+        left = np.flatnonzero(decided == OPEN)
+        if left.size:
+            found[left] = self._truth(expression, table.take(left), columns, clock)
+        return found
+
     def values(self, expression: Expression, table: Table, columns: Sequence[tuple[str, str]], clock: Clock) -> Keys:
         """Return the value for each row, `ERROR` where there is none."""
+        if _VARIABLE.fullmatch(expression.text):
+            column = dict(columns).get(expression.text[1:])
+            return np.full(table.rows, ERROR, np.int64) if column is None else table.columns[column]
         return self._values(expression.text, expression, table, columns, clock)
 
     def _values(
@@ -91,8 +121,11 @@ class Expressions:
             clock.check()
             rows = plain[begin : begin + _BATCH]
             self._batch(text, names, arguments.take(rows), rows, found)
-        for row in np.flatnonzero(blank).tolist():
-            found[row] = self._single(text, names, arguments, row)
+        rows = np.flatnonzero(blank)
+        for begin in range(0, rows.size, _BATCH):
+            clock.check()
+            chosen = rows[begin : begin + _BATCH]
+            self._with_blanks(text, names, arguments.take(chosen), chosen, found)
         return found
 
     def _batch(self, text: str, names: tuple[str, ...], arguments: Table, rows: Keys, found: Keys) -> None:
@@ -103,29 +136,35 @@ class Expressions:
         shown = " ".join(["?kg_row", *map(_shown, names)])
         lines = b"\n".join(b"(%s)" % b" ".join(row) for row in zip(_numbers(arguments.rows), *spelt, strict=True))
         query = f"SELECT ?kg_row ?kg_value {{ VALUES ({shown}) {{\n{lines.decode()}\n}} BIND({text} AS ?kg_value) }}"
+        self._read(self._store.query(query), rows, found)
+
+    def _with_blanks(self, text: str, names: tuple[str, ...], arguments: Table, rows: Keys, found: Keys) -> None:
+        """Evaluate an expression for rows with blank nodes, which cannot stand in `VALUES`: they go into a store."""
+        store = Store()
+        for row in range(arguments.rows):
+            subject = NamedNode(f"urn:kg:row:{row}")
+            store.add(Quad(subject, NamedNode("urn:kg:row"), Literal(row)))
+            for index, name in enumerate(names):
+                identifier = int(arguments.columns[name][row])
+                if identifier:
+                    argument = NamedNode(f"urn:kg:argument:{index}")
+                    store.add(Quad(subject, argument, self._dictionary.term(identifier)))
+        optional = " ".join(
+            f"OPTIONAL {{ ?kg_subject <urn:kg:argument:{index}> {_shown(name)} }}" for index, name in enumerate(names)
+        )
+        query = f"SELECT ?kg_row ?kg_value {{ ?kg_subject <urn:kg:row> ?kg_row {optional} BIND({text} AS ?kg_value) }}"
+        self._read(store.query(query), rows, found)
+
+    def _read(self, solutions: object, rows: Keys, found: Keys) -> None:
+        """Put the values of a query's solutions in the places of their rows."""
         values: dict[object, int] = {}
-        for solution in self._store.query(query):  # type: ignore[union-attr]  # a SELECT gives solutions
+        for solution in cast("QuerySolutions", solutions):
             value = solution["kg_value"]
             if value is not None:
                 identifier = values.get(value)
                 if identifier is None:
                     identifier = values[value] = self._dictionary.intern_term(value)
                 found[rows[int(solution["kg_row"].value)]] = identifier
-
-    def _single(self, text: str, names: tuple[str, ...], arguments: Table, row: int) -> int:
-        """Evaluate an expression for one row; blank nodes cannot stand in `VALUES`."""
-        identifiers = {name: int(arguments.columns[name][row]) for name in names}
-        bindings = {
-            Variable(_shown(name)[1:]): self._dictionary.term(identifier)
-            for name, identifier in identifiers.items()
-            if identifier
-        }
-        shown = " ".join(f"?{variable.value}" for variable in bindings)
-        query = f"SELECT {shown} ({text} AS ?kg_value) {{}}"
-        for solution in self._store.query(query, substitutions=bindings):  # type: ignore[union-attr]  # a SELECT gives solutions
-            value = solution["kg_value"]
-            return ERROR if value is None else self._dictionary.intern_term(value)
-        return ERROR
 
 
 def _distinct(arguments: Table) -> tuple[Table, Keys]:

@@ -10,7 +10,6 @@ from hashlib import blake2b
 from typing import TYPE_CHECKING, TypeAlias
 
 from pyoxigraph import BlankNode, Literal, NamedNode, Quad, Store, Triple
-from pyoxigraph import Variable as EngineVariable
 
 from kg.rules.engine.terms import spell
 from kg.rules.form import (
@@ -144,10 +143,16 @@ def _bound(pattern: Pattern, term: Term, solution: Solution | None) -> Solution 
 
 
 def _value(text: str, expression: Expression, solution: Solution) -> Term | None:
-    bindings = {EngineVariable(name): solution[name] for name in expression.variables if name in solution}
-    shown = " ".join(f"?{variable.value}" for variable in bindings)
-    query = f"SELECT {shown} ({text} AS ?kg_value) {{}}"
-    (found,) = list(_ENGINE.query(query, substitutions=bindings))  # type: ignore[arg-type]  # a SELECT gives solutions
+    """Evaluate an expression; its arguments stand in a store, where blank nodes may stand too."""
+    store = Store()
+    row = NamedNode("urn:row")
+    store.add(Quad(row, NamedNode("urn:is"), row))
+    pattern = "<urn:row> <urn:is> <urn:row>"
+    for index, name in enumerate(expression.variables):
+        if name in solution:
+            store.add(Quad(row, NamedNode(f"urn:argument:{index}"), solution[name]))
+            pattern += f" . <urn:row> <urn:argument:{index}> ?{name}"
+    (found,) = list(store.query(f"SELECT ?kg_value {{ {pattern} BIND({text} AS ?kg_value) }}"))  # type: ignore[arg-type]  # a SELECT gives solutions
     value: Term | None = found["kg_value"]
     return value
 

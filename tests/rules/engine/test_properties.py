@@ -56,8 +56,8 @@ def expression(draw: st.DrawFn, texts: list[str]) -> Expression:
 def patterns(draw: st.DrawFn) -> Atom:
     """Draw an atom of a body; one predicate in six is a variable."""
     subjects: list[Pattern] = [*VARIABLES, *VARIABLES, *NODES]
-    predicates: list[Pattern] = [*PREDICATES]
-    predicates.append(draw(st.sampled_from(VARIABLES)))
+    variable: Variable = draw(st.sampled_from(VARIABLES))
+    predicates: list[Pattern] = [*PREDICATES, variable]
     values: list[Pattern] = [*VARIABLES, *VARIABLES, *TERMS]
     subject, predicate, value = (draw(st.sampled_from(each)) for each in (subjects, predicates, values))
     return Atom(subject, predicate, value, asserted=draw(st.integers(0, 9)) == 0)
