@@ -14,11 +14,12 @@ from typing import TYPE_CHECKING, cast
 from pyoxigraph import DefaultGraph, NamedNode, Quad, RdfFormat, Store, parse
 
 from kg.errors import GraphError, Place, SourceError
+from kg.store import bulk
 from kg.store.failure import translated
 from kg.store.snapshot import EmbeddedSnapshot
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterable, Mapping
     from pathlib import Path
 
     from pyoxigraph import QuerySolutions
@@ -29,8 +30,6 @@ __all__ = ["EmbeddedTransaction"]
 
 _DELETE_COST = 23
 _COPY_COST = 17
-_BATCH_BYTES = 16 << 20
-"""What a bulk load costs beside its triples is felt in smaller batches."""
 
 
 class EmbeddedTransaction:
@@ -68,8 +67,7 @@ class EmbeddedTransaction:
         """
         with translated(str(self._layout.root)):
             self._begin(frozenset())
-            for batch in _batches(chunks):
-                self._engine.bulk_load(batch, RdfFormat.N_TRIPLES, to_graph=graph, lenient=True)
+            bulk.load(lambda: self._engine, graph, chunks)
 
     def patch_graph(self, graph: NamedNode, removed: bytes, added: bytes) -> None:
         """Take the N-Triples `removed` out of a graph and put `added` in: for changes small beside the graph."""
@@ -78,6 +76,14 @@ class EmbeddedTransaction:
             if removed.strip():
                 self._engine.update(f"DELETE DATA {{ GRAPH {graph} {{\n{removed.decode()}}} }}")
             self._engine.load(added, RdfFormat.N_TRIPLES, to_graph=graph)
+
+    def patch_exactly(self, graph: NamedNode, removed: bytes, added: bytes) -> None:
+        """As `patch_graph`, triple by triple, keeping the labels of blank nodes, which loading would exchange."""
+        with translated(str(self._layout.root)):
+            self._begin(frozenset())
+            self._engine.add_graph(graph)
+            bulk.remove_exactly(lambda: self._engine, graph, removed)
+            bulk.add_exactly(lambda: self._engine, graph, added)
 
     def count(self, graph: NamedNode) -> int:
         """Return how many triples a graph holds by now."""
@@ -91,6 +97,12 @@ class EmbeddedTransaction:
         with translated(str(self._layout.root)):
             self._begin(frozenset())
             return [graph for graph in self._engine.named_graphs() if isinstance(graph, NamedNode)]
+
+    def table(self, select: str, graph: NamedNode | None) -> bytes:
+        """Return the rows of a SELECT over one graph as it is by now; see `kg.store.bulk.table`."""
+        with translated(str(self._layout.root)):
+            self._begin(frozenset())
+            return bulk.table(lambda: self._engine, select, graph)
 
     def content(self, graph: NamedNode) -> bytes:
         """Return what a graph holds by now, as N-Triples."""
@@ -193,17 +205,3 @@ def _into(target: NamedNode | DefaultGraph, quad: Quad) -> Quad:
     if quad.graph_name != DefaultGraph():
         return quad
     return Quad(quad.subject, quad.predicate, quad.object, target)
-
-
-def _batches(chunks: Iterable[bytes]) -> Iterator[bytes]:
-    """Join chunks to batches of some megabytes: neither memory nor the time to notice Ctrl-C grows with a graph."""
-    batch: list[bytes] = []
-    size = 0
-    for chunk in chunks:
-        batch.append(chunk)
-        size += len(chunk)
-        if size >= _BATCH_BYTES:
-            yield b"".join(batch)
-            batch, size = [], 0
-    if batch:
-        yield b"".join(batch)

@@ -1,0 +1,185 @@
+"""Triples of a store as columns: which ones rules need, and reading them graph by graph.
+
+Only what the rules read, or might infer, is read: for `?x :p ?y` the triples of a predicate, for `?x a :Node` those of
+a predicate with one object. Reading takes far longer than evaluation, so it is
+done in two threads, while a third interns what they give.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from itertools import islice
+from typing import TYPE_CHECKING, Final, Protocol
+
+import numpy as np
+from pyoxigraph import NamedNode
+
+from kg.rules.cells import cells
+from kg.rules.engine.facts import Facts, distinct, pack
+from kg.rules.engine.terms import Dictionary, spell
+from kg.rules.form import AUXILIARY, Aggregate, Atom, EngineBlock, Exists, TripleTerm, Variable
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from numpy.typing import NDArray
+
+    from kg.rules.form import Element, Rule, Term
+
+__all__ = ["EVERYTHING", "Tables", "Wanted", "read", "read_columns", "union_of", "wanted"]
+
+_THREADS: Final = 2
+
+
+class Tables(Protocol):
+    """What columns are read from: a snapshot of a store, or a transaction under way."""
+
+    def table(self, select: str, graph: NamedNode | None) -> bytes:
+        """Return the rows of a SELECT over one graph (None: the default graph) as TSV, without the line of names."""
+
+    def graphs(self) -> list[NamedNode]:
+        """Return the named graphs."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """Which triples: of whole predicates, and of a predicate with one object; None is every triple."""
+
+    predicates: frozenset[NamedNode] | None
+    members: frozenset[tuple[NamedNode, Term]] = frozenset()
+
+    def __or__(self, other: Wanted) -> Wanted:
+        """Return what either wants."""
+        if self.predicates is None or other.predicates is None:
+            return EVERYTHING
+        return _simplified(self.predicates | other.predicates, self.members | other.members)
+
+
+EVERYTHING: Final = Wanted(None)
+
+
+def wanted(rules: Iterable[Rule]) -> Wanted:
+    """Return what rules read, and what they might infer: a triple that is asserted is not inferred."""
+    predicates: set[NamedNode] = set()
+    members: set[tuple[NamedNode, Term]] = set()
+    for rule in rules:
+        for element in (*rule.head, *_flat(rule.body)):
+            if isinstance(element, EngineBlock):
+                if element.reads is None:
+                    return EVERYTHING
+                predicates |= element.reads
+            elif not isinstance(element.predicate, NamedNode):
+                return EVERYTHING
+            elif isinstance(element.object, Variable | TripleTerm):
+                predicates.add(element.predicate)
+            else:
+                members.add((element.predicate, element.object))
+    return _simplified(predicates, members)
+
+
+def _simplified(predicates: Iterable[NamedNode], members: Iterable[tuple[NamedNode, Term]]) -> Wanted:
+    whole = frozenset(one for one in predicates if not one.value.startswith(AUXILIARY))
+    single = (pair for pair in members if pair[0] not in whole and not pair[0].value.startswith(AUXILIARY))
+    return Wanted(whole, frozenset(single))
+
+
+def _flat(body: tuple[Element, ...]) -> Iterator[Atom | EngineBlock]:
+    for element in body:
+        if isinstance(element, Exists | Aggregate):
+            yield from _flat(element.body)
+        elif isinstance(element, Atom | EngineBlock):
+            yield element
+
+
+def read_columns(
+    source: Tables, what: Wanted, graphs: Iterable[NamedNode | None], dictionary: Dictionary | None = None
+) -> tuple[Dictionary, Facts]:
+    """Return the triples that any of `graphs` has (None: the default graph), each once; terms go into `dictionary`."""
+    terms = dictionary if dictionary is not None else Dictionary()
+    return terms, union_of(read(source, what, graphs, terms).values())
+
+
+def read(
+    source: Tables, what: Wanted, graphs: Iterable[NamedNode | None], dictionary: Dictionary
+) -> dict[NamedNode | None, Facts]:
+    """Return the wanted triples of each graph by itself."""
+    found: dict[NamedNode | None, Facts] = {graph: Facts() for graph in graphs}
+    loose: dict[tuple[NamedNode | None, int], list[NDArray[np.int64]]] = {}
+    for query, graph, text in _texts(source, _queries(what), list(found)):
+        for predicate, keys in query.keys(text, dictionary):
+            loose.setdefault((graph, predicate), []).append(keys)
+    for (graph, predicate), parts in loose.items():
+        found[graph].replace(predicate, distinct(parts[0] if len(parts) == 1 else np.concatenate(parts)))
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class _Query:
+    """One SELECT: of everything, of a predicate, or of a predicate with one object."""
+
+    predicate: NamedNode | None = None
+    target: Term | None = None
+
+    @property
+    def text(self) -> str:
+        if self.predicate is None:
+            return "SELECT ?s ?p ?o { ?s ?p ?o }"
+        if self.target is None:
+            return f"SELECT ?s ?o {{ ?s {self.predicate} ?o }}"
+        return f"SELECT ?s {{ ?s {self.predicate} {spell(self.target).decode()} }}"
+
+    def keys(self, text: bytes, dictionary: Dictionary) -> Iterator[tuple[int, NDArray[np.int64]]]:
+        """Yield the predicates of the rows with their keys in any order."""
+        if not text:
+            return
+        if self.predicate is None:
+            yield from _by_predicate(dictionary.intern_all(cells(text, 3)).reshape(-1, 3))
+        elif self.target is None:
+            pairs = dictionary.intern_all(cells(text, 2))
+            yield dictionary.intern_term(self.predicate), pack(pairs[0::2], pairs[1::2])
+        else:
+            subjects = dictionary.intern_all(cells(text, 1))
+            target = np.int64(dictionary.intern_term(self.target))
+            yield dictionary.intern_term(self.predicate), (subjects << 32) | target
+
+
+def _by_predicate(rows: NDArray[np.int64]) -> Iterator[tuple[int, NDArray[np.int64]]]:
+    ordered = rows[np.argsort(rows[:, 1], kind="stable")]
+    starts = np.flatnonzero(np.diff(ordered[:, 1], prepend=-1))
+    for start, end in zip(starts, [*starts[1:], len(ordered)], strict=True):
+        part = ordered[start:end]
+        yield int(part[0, 1]), pack(part[:, 0], part[:, 2])
+
+
+def _queries(what: Wanted) -> list[_Query]:
+    if what.predicates is None:
+        return [_Query()]
+    whole = sorted(what.predicates, key=str)
+    return [*map(_Query, whole), *(_Query(*pair) for pair in sorted(what.members, key=str))]
+
+
+def _texts(
+    source: Tables, queries: list[_Query], graphs: list[NamedNode | None]
+) -> Iterator[tuple[_Query, NamedNode | None, bytes]]:
+    """Yield the rows of each query over each graph; a few are read ahead, so that memory stays bounded."""
+    with ThreadPoolExecutor(_THREADS) as pool:
+        tasks = ((query, graph, pool.submit(source.table, query.text, graph)) for graph in graphs for query in queries)
+        pending = deque(islice(tasks, 2 * _THREADS))
+        while pending:
+            query, graph, rows = pending.popleft()
+            pending.extend(islice(tasks, 1))
+            yield query, graph, rows.result()
+
+
+def union_of(parts: Iterable[Facts]) -> Facts:
+    """Return the triples that any of some sets has; the sets of one are shared."""
+    every = list(parts)
+    if len(every) == 1:
+        return every[0].copy()
+    found = Facts()
+    for predicate in {predicate for part in every for predicate in part.predicates}:
+        columns = [part.keys(predicate) for part in every if part.keys(predicate).size]
+        found.replace(predicate, columns[0] if len(columns) == 1 else distinct(np.concatenate(columns)))
+    return found
