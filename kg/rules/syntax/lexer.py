@@ -7,6 +7,7 @@ A token is read when the parser comes to it, so that it can say whether a `<` be
 from __future__ import annotations
 
 import re
+import sys
 from typing import Final
 
 from kg.query.lexer import Kind, Token
@@ -98,6 +99,9 @@ def _character(match: re.Match[str]) -> str:
     short = match[3]
     if short is not None:
         return _SHORT.get(short, short)
-    character = chr(int(match[1] or match[2], 16))
+    number = int(match[1] or match[2], 16)
+    if number > sys.maxunicode:
+        raise ValueError(number)
+    character = chr(number)
     character.encode()
     return character
