@@ -31,6 +31,7 @@ __all__ = [
 
 _LOW: Final = 0xFFFFFFFF
 _FEW: Final = 8
+_SAMPLE: Final = 256
 EMPTY: Final = np.empty(0, np.int64)
 
 
@@ -108,6 +109,17 @@ def starts(keys: Keys, terms: int) -> NDArray[np.int32]:
     return found
 
 
+def _fan_out(keys: Keys) -> float:
+    """Estimate the pairs of a first term from a few stretches of the keys."""
+    if not keys.size:
+        return 0.0
+    stretches = [keys]
+    if keys.size > 4 * _SAMPLE:
+        stretches = [keys[at : at + _SAMPLE] for at in range(0, keys.size - _SAMPLE, keys.size // 4)]
+    seen = sum(1 + np.count_nonzero(np.diff(stretch >> 32)) for stretch in stretches)
+    return sum(stretch.size for stretch in stretches) / seen
+
+
 class Facts:
     """A set of triples; arrays that it gives out are never written to."""
 
@@ -115,6 +127,7 @@ class Facts:
         self._keys: dict[int, Keys] = {}
         self._flipped: dict[int, Keys] = {}
         self._starts: dict[tuple[int, bool], NDArray[np.int32]] = {}
+        self._fan_outs: dict[tuple[int, bool], tuple[int, float]] = {}
 
     def __len__(self) -> int:
         return sum(keys.size for keys in self._keys.values())
@@ -151,6 +164,15 @@ class Facts:
         """Tell whether `starts` of that many terms is there already."""
         found = self._starts.get((predicate, by_object))
         return found is not None and found.size > terms
+
+    def fan_out(self, predicate: int, *, by_object: bool) -> float:
+        """Estimate how many pairs a term has; an estimate serves until the pairs are twice, or half, as many."""
+        keys = self.by_object(predicate) if by_object else self.keys(predicate)
+        size, found = self._fan_outs.get((predicate, by_object), (0, 0.0))
+        if not size <= 2 * keys.size <= 4 * size:
+            found = _fan_out(keys)
+            self._fan_outs[predicate, by_object] = keys.size, found
+        return found
 
     def replace(self, predicate: int, keys: Keys) -> None:
         """Give a predicate other pairs: sorted, each once."""
@@ -208,4 +230,5 @@ class Facts:
         other._keys = dict(self._keys)
         other._flipped = dict(self._flipped)
         other._starts = dict(self._starts)
+        other._fan_outs = dict(self._fan_outs)
         return other

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 __all__ = ["Pairs", "Reading", "estimate", "match"]
 
 _LOW: Final = 0xFFFFFFFF
-_SAMPLE: Final = 256
 _MANY: Final = 512
 _DENSE: Final = 8
 
@@ -55,17 +54,8 @@ class Pairs:
         return keys[begin:end] & _LOW
 
     def fan_out(self, *, by_object: bool) -> float:
-        """Estimate how many pairs a term has, from a few stretches of the keys."""
-        keys = self.keys(by_object=by_object)
-        if not keys.size:
-            return 0.0
-        stretches = (
-            [keys]
-            if keys.size <= 4 * _SAMPLE
-            else [keys[at : at + _SAMPLE] for at in range(0, keys.size - _SAMPLE, keys.size // 4)]
-        )
-        seen = sum(1 + np.count_nonzero(np.diff(stretch >> 32)) for stretch in stretches)
-        return sum(stretch.size for stretch in stretches) / seen
+        """Estimate how many pairs a term has."""
+        return self.facts.fan_out(self.predicate, by_object=by_object)
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from kg.rules.engine.facts import Facts, unpack
 from kg.rules.engine.heads import Collector
 from kg.rules.engine.solve import Solver, View
@@ -47,12 +49,19 @@ class MaintainedRule:
 
     def __init__(self, plan: RulePlan, shop: Workshop) -> None:
         self.plan = plan
+        self.name = str(plan.rule)
         self._shop = shop
+        written = {head.predicate for head in plan.heads}
+        self._writes = None if any(not isinstance(predicate, int) for predicate in written) else written
         self._pivots = pivots(plan, shop.dictionary)
 
     def everything(self, world: World) -> Facts:
         """Return what the rule derives."""
         return self._derived(self._sources(world), UNIT)
+
+    def may_derive(self, candidates: Facts) -> bool:
+        """Tell whether the rule derives triples of the predicates of any of the candidates."""
+        return self._writes is None or any(predicate in self._writes for predicate in candidates.predicates)
 
     def supported(self, candidates: Facts, world: World) -> Facts:
         """Return what the rule derives in a world where a triple of its head is among the candidates; more at times."""
@@ -88,7 +97,7 @@ class MaintainedRule:
         change = delta.asserted if pivot.asserted else delta.known
         if pivot.predicates is None:
             return change if len(change) else None
-        return change if any(predicate in pivot.predicates for predicate in change.predicates) else None
+        return change if any(_has(change, predicate, pivot) for predicate in pivot.predicates) else None
 
     def _reached(self, pivot: Pivot, change: Facts, reading: Reading, worlds: tuple[World, World]) -> Facts:
         """Return what the rule derives in the reading's outer world where the chain, from inside, restricts it."""
@@ -118,6 +127,19 @@ class MaintainedRule:
         for table in Solver(self._shop, View(sources)).solutions(plan.body, plan.outputs, seeds):
             collector.add(table.keeping(plan.outputs), plan.heads)
         return collector.facts()
+
+
+def _has(change: Facts, predicate: int, pivot: Pivot) -> bool:
+    """Tell whether a change has a triple of a predicate with the subject and the object that the source names."""
+    if not change.keys(predicate).size:
+        return False
+    for term, by_object in ((pivot.subject, False), (pivot.object, True)):
+        if term is not None:
+            keys = change.by_object(predicate) if by_object else change.keys(predicate)
+            begin, end = np.searchsorted(keys, [term << 32, (term + 1) << 32])
+            if begin == end:
+                return False
+    return True
 
 
 def _seeds(head: Head, candidates: Facts, hidden: frozenset[int]) -> Iterator[Table]:

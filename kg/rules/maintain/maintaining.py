@@ -45,6 +45,7 @@ class Maintained:
         self.inferred = inferred
         self._program = program
         self._dictionary = dictionary
+        self._mints_safely = False
         self._known = _together(asserted, inferred)
         shop = program.workshop(dictionary)
         self._shop = shop
@@ -61,8 +62,9 @@ class Maintained:
                 (`max_triples` counts those that this change adds); everything is as it was before.
         """
         limits = limits or Limits()
-        if not limits.bounded:
+        if not (limits.bounded or self._mints_safely):
             self._program.refuse_minting()
+            self._mints_safely = True
         self._shop.clock = self._program.workshop(self._dictionary, limits).clock
         progress = self._asserting(lacking(inserted, self.asserted), common(lacking(deleted, inserted), self.asserted))
         if len(progress.came.asserted) or len(progress.gone.asserted):

@@ -43,7 +43,8 @@ class Link:
 class Pivot:
     """One source of a rule; `predicates` that it reads, None for any; `block`: it is a block of SPARQL.
 
-    `coming` and `going` are the readings for triples that come and that go.
+    `subject` and `object` are the terms that an atom names. `coming` and `going` are the readings for triples that
+    come and that go.
     """
 
     number: int
@@ -53,6 +54,8 @@ class Pivot:
     chain: tuple[Link, ...]
     coming: tuple[Reading, ...]
     going: tuple[Reading, ...]
+    subject: int | None = None
+    object: int | None = None
 
 
 def pivots(plan: RulePlan, dictionary: Dictionary) -> tuple[Pivot, ...]:
@@ -66,7 +69,9 @@ def _pivots(plan: RulePlan, body: Body, chain: tuple[Link, ...], dictionary: Dic
             source = plan.sources[step.number]
             coming, going = (tuple(_readings(chain, after=after)) for after in (True, False))
             predicates = _predicates(step, dictionary)
-            yield Pivot(step.number, predicates, source.asserted, isinstance(step, Block), chain, coming, going)
+            terms = (step.subject, step.object) if isinstance(step, Match) else ()
+            named = (term if isinstance(term, int) else None for term in terms)
+            yield Pivot(step.number, predicates, source.asserted, isinstance(step, Block), chain, coming, going, *named)
         elif isinstance(step, Nested):
             shared = tuple((name, name) for name in sorted(step.shared))
             yield from _pivots(plan, step.body, (*chain, _link(step.body, shared, step)), dictionary)

@@ -64,6 +64,8 @@ class _Work:
         frontier = self._lose(self._consequences(progress.came, progress.gone, after=False))
         while self.recursive and len(frontier):
             frontier = self._lose(self._consequences(None, Delta(Facts(), frontier), after=False))
+        for predicate, keys in self.lost:
+            progress.after.known.discard(predicate, keys)
 
     def put_back(self) -> Facts:
         """Put back what is still derived from what is left, and return it."""
@@ -73,6 +75,8 @@ class _Work:
             if not len(candidates):
                 continue
             for rule in rules:
+                if not rule.may_derive(candidates):
+                    continue
                 self._watch(rule)
                 absorb(back, common(rule.supported(candidates, progress.after), candidates))
         take_out(self.lost, back)
@@ -101,15 +105,16 @@ class _Work:
         return found
 
     def _watch(self, rule: MaintainedRule) -> None:
-        self.progress.clock.rule = str(rule.plan.rule)
+        self.progress.clock.rule = rule.name
         self.progress.clock.check(self.progress.added)
 
     def _lose(self, found: Facts) -> Facts:
-        """Take triples away, those that are there and not asserted, and return them."""
-        after = self.progress.after
-        going = lacking(common(found, after.known), after.asserted)
+        """Note the triples that are to be taken away: all but those asserted, and return them.
+
+        What rules derive in the world before is known there, so that nobody has to look for it among all.
+        """
+        going = lacking(lacking(lacking(found, self.progress.after.asserted), self.progress.gone.known), self.lost)
         for predicate, keys in going:
-            after.known.discard(predicate, keys)
             self.lost.extend(predicate, keys)
         return going
 
