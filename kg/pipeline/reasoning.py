@@ -20,14 +20,17 @@ from kg.rules.explain.view import View, Vocabulary
 from kg.rules.files import RuleSet
 from kg.rules.folders import user_folders
 from kg.rules.reading import discover, packs
+from kg.rules.specialise import schema_query
 
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from pyoxigraph import Triple
+
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["check_context", "explained_vocabulary", "rule_folders", "rules_in_force", "term_uses"]
+__all__ = ["check_context", "explained_vocabulary", "rule_folders", "rules_in_force", "schema_of", "term_uses"]
 
 _USES: Final = """
 SELECT ?term (COUNT(*) AS ?uses) WHERE { { ?s ?term ?o } UNION { ?s a ?term FILTER(ISIRI(?term)) } } GROUP BY ?term"""
@@ -67,7 +70,12 @@ def check_context(settings: Settings, snapshot: EmbeddedSnapshot | None) -> Cont
     queries = discover_queries(settings.queries)
     read = frozenset(iri for query in queries.values() for iri in iris_of(query.text))
     store = StoreOf(View(snapshot, vocabulary)) if snapshot else None
-    return Context(RuleSet(()), terms, read, store, nothing(vocabulary))
+    return Context(RuleSet(()), terms, read, store, nothing(vocabulary), schema=schema_of(snapshot or ontologies))
+
+
+def schema_of(graph: Any) -> tuple[Triple, ...]:
+    """Return the axioms of a store or a snapshot, which rules about any schema are cut to before they run."""
+    return tuple(graph.query(schema_query()))
 
 
 def term_uses(snapshot: EmbeddedSnapshot) -> dict[str, int]:
