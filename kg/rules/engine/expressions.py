@@ -112,10 +112,9 @@ class Expressions:
     def _compute(self, text: str, names: tuple[str, ...], arguments: Table, clock: Clock) -> Keys:
         """Evaluate an expression for each row, whatever was remembered."""
         found = np.full(arguments.rows, ERROR, np.int64)
-        kinds = self._dictionary.kinds()
         blank = np.zeros(arguments.rows, bool)
         for column in arguments.columns.values():
-            blank |= kinds[column] == BLANK
+            blank |= self._dictionary.kinds(column) == BLANK
         plain = np.flatnonzero(~blank)
         for begin in range(0, plain.size, _BATCH):
             clock.check()

@@ -103,7 +103,7 @@ class _Columns:
         """Compute an aggregate by queries over the values, some groups in each."""
         member, values = self._in_order(member, values)
         least = self._blank_minima(column, member, values)
-        keep = self._dictionary.kinds()[values] != BLANK
+        keep = self._dictionary.kinds(values) != BLANK
         if column.function in {"MIN", "MAX"}:
             # Blank nodes come before all other terms (section 15.1) and cannot stand in VALUES.
             member, values = member[keep], values[keep]
@@ -128,7 +128,7 @@ class _Columns:
         found = np.zeros(self._groups, np.int64)
         if column.function not in {"MIN", "MAX"}:
             return found
-        blank = self._dictionary.kinds()[values] == BLANK
+        blank = self._dictionary.kinds(values) == BLANK
         found[member[blank][::-1]] = values[blank][::-1]
         if column.function == "MAX":
             found[member[~blank]] = 0

@@ -40,7 +40,11 @@ class Collector:
         kinds = self._dictionary.kinds
         for head in heads:
             subjects, predicates, objects = (self._column(node, table) for node in head.nodes)
-            kept = (objects != 0) & _SUBJECTS[kinds()[subjects]] & (kinds()[predicates] == IRI)
+            kept = objects != 0
+            if head.subject not in self._plan.resources:
+                kept &= _SUBJECTS[kinds(subjects)]
+            if not isinstance(head.predicate, int):
+                kept &= kinds(predicates) == IRI
             if not kept.all():
                 subjects, predicates, objects = subjects[kept], predicates[kept], objects[kept]
             self._put(head, subjects, predicates, objects)
@@ -79,9 +83,9 @@ class Collector:
 
     def _triples(self, parts: Sequence[Keys]) -> Keys:
         """Return the triple term of the parts for each row, 0 where they make none."""
-        kinds = self._dictionary.kinds()
+        kinds = self._dictionary.kinds
         subjects, predicates, objects = parts
-        good = _SUBJECTS[kinds[subjects]] & (kinds[predicates] == IRI) & (objects != 0)
+        good = _SUBJECTS[kinds(subjects)] & (kinds(predicates) == IRI) & (objects != 0)
         rows = zip(subjects.tolist(), predicates.tolist(), objects.tolist(), strict=True)
         intern = self._dictionary.intern_triple
         return np.array([intern(*row) if kept else 0 for row, kept in zip(rows, good.tolist(), strict=True)], np.int64)

@@ -203,3 +203,5 @@ class RulePlan:
     """The variables that tell one solution from another, with their columns; sorted by name."""
     outputs: frozenset[str] = field(default_factory=frozenset)
     """The columns that the head needs."""
+    resources: frozenset[HeadNode] = field(default_factory=frozenset)
+    """Nodes of heads that may stand as subjects for certain: columns that are subjects of atoms, and blank nodes."""

@@ -63,7 +63,9 @@ def plan(rule: Rule, dictionary: Dictionary) -> RulePlan:
     solution = tuple(sorted(scope.items())) if fresh else ()
     needed = {name for head in heads for node in head.nodes for name in _columns(node)}
     outputs = frozenset(needed | {column for _, column in solution})
-    return RulePlan(rule, _body(steps), heads, tuple(planner.sources), solution, outputs)
+    resources: set[HeadNode] = {node for head in heads for node in head.nodes if isinstance(node, Fresh)}
+    resources |= {step.subject for step in steps if isinstance(step, Match) and isinstance(step.subject, str)}
+    return RulePlan(rule, _body(steps), heads, tuple(planner.sources), solution, outputs, frozenset(resources))
 
 
 def _mints(node: HeadNode) -> bool:

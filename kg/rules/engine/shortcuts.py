@@ -70,8 +70,8 @@ def _compared(found: re.Match[str], rows: _Rows) -> Mask | None:
     left, right = rows.operand(found[1]), rows.operand(found[3])
     if left is None or right is None:
         return None
-    kinds = rows.dictionary.kinds()
-    plain = (kinds[left] <= BLANK) | (kinds[right] <= BLANK)
+    kinds = rows.dictionary.kinds
+    plain = (kinds(left) <= BLANK) | (kinds(right) <= BLANK)
     return rows.same(left, right, wanted=found[2] == "=") if plain.all() else None
 
 
@@ -86,7 +86,7 @@ def _of_kind(found: re.Match[str], rows: _Rows) -> Mask | None:
     values = rows.operand(found[3])
     if values is None:
         return None
-    mask: Mask = (rows.dictionary.kinds()[values] == _KINDS[found[2].lower()]) != bool(found[1])
+    mask: Mask = (rows.dictionary.kinds(values) == _KINDS[found[2].lower()]) != bool(found[1])
     return mask
 
 

@@ -159,7 +159,7 @@ class Solver:
     def _structure(self, table: Table, step: Structure) -> Table:
         dictionary = self.shop.dictionary
         terms = table.columns[step.term]
-        is_triple = dictionary.kinds()[terms] == TRIPLE
+        is_triple = dictionary.kinds(terms) == TRIPLE
         table = table.take(is_triple)
         parts = np.array([dictionary.parts(term) for term in table.columns[step.term].tolist()], np.int64)
         for index, node in enumerate(step.parts):

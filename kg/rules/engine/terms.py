@@ -85,14 +85,21 @@ class Dictionary:
         """Return a term as one of pyoxigraph's."""
         return _parsed(self._spellings[identifier])
 
-    def kinds(self) -> NDArray[np.int8]:
-        """Return the kind of each term that is known by now, indexed by identifier; the array is not to be changed."""
-        known = self._kinds.size
-        if known < len(self._spellings):
-            beginnings = b"".join([spelling[:2] for spelling in self._spellings[known:]])
-            added = _KINDS[np.frombuffer(beginnings, "<u2")]
-            self._kinds = np.concatenate([self._kinds, added])
-        return self._kinds
+    def kinds(self, identifiers: NDArray[np.int64]) -> NDArray[np.int8]:
+        """Return the kind of each term. Only spellings of terms that are asked for the first time are looked at."""
+        if self._kinds.size < len(self._spellings):
+            # Grown by more than is needed, so that terms made one after the other do not copy it each time.
+            grown = np.zeros(len(self._spellings) * 5 // 4, np.int8)
+            grown[: self._kinds.size] = self._kinds
+            self._kinds = grown
+        found: NDArray[np.int8] = self._kinds[identifiers]
+        if not found.all():
+            every = self._spellings
+            missing = np.unique(identifiers[found == 0])
+            beginnings = b"".join([every[identifier][:2] or b"\0\0" for identifier in missing.tolist()])
+            self._kinds[missing] = _KINDS[np.frombuffer(beginnings, "<u2")]
+            found = self._kinds[identifiers]
+        return found
 
     def intern_triple(self, subject: int, predicate: int, value: int) -> int:
         """Return the identifier of the triple term of three terms."""

@@ -15,11 +15,11 @@ from kg.rules.stratify import stratify
 if TYPE_CHECKING:
     from rules.engine.oracle import Fact
 
-    from kg.rules.form import Element, Pattern
+    from kg.rules.form import Element, Pattern, Term
 
 PREDICATES = [NamedNode(f"urn:p{number}") for number in range(5)]
 NODES = [NamedNode(f"urn:n{number}") for number in range(4)]
-TERMS = [*NODES, BlankNode("b"), Literal(1), Literal(2), Literal("x"), PREDICATES[0], PREDICATES[3]]
+TERMS: list[Term] = [*NODES, BlankNode("b"), Literal(1), Literal(2), Literal("x"), PREDICATES[0], PREDICATES[3]]
 VARIABLES = [Variable(name) for name in "abcd"]
 TESTS = [
     "?{0} = ?{1}",
