@@ -30,7 +30,15 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["check_context", "explained_vocabulary", "rule_folders", "rules_in_force", "schema_of", "term_uses"]
+__all__ = [
+    "check_context",
+    "explained_vocabulary",
+    "ontology_schema",
+    "rule_folders",
+    "rules_in_force",
+    "schema_of",
+    "term_uses",
+]
 
 _USES: Final = """
 SELECT ?term (COUNT(*) AS ?uses) WHERE { { ?s ?term ?o } UNION { ?s a ?term FILTER(ISIRI(?term)) } } GROUP BY ?term"""
@@ -62,8 +70,7 @@ def rule_folders(settings: Settings) -> tuple[Path, ...]:
 def check_context(settings: Settings, snapshot: EmbeddedSnapshot | None) -> Context:
     """Return what rules are checked against: the ontologies, the stored queries, and a store where there is one."""
     vocabulary = explained_vocabulary(settings.base)
-    ontologies = pyoxigraph.Store()
-    ontologies.bulk_load(ontology_triples(), RdfFormat.N_TRIPLES)
+    ontologies = _ontologies()
     terms = _terms(ontologies.query(_VOCABULARY, prefixes=dict(PREFIXES)))
     if snapshot:
         terms |= _terms(snapshot.query(_VOCABULARY, prefixes=PREFIXES))
@@ -71,6 +78,17 @@ def check_context(settings: Settings, snapshot: EmbeddedSnapshot | None) -> Cont
     read = frozenset(iri for query in queries.values() for iri in iris_of(query.text))
     store = StoreOf(View(snapshot, vocabulary)) if snapshot else None
     return Context(RuleSet(()), terms, read, store, nothing(vocabulary), schema=schema_of(snapshot or ontologies))
+
+
+def ontology_schema() -> tuple[Triple, ...]:
+    """Return the axioms of the ontologies in force, for what is asked of rules without a store."""
+    return schema_of(_ontologies())
+
+
+def _ontologies() -> pyoxigraph.Store:
+    store = pyoxigraph.Store()
+    store.bulk_load(ontology_triples(), RdfFormat.N_TRIPLES)
+    return store
 
 
 def schema_of(graph: Any) -> tuple[Triple, ...]:

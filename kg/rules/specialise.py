@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections import defaultdict
 from dataclasses import replace
 from itertools import count
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeGuard
 
 from pyoxigraph import BlankNode, NamedNode, Quad, Store
 
@@ -29,15 +29,12 @@ if TYPE_CHECKING:
 
     from kg.rules.form import Element, Pattern, Rule, Term
 
-__all__ = ["SCHEMA_PREDICATES", "is_schema", "specialise"]
+__all__ = ["SCHEMA_CLASSES", "SCHEMA_PREDICATES", "is_schema", "schema_query", "specialise"]
 
 _OWL: Final = "http://www.w3.org/2002/07/owl#"
 _RDFS: Final = "http://www.w3.org/2000/01/rdf-schema#"
 _RDF: Final = "http://www.w3.org/1999/02/22-rdf-syntax-ns#"
 _TYPE: Final = NamedNode(f"{_RDF}type")
-_OF_DATA: Final = frozenset(NamedNode(_OWL + name) for name in ("Thing", "Nothing", "NamedIndividual", "Axiom"))
-"""Classes of OWL that are stated of data, not of the schema."""
-
 SCHEMA_PREDICATES: Final = frozenset(
     NamedNode(iri)
     for iri in (
@@ -50,12 +47,33 @@ SCHEMA_PREDICATES: Final = frozenset(
 )
 """What relates classes and properties to each other (OWL 2 Mapping to RDF Graphs, section 2)."""
 
+SCHEMA_CLASSES: Final = frozenset(
+    NamedNode(iri)
+    for iri in (
+        *(_RDFS + name for name in ("Class", "Datatype")),
+        *(_OWL + name for name in ("Class", "Restriction", "AllDisjointClasses", "AllDisjointProperties")),
+        *(_OWL + name for name in ("AllDifferent", "ObjectProperty", "DatatypeProperty", "AnnotationProperty")),
+        *(_OWL + name for name in ("SymmetricProperty", "AsymmetricProperty", "TransitiveProperty")),
+        *(_OWL + name for name in ("FunctionalProperty", "InverseFunctionalProperty", "IrreflexiveProperty")),
+    )
+)
+"""What classes, properties and axioms are members of."""
+
 
 def is_schema(predicate: Pattern, value: Pattern) -> bool:
     """Tell whether a triple with these is about the schema: an axiom, or a thing being a class, a property, ..."""
     if predicate == _TYPE:
-        return isinstance(value, NamedNode) and value.value.startswith((_OWL, _RDFS)) and value not in _OF_DATA
+        return value in SCHEMA_CLASSES
     return predicate in SCHEMA_PREDICATES
+
+
+def schema_query() -> str:
+    """Return the CONSTRUCT query for the schema of a store: all triples for which `is_schema` holds, in any graph."""
+    predicates, classes = (" ".join(sorted(map(str, terms))) for terms in (SCHEMA_PREDICATES, SCHEMA_CLASSES))
+    return f"""CONSTRUCT {{ ?s ?p ?o }} WHERE {{
+  {{ VALUES ?p {{ {predicates} }} ?s ?p ?o }}
+  UNION {{ VALUES ?o {{ {classes} }} VALUES ?p {{ {_TYPE} }} ?s ?p ?o }}
+}}"""
 
 
 def specialise(rules: Iterable[Rule], schema: Iterable[Triple]) -> tuple[Rule, ...]:
@@ -66,10 +84,11 @@ def specialise(rules: Iterable[Rule], schema: Iterable[Triple]) -> tuple[Rule, .
     """
     given = tuple(rules)
     kept, waiting = [rule for rule in given if _about_schema(rule)], [rule for rule in given if not _about_schema(rule)]
-    store = Store()
-    store.extend(map(_quad, schema))
-    _close(store, kept)
-    found = [instance for rule in waiting for instance in _instances(rule, store)]
+    stated, closed = Store(), Store()
+    stated.extend(map(_quad, schema))
+    closed.extend(stated)
+    _close(closed, kept)
+    found = [instance for rule in waiting for instance in _instances(rule, stated, closed)]
     if any(_may_write_schema(atom) for rule in found for atom in rule.head):
         return given
     return tuple(_numbered(sorted([*kept, *found], key=lambda rule: rule.name)))
@@ -106,17 +125,21 @@ def _triples(store: Store, query: str) -> list[Triple]:
     return list(store.query(query))  # type: ignore[arg-type]  # a CONSTRUCT gives triples
 
 
-def _instances(rule: Rule, store: Store) -> Iterator[Rule]:
+def _instances(rule: Rule, stated: Store, closed: Store) -> Iterator[Rule]:
     """Yield a rule for each way in which its atoms about the schema hold; the rule itself where it need not be cut."""
-    axioms = tuple(element for element in rule.body if _is_axiom(element))
+    axioms: tuple[Atom, ...] = tuple(element for element in rule.body if _is_axiom(element))
     known = bound_in(axioms)
-    if not axioms or not (known & set(_open(rule))):
+    asserted = {axiom.asserted for axiom in axioms}
+    if len(asserted) != 1 or not (known & set(_open(rule))):
         yield rule
         return
-    schema = (*axioms, *(each for each in rule.body if isinstance(each, Filter) and mentions(each) <= known))
+    schema: tuple[Element, ...] = (
+        *axioms,
+        *(each for each in rule.body if isinstance(each, Filter) and mentions(each) <= known),
+    )
     rest = tuple(element for element in rule.body if element not in schema)
     variables = sorted(known, key=str)
-    rows = store.query(select(schema, variables))
+    rows = (stated if asserted == {True} else closed).query(select(schema, variables))
     found = [dict(zip(variables, row, strict=True)) for row in rows]  # type: ignore[union-attr]  # rows
     for bindings in sorted(found, key=lambda row: [str(row[variable]) for variable in variables]):
         instance = _instance(rule, rest, bindings)
@@ -124,8 +147,8 @@ def _instances(rule: Rule, store: Store) -> Iterator[Rule]:
             yield instance
 
 
-def _is_axiom(element: Element) -> bool:
-    return isinstance(element, Atom) and not element.asserted and is_schema(element.predicate, element.object)
+def _is_axiom(element: Element) -> TypeGuard[Atom]:
+    return isinstance(element, Atom) and is_schema(element.predicate, element.object)
 
 
 def _open(rule: Rule) -> Iterator[Variable]:

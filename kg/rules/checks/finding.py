@@ -10,6 +10,8 @@ from kg.query.position import place_at, place_of
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
+    from pyoxigraph import Triple
+
     from kg.errors import Place, RuleError
     from kg.rules.files import RuleFile, RuleSet
     from kg.rules.form import Element, Term
@@ -49,7 +51,8 @@ class Context:
     """What a file is checked against.
 
     `rules` are all in force, the file itself among them; `terms` what ontologies and data define or use, as IRIs;
-    `read` the IRIs that stored queries mention; `empty` is a store without data. `store` is None when there is none.
+    `read` the IRIs that stored queries mention; `schema` the axioms that rules about any schema are cut to;
+    `empty` is a store without data. `store` is None when there is none.
     """
 
     rules: RuleSet
@@ -59,6 +62,7 @@ class Context:
     empty: Store | None = None
     labels: Callable[[Term], str] = str
     prefixes: Mapping[str, str] | None = None
+    schema: tuple[Triple, ...] = ()
 
 
 class Check(Protocol):

@@ -20,6 +20,7 @@ from kg.rules.checks import (
 from kg.rules.checks.finding import SEVERITIES, Context, Finding, from_error
 from kg.rules.files import RuleSet
 from kg.rules.reading import read, rule_files
+from kg.rules.specialise import specialise
 from kg.rules.stratify import stratify
 
 if TYPE_CHECKING:
@@ -79,7 +80,7 @@ def check(found: Read, context: Context, names: Iterable[str] | None = None) -> 
     """
     context = replace(context, rules=found.rules)
     wanted = None if names is None else set(names)
-    findings = [*found.findings, *_order(found.rules)]
+    findings = [*found.findings, *_order(context)]
     for file in found.rules.files:
         if wanted is None or file.name in wanted:
             findings += check_file(file, context)
@@ -93,13 +94,13 @@ def check_file(file: RuleFile, context: Context) -> Iterator[Finding]:
         yield from each.check(file, context)
 
 
-def _order(rules: RuleSet) -> Iterator[Finding]:
+def _order(context: Context) -> Iterator[Finding]:
     """Yield the one reason why the rules cannot be put in order, at the rule that it is about."""
     try:
-        stratify(rules.rules)
+        stratify(specialise(context.rules.rules, context.schema))
     except RuleError as error:
         place = error.place or Place("rules")
-        owner = next((file.name for file in rules.files if str(file.path) == place.path), "rules")
+        owner = next((file.name for file in context.rules.files if str(file.path) == place.path), "rules")
         yield from_error(error, owner, place)
 
 
