@@ -4,7 +4,25 @@ from typing import Annotated, Any, Final
 
 import typer
 
-from kg.cli.commands import build, config, demo, doctor, exchange, explain, lists, node, nodes, ontology, query, stats
+from kg.cli.commands import (
+    build,
+    config,
+    demo,
+    doctor,
+    exchange,
+    explain,
+    lists,
+    node,
+    nodes,
+    ontology,
+    query,
+    rules,
+    rules_check,
+    rules_lsp,
+    rules_testing,
+    stats,
+    why,
+)
 from kg.cli.diagnostics import MODE, Mode
 from kg.cli.group import KgCommand, KgGroup
 from kg.cli.options import Store, from_setting
@@ -37,6 +55,8 @@ COMMANDS: Final[tuple[tuple[str, str, Any], ...]] = (
     ("Ask", "nodes", nodes.nodes),
     ("Ask", "node", node.node),
     ("Ask", "query", query.query),
+    ("Ask", "why", why.why),
+    ("Ask", "why-not", why.why_not),
     ("Ask", "stats", stats.stats),
     ("Ask", "packages", lists.packages),
     ("Ask", "topics", lists.topics),
@@ -48,6 +68,16 @@ COMMANDS: Final[tuple[tuple[str, str, Any], ...]] = (
     ("Look after it", "doctor", doctor.doctor),
     ("Look after it", "explain", explain.explain),
 )
+
+RULE_COMMANDS: Final[tuple[tuple[str, str, Any], ...]] = (
+    ("Write", "new", rules.new),
+    ("Write", "list", rules.list_rules),
+    ("Write", "show", rules.show_rule),
+    ("Write", "lsp", rules_lsp.lsp),
+    ("Try", "check", rules_check.check),
+    ("Try", "test", rules_testing.try_rules),
+)
+"""The commands of `kg rules`, in the order that its help lists them."""
 
 app = typer.Typer(
     cls=KgGroup,
@@ -123,6 +153,10 @@ config_app.command("show", cls=KgCommand)(config.show)
 for _panel, _name, _function in COMMANDS:
     _class = node.NodeCommand if _name == "node" else KgCommand
     app.command(_name, cls=_class, rich_help_panel=_panel)(_function)
+rules_app = typer.Typer(cls=KgGroup, rich_markup_mode=None, help=rules.HELP)
+for _panel, _name, _function in RULE_COMMANDS:
+    rules_app.command(_name, cls=KgCommand, rich_help_panel=_panel)(_function)
+app.add_typer(rules_app, name="rules", rich_help_panel="Ask")
 ontology_app = typer.Typer(cls=KgGroup, rich_markup_mode=None, help="Check ontologies, and data against shapes.")
 ontology_app.command("check", cls=KgCommand)(ontology.check)
 ontology_app.command("validate", cls=KgCommand)(ontology.validate)

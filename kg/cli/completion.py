@@ -9,7 +9,7 @@ from kg.errors import CATALOGUE, KgError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["codes", "nodes", "packages", "queries"]
+__all__ = ["codes", "nodes", "packages", "queries", "rules"]
 
 
 def codes(incomplete: str) -> list[tuple[str, str]]:
@@ -53,6 +53,18 @@ def queries(incomplete: str) -> list[str]:
         from kg.settings import load  # noqa: PLC0415 - start-up time
 
         return list(discover(load().queries))
+
+    return _beginning(incomplete, names)
+
+
+def rules(incomplete: str) -> list[str]:
+    """Return the names of rules."""
+
+    def names() -> list[str]:
+        from kg.rules.authoring.library import Library  # noqa: PLC0415 - start-up time
+        from kg.settings import load  # noqa: PLC0415 - start-up time
+
+        return list(Library.of(load()).entries)
 
     return _beginning(incomplete, names)
 

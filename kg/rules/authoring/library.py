@@ -23,11 +23,15 @@ __all__ = ["Entry", "Library"]
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A file of rules that was not read yet; `pack` names the rule pack that brings it, empty for folders."""
+    """A file of rules that was not read yet; `pack` names the rule pack that brings it, empty for folders.
+
+    `in_force` is False for rules of a family that is optional, or that the setting `rule_families` leaves out.
+    """
 
     name: str
     path: Path
     pack: str = ""
+    in_force: bool = True
 
     @property
     def family(self) -> str:
@@ -51,12 +55,13 @@ class Library:
         found: dict[str, Entry] = {}
         self.problems: list[RuleError] = []
         for folder, pack in [*((each.folder, each.name) for each in installed), *((folder, "") for folder in folders)]:
-            for path, name in rule_files(folder, families):
+            chosen = set(rule_files(folder, families))
+            for path, name in rule_files(folder, _all_families(folder)):
                 if name in found:
                     message = f"the rule `{name}` is in {found[name].path} already"
                     hint = "Rename one; files of two endings share a name too."
                     self.problems.append(RuleError("KG207", message, place=Place(str(path)), hint=hint))
-                found.setdefault(name, Entry(name, path, pack))
+                found.setdefault(name, Entry(name, path, pack, (path, name) in chosen))
         self.entries = {name: found[name] for name in sorted(found)}
         self._read: dict[str, tuple[int, RuleFile]] = {}
 
@@ -64,6 +69,11 @@ class Library:
     def of(cls, settings: Settings) -> Library:
         """Return the rules in force: those that `kg` ships, those of installed packs, and the user's own."""
         return cls((resources.folder("rules"), *user_folders(settings)), packs(), settings.rule_families)
+
+    @property
+    def in_force(self) -> list[Entry]:
+        """The rules that run."""
+        return [entry for entry in self.entries.values() if entry.in_force]
 
     def read(self, name: str) -> RuleFile:
         """Return the file of a rule; raises what `kg.rules.reading.read` raises."""
@@ -78,11 +88,15 @@ class Library:
         return known[1]
 
     def read_all(self, entries: Iterable[Entry] | None = None) -> tuple[list[RuleFile], list[RuleError]]:
-        """Return the files of some rules, or of all, and the errors of those that cannot be read."""
+        """Return the files of some rules, or of those in force, and the errors of those that cannot be read."""
         files, errors = [], [] if entries is not None else list(self.problems)
-        for entry in self.entries.values() if entries is None else entries:
+        for entry in self.in_force if entries is None else entries:
             try:
                 files.append(self.read(entry.name))
             except RuleError as error:
                 errors.append(error)
         return files, errors
+
+
+def _all_families(folder: Path) -> list[str]:
+    return [path.name for path in folder.iterdir()] if folder.is_dir() else []

@@ -8,17 +8,18 @@ from typing import TYPE_CHECKING, Any
 from kg.errors import RuleError
 from kg.query.prefixes import PREFIXES
 from kg.rules.authoring.examples import read_examples
-from kg.rules.authoring.graph import rule_graph, spell_atom
+from kg.rules.authoring.graph import RuleGraph, is_inner, rule_graph, spell_atom
 from kg.rules.dependencies import reads, writes
 from kg.rules.files import HEADINGS, NOTATIONS
-from kg.rules.form import AUXILIARY
+from kg.rules.form import atoms_of
 from kg.rules.header import parse_header
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Iterator, Mapping
+
+    from pyoxigraph import Triple
 
     from kg.rules.authoring.examples import Example
-    from kg.rules.authoring.graph import RuleGraph
     from kg.rules.authoring.library import Entry, Library
     from kg.rules.files import Documentation, RuleFile
     from kg.rules.form import Atom
@@ -30,16 +31,16 @@ __all__ = ["Manual", "documentation", "entry_object", "manual", "manual_object"]
 class Manual:
     """One rule for people.
 
-    `reads`, `absent` (those whose absence or number it asks for) and `derives` are properties and classes; `stratum`
-    and `strata` count from one, None when the rules in force have no strata; `fed_by` and `feeds` are other rules.
+    `reads`, `absent` (those whose absence or number it asks for) and `derives` are properties and classes; `strata`, of
+    `of_strata`, are those it runs in, none when the rules in force have none; `fed_by` and `feeds` are other rules.
     """
 
     file: RuleFile
     reads: tuple[str, ...]
     absent: tuple[str, ...]
     derives: tuple[str, ...]
-    stratum: int | None
-    strata: int
+    strata: tuple[int, ...]
+    of_strata: int
     fed_by: tuple[str, ...]
     feeds: tuple[str, ...]
     examples: tuple[Example, ...]
@@ -59,41 +60,47 @@ class Manual:
         return numbered[first:]
 
 
-def manual(library: Library, entry: Entry) -> Manual:
-    """Return what is known of a rule; raises what reading its file raises."""
+def manual(library: Library, entry: Entry, schema: Iterable[Triple] = ()) -> Manual:
+    """Return what is known of a rule among others cut to `schema`; raises what reading its file raises."""
     file = library.read(entry.name)
     prefixes = {**PREFIXES, **{name: iri for name, iri in (file.prefixes or {}).items() if name}}
-    read = [each for rule in file.rules for each in reads(rule)]
-    absent = _spelt((each.atom for each in read if each.negated), prefixes)
-    graph, problem = _graph(library)
-    node = next((node for node in graph.rules if node.name == file.name), None) if graph else None
+    atoms = list(_atoms(file))
+    absent = _spelt((atom for atom, negated in atoms if negated), prefixes)
+    graph, problem = _graph(library, schema)
+    strata = sorted({number for node in graph.rules if node.name == file.name for number in node.strata})
     examples, problem = _examples(entry, problem)
     return Manual(
         file,
-        tuple(term for term in _spelt((each.atom for each in read), prefixes) if term not in absent),
+        tuple(term for term in _spelt((atom for atom, _ in atoms), prefixes) if term not in absent),
         absent,
         _spelt((atom for rule in file.rules for atom in writes(rule)), prefixes),
-        node.stratum if node else None,
-        max((node.stratum for node in graph.rules), default=0) if graph else 0,
-        _others(graph, file.name, before=True),
-        _others(graph, file.name, before=False),
+        tuple(strata),
+        max((node.strata[-1] for node in graph.rules), default=0),
+        tuple(graph.fed_by(file.name)),
+        tuple(graph.feeds(file.name)),
         examples,
         problem,
     )
 
 
+def _atoms(file: RuleFile) -> Iterator[tuple[Atom, bool]]:
+    """Yield what the rules of a file read, asserted data too, and whether its absence or number is asked for."""
+    for rule in file.rules:
+        yield from atoms_of(rule.body)
+        yield from ((each.atom, each.negated) for each in reads(rule))
+
+
 def _spelt(atoms: Iterable[Atom], prefixes: Mapping[str, str]) -> tuple[str, ...]:
-    shown = (atom for atom in atoms if not str(atom.predicate).startswith(f"<{AUXILIARY}"))
-    return tuple(sorted({spell_atom(atom, prefixes) for atom in shown}))
+    return tuple(sorted({spell_atom(atom, prefixes) for atom in atoms if not is_inner(atom)}))
 
 
-def _graph(library: Library) -> tuple[RuleGraph | None, RuleError | None]:
+def _graph(library: Library, schema: Iterable[Triple]) -> tuple[RuleGraph, RuleError | None]:
     """Return the dependencies of all rules that can be read, and the first error that hides a part of them."""
     files, errors = library.read_all()
     try:
-        return rule_graph(files), errors[0] if errors else None
+        return rule_graph(files, schema), errors[0] if errors else None
     except RuleError as error:
-        return None, error
+        return RuleGraph((), {}, {}, {}), error
 
 
 def _examples(entry: Entry, problem: RuleError | None) -> tuple[tuple[Example, ...], RuleError | None]:
@@ -101,19 +108,6 @@ def _examples(entry: Entry, problem: RuleError | None) -> tuple[tuple[Example, .
         return read_examples(entry.examples) if entry.examples.is_file() else (), problem
     except RuleError as error:
         return (), problem or error
-
-
-def _others(graph: RuleGraph | None, name: str, *, before: bool) -> tuple[str, ...]:
-    """Return the rules that derive what this one reads, or read what it derives."""
-    if graph is None:
-        return ()
-    if before:
-        terms = {term for term, rule in graph.reads if rule == name}
-        found = {rule for rule, term in graph.derives if term in terms}
-    else:
-        terms = {term for rule, term in graph.derives if rule == name}
-        found = {rule for term, rule in graph.reads if term in terms}
-    return tuple(sorted(found))
 
 
 def documentation(entry: Entry) -> Documentation:
@@ -135,6 +129,7 @@ def entry_object(entry: Entry, told: Documentation) -> dict[str, Any]:
         "since": told.since,
         "severity": told.severity,
         "pack": entry.pack or None,
+        "in_force": entry.in_force,
         "file": str(entry.path),
         "examples": str(entry.examples) if entry.examples.is_file() else None,
     }
@@ -149,8 +144,8 @@ def manual_object(entry: Entry, known: Manual) -> dict[str, Any]:
         "reads": list(known.reads),
         "absent": list(known.absent),
         "derives": list(known.derives),
-        "stratum": known.stratum,
-        "strata": known.strata,
+        "strata": list(known.strata),
+        "of_strata": known.of_strata,
         "fed_by": list(known.fed_by),
         "feeds": list(known.feeds),
         "example_titles": [example.title for example in known.examples],

@@ -32,14 +32,14 @@ def find_rule(rules: Library, name: str) -> Entry:
 
 
 def choose(rules: Library, names: Iterable[str]) -> tuple[Entry, ...]:
-    """Return the rules, families, files and folders named, each rule once; without any name all rules.
+    """Return the rules, families, files and folders named, each rule once; without any name those in force.
 
     Raises:
         UnknownNameError: KG001 with what was probably meant.
     """
     wanted = list(names)
     if not wanted:
-        return tuple(rules.entries.values())
+        return tuple(rules.in_force)
     chosen: dict[str, Entry] = {}
     for name in wanted:
         found = _named(rules, name) or _below(rules, name)
@@ -74,7 +74,6 @@ def _below(rules: Library, name: str) -> list[Entry]:
 
 def _unknown(rules: Library, name: str) -> UnknownNameError:
     known = list(rules.entries)
-    hint = did_you_mean(
-        name, [*known, *(one.rpartition("/")[2] for one in known), *(one.family for one in rules.entries.values())]
-    )
+    lasts = (one.rpartition("/")[2] for one in known)
+    hint = did_you_mean(name, [*known, *lasts, *(one.family for one in rules.entries.values())])
     return UnknownNameError("KG001", f"there is no rule `{name}`", hint=hint or "`kg rules list` lists them.")

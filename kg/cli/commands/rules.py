@@ -1,0 +1,126 @@
+"""`kg rules new`, `list` and `show`: begin a rule, see which there are, read one."""
+
+import shlex
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from kg.cli.completion import rules as rule_names
+from kg.cli.diagnostics import note, report
+from kg.cli.options import Json, Rules
+from kg.cli.output import json_lines, listing, show, terminal, write
+from kg.cli.session import session
+from kg.errors import Exit, RuleError
+from kg.render.text import count
+
+if TYPE_CHECKING:
+    from kg.rules.authoring.library import Entry
+    from kg.rules.files import Documentation
+
+__all__ = ["HELP", "Chosen", "list_rules", "new", "show_rule"]
+
+HELP = """Write rules, try them and run them over the store.
+
+A rule is a file in a folder of rules; its examples stand beside it. Folders of your own are those of the setting
+`rules`, by default rules/ beside kg.toml or in the working folder. A new rule in five steps:
+
+    kg rules new wiring/listens-to        writes a rule and its examples
+    kg rules check wiring/listens-to      is it well written?
+    kg rules test wiring/listens-to       does it do what its examples say?
+    kg rules diff wiring/listens-to       what would it change in this store?
+    kg rules run                          change it
+"""
+
+Name = Annotated[
+    str, typer.Argument(metavar="RULE", help="FAMILY/NAME, NAME alone, or a file.", autocompletion=rule_names)
+]
+Chosen = Annotated[
+    list[str] | None,
+    typer.Argument(
+        metavar="RULE", help="Rules, families, files or folders; all rules by default.", autocompletion=rule_names
+    ),
+]
+NewName = Annotated[str, typer.Argument(metavar="FAMILY/NAME", help="What to call the rule.")]
+Notation = Annotated[str, typer.Option("--notation", metavar="NOTATION", help="rq (SPARQL), ttl (SHACL) or srl.")]
+
+
+def new(context: typer.Context, name: NewName, *, notation: Notation = "rq", rules: Rules = None) -> None:
+    """Begin a rule: a file that runs as it stands, and examples that pass.
+
+    They are written to the first folder of the setting `rules`. For example:
+
+        kg rules new wiring/listens-to
+        kg rules new wiring/listens-to --notation srl
+    """
+    from kg.cli.rules_view import here  # noqa: PLC0415 - start-up time
+    from kg.rules.authoring.starting import start  # noqa: PLC0415 - start-up time
+    from kg.rules.folders import own_folder  # noqa: PLC0415 - start-up time
+
+    settings = session(context).settings(rules=rules)
+    for path in start(name, own_folder(settings), notation):
+        write(here(path))
+    option = f" --rules {shlex.quote(rules)}" if rules else ""
+    note("what comes next:")
+    for command in ("check", "test", "diff"):
+        note(f"  kg rules {command} {name}{option}")
+
+
+def list_rules(context: typer.Context, chosen: Chosen = None, *, rules: Rules = None, json: Json = False) -> None:
+    """List the rules in force: those of kg, of installed packs, and your own.
+
+    For example:
+
+        kg rules list
+        kg rules list capability
+    """
+    from kg.cli.rules_view import COLUMNS, list_row  # noqa: PLC0415 - start-up time
+    from kg.rules.authoring.library import Library  # noqa: PLC0415 - start-up time
+    from kg.rules.authoring.manual import entry_object  # noqa: PLC0415 - start-up time
+    from kg.rules.authoring.naming import choose  # noqa: PLC0415 - start-up time
+
+    library = Library.of(session(context).settings(rules=rules))
+    errors = list(library.problems)
+    found = [(entry, _documentation(entry, errors)) for entry in choose(library, chosen or ())]
+    objects = (entry_object(entry, told) for entry, told in found) if json else None
+    listing(COLUMNS, [list_row(entry, told) for entry, told in found], objects=objects)
+    for error in errors:
+        report(error)
+    if terminal() and not json:
+        families = len({entry.family for entry, _ in found})
+        note(f"{count(len(found), 'rule')} of {count(families, 'family', 'families')}; `kg rules show NAME` shows one")
+        idle = sorted({entry.family for entry in library.entries.values() if not entry.in_force})
+        if idle and not chosen:
+            note(f"not in force: {', '.join(idle)}; `kg rules list {idle[0]}` lists them")
+    if errors:
+        raise typer.Exit(Exit.FOUND)
+
+
+def _documentation(entry: "Entry", errors: list[RuleError]) -> "Documentation":
+    from kg.rules.authoring.manual import documentation  # noqa: PLC0415 - start-up time
+    from kg.rules.files import Documentation  # noqa: PLC0415 - start-up time
+
+    try:
+        return documentation(entry)
+    except RuleError as error:
+        errors.append(error)
+        return Documentation()
+
+
+def show_rule(context: typer.Context, name: Name, *, rules: Rules = None, json: Json = False) -> None:
+    """Show one rule: its documentation, its text, what it reads and derives, and its place among the rules."""
+    from kg.cli.rules_view import manual_lines  # noqa: PLC0415 - start-up time
+    from kg.pipeline.reasoning import ontology_schema  # noqa: PLC0415 - start-up time
+    from kg.rules.authoring.library import Library  # noqa: PLC0415 - start-up time
+    from kg.rules.authoring.manual import manual, manual_object  # noqa: PLC0415 - start-up time
+    from kg.rules.authoring.naming import find_rule  # noqa: PLC0415 - start-up time
+
+    library = Library.of(session(context).settings(rules=rules))
+    entry = find_rule(library, name)
+    known = manual(library, entry, ontology_schema())
+    if json:
+        json_lines([manual_object(entry, known)])
+    else:
+        show(*manual_lines(known))
+    if known.problem:
+        report(known.problem)
+        raise typer.Exit(Exit.FOUND)

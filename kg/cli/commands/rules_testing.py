@@ -1,0 +1,91 @@
+"""`kg rules test`: do rules infer what their examples say?"""
+
+import time
+from itertools import groupby
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from kg.cli.commands.rules import Chosen
+from kg.cli.diagnostics import note, report, say
+from kg.cli.options import Json, Rules
+from kg.cli.output import json_lines, show
+from kg.cli.session import session
+from kg.errors import Exit
+from kg.render.text import count
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from kg.rules.authoring.library import Entry
+    from kg.rules.authoring.testing import Result
+
+__all__ = ["show_results", "summary", "try_rules"]
+
+_FEW = 3
+"""So many rules without examples are named; of more, how many there are."""
+
+Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Show every example, not only those that failed.")]
+
+
+def try_rules(
+    context: typer.Context,
+    chosen: Chosen = None,
+    *,
+    verbose: Verbose = False,
+    rules: Rules = None,
+    json: Json = False,
+) -> None:
+    """Run the examples beside rules, and show what differs; exit code 1 when one fails.
+
+    The examples of rules/FAMILY/NAME.rq stand in rules/FAMILY/NAME.md; each says what is given, and what is
+    inferred from it. No store is needed. For example:
+
+        kg rules test
+        kg rules test wiring/listens-to
+        kg rules test rules/wiring
+    """
+    from kg.rules.authoring.library import Library  # noqa: PLC0415 - start-up time
+    from kg.rules.authoring.naming import choose  # noqa: PLC0415 - start-up time
+    from kg.rules.authoring.testing import result_object, run_examples, tested  # noqa: PLC0415 - start-up time
+
+    begin = time.perf_counter()
+    library = Library.of(session(context).settings(rules=rules))
+    with_examples, without = tested(choose(library, chosen or ()))
+    results = run_examples(with_examples, library)
+    done = []
+    if json:
+        for result in results:
+            done.append(result)
+            json_lines([result_object(result)])
+    else:
+        done = show_results(results, every=verbose or len(with_examples) == 1)
+    for error in library.problems:
+        report(error)
+    summary(done, without, time.perf_counter() - begin)
+    if library.problems or not all(result.passed for result in done):
+        raise typer.Exit(Exit.FOUND)
+
+
+def show_results(results: "Iterable[Result]", *, every: bool) -> "list[Result]":
+    """Show results rule by rule as they come, and return them; `every`: also the examples that passed."""
+    from kg.cli.rules_view import result_lines  # noqa: PLC0415 - start-up time
+
+    done: list[Result] = []
+    for rule, group in groupby(results, key=lambda result: result.rule):
+        found = list(group)
+        done += found
+        show(*result_lines(rule, found, every=every))
+    return done
+
+
+def summary(done: "Sequence[Result]", without: "Sequence[Entry]", seconds: float) -> None:
+    """Say how all went, and which rules have no examples."""
+    failed = sum(not result.passed for result in done)
+    rules = len({result.rule for result in done})
+    verdict = f"{failed:,} failed" if failed else "all passed"
+    say(f"{count(len(done), 'example')} of {count(rules, 'rule')}: {verdict} in {seconds:.2f} s")
+    if without:
+        names = ", ".join(entry.name for entry in without[:_FEW])
+        more = f" and {len(without) - _FEW} more" if len(without) > _FEW else ""
+        note(f"without examples: {names}{more}")

@@ -1,0 +1,149 @@
+"""Rules for people: the list of them, all about one, and how their examples went."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Final
+
+from kg.cli.output import Column
+from kg.render.text import count, printable
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+    from pathlib import Path
+
+    from rich.table import Table
+    from rich.text import Text
+
+    from kg.rules.authoring.library import Entry
+    from kg.rules.authoring.manual import Manual
+    from kg.rules.authoring.testing import Result
+    from kg.rules.files import Documentation
+
+__all__ = ["COLUMNS", "changed_line", "here", "list_row", "manual_lines", "result_lines"]
+
+COLUMNS: Final = (
+    Column("rule", "name"),
+    Column("title"),
+    Column("notation", "dim"),
+    Column("since", "dim", spare=True),
+    Column("state", "dim", spare=True),
+)
+
+
+def here(path: str | Path) -> str:
+    """Return a path as seen from the working folder, where it lies below it."""
+    text = os.path.relpath(path)
+    return str(path) if text.startswith("..") else text
+
+
+def list_row(entry: Entry, told: Documentation) -> tuple[str | None, ...]:
+    """Return the row of a rule in the list of rules."""
+    severity = f" [{told.severity}]" if told.severity else ""
+    state = ", ".join(
+        word for word in (f"pack {entry.pack}" if entry.pack else "", "" if entry.in_force else "not in force") if word
+    )
+    return (entry.name, told.title + severity, entry.path.suffix.lstrip("."), told.since, state)
+
+
+def manual_lines(known: Manual) -> Iterator[Text | Table]:
+    """Yield the lines about one rule: what it is, its documentation, its place among the rules, its text."""
+    from rich.text import Text  # noqa: PLC0415 - start-up time
+
+    file = known.file
+    since = f", since {file.documentation.since}" if file.documentation.since else ""
+    severity = f", reports a {file.documentation.severity}" if file.documentation.severity else ""
+    yield Text.assemble((file.name, "bold"), f"  {_notation(known)}{since}{severity}")
+    yield Text(printable(file.documentation.title))
+    for heading, text in known.sections:
+        yield Text()
+        yield Text(heading, style="bold")
+        yield from (Text(f"  {printable(line)}".rstrip()) for line in text.splitlines())
+    yield Text()
+    yield _fields(known)
+    yield Text()
+    wide = len(str(known.lines[-1][0])) if known.lines else 1
+    yield from (Text.assemble((f"{number:>{wide}} | ", "dim"), printable(line)) for number, line in known.lines)
+
+
+def _notation(known: Manual) -> str:
+    from kg.rules.files import NOTATIONS  # noqa: PLC0415 - start-up time
+
+    return NOTATIONS[known.file.notation]
+
+
+def _fields(known: Manual) -> Table:
+    from rich.table import Table  # noqa: PLC0415 - start-up time
+
+    first, last = (known.strata[0], known.strata[-1]) if known.strata else (0, 0)
+    strata = f"{first}" if first == last else f"{first} to {last}"
+    fields = (
+        ("file", here(known.file.path)),
+        ("pack", known.file.pack),
+        ("reads", ", ".join(known.reads)),
+        ("absent", ", ".join(known.absent)),
+        ("derives", ", ".join(known.derives)),
+        ("stratum", f"{strata} of {known.of_strata}" if known.strata else "none"),
+        ("fed by", ", ".join(known.fed_by)),
+        ("feeds", ", ".join(known.feeds)),
+        (
+            "examples",
+            "\n".join(
+                f"{here(example.place.path)}:{example.place.line}  {example.title}" for example in known.examples
+            ),
+        ),
+    )
+    table = Table.grid(padding=(0, 1))
+    table.add_column(style="dim")
+    table.add_column()
+    for name, value in fields:
+        if value:
+            table.add_row(f"  {name:<9}", "\n".join(map(printable, value.splitlines())))
+    return table
+
+
+def result_lines(rule: str, results: Iterable[Result], *, every: bool) -> Iterator[Text]:
+    """Yield how the examples of one rule went: a line for the rule, and one for each example that matters."""
+    from rich.text import Text  # noqa: PLC0415 - start-up time
+
+    found = list(results)
+    failed = [result for result in found if not result.passed]
+    words = f"{len(failed)} of {len(found)} failed" if failed else f"{count(len(found), 'example')}"
+    mark = ("FAIL", "bold red") if failed else ("ok  ", "green")
+    yield Text.assemble(mark, "  ", (rule, "bold"), f"  {words}")
+    for result in found if every else failed:
+        yield from _example_lines(result)
+
+
+def _example_lines(result: Result) -> Iterator[Text]:
+    from rich.text import Text  # noqa: PLC0415 - start-up time
+
+    title = printable(result.title or "examples")
+    if result.passed:
+        yield Text.assemble(("      ok    ", "green"), title)
+        return
+    where = here(result.place.path) + (f":{result.place.line}" if result.place.line else "")
+    yield Text.assemble(("      FAIL  ", "bold red"), title, "  ", (where, "dim"))
+    if result.error:
+        place = f" ({here(result.error.place.path)}{_line_of(result.error.place.line)})" if result.error.place else ""
+        yield Text(f"            {result.error.code}: {printable(result.error.message)}{place}", style="red")
+    yield from (changed_line("-", text, "missing", indent=12) for text in result.missing)
+    yield from (changed_line("+", text, "not expected", indent=12) for text in result.unexpected)
+    for line in result.why_missing:
+        yield changed_line("-", line.text, f"in no proof, line {line.place.line}", indent=12)
+    if result.proof:
+        yield Text("            the proof:", style="dim")
+        yield from (Text(f"              {printable(line)}", style="dim") for line in result.proof)
+
+
+def _line_of(line: int | None) -> str:
+    return f":{line}" if line else ""
+
+
+def changed_line(sign: str, text: str, about: str = "", *, indent: int = 0) -> Text:
+    """Return a line about something that comes (`+`) or goes (`-`)."""
+    from rich.text import Text  # noqa: PLC0415 - start-up time
+
+    style = "green" if sign == "+" else "red"
+    line = Text.assemble(" " * indent, (f"{sign} ", f"bold {style}"), (printable(text), style))
+    return line.append(f"  {about}", style="dim") if about else line
