@@ -72,36 +72,46 @@ class Maintained:
             for stratum, rules in zip(self._program.strata, self._rules, strict=True):
                 maintain_stratum(stratum, rules, earlier, progress)
                 earlier += rules
-        change = self._change(progress)
+        change = _change(progress)
         self.asserted, self._known = progress.after.asserted, progress.after.known
-        self.inferred = self.inferred.copy()
-        for predicate, keys in change.removed:
-            self.inferred.discard(predicate, keys)
-        for predicate, keys in change.added:
-            self.inferred.extend(predicate, keys)
+        self.inferred = self._inferred(change)
         return change
+
+    def _inferred(self, change: Change) -> Facts:
+        """Return what is inferred after a change; predicates that nothing asserts share the arrays of what is known."""
+        found = self.inferred.copy()
+        for predicate in {*change.removed.predicates, *change.added.predicates}:
+            if self.asserted.keys(predicate).size:
+                found.discard(predicate, change.removed.keys(predicate))
+                found.extend(predicate, change.added.keys(predicate))
+            else:
+                found.take_over(predicate, self._known)
+        return found
 
     def _asserting(self, inserted: Facts, deleted: Facts) -> Progress:
         """Begin with the change of what is asserted; what is inferred already does not come."""
         before = World(self.asserted, self._known)
         after = before.copy()
         came = lacking(inserted, self._known)
-        for predicate, keys in deleted:
-            after.asserted.discard(predicate, keys)
-            after.known.discard(predicate, keys)
-        for predicate, keys in inserted:
-            after.asserted.extend(predicate, keys)
-        for predicate, keys in came:
-            after.known.extend(predicate, keys)
-        return Progress(before, after, Delta(inserted, came), Delta(deleted, deleted.copy()), self._shop.clock)
+        gone = deleted.copy()
+        for predicate in {*deleted.predicates, *inserted.predicates}:
+            after.asserted.discard(predicate, deleted.keys(predicate))
+            after.asserted.extend(predicate, inserted.keys(predicate))
+            if self.inferred.keys(predicate).size:
+                after.known.discard(predicate, deleted.keys(predicate))
+                after.known.extend(predicate, came.keys(predicate))
+            else:
+                after.known.take_over(predicate, after.asserted)
+        return Progress(before, after, Delta(inserted, came), Delta(deleted, gone), self._shop.clock)
 
-    def _change(self, progress: Progress) -> Change:
-        """Tell which inferred triples come and go: those that are known and not asserted."""
-        added = lacking(progress.came.known, progress.after.asserted)
-        absorb(added, common(progress.gone.asserted, progress.after.known))
-        removed = common(progress.gone.known, self.inferred)
-        absorb(removed, common(progress.came.asserted, self.inferred))
-        return Change(added, removed)
+
+def _change(progress: Progress) -> Change:
+    """Tell which inferred triples come and go: of what is known, those that are not asserted."""
+    added = lacking(progress.came.known, progress.after.asserted)
+    absorb(added, common(progress.gone.asserted, progress.after.known))
+    removed = lacking(progress.gone.known, progress.gone.asserted)
+    absorb(removed, lacking(progress.came.asserted, progress.came.known))
+    return Change(added, removed)
 
 
 def maintain(  # noqa: PLR0913, PLR0917 - a state and a change, of two sets each
