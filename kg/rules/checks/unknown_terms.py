@@ -36,14 +36,21 @@ def check(file: RuleFile, context: Context) -> Iterator[Finding]:
     heads = {iri for rule in context.rules.rules if rule.name != file.name for iri in _derived(rule)}
     own = {iri for rule in file.rules for iri in _derived(rule)}
     known = context.terms | heads
+    foreign = {_namespace(iri) for iri in context.terms}
     wanted = {iri: "property" if is_property else "class" for rule in file.rules for iri, is_property in _used(rule)}
     for iri, kind in wanted.items():
-        if iri in known or iri.startswith(_BUILT_IN) or (iri in own and _read_in(file, iri)):
+        if iri in known or iri.startswith(_BUILT_IN):
             continue
+        if iri in own and (_read_in(file, iri) or _namespace(iri) not in foreign):
+            continue  # a term that the rule brings along
         short = {shorten(term): term for term in known}
         hint = did_you_mean(shorten(iri), short) or "Define it in an ontology, or correct the name."
         message = f"no ontology defines the {kind} {shorten(iri)}, and the store does not have it"
         yield Finding(CODE, "warning", file.name, message, place_of_name(file, iri), hint)
+
+
+def _namespace(iri: str) -> str:
+    return iri[: max(iri.rfind("#"), iri.rfind("/")) + 1]
 
 
 def _read_in(file: RuleFile, iri: str) -> bool:
