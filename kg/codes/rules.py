@@ -120,4 +120,11 @@ CODES: Final = {
         "The fact to explain is not in the store, or no rule in force derives it any more.",
         "Ask `kg why-not` what is missing, or bring the inferred facts up to date with `kg rules run`.",
     ),
+    "KG230": CodeEntry(
+        "SHACL feature not supported",
+        "A shapes graph uses a feature of SHACL that has no exact counterpart in rules: constraints in JavaScript, "
+        "components of its own, recursive shapes, results that depend on an order of nodes, entailment regimes other "
+        "than RDFS.",
+        "Write it as the hint says, or as a SPARQL rule.",
+    ),
 }

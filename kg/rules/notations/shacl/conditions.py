@@ -1,0 +1,197 @@
+"""Conformance to a shape (SHACL, section 3.4) as filters on a term: sh:condition and sh:filterShape.
+
+A shape with a path speaks of the values of that path: that all conform is that none has a case in which it does not.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+from pyoxigraph import Literal, NamedNode
+
+from kg.rules.notations.shacl.counting import at_least, number_of
+from kg.rules.notations.shacl.expressions import Expressions
+from kg.rules.notations.shacl.logic import FALSE, MAX_CASES, TRUE, every, exists, none, some
+from kg.rules.notations.shacl.paths import Branch, path_of, steps
+from kg.rules.notations.shacl.query import rename, spell
+from kg.rules.notations.shacl.relations import RELATIONS, Comparison, closed, has_value, property_name, unique_languages
+from kg.rules.notations.shacl.selected import solution_of
+from kg.rules.notations.shacl.values import VALUE_TESTS
+from kg.rules.notations.shacl.vocabulary import SH, sh
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from kg.rules.form import Term
+    from kg.rules.notations.shacl.functions import Functions
+    from kg.rules.notations.shacl.graph import ShapesGraph
+    from kg.rules.notations.shacl.logic import Cases
+    from kg.rules.notations.shacl.paths import Names
+
+__all__ = ["Conditions"]
+
+
+class Conditions:
+    """Turns shapes into filters for one rule."""
+
+    def __init__(self, graph: ShapesGraph, functions: Functions, names: Names, binder: str) -> None:
+        """Take what the rule shares."""
+        self._graph = graph
+        self._functions = functions
+        self._names = names
+        self._binder = binder
+        self._around: list[Term] = []
+
+    def conforms(self, shape: Term, term: str, *, wanted: bool = True) -> Cases:
+        """Return the cases in which a term conforms to a shape, or those in which it does not.
+
+        Raises `RuleError`: KG201 for a shape that is ill-formed, KG230 for one that refers to itself and for
+        constraints that are not supported.
+        """
+        if isinstance(shape, Literal):
+            raise self._graph.error(f"{shape} is no shape", self._around[-1] if self._around else shape)
+        if shape in self._around:
+            hint = "The standard leaves open what recursive shapes mean; break the cycle."
+            raise self._graph.unsupported(f"{self._graph.called(shape)}, a shape that refers to itself,", shape, hint)
+        if self._graph.flag(shape, "deactivated"):
+            return TRUE if wanted else FALSE
+        self._around.append(shape)
+        try:
+            parts = [*self._constraints(shape, term, wanted=wanted)]
+            return every(parts) if wanted else some(parts)
+        except OverflowError:
+            hint = "Split the rule, or the shape, in several."
+            raise self._graph.unsupported(f"a condition of more than {MAX_CASES} cases", shape, hint) from None
+        finally:
+            self._around.pop()
+
+    def _values(self, shape: Term, term: str) -> list[Branch]:
+        """Return how the value nodes of a shape are reached; anew at each call, with other variables."""
+        path = self._graph.one(shape, "path")
+        if path is None:
+            if self._graph.is_instance(shape, sh("PropertyShape")):
+                raise self._graph.error(f"{self._graph.called(shape)} is a property shape without sh:path", shape)
+            return [Branch("", term)]
+        return [*steps(path_of(self._graph, path, shape), term, self._names)]
+
+    def _constraints(self, shape: Term, term: str, *, wanted: bool) -> Iterator[Cases]:
+        for predicate in self._graph.predicates(shape):
+            for value in self._graph.values(shape, predicate):
+                if (found := self._constraint(shape, predicate, value, term, wanted=wanted)) is not None:
+                    yield found
+
+    def _constraint(self, shape: Term, predicate: NamedNode, value: Term, term: str, *, wanted: bool) -> Cases | None:
+        each = self._each(shape, predicate, value)
+        if each is not None:
+            return self._of_values(self._values(shape, term), each, wanted=wanted)
+        if predicate in RELATIONS:
+            compared = property_name(self._graph, shape, value)
+            comparison = Comparison(term, self._values(shape, term), compared, self._names.fresh())
+            return RELATIONS[predicate](comparison, wanted=wanted)
+        name = predicate.value.removeprefix(SH) if predicate.value.startswith(SH) else ""
+        if name in {"minCount", "maxCount", "qualifiedMinCount", "qualifiedMaxCount"}:
+            return self._counted(shape, name, value, term, wanted=wanted)
+        if name == "hasValue":
+            return has_value(self._graph, shape, value, self._values(shape, term), wanted=wanted)
+        if name == "uniqueLang":
+            pair = (self._values(shape, term), self._values(shape, term))
+            return unique_languages(pair, wanted=wanted) if self._graph.flag(shape, "uniqueLang") else None
+        self._refuse(shape, predicate, name)
+        return None
+
+    def _refuse(self, shape: Term, predicate: NamedNode, name: str) -> None:
+        """Raise KG230 for constraints in JavaScript and of components that the file declares."""
+        component = [
+            owner
+            for parameter in self._graph.subjects(sh("path"), predicate)
+            for owner in self._graph.subjects(sh("parameter"), parameter)
+            if self._graph.is_instance(owner, sh("ConstraintComponent"))
+        ]
+        if name == "js" or component:
+            hint = "Write the constraint with sh:sparql, or out of the constraints of SHACL Core."
+            raise self._graph.unsupported(f"{predicate} in a condition", shape, hint)
+
+    def _each(self, shape: Term, predicate: NamedNode, value: Term) -> Callable[[str, bool], Cases] | None:
+        """Return the test of one value node that a constraint makes; None for constraints on all of them."""
+        if predicate in VALUE_TESTS:
+            reader = VALUE_TESTS[predicate]
+            return lambda term, wanted: reader(self._graph, shape, value, term, wanted=wanted)
+        readers: dict[NamedNode, Callable[[str, bool], Cases]] = {
+            sh("node"): lambda term, wanted: self.conforms(value, term, wanted=wanted),
+            sh("property"): lambda term, wanted: self.conforms(value, term, wanted=wanted),
+            sh("not"): lambda term, wanted: self.conforms(value, term, wanted=not wanted),
+            sh("and"): lambda term, wanted: self._all(shape, value, term, wanted=wanted),
+            sh("or"): lambda term, wanted: self._any(shape, value, term, wanted=wanted),
+            sh("xone"): lambda term, wanted: self._one(shape, value, term, wanted=wanted),
+            sh("closed"): lambda term, wanted: closed(self._graph, shape, term, self._names, wanted=wanted),
+            sh("expression"): lambda term, wanted: self._expressions().true(value, term, wanted=wanted),
+            sh("sparql"): lambda term, wanted: self._selected(shape, value, term, wanted=wanted),
+        }
+        return readers.get(predicate)
+
+    def _expressions(self) -> Expressions:
+        return Expressions(self._graph, self._functions, self._names, self, self._binder)
+
+    def _selected(self, shape: Term, value: Term, term: str, *, wanted: bool) -> Cases:
+        """Return that a constraint in SPARQL has no solution for a term, or that it has one."""
+        if self._graph.flag(value, "deactivated"):
+            return TRUE if wanted else FALSE
+        solutions = solution_of(self._graph, self._functions, self._names, shape, value)
+        group = spell(rename(solutions, {"this": term}))
+        return [[f"FILTER {'NOT ' if wanted else ''}EXISTS {{ {group} }}"]]
+
+    def _of_values(self, values: list[Branch], each: Callable[[str, bool], Cases], *, wanted: bool) -> Cases:
+        """Return that all values pass a test, or that one does not."""
+        parts = []
+        for branch in values:
+            if not branch.pattern:
+                parts.append(each(branch.term, wanted))
+            else:
+                parts.append((none if wanted else exists)(branch.pattern, each(branch.term, False)))
+        return every(parts) if wanted else some(parts)
+
+    def _shapes(self, shape: Term, value: Term) -> list[Term]:
+        return self._graph.members(value, shape)
+
+    def _all(self, shape: Term, value: Term, term: str, *, wanted: bool) -> Cases:
+        parts = [self.conforms(one, term, wanted=wanted) for one in self._shapes(shape, value)]
+        return every(parts) if wanted else some(parts)
+
+    def _any(self, shape: Term, value: Term, term: str, *, wanted: bool) -> Cases:
+        parts = [self.conforms(one, term, wanted=wanted) for one in self._shapes(shape, value)]
+        return some(parts) if wanted else every(parts)
+
+    def _one(self, shape: Term, value: Term, term: str, *, wanted: bool) -> Cases:
+        shapes = self._shapes(shape, value)
+        if wanted:
+            return some(every(self.conforms(other, term, wanted=other is one) for other in shapes) for one in shapes)
+        pairs = [every(self.conforms(one, term) for one in pair) for pair in combinations(shapes, 2)]
+        return some([every(self.conforms(one, term, wanted=False) for one in shapes), *pairs])
+
+    def _counted(self, shape: Term, name: str, value: Term, term: str, *, wanted: bool) -> Cases:
+        """Return that a path has at least or at most a number of values (that conform to a shape)."""
+        limit = number_of(self._graph, shape, name, value)
+        least = name in {"minCount", "qualifiedMinCount"}
+        extra = self._qualified(shape) if name.startswith("qualified") else None
+        reach = at_least(lambda: self._values(shape, term), term, limit if least else limit + 1, self._names, extra)
+        if wanted == least:
+            return reach
+        negated = [[filter_.replace("FILTER EXISTS", "FILTER NOT EXISTS", 1) for case in reach for filter_ in case]]
+        return FALSE if reach == TRUE else negated
+
+    def _qualified(self, shape: Term) -> Callable[[str], Cases]:
+        """Return the test that a value conforms to sh:qualifiedValueShape and to no sibling (SHACL, 4.7.3)."""
+        own = self._graph.required(shape, "qualifiedValueShape")
+        siblings: list[Term] = []
+        if self._graph.flag(shape, "qualifiedValueShapesDisjoint"):
+            siblings = [
+                qualified
+                for parent in self._graph.subjects(sh("property"), shape)
+                for sibling in self._graph.values(parent, sh("property"))
+                for qualified in self._graph.values(sibling, sh("qualifiedValueShape"))
+                if qualified != own
+            ]
+        return lambda term: every(
+            [self.conforms(own, term), *(self.conforms(other, term, wanted=False) for other in siblings)]
+        )

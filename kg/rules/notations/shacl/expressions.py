@@ -1,0 +1,291 @@
+"""Node expressions (SHACL-AF, section 6): how their nodes are reached from the focus node, as patterns.
+
+An expression gives a set of nodes; it becomes branches, each of which gives some of them. Of the drafts that followed
+the standard those expressions are there whose result does not depend on an order of nodes.
+"""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import TYPE_CHECKING, Final
+
+from pyoxigraph import BlankNode
+
+from kg.rules.notations.shacl.paths import Branch, path_of, steps
+from kg.rules.notations.shacl.query import variables
+from kg.rules.notations.shacl.vocabulary import SH, sh
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from kg.rules.form import Term
+    from kg.rules.notations.shacl.conditions import Conditions
+    from kg.rules.notations.shacl.functions import Function, Functions
+    from kg.rules.notations.shacl.graph import ShapesGraph
+    from kg.rules.notations.shacl.paths import Names
+
+__all__ = ["Expressions"]
+
+_BOOLEAN: Final = {
+    True: '"true"^^<http://www.w3.org/2001/XMLSchema#boolean>',
+    False: '"false"^^<http://www.w3.org/2001/XMLSchema#boolean>',
+}
+_ZERO: Final = '"0"^^<http://www.w3.org/2001/XMLSchema#integer>'
+_MAX_DEPTH: Final = 40
+
+
+class Expressions:
+    """Turns the expressions of one rule into patterns; `binder` is the pattern that binds the focus node."""
+
+    def __init__(
+        self, graph: ShapesGraph, functions: Functions, names: Names, conditions: Conditions, binder: str
+    ) -> None:
+        """Take what the rule shares."""
+        self._graph = graph
+        self._functions = functions
+        self._names = names
+        self._conditions = conditions
+        self._binder = binder
+        self._depth = 0
+
+    def branches(self, node: Term, this: str) -> list[Branch]:
+        """Return the branches of an expression at a focus node; KG201 when it is none, KG230 for unknown ones."""
+        if node == sh("this"):
+            return [Branch("", this)]
+        if not isinstance(node, BlankNode):
+            return [Branch("", str(node))]
+        if self._depth > _MAX_DEPTH:
+            raise self._graph.error("a node expression contains itself", node)
+        self._depth += 1
+        try:
+            return self._reader(node)(node, this)
+        finally:
+            self._depth -= 1
+
+    def _reader(self, node: Term) -> Callable[[Term, str], list[Branch]]:
+        has = {predicate.value.removeprefix(SH) for predicate in self._graph.predicates(node)}
+        kinds: dict[str, Callable[[Term, str], list[Branch]]] = {
+            "path": self._path,
+            "filterShape": self._filtered,
+            "intersection": self._intersection,
+            "union": self._union,
+            "minus": self._minus,
+            "distinct": self._distinct,
+            "count": self._count,
+            "min": self._aggregated("MIN", "min"),
+            "max": self._aggregated("MAX", "max"),
+            "sum": self._sum,
+            "exists": self._exists,
+            "if": self._if,
+            "limit": self._cut,
+            "offset": self._cut,
+            "orderBy": self._ordered,
+        }
+        found = [name for name in kinds if name in has]
+        if len(found) > 1 and not set(found) <= {"limit", "offset", "orderBy"}:
+            raise self._graph.error(f"a node expression has both sh:{found[0]} and sh:{found[1]}", node)
+        return kinds[found[0]] if found else self._function
+
+    def _nodes(self, node: Term, this: str) -> list[Branch]:
+        return self.branches(self._graph.required(node, "nodes"), this)
+
+    def _path(self, node: Term, this: str) -> list[Branch]:
+        nodes = self._graph.one(node, "nodes")
+        path = path_of(self._graph, self._graph.required(node, "path"), node)
+        starts = [Branch("", this)] if nodes is None else self.branches(nodes, this)
+        return [
+            Branch(f"{start.pattern} {step.pattern}".strip(), step.term, step.matched or start.matched)
+            for start in starts
+            for step in steps(path, start.term, self._names)
+        ]
+
+    def _filtered(self, node: Term, this: str) -> list[Branch]:
+        shape = self._graph.required(node, "filterShape")
+        return [
+            branch.filtered(*case)
+            for branch in self._nodes(node, this)
+            for case in self._conditions.conforms(shape, branch.term)
+        ]
+
+    def _list(self, node: Term, name: str, this: str) -> list[list[Branch]]:
+        members = self._graph.members(self._graph.required(node, name), node)
+        if len(members) < 2:  # noqa: PLR2004 - the standard asks for two
+            raise self._graph.error(f"sh:{name} has a list of two members at least", node)
+        return [self.branches(member, this) for member in members]
+
+    def _union(self, node: Term, this: str) -> list[Branch]:
+        return [branch for branches in self._list(node, "union", this) for branch in branches]
+
+    def _intersection(self, node: Term, this: str) -> list[Branch]:
+        found, *others = self._list(node, "intersection", this)
+        for other in others:
+            found = [_both(left, right) for left, right in product(found, other)]
+        return found
+
+    def _minus(self, node: Term, this: str) -> list[Branch]:
+        taken = self.branches(self._graph.required(node, "minus"), this)
+        found = []
+        for branch in self._nodes(node, this):
+            absent = [_absent(branch.term, other) for other in taken]
+            found.append(branch.filtered(*absent))
+        return found
+
+    def _distinct(self, node: Term, this: str) -> list[Branch]:
+        return self.branches(self._graph.required(node, "distinct"), this)
+
+    def _ordered(self, node: Term, this: str) -> list[Branch]:
+        return self._nodes(node, this)
+
+    def _cut(self, node: Term, this: str) -> list[Branch]:
+        del this
+        hint = "Which nodes are left depends on an order of nodes; use sh:min or sh:max where one is meant."
+        raise self._graph.unsupported("sh:limit and sh:offset in a node expression", node, hint)
+
+    def _all(self, branches: Sequence[Branch]) -> tuple[str, str]:
+        """Return one group that has the nodes of all branches as the values of one variable."""
+        value = self._names.fresh()
+        groups = []
+        for branch in branches:
+            given = branch.giving(value)
+            pattern = given.pattern if given else f"{branch.pattern} BIND({branch.term} AS {value})"
+            groups.append(f"{self._binder} {pattern}".strip())
+        return value, groups[0] if len(groups) == 1 else " UNION ".join(f"{{ {group} }}" for group in groups)
+
+    def _grouped(self, function: str, branches: Sequence[Branch], this: str) -> Branch:
+        value, group = self._all(branches)
+        result = self._names.fresh()
+        call = f"({function}(DISTINCT {value}) AS {result})"
+        return Branch(f"{{ SELECT {this} {call} WHERE {{ {group} }} GROUP BY {this} }}", result)
+
+    def _aggregated(self, function: str, name: str) -> Callable[[Term, str], list[Branch]]:
+        def read(node: Term, this: str) -> list[Branch]:
+            return [self._grouped(function, self.branches(self._graph.required(node, name), this), this)]
+
+        return read
+
+    def _or_zero(self, function: str, node: Term, name: str, this: str) -> list[Branch]:
+        branches = self.branches(self._graph.required(node, name), this)
+        empty = " ".join(_none(branch) for branch in branches)
+        zero = [Branch(empty, _ZERO)] if all(branch.pattern for branch in branches) else []
+        return [self._grouped(function, branches, this), *zero]
+
+    def _count(self, node: Term, this: str) -> list[Branch]:
+        return self._or_zero("COUNT", node, "count", this)
+
+    def _sum(self, node: Term, this: str) -> list[Branch]:
+        return self._or_zero("SUM", node, "sum", this)
+
+    def _exists(self, node: Term, this: str) -> list[Branch]:
+        branches = self.branches(self._graph.required(node, "exists"), this)
+        if any(not branch.pattern for branch in branches):
+            return [Branch("", _BOOLEAN[True])]
+        none = " ".join(_none(branch) for branch in branches)
+        return [*(Branch(_some(branch), _BOOLEAN[True]) for branch in branches), Branch(none, _BOOLEAN[False])]
+
+    def _if(self, node: Term, this: str) -> list[Branch]:
+        true = [_tested(branch) for branch in self.branches(self._graph.required(node, "if"), this)]
+        found = []
+        for name, tests in (("then", [_some(branch) for branch in true]), ("else", [_all_none(true)])):
+            chosen = self._graph.one(node, name)
+            for branch, tested in product(self.branches(chosen, this) if chosen is not None else [], tests):
+                found.append(Branch(f"{tested} {branch.pattern}".strip(), branch.term))
+        return found
+
+    def _function(self, node: Term, this: str) -> list[Branch]:
+        """Return a call: the one triple of the node whose object is a list (SHACL-AF, section 6.4)."""
+        calls = [
+            (predicate, value)
+            for predicate in self._graph.predicates(node)
+            for value in self._graph.values(node, predicate)
+            if self._graph.is_list(value)
+        ]
+        if len(calls) != 1:
+            hint = "A node expression is sh:this, a constant, or a blank node with sh:path, sh:union, sh:intersection, "
+            hint += "sh:filterShape, or one function with the list of its arguments."
+            raise self._graph.error("a blank node is no node expression", node, hint=hint)
+        predicate, arguments = calls[0]
+        given = [self.branches(member, this) for member in self._graph.members(arguments, node)]
+        if self._functions.cast(predicate) and len(given) == 1:
+            return [self._bound(branch.pattern, f"{predicate}({branch.term})") for branch in given[0]]
+        function = self._functions.find(predicate, node)
+        optional = [flag for _, flag in function.parameters]
+        choices: list[list[Branch | None]] = [
+            [*branches] if branches or number >= len(optional) or not optional[number] else [None]
+            for number, branches in enumerate(given)
+        ]
+        return [found for chosen in product(*choices) for found in self._call(function, chosen, node)]
+
+    def _bound(self, pattern: str, expression: str) -> Branch:
+        value = self._names.fresh()
+        return Branch(f"{pattern} BIND({expression} AS {value})".strip(), value)
+
+    def _call(self, function: Function, chosen: Sequence[Branch | None], node: Term) -> list[Branch]:
+        before = " ".join(branch.pattern for branch in chosen if branch and branch.pattern)
+        arguments = self._functions.arguments(function, [branch.term if branch else None for branch in chosen], node)
+        if arguments is None:
+            return []
+        if (expression := self._functions.expression(function, arguments)) is not None:
+            return [self._bound(before, expression)]
+        own = variables(function.query.group) | variables(function.query.head)
+        renamed = {name: self._names.fresh() for name in sorted(own - set(arguments))}
+        pattern = self._functions.pattern(function, arguments, renamed)
+        if function.query.form == "ASK":
+            return [
+                Branch(f"{before} FILTER EXISTS {{ {pattern} }}".strip(), _BOOLEAN[True]),
+                Branch(f"{before} FILTER NOT EXISTS {{ {pattern} }}".strip(), _BOOLEAN[False]),
+            ]
+        if function.result is None or any(word.text == "(" for word in function.query.head):
+            hint = "Let its query be SELECT ?result WHERE { ... BIND(... AS ?result) }."
+            raise self._graph.unsupported(f"the query of the function {function.node}", function.node, hint)
+        return [Branch(f"{before} {pattern}".strip(), renamed[function.result])]
+
+    def true(self, node: Term, this: str, *, wanted: bool) -> list[list[str]]:
+        """Return the cases in which an expression gives `true` and nothing else (SHACL-AF, section 7), or not."""
+        branches = self.branches(node, this)
+        value = _BOOLEAN[True]
+        is_true = [_tested(branch) for branch in branches]
+        other = [branch.filtered(f"FILTER(!sameTerm({branch.term}, {value}))") for branch in branches]
+        if wanted:
+            return [[_some(branch), *(_none(one) for one in other)] for branch in is_true]
+        return [[_some(one)] for one in other] + [[_none(branch) for branch in is_true]]
+
+
+def _some(branch: Branch) -> str:
+    return f"FILTER EXISTS {{ {branch.pattern} }}"
+
+
+def _none(branch: Branch) -> str:
+    return f"FILTER NOT EXISTS {{ {branch.pattern} {_known(branch)}}}"
+
+
+def _known(branch: Branch) -> str:
+    """Return the filter that a computed node is there: an expression in error gives none."""
+    return f"FILTER(BOUND({branch.term})) " if branch.pattern.endswith(f"AS {branch.term})") else ""
+
+
+def _all_none(branches: Sequence[Branch]) -> str:
+    return " ".join(_none(branch) for branch in branches)
+
+
+def _tested(branch: Branch) -> Branch:
+    return branch.filtered(f"FILTER(sameTerm({branch.term}, {_BOOLEAN[True]}))")
+
+
+def _both(left: Branch, right: Branch) -> Branch:
+    """Return the branch of the nodes that two branches give."""
+    if (joined := right.giving(left.term)) is not None:
+        return Branch(f"{left.pattern} {joined.pattern}".strip(), left.term, left.matched)
+    if (joined := left.giving(right.term)) is not None:
+        return Branch(f"{right.pattern} {joined.pattern}".strip(), right.term, right.matched)
+    same = f"FILTER(sameTerm({left.term}, {right.term}))"
+    return Branch(" ".join(part for part in (left.pattern, right.pattern, same) if part), left.term)
+
+
+def _absent(term: str, branch: Branch) -> str:
+    """Return the filter that a branch does not give a term."""
+    if not branch.pattern:
+        return f"FILTER(!sameTerm({term}, {branch.term}))"
+    joined = branch.giving(term)
+    if joined is not None:
+        return f"FILTER NOT EXISTS {{ {joined.pattern} }}"
+    return f"FILTER NOT EXISTS {{ {branch.pattern} FILTER(sameTerm({term}, {branch.term})) }}"

@@ -1,0 +1,187 @@
+"""A shapes graph as it is read from Turtle: values, lists, instances, and errors with their place in the file."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from typing import TYPE_CHECKING
+
+from pyoxigraph import BlankNode, Literal, NamedNode, RdfFormat, parse
+
+from kg.errors import RuleError
+from kg.query.lexer import normalise
+from kg.query.position import place_at, place_of
+from kg.query.similar import did_you_mean
+from kg.rules.notations.shacl.places import Places, StringToken
+from kg.rules.notations.shacl.vocabulary import FIRST, KNOWN, NIL, REST, SH, SUBCLASS, TYPE, sh
+
+if TYPE_CHECKING:
+    from pyoxigraph import Triple
+
+    from kg.rules.form import Term
+
+__all__ = ["ShapesGraph"]
+
+
+class ShapesGraph:
+    """The triples of one file; `path` is what errors name."""
+
+    def __init__(self, text: str, path: str) -> None:
+        """Raise `RuleError` KG201 when the text is not Turtle or has a name that SHACL does not know."""
+        self.text = normalise(text)
+        self.path = path
+        self._by_subject: dict[Term, dict[NamedNode, list[Term]]] = defaultdict(lambda: defaultdict(list))
+        self._by_object: dict[Term, list[tuple[Term, NamedNode]]] = defaultdict(list)
+        for triple in self._parsed():
+            self._by_subject[triple.subject][triple.predicate].append(triple.object)
+            self._by_object[triple.object].append((triple.subject, triple.predicate))
+        self.places = Places(self.text)
+        self._check_names()
+
+    def _parsed(self) -> list[Triple]:
+        try:
+            return [quad.triple for quad in parse(self.text.encode(), RdfFormat.TURTLE)]
+        except SyntaxError as error:
+            what = str(error.msg or error).partition(": ")[2] or str(error)
+            place = place_of(self.text, error.lineno or 1, error.offset or 1, self.path)
+            raise RuleError("KG201", f"the file is not Turtle: {what}", place=place) from None
+
+    def _check_names(self) -> None:
+        for subject, predicate, _ in self.triples():
+            name = predicate.value.removeprefix(SH)
+            if predicate.value.startswith(SH) and name not in KNOWN:
+                offset = self.places.of_name(predicate.value)
+                hint = did_you_mean(name, KNOWN)
+                raise self.error(f"SHACL has no property `sh:{name}`", subject, hint=hint, offset=offset)
+
+    def triples(self) -> list[tuple[Term, NamedNode, Term]]:
+        """Return all triples, those of one subject together."""
+        return [
+            (subject, predicate, value)
+            for subject, pairs in self._by_subject.items()
+            for predicate, values in pairs.items()
+            for value in values
+        ]
+
+    def predicates(self, node: Term) -> list[NamedNode]:
+        """Return the predicates of which a node has values."""
+        return list(self._by_subject[node]) if node in self._by_subject else []
+
+    def values(self, node: Term, predicate: NamedNode) -> list[Term]:
+        """Return the values that a node has for a predicate, in the order of the file."""
+        return list(self._by_subject[node].get(predicate, ())) if node in self._by_subject else []
+
+    def subjects(self, predicate: NamedNode, value: Term | None = None) -> list[Term]:
+        """Return the nodes that have a value (this value) for a predicate."""
+        if value is not None:
+            return [subject for subject, found in self._by_object.get(value, ()) if found == predicate]
+        return [subject for subject, pairs in self._by_subject.items() if predicate in pairs]
+
+    def one(self, node: Term, name: str) -> Term | None:
+        """Return the only value of a property of SHACL; KG201 when there are several."""
+        values = self.values(node, sh(name))
+        if len(values) > 1:
+            raise self.error(f"{self.called(node)} has {len(values)} values of sh:{name}; one is allowed", node)
+        return values[0] if values else None
+
+    def required(self, node: Term, name: str) -> Term:
+        """Return the only value of a property of SHACL; KG201 when there is none."""
+        value = self.one(node, name)
+        if value is None:
+            raise self.error(f"{self.called(node)} has no sh:{name}", node, hint=f"Give it exactly one sh:{name}.")
+        return value
+
+    def flag(self, node: Term, name: str) -> bool:
+        """Tell whether a property of SHACL is `true`; KG201 when it is no boolean."""
+        value = self.one(node, name)
+        if value is None:
+            return False
+        if not isinstance(value, Literal) or value.value not in {"true", "false", "1", "0"}:
+            raise self.error(f"sh:{name} is {value}; it is either true or false", node)
+        return value.value in {"true", "1"}
+
+    def order(self, node: Term) -> float:
+        """Return `sh:order`, 0 without one; KG201 when it is no number."""
+        value = self.one(node, "order")
+        try:
+            return float(value.value) if isinstance(value, Literal) else 0.0 if value is None else float(str(value))
+        except ValueError:
+            raise self.error(f"sh:order is {value}; it is a number", node) from None
+
+    def members(self, node: Term, owner: Term) -> list[Term]:
+        """Return the members of a list; KG201 when it is not well-formed."""
+        found: list[Term] = []
+        seen: set[Term] = set()
+        while node != NIL:
+            first, rest = self.values(node, FIRST), self.values(node, REST)
+            if len(first) != 1 or len(rest) != 1 or node in seen:
+                raise self.error(f"{self.called(owner)} has a value that must be a list and is none", owner)
+            seen.add(node)
+            found.append(first[0])
+            node = rest[0]
+        return found
+
+    def is_list(self, node: Term) -> bool:
+        """Tell whether a node is a list."""
+        return node == NIL or bool(self.values(node, REST))
+
+    def is_instance(self, node: Term, kind: NamedNode) -> bool:
+        """Tell whether a node is a SHACL instance of a class, by rdf:type and rdfs:subClassOf in this file."""
+        open_classes = self.values(node, TYPE)
+        seen: set[Term] = set()
+        while open_classes:
+            found = open_classes.pop()
+            if found == kind:
+                return True
+            if found not in seen:
+                seen.add(found)
+                open_classes += self.values(found, SUBCLASS)
+        return False
+
+    def offset(self, node: Term) -> int:
+        """Return where a node stands: its name, or that of the nearest node around it that has a place."""
+        seen: set[Term] = set()
+        while node not in seen:
+            seen.add(node)
+            found = self._own_offset(node)
+            if found is not None:
+                return found
+            node = next((subject for subject, _ in self._by_object.get(node, ())), node)
+        return 0
+
+    def _own_offset(self, node: Term) -> int | None:
+        if isinstance(node, NamedNode):
+            return self.places.of_name(node.value)
+        for kind in self.values(node, TYPE):
+            if isinstance(kind, NamedNode):
+                instances, offsets = self.subjects(TYPE, kind), self.places.names.get(kind.value, [])
+                if len(instances) == len(offsets):
+                    return offsets[instances.index(node)]
+        for text in (value for name in ("construct", "select", "ask") for value in self.values(node, sh(name))):
+            if isinstance(text, Literal) and (found := self.string(text, node)):
+                return found.start
+        return None
+
+    def string(self, text: Literal, node: Term) -> StringToken | None:
+        """Return the token of a string that is a value of `node`; equal strings are told apart by their order."""
+        tokens = self.places.strings.get(text.value, [])
+        owners = [subject for subject, _ in self._by_object.get(text, ())]
+        number = owners.index(node) if node in owners and len(owners) == len(tokens) else 0
+        return tokens[number] if tokens else None
+
+    def called(self, node: Term) -> str:
+        """Return how messages name a node."""
+        if isinstance(node, BlankNode):
+            kinds = [kind.value.removeprefix(SH) for kind in self.values(node, TYPE) if isinstance(kind, NamedNode)]
+            return f"the blank node of type {kinds[0]}" if kinds else "the blank node"
+        return str(node)
+
+    def error(
+        self, message: str, node: Term, *, code: str = "KG201", hint: str | None = None, offset: int | None = None
+    ) -> RuleError:
+        """Return an error about a node, or about the character at `offset`."""
+        where = self.offset(node) if offset is None else offset
+        return RuleError(code, message, place=place_at(self.text, where, self.path), hint=hint)
+
+    def unsupported(self, what: str, node: Term, hint: str) -> RuleError:
+        """Return the error that a feature is not supported (KG230)."""
+        return self.error(f"{what} is not supported", node, code="KG230", hint=hint)

@@ -1,0 +1,211 @@
+"""SPARQL inside shapes graphs: the strings of sh:construct, sh:select and sh:ask, cut into words.
+
+Each word knows where it stands in the file, names are IRIs in brackets, and comments are gone, so that texts from
+nodes with different prefixes can be put together and an error still points at what was written.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final, TypeAlias
+
+from pyoxigraph import Literal, NamedNode
+
+from kg.query.lexer import Kind, normalise, tokens
+from kg.query.similar import did_you_mean
+from kg.rules.notations.shacl.vocabulary import IMPORTS, sh
+from kg.rules.syntax.iris import is_absolute
+from kg.rules.syntax.lexer import unescape, unescape_local
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from kg.query.lexer import Token
+    from kg.rules.form import Term
+    from kg.rules.notations.shacl.graph import ShapesGraph
+
+__all__ = ["Query", "Word", "Words", "closing", "plain", "query_of", "rename", "spell", "top_level", "variables"]
+
+
+@dataclass(frozen=True, slots=True)
+class Word:
+    """A token of SPARQL; `offset` is its place in the file, `joined` that no blank stands before it."""
+
+    kind: Kind
+    text: str
+    offset: int | None = None
+    joined: bool = False
+
+
+Words: TypeAlias = list[Word]
+
+
+@dataclass(frozen=True, slots=True)
+class Query:
+    """A query taken apart: what stands between its first word and its group, the group's inside, and what follows."""
+
+    form: str
+    head: Words
+    group: Words
+    modifiers: Words
+    owner: Term
+
+
+_FORMS: Final = {"construct": "CONSTRUCT", "select": "SELECT", "ask": "ASK"}
+_PAIRS: Final = {"{": "}", "(": ")", "[": "]"}
+
+
+def query_of(graph: ShapesGraph, owner: Term, name: str) -> Query:
+    """Return the query that `owner` has as its one value of sh:construct, sh:select or sh:ask.
+
+    Raises `RuleError` KG201 when it is missing, no string, uses a prefix that is not declared (SHACL, section 5.2.1),
+    or is not a query of that form.
+    """
+    literal = graph.required(owner, name)
+    if not isinstance(literal, Literal):
+        raise graph.error(f"sh:{name} of {graph.called(owner)} is no string", owner)
+    return _Reader(graph, owner, literal).query(_FORMS[name])
+
+
+def spell(words: Words) -> str:
+    """Return words as text."""
+    return "".join(word.text if word.joined or not number else f" {word.text}" for number, word in enumerate(words))
+
+
+def plain(text: str) -> Word:
+    """Return a piece of text that was not written in the file as one word."""
+    return Word(Kind.SIGN, text)
+
+
+def variables(words: Words) -> set[str]:
+    """Return the names of the variables in words, without their signs."""
+    return {word.text[1:] for word in words if word.kind is Kind.VARIABLE}
+
+
+def rename(words: Words, names: Mapping[str, str] | Callable[[str], str | None]) -> Words:
+    """Put texts in place of variables, by their names."""
+    find = names if callable(names) else names.get
+    found = []
+    for word in words:
+        text = find(word.text[1:]) if word.kind is Kind.VARIABLE else None
+        kind = Kind.VARIABLE if text is not None and text.startswith("?") else Kind.SIGN
+        found.append(word if text is None else replace(word, text=text, kind=kind, joined=False))
+    return found
+
+
+def closing(words: Words, start: int) -> int:
+    """Return the index of the bracket that closes the one at `start`; the number of words when none does."""
+    depth = 0
+    for index in range(start, len(words)):
+        if words[index].kind is Kind.SIGN and words[index].text in _PAIRS:
+            depth += 1
+        elif words[index].kind is Kind.SIGN and words[index].text in _PAIRS.values():
+            depth -= 1
+            if depth == 0:
+                return index
+    return len(words)
+
+
+def top_level(words: Words, sign: str) -> list[Words]:
+    """Split words at a sign that stands in no bracket."""
+    parts: list[Words] = [[]]
+    index = 0
+    while index < len(words):
+        word = words[index]
+        end = closing(words, index) + 1 if word.kind is Kind.SIGN and word.text in _PAIRS else index + 1
+        if word.kind is Kind.SIGN and word.text == sign:
+            parts.append([])
+        else:
+            parts[-1] += words[index:end]
+        index = end
+    return parts if parts != [[]] else []
+
+
+class _Reader:
+    """Reads one string."""
+
+    def __init__(self, graph: ShapesGraph, owner: Term, literal: Literal) -> None:
+        self._graph = graph
+        self._owner = owner
+        self._text = normalise(literal.value)
+        self._written = graph.string(literal, owner)
+        self._prefixes = _prefixes(graph, owner)
+
+    def _offset(self, token: Token) -> int:
+        return self._written.offset(token.start) if self._written else self._graph.offset(self._owner)
+
+    def query(self, form: str) -> Query:
+        found = self._prologue(list(tokens(self._text)))
+        if not found or found[0].text.upper() != form:
+            offset = self._offset(found[0]) if found else None
+            raise self._error(f"expected a {form} query", offset)
+        words = [self._word(number, found) for number in range(len(found))]
+        opening = next((number for number, word in enumerate(words) if word.text == "{"), len(words))
+        if form == "CONSTRUCT" and opening == 1:
+            template_end = closing(words, opening)
+            opening = next((n for n, word in enumerate(words) if word.text == "{" and n > template_end), len(words))
+        end = closing(words, opening)
+        if end >= len(words):
+            raise self._error("a bracket of the query is not closed, or it has no group in braces", words[-1].offset)
+        return Query(form, words[1:opening], words[opening + 1 : end], words[end + 1 :], self._owner)
+
+    def _prologue(self, found: list[Token]) -> list[Token]:
+        """Take the PREFIX declarations of the text itself."""
+        while found and found[0].text.upper() in {"PREFIX", "BASE", "VERSION"}:
+            size = 3 if found[0].text.upper() == "PREFIX" else 2
+            if size == 3 and len(found) > size:  # noqa: PLR2004 - PREFIX name: <iri>
+                self._prefixes[found[1].text.rstrip(":")] = found[2].text[1:-1]
+            elif found[0].text.upper() == "BASE":
+                raise self._error("BASE cannot stand in a query of a shapes graph", self._offset(found[0]))
+            found = found[size:]
+        return found
+
+    def _word(self, number: int, found: list[Token]) -> Word:
+        token = found[number]
+        offset = self._offset(token)
+        joined = number > 0 and found[number - 1].end == token.start
+        text = token.text
+        if token.kind is Kind.VARIABLE:
+            text = f"?{text[1:]}"
+        elif token.kind is Kind.NAME and not text.startswith("_:"):
+            text = self._named(text, offset)
+        elif token.kind is Kind.IRI and not is_absolute(unescape(text[1:-1])):
+            raise self._error(f"the IRI `{text}` is relative", offset)
+        return Word(Kind.IRI if text.startswith("<") and len(text) > 2 else token.kind, text, offset, joined)  # noqa: PLR2004 - `<`, `<=`
+
+    def _named(self, name: str, offset: int) -> str:
+        prefix, _, local = name.partition(":")
+        namespace = self._prefixes.get(prefix)
+        if namespace is None:
+            near = did_you_mean(prefix, self._prefixes) if prefix else None
+            declare = f'[ sh:prefix "{prefix}" ; sh:namespace "..." ]'
+            hint = (
+                near or f"Point sh:prefixes at a node with sh:declare {declare}; the prefixes of Turtle do not count."
+            )
+            raise self._error(f"unknown prefix `{prefix}:`", offset, hint)
+        return str(NamedNode(namespace + unescape_local(local)))
+
+    def _error(self, message: str, offset: int | None, hint: str | None = None) -> Exception:
+        return self._graph.error(message, self._owner, hint=hint, offset=offset)
+
+
+def _prefixes(graph: ShapesGraph, owner: Term) -> dict[str, str]:
+    """Return what sh:prefixes declares, also through owl:imports (SHACL, section 5.2.1)."""
+    found: dict[str, str] = {}
+    open_nodes = graph.values(owner, sh("prefixes"))
+    seen: set[Term] = set()
+    while open_nodes:
+        node = open_nodes.pop()
+        if node in seen:
+            continue
+        seen.add(node)
+        open_nodes += graph.values(node, IMPORTS)
+        for declaration in graph.values(node, sh("declare")):
+            prefix, namespace = graph.required(declaration, "prefix"), graph.required(declaration, "namespace")
+            if not isinstance(prefix, Literal) or not re.fullmatch(r"[\w.·-]*", prefix.value):
+                raise graph.error(f"{prefix} is no prefix", node, hint='sh:prefix has a string such as "ex".')
+            value = namespace.value if isinstance(namespace, Literal | NamedNode) else str(namespace)
+            if found.setdefault(prefix.value, value) != value:
+                raise graph.error(f"the prefix `{prefix.value}:` is declared for two namespaces", node)
+    return found

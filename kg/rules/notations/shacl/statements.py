@@ -1,0 +1,173 @@
+"""Rules of a shapes graph as CONSTRUCT queries: one for each target of the shape and each case of the conditions."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from dataclasses import dataclass
+from itertools import pairwise, product
+from typing import TYPE_CHECKING, Final
+
+from pyoxigraph import Literal
+
+from kg.rules.notations.shacl.conditions import Conditions
+from kg.rules.notations.shacl.entailment import entailed
+from kg.rules.notations.shacl.expressions import Expressions
+from kg.rules.notations.shacl.functions import Functions
+from kg.rules.notations.shacl.paths import Names
+from kg.rules.notations.shacl.prebound import bind_inside
+from kg.rules.notations.shacl.query import closing, plain, query_of, variables
+from kg.rules.notations.shacl.targets import targets
+from kg.rules.notations.shacl.vocabulary import TYPE, sh
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kg.rules.form import Term
+    from kg.rules.notations.shacl.graph import ShapesGraph
+    from kg.rules.notations.shacl.query import Query, Words
+
+__all__ = ["Statement", "statements"]
+
+_SHAPES_APART: Final = 1e6
+"""How far the orders of two shapes move their rules apart: rules of shapes come after each other, not mixed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Statement:
+    """A CONSTRUCT query in full; `anchors` pairs offsets of its text with offsets of the file, rising."""
+
+    text: str
+    anchors: tuple[tuple[int, int], ...]
+    order: float
+
+    def source(self, offset: int) -> int:
+        """Return the offset in the file of what the character at `offset` comes from."""
+        index = bisect_right(self.anchors, (offset, len(self.text) * 1000)) - 1
+        return self.anchors[max(index, 0)][1]
+
+
+def statements(graph: ShapesGraph) -> Iterator[Statement]:
+    """Yield the queries of all rules, and of the entailment regimes asked for, in the order of the file.
+
+    Raises `RuleError`: KG201 for what the standard calls ill-formed, KG209 for parts of SPARQL that rules cannot have,
+    KG230 for what is not supported.
+    """
+    found = [one for shape in graph.subjects(sh("rule")) for one in _of_shape(graph, shape)]
+    _check_orders(graph)
+    queries, offset = entailed(graph)
+    before = min((one.order for one in found), default=0.0) - 1
+    yield from (Statement(text, ((0, offset),), before) for text in queries)
+    yield from found
+
+
+def _order(graph: ShapesGraph, shape: Term, rule: Term) -> float:
+    return graph.order(shape) * _SHAPES_APART + graph.order(rule)
+
+
+def _check_orders(graph: ShapesGraph) -> None:
+    """Refuse orders that cannot be told apart in one number."""
+    pairs = {
+        (graph.order(shape), graph.order(rule)): rule
+        for shape in graph.subjects(sh("rule"))
+        for rule in graph.values(shape, sh("rule"))
+    }
+    ranks = [shape * _SHAPES_APART + rule for shape, rule in sorted(pairs)]
+    if any(one >= two for one, two in pairwise(ranks)):
+        rule = pairs[max(pairs)]
+        raise graph.unsupported("an order beyond half a million", rule, "Use small numbers for sh:order.")
+
+
+def _of_shape(graph: ShapesGraph, shape: Term) -> Iterator[Statement]:
+    if graph.flag(shape, "deactivated"):
+        return
+    binders = targets(graph, shape)
+    for rule in graph.values(shape, sh("rule")):
+        if not graph.flag(rule, "deactivated"):
+            yield from _Rule(graph, shape, rule).statements(binders)
+
+
+class _Rule:
+    """One rule of one shape."""
+
+    def __init__(self, graph: ShapesGraph, shape: Term, rule: Term) -> None:
+        self._graph = graph
+        self._rule = rule
+        self._offset = graph.offset(rule)
+        self._order = _order(graph, shape, rule)
+        self._functions = Functions(graph)
+
+    def statements(self, binders: list[str]) -> Iterator[Statement]:
+        """Yield the queries for each way to find focus nodes."""
+        sparql = self._graph.is_instance(self._rule, sh("SPARQLRule"))
+        if not sparql and not self._graph.is_instance(self._rule, sh("TripleRule")):
+            kinds = ", ".join(str(kind) for kind in self._graph.values(self._rule, TYPE)) or "no type"
+            hint = "Give it the type sh:TripleRule or sh:SPARQLRule."
+            raise self._graph.unsupported(f"a rule of {kinds}", self._rule, hint)
+        for binder in binders:
+            yield from self._constructs(binder) if sparql else self._triples(binder)
+
+    def _conditions(self, names: Names, binder: str) -> tuple[Conditions, list[list[str]]]:
+        conditions = Conditions(self._graph, self._functions, names, binder)
+        found: list[list[str]] = [[]]
+        for value in self._graph.values(self._rule, sh("condition")):
+            shapes = self._graph.members(value, self._rule) if self._graph.is_list(value) else [value]
+            for shape in shapes:
+                found = [[*one, *two] for one, two in product(found, conditions.conforms(shape, "?this"))]
+        return conditions, found
+
+    def _triples(self, binder: str) -> Iterator[Statement]:
+        names = Names({"this", "target"})
+        conditions, cases = self._conditions(names, binder)
+        expressions = Expressions(self._graph, self._functions, names, conditions, binder)
+        branches = [
+            expressions.branches(self._graph.required(self._rule, name), "?this")
+            for name in ("subject", "predicate", "object")
+        ]
+        if any(isinstance(self._graph.one(self._rule, name), Literal) for name in ("subject", "predicate")):
+            raise self._graph.error("a literal cannot be the subject or the predicate of a triple", self._rule)
+        for case, chosen in product(cases, product(*branches)):
+            head = " ".join(branch.term for branch in chosen)
+            patterns = dict.fromkeys(branch.pattern for branch in chosen if branch.pattern)
+            text = f"CONSTRUCT {{ {head} }} WHERE {{ {' '.join([binder, *case, *patterns])} }}"
+            yield Statement(text, ((0, self._offset),), self._order)
+
+    def _constructs(self, binder: str) -> Iterator[Statement]:
+        query = query_of(self._graph, self._rule, "construct")
+        template, group = self._parts(query)
+        names = Names(variables([*template, *group]) | {"this", "target"})
+        target = names.fresh()
+        binder = binder.replace("?target", target)
+        _, cases = self._conditions(names, binder)
+        group = bind_inside(self._graph, self._rule, self._functions.inside(group, self._rule), binder)
+        if group and group[0].text.upper() == "SELECT":
+            group = [plain("{"), *group, plain("}")]
+        for case in cases:
+            before = plain(f"}} WHERE {{ {' '.join([binder, *case])}")
+            words = [plain("CONSTRUCT {"), *template, before, *group, plain("}")]
+            yield self._statement(words)
+
+    def _parts(self, query: Query) -> tuple[Words, Words]:
+        """Return template and group; in the short form the group is both."""
+        head = query.head
+        refused = next((word for word in head if word.text.upper() == "FROM"), None)
+        if refused is not None:
+            hint = "Rules read all of the data; take FROM away."
+            raise self._graph.error(
+                "FROM cannot stand in a rule", self._rule, code="KG209", hint=hint, offset=refused.offset
+            )
+        if any(word.text.upper() in {"LIMIT", "OFFSET", "GROUP", "HAVING", "VALUES"} for word in query.modifiers):
+            hint = "Put a sub-SELECT into the group."
+            offset = query.modifiers[0].offset
+            message = "a solution modifier behind the group is not supported"
+            raise self._graph.error(message, self._rule, code="KG230", hint=hint, offset=offset)
+        if not head or head[0].text != "{":
+            return query.group, query.group
+        return head[1 : closing(head, 0)], query.group
+
+    def _statement(self, words: Words) -> Statement:
+        text = ""
+        anchors = []
+        for word in words:
+            text += word.text if word.joined or not text else f" {word.text}"
+            anchors.append((len(text) - len(word.text), self._offset if word.offset is None else word.offset))
+        return Statement(text, tuple(anchors), self._order)
