@@ -170,9 +170,15 @@ class Cursor:
         for token in tokens:
             if previous is not None and _apart(previous, token):
                 pieces.append(" ")
-            pieces.append(str(self.named(token)) if _is_iri(token) else token.text)
+            pieces.append(self._spelt(token))
             previous = token
         return "".join(pieces)
+
+    def _spelt(self, token: Token) -> str:
+        if _is_iri(token):
+            return str(self.named(token))
+        # The engine knows these two keywords in lower case only.
+        return token.text.lower() if token.text.upper() in {"TRUE", "FALSE"} else token.text
 
 
 def _is_iri(token: Token) -> bool:

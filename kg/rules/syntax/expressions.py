@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 from kg.query.similar import did_you_mean
+from kg.rules.syntax.cursor import MAX_NESTING
 from kg.rules.syntax.functions import AGGREGATES, FUNCTIONS, Arguments
 from kg.rules.syntax.lexer import Kind, as_operator
 from kg.rules.syntax.terms import Mode
@@ -122,11 +123,19 @@ class Expressions(Triples):
         self._arguments()
 
     def _operand(self) -> None:
+        """Read an operand with the signs before it: any number of `!`, or one `-` or `+`."""
+        signs = 0
+        while self.accept("!"):
+            signs += 1
+            if signs > MAX_NESTING:
+                raise self.error(f"the rule nests deeper than {MAX_NESTING}", self.token.start)
+        if not self.at_signed():
+            self.accept("-", "+")
+        self._primary_expression()
+
+    def _primary_expression(self) -> None:
         with self.nested():
-            if self.at("!", "-", "+") and not self.at_signed():
-                self.advance()
-                self._operand()
-            elif self.at("("):
+            if self.at("("):
                 self._bracketed_expression()
             elif self.at("<<("):
                 self.triple_term(Mode.PATTERN)
@@ -192,8 +201,6 @@ class Expressions(Triples):
         self.expect("(")
         if self.accept(")"):
             return 0
-        if self.patterns_in_expressions:
-            self.accept_word("DISTINCT")
         count = 1
         self._operations()
         while self.accept(","):

@@ -72,8 +72,6 @@ class Paths(Terms):
         forward: list[NamedNode] = []
         backward: list[NamedNode] = []
         several = self.accept("(")
-        if several and self.accept(")"):
-            return Negated((), ())
         while True:
             (backward if self.accept("^") else forward).append(self._step("a predicate behind `!`"))
             if not several:

@@ -75,20 +75,20 @@ class Selects(Expressions):
     ) -> None:
         """Refuse columns that assign to a bound variable, and those that are neither grouped nor aggregated."""
         known = {key.variable.name for key in keys}
-        taken = set(inner)
+        seen: set[str] = set()
         if grouped and not columns:
             raise self.error("`SELECT *` cannot stand with GROUP BY", start, hint="Name the columns.")
         for column, offset in columns:
             name, expression = column.variable.name, column.expression
-            if expression and name in taken:
+            if expression and name in inner:
                 raise self.error(f"SELECT assigns to `?{name}`, which is bound before it", offset)
             for used in (expression.variables if expression else (name,)) if grouped else ():
                 if used not in known and not (expression and expression.exists):
                     hint = "Group by it, or aggregate it, as in SAMPLE."
                     raise self.error(f"`?{used}` is neither a key of GROUP BY nor aggregated", offset, hint=hint)
-            if expression:
-                known.add(name)
-                taken.add(name)
+            if name in seen:
+                raise self.error(f"SELECT has `?{name}` twice", offset)
+            seen.add(name)
 
     def _with_values(self, group: Group, keys: tuple[Projection, ...], *, grouped: bool) -> Group:
         """Read VALUES behind a sub-SELECT into its group, where that means the same."""
