@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from itertools import product
-from typing import TYPE_CHECKING, Any, Final, cast
+from typing import TYPE_CHECKING, Any, Final, TypeAlias, cast
 
 from pyoxigraph import Literal, NamedNode, RdfFormat, Triple, parse
 
@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from pyoxigraph import BlankNode
 
     from kg.store.interface import Snapshot
+
+    _Term: TypeAlias = NamedNode | BlankNode | Literal
 
 __all__ = ["facts", "terms"]
 
@@ -30,29 +32,47 @@ _PROPERTIES: Final = "SELECT DISTINCT ?name WHERE { ?s ?name ?o }"
 def facts(snapshot: Snapshot, subject: str, predicate: str, value: str) -> tuple[list[Triple], bool]:
     """Return the facts that three typed words may mean, and whether the store holds them.
 
-    A name that several things have means the ones of which the store holds the fact; where it holds none, all.
+    A name that several things have means the ones of which the store holds the fact; where it holds none, those that
+    the property is used with.
 
     Raises:
         UnknownNameError: KG001 with suggestions for a word that names nothing.
         UsageError: KG003 when the store holds no such fact and the words name several things.
     """
-    parts = (terms(snapshot, subject), terms(snapshot, predicate, property_=True), terms(snapshot, value))
-    every = [
-        Triple(one, two, three)
-        for one, two, three in product(*parts)
-        if isinstance(one, NamedNode) and isinstance(two, NamedNode)
-    ]
+    subjects, predicates = terms(snapshot, subject), terms(snapshot, predicate, property_=True)
+    values = terms(snapshot, value)
+    every = _triples(subjects, predicates, values)
     held = [fact for fact in every if snapshot.query(f"ASK {{ {fact.subject} {fact.predicate} {fact.object} }}")]
     if held:
         return held, True
-    for word, found in zip((subject, predicate, value), parts, strict=True):
+    if len(predicates) == 1:
+        subjects = _fitting(snapshot, subjects, f"{{}} {predicates[0]} ?y", f"?x {predicates[0]} ?y", "?x")
+        values = _fitting(snapshot, values, f"?x {predicates[0]} {{}}", f"?x {predicates[0]} ?y", "?y")
+    for word, found in ((subject, subjects), (predicate, predicates), (value, values)):
         if len(found) > 1:
             ways = "\n".join(str(term) for term in found)
             raise UsageError("KG003", f"{len(found)} things are called `{word}`; say which", hint=ways)
-    return every, False
+    return _triples(subjects, predicates, values), False
 
 
-def terms(snapshot: Snapshot, word: str, *, property_: bool = False) -> list[NamedNode | BlankNode | Literal]:
+def _triples(subjects: list[_Term], predicates: list[_Term], values: list[_Term]) -> list[Triple]:
+    return [
+        Triple(one, two, three)
+        for one, two, three in product(subjects, predicates, values)
+        if isinstance(one, NamedNode) and isinstance(two, NamedNode)
+    ]
+
+
+def _fitting(snapshot: Snapshot, found: list[_Term], used: str, pattern: str, place: str) -> list[_Term]:
+    """Return those of several things that stand in this place of the property, or else are of a kind that does."""
+    for test in (f"{used}", f"{pattern} . {place} a ?kind . {{}} a ?kind"):
+        fitting = [term for term in found if snapshot.query(f"ASK {{ {test.format(term)} }}")]
+        if len(found) > 1 and fitting:
+            return fitting
+    return found
+
+
+def terms(snapshot: Snapshot, word: str, *, property_: bool = False) -> list[_Term]:
     """Return the terms that a word may mean: `<iri>`, `ros:Node`, `"text"`, `5`, `a`, or a name in the store.
 
     Raises:

@@ -1,9 +1,7 @@
 """`kg query`: SPARQL typed, from a file, or stored under a name."""
 
-import re
-import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -11,8 +9,8 @@ from kg.cli.completion import queries as query_names
 from kg.cli.diagnostics import note
 from kg.cli.options import Format, Json, Limit, Queries, Store, Timeout
 from kg.cli.output import json_lines, listing, terminal, write
+from kg.cli.query_text import pairs, query_meant
 from kg.cli.session import session
-from kg.errors import UsageError
 from kg.store.opening import reading
 
 if TYPE_CHECKING:
@@ -23,7 +21,6 @@ if TYPE_CHECKING:
 
 __all__ = ["query"]
 
-_NAME: Final = re.compile(r"[\w.-]+(/[\w.-]+)*")
 
 Text = Annotated[
     str | None,
@@ -71,11 +68,11 @@ def query(  # noqa: PLR0913 - the options of a command
     if listed:
         _list(settings, json=json)
         return
-    asked = _asked(text, Path(file) if file else None, settings)
+    asked = query_meant(text, Path(file) if file else None, settings)
     if help_query:
         _explain(asked, json=json)
         return
-    _answer(asked, _pairs(param or []), settings, json=json)
+    _answer(asked, pairs(param or []), settings, json=json)
 
 
 def _list(settings: "Settings", *, json: bool) -> None:
@@ -135,38 +132,3 @@ def _limit(settings: "Settings", chosen: str) -> int | None:
     """Return the cap of rows: the default one is for tables, which people read; one that was asked for is for all."""
     asked = settings.origin("limit").kind != "default"
     return (settings.limit or None) if asked or chosen == "table" else None
-
-
-def _pairs(given: list[str]) -> dict[str, str]:
-    """Return the values of parameters, given as `name=value`."""
-    found = {}
-    for pair in given:
-        name, sign, value = pair.partition("=")
-        if not sign or not name:
-            raise UsageError("KG003", f"`{pair}` is no parameter", hint="Write --param NAME=VALUE.")
-        found[name.strip().lstrip("?")] = value
-    return found
-
-
-def _asked(text: str | None, file: Path | None, settings: "Settings") -> "StoredQuery":
-    """Return the query that the arguments mean: typed, from a file or standard input, or stored under a name."""
-    from kg.query.stored import find, read  # noqa: PLC0415 - start-up time
-
-    if (text is None) == (file is None):
-        raise UsageError("KG003", "give a query or a file with one", hint="See `kg query --help`.")
-    if text == "-" or str(file) == "-":
-        return _typed(sys.stdin.read(), "standard input")
-    if file is not None:
-        return read(file, str(file))
-    if text and _NAME.fullmatch(text):
-        return find(text, settings.queries)
-    return _typed(text or "", "query")
-
-
-def _typed(text: str, place: str) -> "StoredQuery":
-    """Return a query without a file; each of its variables can be given a value."""
-    from kg.query.stored import QueryParameter, StoredQuery  # noqa: PLC0415 - start-up time
-
-    names = dict.fromkeys(re.findall(r"[?$](\w+)", text))
-    parameters = tuple(QueryParameter(name, "string", "", "", None) for name in names)
-    return StoredQuery("that was given", Path(place), "", "", parameters, text)

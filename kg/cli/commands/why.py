@@ -7,8 +7,10 @@ import typer
 from kg.cli.diagnostics import note
 from kg.cli.options import Json, Rules, Store
 from kg.cli.output import json_lines, show, write
+from kg.cli.query_text import pairs, query_meant
 from kg.cli.session import session
 from kg.errors import Exit, UsageError
+from kg.render.text import count
 from kg.store.opening import reading
 
 if TYPE_CHECKING:
@@ -16,6 +18,7 @@ if TYPE_CHECKING:
 
     from pyoxigraph import Triple
 
+    from kg.query.stored import StoredQuery
     from kg.rules.explain.proof import Proof
     from kg.rules.explain.text import Line
     from kg.rules.explain.view import View
@@ -27,9 +30,13 @@ __all__ = ["why", "why_not"]
 
 _FORMATS = ("text", "json", "mermaid", "svg")
 
-Subject = Annotated[str, typer.Argument(metavar="SUBJECT", help="A name in the store, a prefixed name or an <iri>.")]
-Predicate = Annotated[str, typer.Argument(metavar="PREDICATE", help="A property, `publishes` or `rnkg:publishes`.")]
-Object = Annotated[str, typer.Argument(metavar="OBJECT", help="A name, a prefixed name, an <iri> or a literal.")]
+Words = Annotated[
+    list[str] | None,
+    typer.Argument(
+        metavar="SUBJECT PREDICATE OBJECT",
+        help="Each a name in the store, a prefixed name, an <iri>, or for the object a literal.",
+    ),
+]
 All = Annotated[bool, typer.Option("--all", "-a", help="Every way in which the fact comes about.")]
 Shortest = Annotated[bool, typer.Option("--shortest", help="The proof with the fewest steps.")]
 Form = Annotated[
@@ -37,12 +44,23 @@ Form = Annotated[
 ]
 
 
+Query = Annotated[
+    str | None,
+    typer.Option("--query", "-q", metavar="QUERY", help="Explain a row of this query: SPARQL, or a stored one."),
+]
+Row = Annotated[int, typer.Option("--row", metavar="N", min=1, help="Which row of the query's answer.")]
+Parameter = Annotated[
+    list[str] | None, typer.Option("--param", metavar="NAME=VALUE", help="Give a variable of the query a value.")
+]
+
+
 def why(  # noqa: PLR0913 - the options of a command
     context: typer.Context,
-    subject: Subject,
-    predicate: Predicate,
-    value: Object,
+    words: Words = None,
     *,
+    query: Query = None,
+    row: Row = 1,
+    param: Parameter = None,
     every: All = False,
     shortest: Shortest = False,
     form: Form = "text",
@@ -58,32 +76,84 @@ def why(  # noqa: PLR0913 - the options of a command
         kg why talker publishes /chatter
         kg why talker rnkg:hasCapability SpeechOutput --all
         kg why talker publishes chatter --format mermaid
+        kg why --query who-publishes --param topic=/chatter --row 2
     """
-    from kg.query.naming import facts  # noqa: PLC0415 - start-up time
-    from kg.rules.explain.why import why as explained  # noqa: PLC0415 - start-up time
-    from kg.rules.explain.why import why_all  # noqa: PLC0415 - start-up time
-
     form = _form("json" if json else form)
     settings = session(context).settings(store=store, rules=rules)
     with reading(settings) as snapshot:
         view, known = _view(snapshot, settings), _rules(settings)
-        found, held = facts(snapshot, subject, predicate, value)
-        if not held:
-            _absent(found[0], view)
-        for fact in found:
-            if every:
-                proofs: Iterable[Proof] = why_all(view, known, fact)
-            else:
-                proofs = [explained(view, known, fact, shortest=shortest)]
-            for proof in proofs:
-                _show(proof, view, form, snapshot)
+        if query is not None:
+            if words:
+                raise UsageError("KG003", "give a fact or a query, not both", hint="See `kg why --help`.")
+            proofs: Iterable[Proof] = _row(
+                query_meant(query, None, settings), pairs(param or []), row, view, known, snapshot
+            )
+        else:
+            proofs = _proofs(_three(words), snapshot, view, known, every=every, shortest=shortest)
+        for proof in proofs:
+            _show(proof, view, form, snapshot)
+
+
+def _three(words: list[str] | None) -> tuple[str, str, str]:
+    if len(words or []) != 3:  # noqa: PLR2004 - a fact has three parts
+        raise UsageError("KG003", "a fact is SUBJECT PREDICATE OBJECT", hint="Quote names that have blanks in them.")
+    subject, predicate, value = words or []
+    return subject, predicate, value
+
+
+def _proofs(  # noqa: PLR0913 - the choices of the user
+    words: tuple[str, str, str],
+    snapshot: "EmbeddedSnapshot",
+    view: "View",
+    known: "tuple[Rule, ...]",
+    *,
+    every: bool,
+    shortest: bool,
+) -> "Iterable[Proof]":
+    from kg.query.naming import facts  # noqa: PLC0415 - start-up time
+    from kg.rules.explain.why import why as explained  # noqa: PLC0415 - start-up time
+    from kg.rules.explain.why import why_all  # noqa: PLC0415 - start-up time
+
+    found, held = facts(snapshot, *words)
+    if not held:
+        _absent(found[0], view)
+    for fact in found:
+        if every:
+            yield from why_all(view, known, fact)
+        else:
+            yield explained(view, known, fact, shortest=shortest)
+
+
+def _row(  # noqa: PLR0913, PLR0917 - a query, its values, and where it is asked
+    query: "StoredQuery",
+    values: dict[str, str],
+    number: int,
+    view: "View",
+    known: "tuple[Rule, ...]",
+    snapshot: "EmbeddedSnapshot",
+) -> "tuple[Proof, ...]":
+    from kg.query.binding import bind  # noqa: PLC0415 - start-up time
+    from kg.query.core import run  # noqa: PLC0415 - start-up time
+    from kg.query.result import Solutions  # noqa: PLC0415 - start-up time
+    from kg.rules.explain.rows import why_row  # noqa: PLC0415 - start-up time
+
+    text = bind(query.text, query.bind(values))
+    answer = run(snapshot, text, limit=number, path=str(query.path))
+    if not isinstance(answer, Solutions) or len(answer.rows) < number:
+        rows = len(answer.rows) if isinstance(answer, Solutions) else 0
+        raise UsageError("KG003", f"the answer has {count(rows, 'row')}, not {number}", hint="See it with `kg query`.")
+    row = dict(zip(answer.variables, answer.rows[number - 1], strict=True))
+    bound = {name: term for name, term in row.items() if term is not None}
+    note("row " + str(number) + ": " + ", ".join(f"?{name} = {view.label(term)}" for name, term in bound.items()))
+    proofs, conditions = why_row(view, known, text, bound)
+    for condition in conditions:
+        note(f"where {condition.text}")
+    return proofs
 
 
 def why_not(  # noqa: PLR0913 - the options of a command
     context: typer.Context,
-    subject: Subject,
-    predicate: Predicate,
-    value: Object,
+    words: Words = None,
     *,
     depth: Annotated[
         int, typer.Option("--depth", metavar="N", min=1, max=20, help="How far missing premises are followed.")
@@ -106,7 +176,7 @@ def why_not(  # noqa: PLR0913 - the options of a command
     settings = session(context).settings(store=store, rules=rules)
     with reading(settings) as snapshot:
         view, known = _view(snapshot, settings), _rules(settings)
-        found, held = facts(snapshot, subject, predicate, value)
+        found, held = facts(snapshot, *_three(words))
         if held:
             note(f"{view.sentence(found[0])}: the store holds it; `kg why` explains it")
             raise typer.Exit(Exit.FOUND)

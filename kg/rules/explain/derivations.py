@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from kg.rules.explain.view import View
     from kg.rules.form import Element, Rule, Term
 
-__all__ = ["bound_by", "derivations", "described"]
+__all__ = ["bound_by", "derivation_of", "derivations", "described"]
 
 _SAMPLE = 5
 
@@ -34,7 +34,7 @@ def derivations(view: View, rules: tuple[Rule, ...], fact: Triple, limit: int) -
     found: dict[tuple[str, tuple[Triple, ...]], Derivation] = {}
     for rule, bindings in heads(rules, fact):
         for solution in view.solutions(rule.body, bound_by(rule.body), bindings, limit):
-            derivation = _derivation(view, rule, solution)
+            derivation = derivation_of(view, rule, solution)
             if derivation and fact not in derivation.facts:
                 found.setdefault((str(rule), derivation.facts), derivation)
     return sorted(found.values(), key=lambda each: (_inferred(view, each), len(each.facts), str(each.rule)))
@@ -44,7 +44,7 @@ def _inferred(view: View, derivation: Derivation) -> int:
     return sum(not view.asserted(fact) for fact in derivation.facts)
 
 
-def _derivation(view: View, rule: Rule, solution: dict[str, Term]) -> Derivation | None:
+def derivation_of(view: View, rule: Rule, solution: dict[str, Term]) -> Derivation | None:
     """Return the application under a solution; None when a fact stands only where rules do not read."""
     facts: list[Triple] = []
     conditions: list[Condition] = []

@@ -91,8 +91,12 @@ def why_not_lines(answer: WhyNot, view: View) -> Iterator[Line]:
 def _absent(answer: WhyNot, view: View, below: str) -> Iterator[Line]:
     if not answer.attempts:
         yield Line(f"{below}  ", f"no rule derives {view.spelt(answer.fact.predicate)} facts of this form", "failure")
-    for attempt in answer.attempts:
+    started = [attempt for attempt in answer.attempts if attempt.held] or list(answer.attempts)
+    for attempt in started:
         yield from _attempt(attempt, view, below)
+    others = [attempt.rule.name for attempt in answer.attempts if attempt not in started]
+    if others:
+        yield Line(f"{below}├─ ", f"nothing holds of what {', '.join(dict.fromkeys(others))} ask for", "condition")
     for text in answer.nearest:
         yield Line(f"{below}  ", f"but {text}" if " has " in text else text, "hint")
 

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 __all__ = ["Queryable", "View", "Vocabulary"]
 
 _LABEL: Final = "http://www.w3.org/2000/01/rdf-schema#label"
+_STRING: Final = "http://www.w3.org/2001/XMLSchema#string"
 _GRAPHS: Final = "SELECT ?g ?s ?p ?o WHERE { GRAPH ?g { ?s ?p ?o } } ORDER BY ?g"
 _DEFAULT: Final = "SELECT ?s ?p ?o WHERE { ?s ?p ?o }"
 
@@ -147,10 +148,19 @@ class View:
         """Return a term as people call it: its label, else its short form."""
         known = self._labels.get(term)
         if known is None:
-            found = [] if isinstance(term, Literal) else self.objects(term, NamedNode(_LABEL), 1)
-            label = found[0].value if found and isinstance(found[0], Literal) else None
-            known = self._labels[term] = label or self.spelt(term)
+            known = self._labels[term] = self._called(term) or self.spelt(term)
         return known
+
+    def _called(self, term: Term) -> str | None:
+        """Return the label of a thing, or of what it is a part of with the name of the part."""
+        if isinstance(term, Literal):
+            return f'"{term.value}"' if term.datatype.value == _STRING else term.value
+        found = self.objects(term, NamedNode(_LABEL), 1)
+        if found and isinstance(found[0], Literal):
+            return found[0].value
+        whole, sign, part = term.value.partition("#") if isinstance(term, NamedNode) else ("", "", "")
+        label = self._called(NamedNode(whole)) if sign and part else None
+        return f"{label}#{part}" if label else None
 
     def sentence(self, fact: Triple) -> str:
         """Return a fact as people read it."""

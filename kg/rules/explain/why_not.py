@@ -67,12 +67,22 @@ class _Inquiry:
         if isinstance(element, Atom):
             chosen, others = nearest(self.view, element, solutions)
             missing = instance(element, chosen)
-            if missing is not None and depth > 1 and not element.asserted and any(heads(self.rules, missing)):
+            if (
+                missing is not None
+                and depth > 1
+                and not element.asserted
+                and self._worth_following(rule, before, missing)
+            ):
                 deeper = self.about(missing, depth - 1)
         elif isinstance(element, Exists) and element.negated:
             others = tuple(self._blocking(element, chosen))
         text = self._told(element, chosen)
         return Attempt(rule, _named(chosen), _facts(before, chosen), element, text, others, deeper)
+
+    def _worth_following(self, rule: Rule, before: Sequence[Element], missing: Triple) -> bool:
+        """Tell whether rules could derive a premise, and it is not the first of a rule that fits every property."""
+        general = any(isinstance(atom.predicate, Variable) for atom in rule.head)
+        return (bool(before) or not general) and any(True for _ in heads(self.rules, missing))
 
     def _blocking(self, element: Exists, solution: Mapping[str, Term]) -> Iterator[str]:
         """Say which facts are there that must not be."""

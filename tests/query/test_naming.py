@@ -1,0 +1,88 @@
+"""Facts as people type them: terms written out, prefixed names, literals, and names of things in the store."""
+
+from __future__ import annotations
+
+import pytest
+from pyoxigraph import Literal, NamedNode, Store
+
+from kg.errors import UnknownNameError, UsageError
+from kg.query.naming import facts, terms
+
+DATA = """
+PREFIX : <https://w3id.org/rnkg/>
+PREFIX rnkg: <https://w3id.org/rnkg/ns#>
+PREFIX rdfs: <http://www.w3.org/2000/01/rdf-schema#>
+INSERT DATA {
+  :talker rdfs:label "talker" ; a :Node ; rnkg:publishes :chatter ; rnkg:line 5 .
+  :exe rdfs:label "talker" ; a :Executable .
+  :listener rdfs:label "listener" ; a :Node .
+  :chatter rdfs:label "/chatter" .
+  :odom rdfs:label "/odom" .
+}"""
+
+
+class Snapshot:
+    """A store that answers as a snapshot does."""
+
+    def __init__(self) -> None:
+        self.store = Store()
+        self.store.update(DATA)
+
+    def query(self, text: str, *, prefixes: object = None, union: bool = True) -> object:
+        """Run a query."""
+        return self.store.query(text, prefixes=dict(prefixes or {}), use_default_graph_as_union=union)  # type: ignore[call-overload]
+
+
+STORE = Snapshot()
+BASE = "https://w3id.org/rnkg/"
+
+
+@pytest.mark.parametrize(
+    ("word", "term"),
+    [
+        ("<https://e.org/x>", NamedNode("https://e.org/x")),
+        ("https://e.org/x", NamedNode("https://e.org/x")),
+        ("rnkg:Node", NamedNode(BASE + "ns#Node")),
+        ("5", Literal("5", datatype=NamedNode("http://www.w3.org/2001/XMLSchema#integer"))),
+        ("true", Literal(True)),
+        ('"a b"@en', Literal("a b", language="en")),
+        ("chatter", NamedNode(BASE + "chatter")),
+        ("/chatter", NamedNode(BASE + "chatter")),
+    ],
+)
+def test_words(word: str, term: object) -> None:
+    """A word means the term that it spells, or the thing that is called so."""
+    assert terms(STORE, word) == [term]  # type: ignore[arg-type]
+
+
+def test_a_fact_that_is_held_says_which_thing_is_meant() -> None:
+    """Of two things of one name the one is meant of which the store holds the fact."""
+    found, held = facts(STORE, "talker", "publishes", "chatter")  # type: ignore[arg-type]
+    assert held
+    assert [fact.subject for fact in found] == [NamedNode(BASE + "talker")]
+
+
+def test_a_fact_that_is_not_held_goes_by_what_the_property_is_used_with() -> None:
+    """Of two things of one name the one is meant that has the property, or is of the kind that has."""
+    found, held = facts(STORE, "talker", "publishes", "odom")  # type: ignore[arg-type]
+    assert not held
+    assert [fact.subject for fact in found] == [NamedNode(BASE + "talker")]
+
+
+def test_unknown_words_get_suggestions() -> None:
+    """A name or property that nothing has is refused with the nearest."""
+    with pytest.raises(UnknownNameError) as name:
+        terms(STORE, "talkr")  # type: ignore[arg-type]
+    assert name.value.hint == "Did you mean `talker`?"
+    with pytest.raises(UnknownNameError) as missing:
+        terms(STORE, "publish", property_=True)  # type: ignore[arg-type]
+    assert "rnkg:publishes" in (missing.value.hint or "")
+    with pytest.raises(UsageError):
+        terms(STORE, '"open')  # type: ignore[arg-type]
+
+
+def test_ambiguous_words_are_asked_about() -> None:
+    """Where nothing tells things of one name apart, their IRIs are listed."""
+    with pytest.raises(UsageError) as error:
+        facts(STORE, "listener", "publishes", "talker")  # type: ignore[arg-type]
+    assert BASE + "exe" in (error.value.hint or "")
