@@ -93,17 +93,17 @@ def _absent(answer: WhyNot, view: View, below: str) -> Iterator[Line]:
         yield Line(f"{below}  ", f"no rule derives {view.spelt(answer.fact.predicate)} facts of this form", "failure")
     started = [attempt for attempt in answer.attempts if attempt.held] or list(answer.attempts)
     for attempt in started:
-        yield from _attempt(attempt, view, below)
+        yield from _attempt(attempt, view, below, last=attempt is started[-1] and len(started) == len(answer.attempts))
     others = [attempt.rule.name for attempt in answer.attempts if attempt not in started]
     if others:
-        yield Line(f"{below}├─ ", f"nothing holds of what {', '.join(dict.fromkeys(others))} ask for", "condition")
+        yield Line(f"{below}└─ ", f"nothing holds of what {', '.join(dict.fromkeys(others))} ask for", "condition")
     for text in answer.nearest:
         yield Line(f"{below}  ", f"but {text}" if " has " in text else text, "hint")
 
 
-def _attempt(attempt: Attempt, view: View, below: str) -> Iterator[Line]:
-    yield Line(f"{below}├─ ", f"rule {attempt.rule.name}", "rule", place=attempt.rule.place)
-    inner = f"{below}│  "
+def _attempt(attempt: Attempt, view: View, below: str, *, last: bool) -> Iterator[Line]:
+    yield Line(below + ("└─ " if last else "├─ "), f"rule {attempt.rule.name}", "rule", place=attempt.rule.place)
+    inner = below + ("   " if last else "│  ")
     for fact in attempt.held:
         yield Line(inner, f"holds: {view.sentence(fact)}", "condition", view.evidence(fact))
     yield Line(inner, f"fails: {attempt.text}", "failure", place=getattr(attempt.failing, "place", None))
