@@ -89,7 +89,7 @@ def specialise(rules: Iterable[Rule], schema: Iterable[Triple]) -> tuple[Rule, .
     closed.extend(stated)
     _close(closed, kept)
     found = [instance for rule in waiting for instance in _instances(rule, stated, closed)]
-    if any(_may_write_schema(atom) for rule in found for atom in rule.head):
+    if any(map(_may_write_schema, found)):
         return given
     return tuple(_numbered(sorted([*kept, *found], key=lambda rule: rule.name)))
 
@@ -99,12 +99,24 @@ def _about_schema(rule: Rule) -> bool:
     return all(map(_is_axiom, rule.head)) and all(_is_axiom(each) or isinstance(each, Filter) for each in rule.body)
 
 
-def _may_write_schema(atom: Atom) -> bool:
-    """Tell whether a head can be a triple of the schema."""
-    if isinstance(atom.predicate, Variable):
-        return True
-    open_class = atom.predicate == _TYPE and isinstance(atom.object, Variable)
-    return open_class or is_schema(atom.predicate, atom.object)
+def _may_write_schema(rule: Rule) -> bool:
+    """Tell whether a triple that a rule derives can be about the schema."""
+    harmless = set(_never_schema(rule.body))
+    for atom in rule.head:
+        open_class = atom.predicate == _TYPE and isinstance(atom.object, Variable) and atom.object not in harmless
+        if isinstance(atom.predicate, Variable) or open_class or is_schema(atom.predicate, atom.object):
+            return True
+    return False
+
+
+def _never_schema(body: Sequence[Element]) -> Iterator[Variable]:
+    """Yield the variables whose values are listed, none of them a class that schema is made of."""
+    for element in body:
+        if isinstance(element, Values):
+            columns = zip(*element.rows, strict=True)
+            yield from (
+                name for name, terms in zip(element.variables, columns, strict=False) if not SCHEMA_CLASSES & {*terms}
+            )
 
 
 def _close(store: Store, rules: Sequence[Rule]) -> None:

@@ -6,7 +6,7 @@ import pytest
 from graph.samples import loaded, rows, true
 
 from kg.errors import GraphError
-from kg.graph.ontology_files import default_ontologies, ontology_triples
+from kg.graph.ontology_files import ONTOLOGIES, default_ontologies, ontology_triples
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -53,5 +53,5 @@ def test_a_syntax_error_has_its_line(tmp_path: Path) -> None:
 
 
 def test_the_ontologies_are_there() -> None:
-    """Both ontologies belong to the installation."""
-    assert [path.name for path in default_ontologies() if path.is_file()] == ["onto-ros.ttl", "rnkg.ttl"]
+    """The ontologies belong to the installation."""
+    assert [path.name for path in default_ontologies() if path.is_file()] == list(ONTOLOGIES)

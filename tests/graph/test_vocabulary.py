@@ -43,8 +43,15 @@ ONTO_ROS_TERMS = {
     "hasModality",
 }
 KINDS = (OWL.Class, OWL.ObjectProperty, OWL.DatatypeProperty, OWL.AnnotationProperty, OWL.NamedIndividual)
-ONTO_ROS, RNKG = (Graph().parse(path) for path in default_ontologies())
+GRAPHS = {path.stem: Graph().parse(path) for path in default_ontologies()}
+ONTO_ROS, RNKG = GRAPHS["onto-ros"], GRAPHS["rnkg"]
 BOTH = ONTO_ROS + RNKG
+ALL = sum(GRAPHS.values(), Graph())
+NAMESPACES = {
+    "onto-ros": vocabulary.ROS,
+    "rnkg": vocabulary.RNKG,
+    **{name: f"https://w3id.org/rnkg/{name}#" for name in ("capability", "function", "hardware")},
+}
 
 
 def declared(graph: Graph, namespace: str) -> set[str]:
@@ -58,10 +65,11 @@ def test_onto_ros_has_exactly_its_terms() -> None:
     assert declared(ONTO_ROS, vocabulary.ROS) == ONTO_ROS_TERMS
 
 
-@pytest.mark.parametrize("graph", [ONTO_ROS, RNKG], ids=["onto-ros", "rnkg"])
-def test_every_term_is_explained(graph: Graph) -> None:
+@pytest.mark.parametrize("ontology", GRAPHS)
+def test_every_term_is_explained(ontology: str) -> None:
     """Each term of an ontology has one label and one comment, a sentence."""
-    own = vocabulary.ROS if graph is ONTO_ROS else vocabulary.RNKG
+    graph, own = GRAPHS[ontology], NAMESPACES[ontology]
+    assert declared(graph, own)
     for name in declared(graph, own):
         labels, comments = (list(graph.objects(URIRef(own + name), which)) for which in (RDFS.label, RDFS.comment))
         assert len(labels) == len(comments) == 1, name
@@ -89,7 +97,7 @@ def test_every_term_that_is_written_is_in_the_documentation() -> None:
 def test_terms_of_others_are_declared() -> None:
     """Every term that an axiom mentions is declared, in each ontology alone, as OWL 2 DL asks."""
     axioms = (RDFS.subClassOf, RDFS.subPropertyOf, RDFS.domain, RDFS.range, OWL.disjointWith, OWL.onProperty)
-    for graph in (ONTO_ROS, RNKG):
+    for graph in GRAPHS.values():
         mentioned = {term for axiom in axioms for term in graph.objects(None, axiom) if isinstance(term, URIRef)}
         members = {term for term in graph.objects(None, RDF.first) if isinstance(term, URIRef)}
         known = {subject for kind in KINDS for subject in graph.subjects(RDF.type, kind)}
@@ -101,12 +109,12 @@ def test_no_term_plays_two_parts() -> None:
     """No IRI is both a class, a kind of property, or an individual (the restriction of OWL 2 DL on punning)."""
     for one, other in product(KINDS, KINDS):
         if one != other:
-            assert not set(BOTH.subjects(RDF.type, one)) & set(BOTH.subjects(RDF.type, other))
+            assert not set(ALL.subjects(RDF.type, one)) & set(ALL.subjects(RDF.type, other))
 
 
 def test_every_property_has_the_kind_of_its_range() -> None:
     """The range of a property for values is a data type, that of a relation is not."""
     for kind, literal in ((OWL.DatatypeProperty, True), (OWL.ObjectProperty, False)):
-        for term in BOTH.subjects(RDF.type, kind):
-            for span in BOTH.objects(term, RDFS.range):
+        for term in ALL.subjects(RDF.type, kind):
+            for span in ALL.objects(term, RDFS.range):
                 assert str(span).startswith(vocabulary.XSD) == literal, term
