@@ -14,7 +14,7 @@ from pyoxigraph import Literal, NamedNode, Quad, Store
 
 from kg.rules import form
 from kg.rules.engine.facts import EMPTY, distinct
-from kg.rules.engine.shortcuts import shortcut
+from kg.rules.engine.shortcuts import bare, shortcut
 from kg.rules.engine.strings import OPEN, text_test
 from kg.rules.engine.tables import Table, among
 from kg.rules.engine.terms import BLANK
@@ -60,7 +60,7 @@ class Expressions:
         quick = shortcut(expression, table, dict(columns), self._dictionary)
         if quick is not None:
             return quick
-        test = text_test(expression.text)
+        test = text_test(bare(expression.text))
         if test is not None and test.variable in dict(columns):
             return self._texts(test, expression, table, columns, clock)
         return self._truth(expression, table, columns, clock)
@@ -87,8 +87,9 @@ class Expressions:
 
     def values(self, expression: Expression, table: Table, columns: Sequence[tuple[str, str]], clock: Clock) -> Keys:
         """Return the value for each row, `ERROR` where there is none."""
-        if _VARIABLE.fullmatch(expression.text):
-            column = dict(columns).get(expression.text[1:])
+        name = bare(expression.text)
+        if _VARIABLE.fullmatch(name):
+            column = dict(columns).get(name[1:])
             return np.full(table.rows, ERROR, np.int64) if column is None else table.columns[column]
         return self._values(expression.text, expression, table, columns, clock)
 

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from pyoxigraph import NamedNode
 
 from kg.rules.engine.terms import BLANK, IRI, LITERAL, spell
+from kg.rules.syntax.lexer import END, token_at
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -23,12 +25,15 @@ if TYPE_CHECKING:
 
     Mask = NDArray[np.bool_]
 
-__all__ = ["shortcut"]
+__all__ = ["bare", "shortcut"]
 
-_OPERAND: Final = r"(\?\w+|<[^<>\"{}|^`\\\s]*>)"
+_IRI: Final = r"<[^<>\"{}|^`\\\s]*>"
+_OPERAND: Final = rf"(\?\w+|{_IRI})"
 _COMPARISON: Final = re.compile(rf"\s*{_OPERAND}\s*(!?=)\s*{_OPERAND}\s*")
 _SAME: Final = re.compile(rf"\s*(!?)\s*sameTerm\s*\(\s*{_OPERAND}\s*,\s*{_OPERAND}\s*\)\s*", re.IGNORECASE)
 _KIND: Final = re.compile(r"\s*(!?)\s*(isIRI|isURI|isBlank|isLiteral)\s*\(\s*(\?\w+)\s*\)\s*", re.IGNORECASE)
+_BOUND: Final = re.compile(r"\s*(!?)\s*BOUND\s*\(\s*(\?\w+)\s*\)\s*", re.IGNORECASE)
+_AMONG: Final = re.compile(rf"\s*(\?\w+)\s+(NOT\s+)?IN\s*\(\s*({_IRI}(?:\s*,\s*{_IRI})*)\s*\)\s*", re.IGNORECASE)
 _KINDS: Final = {"isiri": IRI, "isuri": IRI, "isblank": BLANK, "isliteral": LITERAL}
 
 
@@ -55,11 +60,33 @@ class _Rows:
         return mask
 
 
+@cache
+def bare(text: str) -> str:
+    """Return the text of an expression without brackets around the whole of it."""
+    text = text.strip()
+    while text.startswith("(") and _closing(text) == len(text) - 1:
+        text = text[1:-1].strip()
+    return text
+
+
+def _closing(text: str) -> int:
+    """Return where the bracket closes that the text begins with; strings and IRIs are skipped."""
+    depth = 0
+    token = token_at(text, 0)
+    while token.text != END:
+        depth += (token.text == "(") - (token.text == ")")
+        if depth == 0:
+            return token.start
+        token = token_at(text, token.end)
+    return -1
+
+
 def shortcut(expression: Expression, table: Table, columns: Mapping[str, str], dictionary: Dictionary) -> Mask | None:
     """Return for each row whether a filter holds, or None where only evaluation can tell."""
     rows = _Rows(table, columns, dictionary)
+    text = bare(expression.text)
     for form, decide in _FORMS:
-        found = form.fullmatch(expression.text)
+        found = form.fullmatch(text)
         if found:
             return decide(found, rows)
     return None
@@ -90,8 +117,26 @@ def _of_kind(found: re.Match[str], rows: _Rows) -> Mask | None:
     return mask
 
 
+def _is_bound(found: re.Match[str], rows: _Rows) -> Mask:
+    column = rows.columns.get(found[2][1:])
+    bound = np.zeros(rows.table.rows, bool) if column is None else rows.table.columns[column] != 0
+    return ~bound if found[1] else bound
+
+
+def _is_among(found: re.Match[str], rows: _Rows) -> Mask | None:
+    """Compare with a list of IRIs, which no literal is equal to."""
+    values = rows.operand(found[1])
+    if values is None:
+        return None
+    listed = [rows.dictionary.intern(iri.encode()) for iri in re.findall(_IRI, found[3])]
+    mask: Mask = np.isin(values, np.array(listed, np.int64)) != bool(found[2])
+    return mask
+
+
 _FORMS: Final[tuple[tuple[re.Pattern[str], Callable[[re.Match[str], _Rows], Mask | None]], ...]] = (
     (_COMPARISON, _compared),
     (_SAME, _same_term),
     (_KIND, _of_kind),
+    (_BOUND, _is_bound),
+    (_AMONG, _is_among),
 )
