@@ -81,7 +81,8 @@ def why(  # noqa: PLR0913 - the options of a command
     form = _form("json" if json else form)
     settings = session(context).settings(store=store, rules=rules)
     with reading(settings) as snapshot:
-        view, known = _view(snapshot, settings), _rules(settings)
+        known = _rules(settings)
+        view = _view(snapshot, settings, known)
         if query is not None:
             if words:
                 raise UsageError("KG003", "give a fact or a query, not both", hint="See `kg why --help`.")
@@ -175,7 +176,8 @@ def why_not(  # noqa: PLR0913 - the options of a command
 
     settings = session(context).settings(store=store, rules=rules)
     with reading(settings) as snapshot:
-        view, known = _view(snapshot, settings), _rules(settings)
+        known = _rules(settings)
+        view = _view(snapshot, settings, known)
         found, held = facts(snapshot, *_three(words))
         if held:
             note(f"{view.sentence(found[0])}: the store holds it; `kg why` explains it")
@@ -201,11 +203,11 @@ def _absent(fact: "Triple", view: "View") -> None:
     raise RuleError("KG226", message, hint=f"`kg why-not {words}` says what is missing.")
 
 
-def _view(snapshot: "EmbeddedSnapshot", settings: "Settings") -> "View":
+def _view(snapshot: "EmbeddedSnapshot", settings: "Settings", rules: "tuple[Rule, ...]") -> "View":
     from kg.pipeline.reasoning import explained_vocabulary  # noqa: PLC0415 - start-up time
     from kg.rules.explain.view import View  # noqa: PLC0415 - start-up time
 
-    return View(snapshot, explained_vocabulary(settings.base))
+    return View(snapshot, explained_vocabulary(settings.base), rules)
 
 
 def _rules(settings: "Settings") -> "tuple[Rule, ...]":

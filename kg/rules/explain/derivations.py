@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from kg.rules.explain.closures import is_auxiliary
 from kg.rules.explain.proof import Condition, Derivation
 from kg.rules.explain.unify import heads, instance
 from kg.rules.form import Aggregate, Atom, EngineBlock, Exists
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 __all__ = ["bound_by", "derivation_of", "derivations", "described"]
 
 _SAMPLE = 5
+_BREADTH = 1000
 
 
 def bound_by(body: Sequence[Element]) -> list[str]:
@@ -51,6 +53,9 @@ def derivation_of(view: View, rule: Rule, solution: dict[str, Term]) -> Derivati
     for element in rule.body:
         if isinstance(element, Atom):
             fact = instance(element, solution)
+            if fact is not None and is_auxiliary(fact.predicate):
+                facts += _way(view, fact)
+                continue
             if fact is None or not (view.asserted(fact) if element.asserted else view.graphs(fact)):
                 return None
             facts.append(fact)
@@ -60,6 +65,17 @@ def derivation_of(view: View, rule: Rule, solution: dict[str, Term]) -> Derivati
             conditions.append(_condition(view, element, solution))
     named = {name: term for name, term in solution.items() if not name.startswith(".")}
     return Derivation(rule, named, tuple(dict.fromkeys(facts)), tuple(conditions))
+
+
+def _way(view: View, fact: Triple) -> tuple[Triple, ...]:
+    """Return the triples along a path of any length that an auxiliary fact stands for."""
+
+    def step(body: tuple[Element, ...], here: Term) -> Iterator[tuple[Term, tuple[Triple, ...]]]:
+        for solution in view.solutions(body, bound_by(body), {".from": here}, _BREADTH):
+            passed = (instance(part, solution) for part in body if isinstance(part, Atom))
+            yield solution[".to"], tuple(each for each in passed if each is not None)
+
+    return view.closures.way(fact.predicate.value, fact.subject, fact.object, step)
 
 
 def _witness(view: View, element: Exists, solution: Mapping[str, Term]) -> Iterator[Triple]:

@@ -9,16 +9,17 @@ import pyoxigraph
 from pyoxigraph import Literal, NamedNode
 
 from kg.query.prefixes import shorten
+from kg.rules.explain.closures import Closures
 from kg.rules.explain.proof import Evidence
 from kg.rules.form import Variable
 from kg.rules.sparql import outside, select, spelling, substitutions
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from pyoxigraph import QueryBoolean, QuerySolutions, QueryTriples, Triple
 
-    from kg.rules.form import Element, Term
+    from kg.rules.form import Element, Rule, Term
 
 __all__ = ["Queryable", "View", "Vocabulary"]
 
@@ -59,9 +60,13 @@ class Vocabulary:
 
 
 class View:
-    """A snapshot as explanations see it; answers are remembered, since a snapshot does not change."""
+    """A snapshot as explanations see it; answers are remembered, since a snapshot does not change.
 
-    def __init__(self, snapshot: Queryable, vocabulary: Vocabulary) -> None:
+    `rules` are those that bodies asked about come from: they tell what auxiliary predicates stand for.
+    """
+
+    def __init__(self, snapshot: Queryable, vocabulary: Vocabulary, rules: Iterable[Rule] = ()) -> None:
+        self.closures = Closures.of(rules)
         self._snapshot = snapshot
         self._vocabulary = vocabulary
         self._ignored = {graph.value for graph in vocabulary.ignored}
@@ -94,7 +99,7 @@ class View:
         given = {Variable(name): term for name, term in bindings.items()}
         blank = substitutions(given)
         wanted = [Variable(name) for name in names if name not in bindings or spelling(Variable(name))[1:] in blank]
-        text = select(tuple(body), wanted, given, asserted=outside(self._vocabulary.inferred))
+        text = select(self.closures.written(body), wanted, given, asserted=outside(self._vocabulary.inferred))
         fixed = {pyoxigraph.Variable(name): term for name, term in blank.items()}
         rows = cast("QuerySolutions", self._snapshot.query(_limited(text, wanted, limit), substitutions=fixed))
         found = []

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pyoxigraph import Quad
-from rules.explain.worlds import BUILDS, INFERRED, World, bound, fact, rule, where, without
+from rules.explain.worlds import BUILDS, EX, INFERRED, World, bound, fact, rule, where, without
 
 from kg.errors import RuleError
 from kg.rules.explain.proof import Condition, Proof
+from kg.rules.explain.view import View, Vocabulary
 from kg.rules.explain.why import why, why_all
+from kg.rules.reading import read_text
 
 if TYPE_CHECKING:
     from pyoxigraph import Triple
@@ -132,3 +135,15 @@ def test_every_inferred_fact_has_a_sound_proof(edges: list[tuple[int, int]], cho
     for each in world.inferred():
         check(why(world.view, world.rules, each))
         assert all(leaves(way) for way in why_all(world.view, world.rules, each))
+
+
+def test_paths_of_any_length() -> None:
+    """A path of any length is proved by the triples of a shortest way along it."""
+    text = f"PREFIX : <{EX}> CONSTRUCT {{ ?x :reaches ?y }} WHERE {{ ?x (:next|^:before/:next)+ ?y . ?y :is :goal }}"
+    rules = read_text(text, Path("x/reaches.rq"), "x/reaches").rules
+    world = World(":a :next :b . :c :before :b ; :next :d . :b :next :e . :d :is :goal .", ())
+    each = fact("a reaches d")
+    world.store.add(Quad(each.subject, each.predicate, each.object, INFERRED))
+    view = View(world, Vocabulary(INFERRED), rules)
+    proof = why(view, rules, each)
+    assert leaves(proof) == {fact("a next b"), fact("c before b"), fact("c next d"), fact("d is goal")}

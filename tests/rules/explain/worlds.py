@@ -116,7 +116,7 @@ class World:
     @property
     def view(self) -> View:
         """The store as explanations see it."""
-        return View(self, Vocabulary(INFERRED, (BUILDS,), name("path"), name("line"), name("repository")))
+        return View(self, Vocabulary(INFERRED, (BUILDS,), name("path"), name("line"), name("repository")), self.rules)
 
     def inferred(self) -> list[Triple]:
         """Return what rules derived."""
