@@ -32,6 +32,8 @@ __all__ = [
 _LOW: Final = 0xFFFFFFFF
 _FEW: Final = 8
 _SAMPLE: Final = 256
+_VERY_FEW: Final = 64
+"""So many pairs or fewer are put in or taken out by copying the stretches between them."""
 EMPTY: Final = np.empty(0, np.int64)
 
 
@@ -92,6 +94,12 @@ def merged(keys: Keys, others: Keys) -> Keys:
     """Return two sorted arrays that share nothing as one; a few others are put in their places without a sort."""
     if not keys.size or not others.size:
         return others if not keys.size else keys
+    if others.size <= _VERY_FEW:
+        places = [0, *np.searchsorted(keys, others).tolist(), keys.size]
+        pieces = [keys[places[0] : places[1]]]
+        for number in range(others.size):
+            pieces += [others[number : number + 1], keys[places[number + 1] : places[number + 2]]]
+        return np.concatenate(pieces)
     if others.size * _FEW < keys.size:
         return np.insert(keys, np.searchsorted(keys, others), others)
     return np.sort(np.concatenate([keys, others]))
@@ -99,7 +107,12 @@ def merged(keys: Keys, others: Keys) -> Keys:
 
 def parted(keys: Keys, gone: Keys) -> Keys:
     """Return sorted keys without some of them, in one copy."""
-    return np.delete(keys, np.searchsorted(keys, gone))
+    places = np.searchsorted(keys, gone)
+    if gone.size > _VERY_FEW:
+        return np.delete(keys, places)
+    ends = [*places.tolist(), keys.size]
+    begins = [0, *(place + 1 for place in ends)]
+    return np.concatenate([keys[begin:end] for begin, end in zip(begins, ends, strict=False)])
 
 
 def starts(keys: Keys, terms: int) -> NDArray[np.int32]:

@@ -52,16 +52,24 @@ class MaintainedRule:
         self.name = str(plan.rule)
         self._shop = shop
         written = {head.predicate for head in plan.heads}
-        self._writes = None if any(not isinstance(predicate, int) for predicate in written) else written
+        known = frozenset(predicate for predicate in written if isinstance(predicate, int))
+        self.writes = known if len(known) == len(written) else None
+        """The predicates that it derives, None for any."""
         self._pivots = pivots(plan, shop.dictionary)
 
     def everything(self, world: World) -> Facts:
         """Return what the rule derives."""
         return self._derived(self._sources(world), UNIT)
 
+    def rereads(self, written: frozenset[int] | None) -> bool:
+        """Tell whether one derivation may need two triples of the predicates `written` (None is any), or a block."""
+        readers = [pivot for pivot in self._pivots if not pivot.asserted]
+        own = [pivot for pivot in readers if written is None or pivot.predicates is None or pivot.predicates & written]
+        return len(own) > 1 or any(pivot.block for pivot in own)
+
     def may_derive(self, candidates: Facts) -> bool:
         """Tell whether the rule derives triples of the predicates of any of the candidates."""
-        return self._writes is None or any(predicate in self._writes for predicate in candidates.predicates)
+        return self.writes is None or any(predicate in self.writes for predicate in candidates.predicates)
 
     def supported(self, candidates: Facts, world: World) -> Facts:
         """Return what the rule derives in a world where a triple of its head is among the candidates; more at times."""

@@ -57,6 +57,8 @@ class _Work:
     recursive: bool
     lost: Facts = field(default_factory=Facts)
     """What was derived by then and has been taken away."""
+    fresh: Facts = field(default_factory=Facts)
+    """What was added and does not stand in the world after yet."""
 
     def take_away(self) -> None:
         """Take away what may have no derivation any more."""
@@ -92,9 +94,13 @@ class _Work:
         if self.recursive and len(back):
             came = Delta(came.asserted, came.known.copy())
             absorb(came.known, back)
+        at_once = self.recursive and self._rereads()
         frontier = self._gain(self._consequences(came, progress.gone, after=True))
         while self.recursive and len(frontier):
+            if at_once:
+                self._settle()
             frontier = self._gain(self._consequences(Delta(Facts(), frontier), None, after=True))
+        self._settle()
         absorb(progress.gone.known, self.lost)
 
     def _consequences(self, came: Delta | None, gone: Delta | None, *, after: bool) -> Facts:
@@ -121,13 +127,25 @@ class _Work:
     def _gain(self, found: Facts) -> Facts:
         """Add triples, those that are not there, and return them."""
         progress = self.progress
-        new = lacking(found, progress.after.known)
+        new = lacking(lacking(found, self.fresh), progress.after.known)
         for predicate, keys in new:
-            progress.after.known.extend(predicate, keys)
+            self.fresh.extend(predicate, keys)
             progress.added += keys.size
             again = union(self.lost.remove(predicate, keys), progress.gone.known.remove(predicate, keys))
             progress.came.known.extend(predicate, difference(keys, again))
         return new
+
+    def _settle(self) -> None:
+        """Let the world after have what was added: one copy of a predicate's columns, however small the addition."""
+        for predicate, keys in self.fresh:
+            self.progress.after.known.extend(predicate, keys)
+        self.fresh = Facts()
+
+    def _rereads(self) -> bool:
+        """Tell whether a rule may join what this stratum added with other triples that it added."""
+        written = [rule.writes for rule in self.rules]
+        known = frozenset[int]().union(*(predicates or () for predicates in written))
+        return any(rule.rereads(None if None in written else known) for rule in self.rules)
 
 
 def maintain_stratum(
