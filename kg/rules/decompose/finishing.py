@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from kg.rules import sparql
 from kg.rules.decompose.parts import IndivisibleError
-from kg.rules.decompose.renaming import renamed, renamed_atom
+from kg.rules.decompose.renaming import everywhere, renamed, renamed_atom
 from kg.rules.form import Aggregate, Assignment, Atom, EngineBlock, Exists, Filter, Variable
 from kg.rules.scope import binds, bound_in, mentions
 
@@ -30,7 +29,6 @@ def finished(head: tuple[Atom, ...], body: tuple[Element, ...], names: Names) ->
     """
     body = _printable(body, names)
     head, body = _without_copies(head, body)
-    body = tuple(_localised(body, frozenset(), frozenset(), names))
     _check_blocks(body)
     bound = bound_in(body)
     kept = tuple(atom for atom in head if binds(atom) <= bound)
@@ -51,15 +49,9 @@ def _expressions(body: Sequence[Element]) -> Iterator[str]:
 def _printable(body: tuple[Element, ...], names: Names) -> tuple[Element, ...]:
     """Give names that SPARQL can write to variables that stand for blank nodes and are in expressions or blocks."""
     written = set(_expressions(body))
-    hidden = {variable for variable in _everywhere(body) if variable.name.startswith(".")}
+    hidden = {variable for variable in everywhere(body) if variable.name.startswith(".")}
     chosen = sorted((v for v in hidden if sparql.spelling(v)[1:] in written), key=str)
     return renamed(body, {variable: names.like(variable) for variable in chosen})
-
-
-def _everywhere(body: Sequence[Element]) -> frozenset[Variable]:
-    """Return the variables at any depth, in aggregates too."""
-    inner = [_everywhere(element.body) for element in body if isinstance(element, Exists | Aggregate)]
-    return frozenset().union(*inner, *map(mentions, body))
 
 
 def _without_copies(head: tuple[Atom, ...], body: tuple[Element, ...]) -> Statement:
@@ -73,7 +65,9 @@ def _without_copies(head: tuple[Atom, ...], body: tuple[Element, ...]) -> Statem
             continue
         names = {element.variable: source}
         head = tuple(renamed_atom(atom, names) for atom in head)
-        body = (*body[:index], *renamed(body[index + 1 :], names))
+        # Only where the variable is meant: text may have another of that name inside.
+        rest = (renamed([e], names)[0] if element.variable in mentions(e) else e for e in body[index + 1 :])
+        body = (*body[:index], *rest)
     return head, body
 
 
@@ -83,21 +77,6 @@ def _copied(element: Element, rest: tuple[Element, ...]) -> Variable | None:
         return None
     simple = all(isinstance(other, Atom | Filter | Assignment) for other in rest if element.variable in mentions(other))
     return Variable(element.expression.variables[0]) if simple else None
-
-
-def _localised(
-    body: tuple[Element, ...], before: frozenset[Variable], later: frozenset[Variable], names: Names
-) -> Iterator[Element]:
-    """Yield elements with own names for what is only inside an EXISTS, where something behind it has the same name."""
-    for index, element in enumerate(body):
-        if isinstance(element, Exists):
-            around = later | bound_in(body[index + 1 :])
-            clash = sorted((_everywhere(element.body) & around) - before, key=str)
-            inner = renamed(element.body, {variable: names.like(variable) for variable in clash})
-            yield replace(element, body=tuple(_localised(inner, before, around, names)))
-        else:
-            yield element
-        before |= binds(element)
 
 
 def _check_blocks(body: tuple[Element, ...]) -> None:

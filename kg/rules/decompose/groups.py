@@ -26,6 +26,7 @@ from kg.rules.decompose.blocks import block
 from kg.rules.decompose.conditions import Condition, conditions
 from kg.rules.decompose.parts import EMPTY, IndivisibleError, Scope, attached, joined, placed
 from kg.rules.decompose.patterns import basic, known
+from kg.rules.decompose.renaming import everywhere, renamed
 from kg.rules.decompose.selects import selected
 from kg.rules.decompose.uses import certain, uses
 from kg.rules.form import Assignment, Exists, Filter, Values, Variable
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
 
     from kg.rules.decompose.parts import Part
     from kg.rules.decompose.work import Work
-    from kg.rules.form import Term
+    from kg.rules.form import Element, Term
 
 __all__ = ["MOST_PARTS", "Groups"]
 
@@ -109,20 +110,27 @@ class Groups:
         if plain:
             yield part
             return
-        if rest := self._without(part, matches, bound):
+        if rest := self._without(part, matches, bound | scope.outer, node):
             yield rest
 
     def _comes_to_nothing(self, names: frozenset[str], node: tree.Node, scope: Scope) -> bool:
         """Tell whether solutions in which a node did not bind these names come to nothing."""
         return any(not self._work.bound_elsewhere(name, node) for name in names & scope.required)
 
-    def _without(self, part: Part, matches: list[Part], shared: frozenset[Variable]) -> Part | None:
+    def _without(self, part: Part, matches: list[Part], shared: frozenset[Variable], node: tree.Node) -> Part | None:
         """Return the part without the solutions that agree with one of `matches`; None if none are left."""
         for match in matches:
             if not match.elements:
                 return None
-            part = part.then(Exists(tuple(attached(match.elements, shared, self._work.names)), negated=True))
+            part = part.then(Exists(self._inner(match, shared, node), negated=True))
         return part
+
+    def _inner(self, match: Part, shared: frozenset[Variable], node: tree.Node) -> tuple[Element, ...]:
+        """Return the body of an EXISTS for a node: what it does not share has names that nothing outside has."""
+        elements = tuple(attached(match.elements, shared, self._work.names))
+        own = sorted((v for v in everywhere(elements) - shared if self._work.mentioned[v.name]), key=str)
+        names = {v: self._work.names.like(v) for v in own if self._work.used_elsewhere(frozenset((v.name,)), node)}
+        return renamed(elements, names)
 
     def _minus(self, node: tree.Minus, part: Part, scope: Scope) -> Part:
         bound = part.bound
@@ -133,7 +141,7 @@ class Groups:
             elif match.bound & scope.outer:
                 # With variables that an EXISTS around gives their values, engines disagree on what is shared.
                 raise IndivisibleError
-        return self._without(part, removed, bound) or part
+        return self._without(part, removed, bound | scope.outer, node) or part
 
     def _bind(self, node: tree.Bind, part: Part, scope: Scope) -> Iterator[Part]:
         if node.expression.exists or node.variable in scope.outer:
@@ -197,7 +205,7 @@ class Groups:
             return self._exists(part, test.exists, scope)
         around = scope.outer | scope.seen
         text = expressions.resolved(test.text, {variable.name for variable in part.bound | around})
-        text = text and expressions.simplified(text, {variable.name for variable in part.always | around})
+        text = text and expressions.simplified(text, {variable.name for variable in part.always})
         if text == "true":
             return [part]
         if text is None or text == "false":
@@ -208,12 +216,11 @@ class Groups:
         inner = scope.inside(part)
         matches = self.group(node.group, inner)
         if node.negated:
-            rest = self._without(part, matches, inner.outer)
+            rest = self._without(part, matches, inner.outer, node)
             return [rest] if rest else []
         if any(not match.elements for match in matches):
             return [part]
-        names = self._work.names
-        return [part.then(Exists(tuple(attached(match.elements, inner.outer, names)))) for match in matches]
+        return [part.then(Exists(self._inner(match, inner.outer, node))) for match in matches]
 
 
 def _graph(node: tree.GraphBlock) -> str:

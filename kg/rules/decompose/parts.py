@@ -28,17 +28,19 @@ class Part:
     """Elements in order.
 
     `nodes` are the variables whose value is certainly a subject or object in the graph, `subjects` those of them whose
-    value is a subject, and so neither a literal nor a triple term.
+    value is a subject, and so neither a literal nor a triple term. `given` are variables of the group that have their
+    value from what stands before the part, in which they are the end of a path of length zero.
     """
 
     elements: tuple[Element, ...] = ()
     nodes: frozenset[Variable] = frozenset()
     subjects: frozenset[Variable] = frozenset()
+    given: frozenset[Variable] = frozenset()
 
     @property
     def bound(self) -> frozenset[Variable]:
         """The variables that solutions bind."""
-        return bound_in(self.elements)
+        return bound_in(self.elements) | self.given
 
     @property
     def always(self) -> frozenset[Variable]:
@@ -52,12 +54,13 @@ class Part:
         subjects = frozenset(atom.subject for atom in atoms if isinstance(atom.subject, Variable))
         objects = frozenset(atom.object for atom in atoms if isinstance(atom.object, Variable))
         nodes = self.nodes | subjects | objects
-        return Part((*self.elements, *elements), nodes, self.subjects | subjects)
+        return Part((*self.elements, *elements), nodes, self.subjects | subjects, self.given)
 
     def same_node(self, variable: Variable, other: Variable) -> Part:
         """Return the part, knowing that one variable has the value of another."""
         nodes = self.nodes | ({variable} if other in self.nodes else set())
-        return replace(self, nodes=nodes, subjects=self.subjects | ({variable} if other in self.subjects else set()))
+        subjects = self.subjects | ({variable} if other in self.subjects else set())
+        return replace(self, nodes=nodes, subjects=subjects, given=self.given | ({other} - self.bound))
 
 
 EMPTY: Final = Part()
@@ -108,7 +111,7 @@ def joined(left: Part, right: Part, names: Names) -> Part:
     which `attached` sees to.
     """
     elements = (*left.elements, *attached(right.elements, left.bound, names))
-    return Part(elements, left.nodes | right.nodes, left.subjects | right.subjects)
+    return Part(elements, left.nodes | right.nodes, left.subjects | right.subjects, left.given | right.given)
 
 
 def attached(elements: Iterable[Element], bound: frozenset[Variable], names: Names) -> Iterator[Element]:

@@ -85,7 +85,7 @@ def _ends_equal(pattern: TriplePattern, part: Part) -> list[Part] | None:
         if isinstance(end, TripleTerm) or isinstance(other, TripleTerm):
             return None
         if isinstance(end, Variable):
-            if end in part.nodes and end in part.bound | part.nodes:
+            if end in part.nodes:
                 return [_equal(part, end, other)]
         elif not isinstance(pattern.predicate, Sequence):
             # A sequence of paths is a join: its middle is no constant, so it has to be in the graph.
@@ -104,7 +104,7 @@ def _equal(part: Part, bound: Variable, other: Pattern) -> Part:
     if not isinstance(other, Variable):
         return part.then(Values((bound,), ((other,),)))  # type: ignore[arg-type]  # no triple term
     if other == bound:
-        return part
+        return part.same_node(bound, bound)
     value = expressions.expression(sparql.spelling(bound))
     known = other in part.bound
     return part.then(Filter(same(other, value)) if known else Assignment(other, value)).same_node(other, bound)

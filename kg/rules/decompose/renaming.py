@@ -19,18 +19,26 @@ from kg.rules.form import (
     Values,
     Variable,
 )
+from kg.rules.scope import mentions
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from kg.rules.form import Element, Pattern
 
-__all__ = ["renamed", "renamed_atom", "renamed_expression"]
+__all__ = ["everywhere", "renamed", "renamed_atom", "renamed_expression"]
 
 
 def renamed(body: Iterable[Element], names: Mapping[Variable, Variable]) -> tuple[Element, ...]:
     """Return elements with other variables, those inside EXISTS, aggregates and text too."""
     return tuple(_renamed(element, names) for element in body) if names else tuple(body)
+
+
+def everywhere(body: Iterable[Element]) -> frozenset[Variable]:
+    """Return the variables at any depth, in aggregates too."""
+    body = tuple(body)
+    inner = [everywhere(element.body) for element in body if isinstance(element, Exists | Aggregate)]
+    return frozenset().union(*inner, *map(mentions, body))
 
 
 def _renamed(element: Element, names: Mapping[Variable, Variable]) -> Element:
@@ -65,17 +73,17 @@ def _pattern(pattern: Pattern, names: Mapping[Variable, Variable]) -> Pattern:
 
 def renamed_expression(expression: Expression, names: Mapping[Variable, Variable]) -> Expression:
     """Return an expression with other variables."""
-    if not any(Variable(name) in names for name in expression.variables):
+    spelt = _spelt(names)
+    if spelt.keys().isdisjoint(expression.variables):
         return expression
-    text = expressions.renamed(expression.text, {old.name: new.name for old, new in names.items()})
+    text = expressions.renamed(expression.text, spelt)
     return replace(expression, text=text, variables=expressions.variables(text))
 
 
 def _block(element: EngineBlock, names: Mapping[Variable, Variable]) -> EngineBlock:
-    spelt = {sparql.spelling(old)[1:]: sparql.spelling(new)[1:] for old, new in names.items()}
     return replace(
         element,
-        text=expressions.renamed(element.text, spelt),
+        text=expressions.renamed(element.text, _spelt(names)),
         variables=_all(element.variables, names),
         optional=_all(element.optional, names),
     )
@@ -91,6 +99,10 @@ def _aggregate(element: Aggregate, names: Mapping[Variable, Variable]) -> Aggreg
         for column in element.columns
     )
     return Aggregate(_all(element.keys, names), columns, renamed(element.body, names))
+
+
+def _spelt(names: Mapping[Variable, Variable]) -> dict[str, str]:
+    return {sparql.spelling(old)[1:]: sparql.spelling(new)[1:] for old, new in names.items()}
 
 
 def _of(variable: Variable, names: Mapping[Variable, Variable]) -> Variable:

@@ -98,17 +98,14 @@ def _hiding(work: Work, part: Part, visible: Iterable[Variable]) -> Part:
     """Return a part with new names for what is not visible."""
     hidden = sorted(part.bound - frozenset(visible), key=str)
     names = {variable: work.names.like(variable) for variable in hidden if _is_written(work, variable)}
-    nodes, subjects = (frozenset(names.get(variable, variable) for variable in found) for found in _known(part))
-    return Part(renamed(part.elements, names), nodes, subjects)
+    known = (part.nodes, part.subjects, part.given)
+    nodes, subjects, given = (frozenset(names.get(variable, variable) for variable in found) for found in known)
+    return Part(renamed(part.elements, names), nodes, subjects, given)
 
 
 def _is_written(work: Work, variable: Variable) -> bool:
     """Tell whether the rule has a variable of that name; others have a name of their own already."""
     return not variable.name.startswith(".") and variable.name in work.mentioned
-
-
-def _known(part: Part) -> tuple[frozenset[Variable], frozenset[Variable]]:
-    return part.nodes, part.subjects
 
 
 @dataclass(slots=True)
@@ -153,7 +150,7 @@ class _Grouping:
 
 
 def _grouped(work: Work, node: tree.SubSelect, scope: Scope, group: Decompose) -> Part:
-    keys = tuple(key.variable for key in node.keys)
+    keys = tuple(dict.fromkeys(key.variable for key in node.keys))
     (body,) = group(node.group, Scope(single=True))
     if any(key.expression for key in node.keys) or not body.always.issuperset(keys):
         raise IndivisibleError
