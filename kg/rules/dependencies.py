@@ -6,8 +6,9 @@ A body atom depends on a head atom if the two unify: constants tell them apart, 
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 from pyoxigraph import BlankNode, NamedNode, Triple
 
@@ -35,10 +36,14 @@ __all__ = ["Read", "depends", "expressions_of", "mints", "reads", "unifies", "vo
 
 @dataclass(frozen=True, slots=True)
 class Read:
-    """An atom that a body reads; with `negated` more matches may take solutions away (NOT, aggregates)."""
+    """An atom that a body reads; with `negated` more matches may take solutions away (NOT, aggregates).
+
+    A filter beside the atom keeps its predicate, a variable, from being one of `excluded`.
+    """
 
     atom: Atom
     negated: bool
+    excluded: frozenset[NamedNode] = frozenset()
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +53,8 @@ class _Fresh:
     label: str
 
 
+_NAME: Final = re.compile(r"<([^<>]*)>")
+_NOT_IN: Final = re.compile(r"\(*\?(\w+) NOT IN ?\(((?:<[^<>]*>|[, ])*)\)+")
 _Node: TypeAlias = "Pattern | _Fresh | tuple[_Node, _Node, _Node]"
 _Bindings: TypeAlias = "dict[Variable, _Node]"
 
@@ -64,13 +71,26 @@ def _reads(body: tuple[Element, ...], *, negated: bool) -> Iterator[Read]:
     for element in body:
         if isinstance(element, Atom):
             if not element.asserted:
-                yield Read(element, negated)
+                yield Read(element, negated, _excluded(element, body))
         elif isinstance(element, Exists):
             yield from _reads(element.body, negated=negated or element.negated)
         elif isinstance(element, Aggregate):
             yield from _reads(element.body, negated=True)
         elif isinstance(element, EngineBlock):
             yield from (Read(atom, negated or not element.monotone) for atom in _atoms_of_block(element))
+
+
+def _excluded(atom: Atom, body: tuple[Element, ...]) -> frozenset[NamedNode]:
+    """Return the predicates that `FILTER(?predicate NOT IN (...))` in the same body rules out for an atom."""
+    if not isinstance(atom.predicate, Variable):
+        return frozenset()
+    found: set[NamedNode] = set()
+    for element in body:
+        text = element.expression.text if isinstance(element, Filter) else ""
+        match = _NOT_IN.fullmatch(text)
+        if match and match[1] == atom.predicate.name:
+            found.update(NamedNode(name) for name in _NAME.findall(match[2]))
+    return frozenset(found)
 
 
 def _atoms_of_block(block: EngineBlock) -> Iterator[Atom]:

@@ -64,7 +64,7 @@ def edges(rules: Sequence[Rule]) -> list[dict[int, Read]]:
     for rule in rules:
         needs: dict[int, Read] = {}
         for read in reads(rule):
-            for writer in heads.matching(read.atom):
+            for writer in heads.matching(read):
                 if writer not in needs or (read.negated and not needs[writer].negated):
                     needs[writer] = read
         found.append(needs)
@@ -86,12 +86,14 @@ class _Heads:
                 else:
                     self._variable.append((number, head))
 
-    def matching(self, reader: Atom) -> Iterator[int]:
-        """Yield the numbers of the rules that derive what the atom reads."""
+    def matching(self, read: Read) -> Iterator[int]:
+        """Yield the numbers of the rules that derive what a body reads."""
         candidates: Iterable[tuple[int, Atom]] = self._all
-        if isinstance(reader.predicate, NamedNode):
-            candidates = [*self._by_predicate.get(reader.predicate, ()), *self._variable]
-        return (number for number, head in candidates if depends(reader, head))
+        if isinstance(read.atom.predicate, NamedNode):
+            candidates = [*self._by_predicate.get(read.atom.predicate, ()), *self._variable]
+        return (
+            number for number, head in candidates if head.predicate not in read.excluded and depends(read.atom, head)
+        )
 
 
 def _components(needs: Sequence[Sequence[int]]) -> list[list[int]]:

@@ -89,6 +89,8 @@ class Conditions:
             compared = property_name(self._graph, shape, value)
             comparison = Comparison(term, self._values(shape, term), compared, self._names.fresh())
             return RELATIONS[predicate](comparison, wanted=wanted)
+        if predicate == sh("sparql"):
+            return self._selected(shape, value, term, wanted=wanted)
         name = predicate.value.removeprefix(SH) if predicate.value.startswith(SH) else ""
         if name in {"minCount", "maxCount", "qualifiedMinCount", "qualifiedMaxCount"}:
             return self._counted(shape, name, value, term, wanted=wanted)
@@ -126,7 +128,6 @@ class Conditions:
             sh("xone"): lambda term, wanted: self._one(shape, value, term, wanted=wanted),
             sh("closed"): lambda term, wanted: closed(self._graph, shape, term, self._names, wanted=wanted),
             sh("expression"): lambda term, wanted: self._expressions().true(value, term, wanted=wanted),
-            sh("sparql"): lambda term, wanted: self._selected(shape, value, term, wanted=wanted),
         }
         return readers.get(predicate)
 

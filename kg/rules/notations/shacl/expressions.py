@@ -141,18 +141,19 @@ class Expressions:
         hint = "Which nodes are left depends on an order of nodes; use sh:min or sh:max where one is meant."
         raise self._graph.unsupported("sh:limit and sh:offset in a node expression", node, hint)
 
-    def _all(self, branches: Sequence[Branch]) -> tuple[str, str]:
+    def _all(self, branches: Sequence[Branch], this: str) -> tuple[str, str]:
         """Return one group that has the nodes of all branches as the values of one variable."""
         value = self._names.fresh()
         groups = []
         for branch in branches:
             given = branch.giving(value)
             pattern = given.pattern if given else f"{branch.pattern} BIND({branch.term} AS {value})"
-            groups.append(f"{self._binder} {pattern}".strip())
+            binds_this = branch.matched and branch.pattern.startswith(f"{this} ")
+            groups.append(pattern if binds_this else f"{self._binder} {pattern}".strip())
         return value, groups[0] if len(groups) == 1 else " UNION ".join(f"{{ {group} }}" for group in groups)
 
     def _grouped(self, function: str, branches: Sequence[Branch], this: str) -> Branch:
-        value, group = self._all(branches)
+        value, group = self._all(branches, this)
         result = self._names.fresh()
         call = f"({function}(DISTINCT {value}) AS {result})"
         return Branch(f"{{ SELECT {this} {call} WHERE {{ {group} }} GROUP BY {this} }}", result)
@@ -209,8 +210,8 @@ class Expressions:
             return [self._bound(branch.pattern, f"{predicate}({branch.term})") for branch in given[0]]
         function = self._functions.find(predicate, node)
         optional = [flag for _, flag in function.parameters]
-        choices: list[list[Branch | None]] = [
-            [*branches] if branches or number >= len(optional) or not optional[number] else [None]
+        choices = [
+            [*branches, _missing(branches)] if number < len(optional) and optional[number] else branches
             for number, branches in enumerate(given)
         ]
         return [found for chosen in product(*choices) for found in self._call(function, chosen, node)]
@@ -219,9 +220,9 @@ class Expressions:
         value = self._names.fresh()
         return Branch(f"{pattern} BIND({expression} AS {value})".strip(), value)
 
-    def _call(self, function: Function, chosen: Sequence[Branch | None], node: Term) -> list[Branch]:
-        before = " ".join(branch.pattern for branch in chosen if branch and branch.pattern)
-        arguments = self._functions.arguments(function, [branch.term if branch else None for branch in chosen], node)
+    def _call(self, function: Function, chosen: Sequence[Branch], node: Term) -> list[Branch]:
+        before = " ".join(branch.pattern for branch in chosen if branch.pattern)
+        arguments = self._functions.arguments(function, [branch.term or None for branch in chosen], node)
         if arguments is None:
             return []
         if (expression := self._functions.expression(function, arguments)) is not None:
@@ -248,6 +249,11 @@ class Expressions:
         if wanted:
             return [[_some(branch), *(_none(one) for one in other)] for branch in is_true]
         return [[_some(one)] for one in other] + [[_none(branch) for branch in is_true]]
+
+
+def _missing(branches: Sequence[Branch]) -> Branch:
+    """Return the branch, without a term, in which an argument has no nodes."""
+    return Branch(" ".join(_none(branch) for branch in branches), "")
 
 
 def _some(branch: Branch) -> str:

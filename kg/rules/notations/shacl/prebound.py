@@ -1,7 +1,8 @@
 """Pre-binding (SHACL, appendix A): `$this` has its value everywhere in a query, also inside its groups.
 
 The patterns that bind the focus node stand at the beginning of the whole group. SPARQL joins from inside to outside,
-so a group inside it that uses the variable in an expression must bind it too.
+so a group inside it that uses the variable in an expression must bind it too, in a sub-SELECT once for each node,
+since aggregates count solutions.
 """
 
 from __future__ import annotations
@@ -34,6 +35,7 @@ class _Groups:
         self._graph = graph
         self._owner = owner
         self._binder = plain(binder)
+        self._once = plain(f"{{ SELECT DISTINCT ?this WHERE {{ {binder} }} }}")
 
     def inside(self, words: Words) -> Words:
         """Handle the groups in `words`, which stand between braces."""
@@ -69,7 +71,7 @@ class _Groups:
             raise self._graph.error(
                 "a sub-SELECT uses $this and does not project it", self._owner, hint=hint, offset=words[0].offset
             )
-        start = [self._binder] if uses and not _is_select(words[opening + 1 :]) else []
+        start = [self._once] if _needs(words[opening + 1 : end]) else []
         return [*head, *words[opening : opening + 1], *start, *self.inside(words[opening + 1 : end]), *words[end:]]
 
     def _check(self, words: Words, index: int) -> None:
