@@ -189,6 +189,8 @@ def _apart(left: Token, right: Token) -> bool:
     """Tell whether a space stands between two tokens; words that are operators keep theirs before a bracket."""
     if left.text in {"(", "!", "^^"} or right.text in {")", ",", "^^"} or right.kind is Kind.TAG:
         return False
+    if left.text in {"+", "-"} and right.kind is Kind.NUMBER and left.end == right.start:
+        return False
     if right.text != "(":
         return True
     return not (_is_iri(left) or (left.kind is Kind.WORD and left.text.upper() not in _OPERATORS))
