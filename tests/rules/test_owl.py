@@ -1,0 +1,121 @@
+"""The rules of OWL 2 RL: those in force are those that the ontologies need, and the whole profile is what it says."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pyoxigraph import NamedNode, RdfFormat, Triple, parse
+from rdflib import OWL, RDF, RDFS, Graph
+
+from kg.graph.ontology_files import default_ontologies
+from kg.query.prefixes import PREFIXES
+from kg.resources import folder
+from kg.rules.authoring.memory import infer
+from kg.rules.engine.evaluate import Program
+from kg.rules.reading import discover
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from rdflib.term import Node
+
+RULES = folder("rules")
+PROFILE = discover([RULES], families=["owl-rl"])
+IN_FORCE = {file.name.split("/")[1] for file in discover([RULES], families=["owl"]).files}
+ONTOLOGIES = Graph()
+for _path in default_ontologies():
+    ONTOLOGIES.parse(_path)
+
+NEEDS: dict[tuple[Node | None, Node | None], set[str]] = {
+    (RDFS.subClassOf, None): {"cax-sco", "scm-sco"},
+    (RDFS.subPropertyOf, None): {"prp-spo1", "scm-spo"},
+    (RDFS.domain, None): {"prp-dom"},
+    (RDFS.range, None): {"prp-rng"},
+    (OWL.allValuesFrom, None): {"cls-avf"},
+    (OWL.inverseOf, None): {"prp-inv1", "prp-inv2"},
+    (OWL.equivalentClass, None): {"cax-eqc1", "cax-eqc2"},
+    (OWL.equivalentProperty, None): {"prp-eqp1", "prp-eqp2"},
+    (OWL.someValuesFrom, None): {"cls-svf1"},
+    (OWL.hasValue, None): {"cls-hv1", "cls-hv2"},
+    (OWL.propertyChainAxiom, None): {"prp-spo2"},
+    (RDF.type, OWL.SymmetricProperty): {"prp-symp"},
+    (RDF.type, OWL.TransitiveProperty): {"prp-trp"},
+    (RDF.type, OWL.FunctionalProperty): {"prp-fp"},
+    (RDF.type, OWL.InverseFunctionalProperty): {"prp-ifp"},
+}
+"""What an axiom with this predicate and object needs of the profile to be used; unions only have members, by no rule in
+force, and disjointness only contradicts, which `kg ontology check` tells."""
+
+NAMES = st.sampled_from([NamedNode(f"urn:x:{letter}") for letter in "abcde"])
+RELATIONS = [
+    *("rdfs:subClassOf", "rdfs:subPropertyOf", "rdfs:domain", "rdfs:range", "owl:equivalentClass", "owl:sameAs"),
+    *("owl:equivalentProperty", "owl:inverseOf", "rdf:type", "rdf:type"),
+]
+KINDS = ["owl:SymmetricProperty", "owl:TransitiveProperty", "owl:FunctionalProperty", "owl:InverseFunctionalProperty"]
+
+
+def named(name: str) -> NamedNode:
+    """Expand a prefixed name."""
+    prefix, _, local = name.partition(":")
+    return NamedNode(PREFIXES[prefix] + local)
+
+
+FACTS = st.one_of(
+    st.builds(Triple, NAMES, NAMES, NAMES),
+    st.builds(Triple, NAMES, st.sampled_from(RELATIONS).map(named), NAMES),
+    st.builds(Triple, NAMES, st.just(named("rdf:type")), st.sampled_from(KINDS).map(named)),
+)
+
+
+def test_the_rules_in_force_are_those_that_the_ontologies_need() -> None:
+    """Each kind of axiom that occurs has its rules, and no rule is there for what does not occur."""
+    occurring = [names for (predicate, value), names in NEEDS.items() if (None, predicate, value) in ONTOLOGIES]
+    assert set().union(*occurring) == IN_FORCE
+
+
+def test_the_whole_profile_is_there() -> None:
+    """The tables of the profile have 78 rules; the three about literals as subjects cannot be stated in RDF."""
+    tables = [re.search(r"table (\d)", (file.documentation.sections or {})["References"]) for file in PROFILE.files]
+    counted = [int(found[1]) for found in tables if found]
+    assert [counted.count(table) for table in range(4, 10)] == [9, 20, 19, 5, 2, 20]
+
+
+def ours(data: Iterable[Triple]) -> set[str]:
+    """Return what the profile infers together with the data, as text; without what no data is needed for."""
+    given = set(data)
+    inferred, _ = infer(PROGRAM, given)
+    return {str(each) for each in {*given, *inferred} - AXIOMATIC}
+
+
+def theirs(data: Iterable[Triple]) -> set[str]:
+    """Return what owlrl infers together with the data, as text."""
+    owlrl = pytest.importorskip("owlrl", reason="owlrl is not installed: pip install -e '.[dev]'")
+    graph = Graph().parse(data="\n".join(f"{each} ." for each in data), format="nt")
+    owlrl.DeductiveClosure(owlrl.OWLRL_Semantics, axiomatic_triples=False, datatype_axioms=False).expand(graph)
+    closure = parse(graph.serialize(format="nt", encoding="utf-8"), RdfFormat.N_TRIPLES)
+    return {str(quad.triple) for quad in closure} - {str(each) for each in AXIOMATIC}
+
+
+PROGRAM = Program(PROFILE.rules)
+AXIOMATIC = set(infer(PROGRAM, [])[0])
+
+
+def compared(found: set[str]) -> set[str]:
+    """Return what both are asked for: triples about the data, without what is trivially true of a class or property.
+
+    owlrl has more data types, and does not say of every class that it is below and equivalent to itself.
+    """
+    parts = {text: text.split() for text in found if "urn:x:" in text}
+    trivial = ("subClassOf>", "subPropertyOf>", "equivalentClass>", "equivalentProperty>")
+    return {text for text, (one, how, other) in parts.items() if one != other or not how.endswith(trivial)}
+
+
+@given(st.lists(FACTS, max_size=7))
+@settings(deadline=None, max_examples=8)
+def test_the_profile_infers_what_owlrl_infers(data: list[Triple]) -> None:
+    """On small ontologies both give the same triples but for what `compared` names."""
+    assert compared(ours(data)) == compared(theirs(data))
