@@ -1,0 +1,154 @@
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from pyoxigraph import BlankNode, Literal, NamedNode, Store, Triple
+
+from kg.rules.form import TripleTerm, Variable
+from kg.rules.syntax import tree
+from kg.rules.syntax.units import parse_rq
+
+if TYPE_CHECKING:
+    from kg.rules.syntax.tree import Expression, RuleText
+
+E = "http://e/"
+
+
+def rule(text: str) -> RuleText:
+    """Parse a rule in which the empty prefix is declared."""
+    return parse_rq(f"PREFIX : <{E}>\n{text}", "x.rq").rules[0]
+
+
+def body(text: str) -> tuple[tree.Node, ...]:
+    """Parse what stands between the braces of WHERE."""
+    return rule(f"CONSTRUCT {{ }} WHERE {{ {text} }}").group.nodes
+
+
+def expression(text: str) -> Expression:
+    """Parse an expression."""
+    (node,) = body(f"BIND({text} AS ?x)")
+    assert isinstance(node, tree.Bind)
+    return node.expression
+
+
+def test_blank_nodes_are_new_in_templates_and_variables_in_patterns() -> None:
+    """A label is a blank node in a template and a variable that nothing else can name in a pattern."""
+    parsed = rule("CONSTRUCT { _:b :p [ :q _:b ] } WHERE { _:b :p [] }")
+    assert parsed.template[0].subject == BlankNode("b") == parsed.template[1].object
+    (pattern,) = parsed.group.nodes
+    assert isinstance(pattern, tree.TriplePattern)
+    assert pattern.subject == Variable(".b")
+    assert isinstance(pattern.object, Variable)
+    assert pattern.object.name.startswith(".")
+
+
+def test_made_labels_are_not_those_of_the_text() -> None:
+    """A blank node without a label never gets a label that the text has."""
+    parsed = rule("CONSTRUCT { _:g1 :p [ :q _:gg1 ] } WHERE { }")
+    assert len({parsed.template[0].subject, parsed.template[0].object, parsed.template[1].object}) == 3
+
+
+def test_the_short_form_is_template_and_pattern() -> None:
+    """CONSTRUCT WHERE derives what it matches."""
+    parsed = rule("CONSTRUCT WHERE { ?s :p _:b , 1 }")
+    assert [triple.object for triple in parsed.template] == [BlankNode("b"), Literal(1)]
+    assert [node.object for node in parsed.group.nodes if isinstance(node, tree.TriplePattern)] == [
+        Variable(".b"),
+        Literal(1),
+    ]
+
+
+def test_triples_know_their_place() -> None:
+    """The span of a triple begins at what is new in it: subject, predicate or object."""
+    text = "CONSTRUCT { } WHERE { ?s :p 1 , 2 ; :q 3 }"
+    whole = f"PREFIX : <{E}>\n{text}"
+    spans = [node.span for node in body("?s :p 1 , 2 ; :q 3")]
+    assert [whole[span.start : span.end] for span in spans] == ["?s :p 1", "2", ":q 3"]
+
+
+def test_triple_terms_without_variables_are_terms() -> None:
+    """A triple term of known terms is a constant; one with a variable or a blank node is filled in."""
+    known, open_ = body("?s :p <<( :a :b 1 )>> , <<( :a :b ?x )>>")
+    assert isinstance(known, tree.TriplePattern)
+    assert known.object == Triple(NamedNode(f"{E}a"), NamedNode(f"{E}b"), Literal(1))
+    assert isinstance(open_, tree.TriplePattern)
+    assert isinstance(open_.object, TripleTerm)
+
+
+@pytest.mark.parametrize(
+    ("written", "negated"),
+    [
+        ("EXISTS { ?s :p 1 }", False),
+        ("NOT EXISTS { ?s :p 1 }", True),
+        ("(NOT EXISTS { ?s :p (1) })", True),
+        ("(!EXISTS { ?s :p 1 })", True),
+        ("(!(NOT EXISTS { ?s :p 1 }))", False),
+    ],
+)
+def test_a_filter_of_exists_alone_is_exists(written: str, negated: bool) -> None:  # noqa: FBT001 - a column of a table
+    """A filter that is nothing but EXISTS, whatever brackets and signs are around it, is EXISTS."""
+    (node,) = body(f"FILTER {written}")
+    assert isinstance(node, tree.Exists)
+    assert node.negated is negated
+
+
+def test_a_filter_with_more_than_exists_stays_a_filter() -> None:
+    """EXISTS inside an expression stays there, and the expression knows it."""
+    (node,) = body("FILTER (EXISTS { ?s :p ?o } || ?x)")
+    assert isinstance(node, tree.Filter)
+    assert node.expression.variables == ("s", "o", "x")
+    assert len(node.expression.exists) == 1
+
+
+def test_an_expression_is_spelt_without_prefixes() -> None:
+    """Names become IRIs, comments go, signs of numbers stay with them, keywords are as the engine knows them."""
+    found = expression('xsd:integer( ?a )<-1&&?b IN(:c,"x"^^:t, TRUE) # c\n || ! :f(2)')
+    xsd = "http://www.w3.org/2001/XMLSchema#"
+    assert found.text == f'<{xsd}integer>(?a) < -1 && ?b IN (<{E}c>, "x"^^<{E}t>, true) || !<{E}f>(2)'
+    assert found.variables == ("a", "b")
+    assert found.functions == {f"{xsd}integer", f"{E}f"}
+
+
+def test_an_expression_tells_arithmetic_and_functions() -> None:
+    """Functions are in upper case, arithmetic by its sign."""
+    assert expression("strlen(?a) * 2 - abs(?b)").functions == {"STRLEN", "ABS", "*", "-"}
+
+
+def test_aggregates_are_found_and_can_be_replaced() -> None:
+    """An expression has its aggregates with the text that stands for them; their variables are not free in it."""
+    (node,) = body(
+        '{ SELECT ?k (1 + group_concat(DISTINCT STR(?o) ; separator = ",") AS ?n) { ?k :p ?o } GROUP BY ?k }'
+    )
+    assert isinstance(node, tree.SubSelect)
+    found = node.projections[1].expression
+    assert found is not None
+    (call,) = found.aggregates
+    assert (call.function, call.distinct, call.separator) == ("GROUP_CONCAT", True, ",")
+    assert call.text in found.text
+    assert found.variables == ()
+    assert call.argument is not None
+    assert call.argument.variables == ("o",)
+
+
+def test_values_behind_a_selection_stand_in_its_group() -> None:
+    """VALUES behind a sub-SELECT joins with its group."""
+    (node,) = body("{ SELECT ?s { ?s :p ?o } VALUES ?s { :a } }")
+    assert isinstance(node, tree.SubSelect)
+    assert isinstance(node.group.nodes[-1], tree.ValuesBlock)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "?s :p -1 , +2.5 , .5e3 , TRUE VALUES ?s { -1 UNDEF <<( :a :b -2 )>> }",
+        "?s ?p ?o FILTER(?o<1&&?s<?p||?o>-1) FILTER(1 -1 = ?o)",
+        "?s :p ( 1 [ :q ?x ] () ) , [] . FILTER NOT EXISTS { ?s :r ?o ; :p 'a'@en--ltr , \"b\"@fr }",
+        "{ SELECT ?s (COUNT(*) AS ?n) (SUM(?o + 1) AS ?m) { ?s :p ?o } GROUP BY ?s HAVING(COUNT(*) > 1) LIMIT 2 }",
+        "?s (:p|^:q)+/!(:a|^:b) ?o GRAPH ?g { ?o ?p ?s ~ ?r {| :by ?x |} } OPTIONAL { << ?s ?p ?o >> :q 1 }",
+    ],
+)
+def test_the_engine_takes_a_group_spelt_anew(text: str) -> None:
+    """What a group carries as its text is SPARQL that the engine parses without prefixes."""
+    spelt = rule(f"CONSTRUCT {{ }} WHERE {{ {text} }}").group.text
+    assert not list(Store().query(f"SELECT * WHERE {spelt}"))  # type: ignore[arg-type]  # a SELECT has solutions
