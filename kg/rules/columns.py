@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from kg.rules.form import Element, Rule, Term
 
-__all__ = ["EVERYTHING", "Tables", "Wanted", "read", "read_columns", "union_of", "wanted"]
+__all__ = ["EVERYTHING", "Tables", "Wanted", "by_predicate", "read", "read_columns", "union_of", "wanted"]
 
 _THREADS: Final = 2
 
@@ -135,7 +135,7 @@ class _Query:
         if not text:
             return
         if self.predicate is None:
-            yield from _by_predicate(dictionary.intern_all(cells(text, 3)).reshape(-1, 3))
+            yield from by_predicate(dictionary.intern_all(cells(text, 3)).reshape(-1, 3))
         elif self.target is None:
             pairs = dictionary.intern_all(cells(text, 2))
             yield dictionary.intern_term(self.predicate), pack(pairs[0::2], pairs[1::2])
@@ -145,7 +145,8 @@ class _Query:
             yield dictionary.intern_term(self.predicate), (subjects << 32) | target
 
 
-def _by_predicate(rows: NDArray[np.int64]) -> Iterator[tuple[int, NDArray[np.int64]]]:
+def by_predicate(rows: NDArray[np.int64]) -> Iterator[tuple[int, NDArray[np.int64]]]:
+    """Yield each predicate of rows of subject, predicate and object with its keys in any order."""
     ordered = rows[np.argsort(rows[:, 1], kind="stable")]
     starts = np.flatnonzero(np.diff(ordered[:, 1], prepend=-1))
     for start, end in zip(starts, [*starts[1:], len(ordered)], strict=True):

@@ -15,6 +15,7 @@ from pyoxigraph import DefaultGraph, NamedNode, Quad, RdfFormat, Store, parse
 
 from kg.errors import GraphError, Place, SourceError
 from kg.store import bulk
+from kg.store.changes import Changes
 from kg.store.failure import translated
 from kg.store.snapshot import EmbeddedSnapshot
 
@@ -44,6 +45,17 @@ class EmbeddedTransaction:
         self._base = layout.current()
         self._number = max([self._base or 0, *numbers]) + 1
         self._db: Store | None = None
+        self.changes = Changes()
+
+    @property
+    def layout(self) -> Layout:
+        """The store that is written."""
+        return self._layout
+
+    @property
+    def base(self) -> int | None:
+        """The generation that this one begins from, None in a store without data."""
+        return self._base
 
     @property
     def changed(self) -> bool:
@@ -54,6 +66,7 @@ class EmbeddedTransaction:
         """Give each named graph a new content, as chunks of N-Triples that end at ends of lines."""
         with translated(str(self._layout.root)):
             self._begin(frozenset(graphs))
+            self.changes.replace(*(graph.value for graph in graphs))
             for graph, chunks in graphs.items():
                 if self._engine.contains_named_graph(graph):
                     self._engine.clear_graph(graph)
@@ -67,12 +80,14 @@ class EmbeddedTransaction:
         """
         with translated(str(self._layout.root)):
             self._begin(frozenset())
+            self.changes.replace(graph.value)
             bulk.load(lambda: self._engine, graph, chunks)
 
     def patch_graph(self, graph: NamedNode, removed: bytes, added: bytes) -> None:
         """Take the N-Triples `removed` out of a graph and put `added` in: for changes small beside the graph."""
         with translated(str(self._layout.root)):
             self._begin(frozenset())
+            self.changes.patch(graph.value, removed, added)
             if removed.strip():
                 self._engine.update(f"DELETE DATA {{ GRAPH {graph} {{\n{removed.decode()}}} }}")
             self._engine.load(added, RdfFormat.N_TRIPLES, to_graph=graph)
@@ -81,6 +96,7 @@ class EmbeddedTransaction:
         """As `patch_graph`, triple by triple, keeping the labels of blank nodes, which loading would exchange."""
         with translated(str(self._layout.root)):
             self._begin(frozenset())
+            self.changes.patch(graph.value, removed, added)
             self._engine.add_graph(graph)
             bulk.remove_exactly(lambda: self._engine, graph, removed)
             bulk.add_exactly(lambda: self._engine, graph, added)
@@ -114,12 +130,14 @@ class EmbeddedTransaction:
         """Add N-Triples to a graph."""
         with translated(str(self._layout.root)):
             self._begin(frozenset())
+            self.changes.patch(graph.value, b"", triples)
             self._engine.load(triples, RdfFormat.N_TRIPLES, to_graph=graph)
 
     def drop_graph(self, graph: NamedNode) -> None:
         """Remove a graph with all it holds; nothing happens when there is none of that name."""
         with translated(str(self._layout.root)):
             self._begin(frozenset([graph]))
+            self.changes.replace(graph.value)
             self._engine.remove_graph(graph)
 
     def load_file(self, path: Path, rdf_format: RdfFormat | None = None, *, graph: NamedNode | None = None) -> None:
@@ -146,14 +164,23 @@ class EmbeddedTransaction:
             target = graph or DefaultGraph()
             with translated(str(self._layout.root)):
                 self._begin(frozenset())
+                self._note(target, rdf_format)
                 self._engine.bulk_extend(_into(target, quad) for quad in quads)
         except SyntaxError as error:
             raise GraphError("KG601", error.msg, place=Place(str(path), error.lineno, error.offset)) from error
+
+    def _note(self, target: NamedNode | DefaultGraph, rdf_format: RdfFormat) -> None:
+        """Note where a file is loaded to; one that may name graphs may write to any."""
+        if rdf_format.supports_datasets:
+            self.changes.forget()
+        else:
+            self.changes.replace(target.value if isinstance(target, NamedNode) else "")
 
     def update(self, text: str, *, prefixes: Mapping[str, str] | None = None) -> None:
         """Run a SPARQL update on the engine as it is."""
         with translated(str(self._layout.root)):
             self._begin(frozenset())
+            self.changes.forget()
             self._engine.update(text, prefixes=dict(prefixes or {}))
 
     def commit(self) -> int | None:
@@ -163,6 +190,7 @@ class EmbeddedTransaction:
         with translated(str(self._layout.root)):
             self._db.flush()
             self._db = None
+            self.changes.record(self._layout, self._number, self._base)
             self._layout.switch(self._number)
         return self._number
 
@@ -197,7 +225,9 @@ class EmbeddedTransaction:
                 return
             self._db = Store(folder)
             self._engine.bulk_load(base.dump_default_graph(), RdfFormat.N_TRIPLES)
-            self.replace_graphs({graph: [base.dump(RdfFormat.N_TRIPLES, graph=graph)] for graph in copied})
+            for graph in copied:
+                self._engine.add_graph(graph)
+                bulk.load(lambda: self._engine, graph, [base.dump(RdfFormat.N_TRIPLES, graph=graph)])
 
 
 def _into(target: NamedNode | DefaultGraph, quad: Quad) -> Quad:

@@ -1,0 +1,116 @@
+"""Runs rules from files of N-Triples to a file of N-Triples, without a store."""
+
+from __future__ import annotations
+
+import re
+import time
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from pyoxigraph import RdfFormat, parse
+
+from kg.errors import GraphError, Place, SourceError
+from kg.rules.columns import by_predicate
+from kg.rules.engine.evaluate import Limits, Program, evaluate
+from kg.rules.engine.facts import Facts, distinct
+from kg.rules.engine.terms import Dictionary, spell
+from kg.rules.lines import lacking, lines, stored
+from kg.rules.patches import stated
+from kg.rules.reports import Difference, RunReport, Seconds
+from kg.store.failure import translated
+from kg.store.layout import write_atomically
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from kg.rules.files import RuleSet
+
+__all__ = ["run_files"]
+
+_TERM: Final = re.compile(
+    rb'<[^\x00-\x20<>"{}|^`\\]*>|_:[^\s<>"]+|"(?:[^"\\\n\r]|\\["\\nrtbf])*"(?:\^\^<[^\x00-\x20<>"{}|^`\\]*>|@[A-Za-z0-9-]+)?'
+)
+"""A term of N-Triples as `kg` and most others write it; whatever else there may be is left to the library."""
+
+_STRANGE: Final = (b"\t", b"\r", b"\n\n", b"\n#", b"_:", b"<<", b"\\u", b"\\U")
+
+
+def run_files(
+    files: Sequence[Path], output: Path | None, rule_set: RuleSet, *, limits: Limits | None = None
+) -> RunReport:
+    """Write what the rules infer from files of N-Triples to `output`, sorted by predicate; None writes nothing.
+
+    Terms are compared as they are written: in a store `"01"^^xsd:integer` is `"1"^^xsd:integer`, here it is not.
+
+    Raises:
+        RuleError: KG202, KG203, KG204 for rules that cannot run, KG205 at a limit; `output` is as it was.
+        SourceError: KG101 when a file cannot be opened.
+        GraphError: KG601 with the line when it is not valid.
+    """
+    begin = time.perf_counter()
+    program = Program(rule_set.rules)
+    dictionary = Dictionary()
+    columns: dict[int, list[NDArray[np.int64]]] = {}
+    for file in files:
+        for predicate, keys in by_predicate(_rows(file, dictionary)):
+            columns.setdefault(predicate, []).append(keys)
+    given, asserted = Facts(), stated(rule_set.data, dictionary)
+    for predicate, parts in columns.items():
+        given.replace(predicate, distinct(np.concatenate(parts)))
+    data = lacking(asserted, given)
+    for predicate, keys in given:
+        asserted.add(predicate, keys)
+    read = time.perf_counter()
+    found = evaluate(program, dictionary, asserted, limits=limits or Limits())
+    inferred = stored(found.inferred, dictionary)
+    for predicate, keys in data:
+        inferred.add(predicate, keys)
+    evaluated = time.perf_counter()
+    if output is not None:
+        with translated(str(output)):
+            write_atomically(output, b"".join(lines(inferred, dictionary)), durable=False)
+    seconds = Seconds(read - begin, evaluated - read, time.perf_counter() - evaluated)
+    change = Difference(dictionary, inferred, Facts())
+    size = len(inferred)
+    return RunReport(len(asserted), size, size, 0, seconds, len(program.strata), "full", tuple(found.reports), change)
+
+
+def _rows(file: Path, dictionary: Dictionary) -> NDArray[np.int64]:
+    """Return the triples of a file as rows of identifiers."""
+    try:
+        text = file.read_bytes()
+    except OSError as error:
+        raise SourceError("KG101", f"cannot be opened: {error.strerror}", place=Place(str(file))) from error
+    known = len(dictionary)
+    cells = _cells(text)
+    if cells is not None:
+        rows = dictionary.intern_all(cells).reshape(-1, 3)
+        if all(map(_TERM.fullmatch, dictionary.spellings(range(known, len(dictionary))))):
+            return rows
+    return dictionary.intern_all(_parsed(file, text)).reshape(-1, 3)
+
+
+def _cells(text: bytes) -> list[bytes] | None:
+    """Return the terms of a text in which every line is three terms and ` .`, None for one that is less plain.
+
+    What separates terms may stand inside a string too; then there are more separators than the lines have.
+    """
+    number = text.count(b"\n")
+    if text.count(b" .\n") != number or text[-1:] not in {b"\n", b""} or any(one in text for one in _STRANGE):
+        return None
+    parted = text.replace(b" .\n", b"\t").replace(b"> <", b">\t<").replace(b'> "', b'>\t"')
+    found = parted.split(b"\t")
+    found.pop()
+    return found if len(found) == 3 * number else None
+
+
+def _parsed(file: Path, text: bytes) -> Iterator[bytes]:
+    """Yield the terms of a text as a store spells them."""
+    try:
+        for triple in parse(text, RdfFormat.N_TRIPLES):
+            yield from (spell(triple.subject), spell(triple.predicate), spell(triple.object))
+    except SyntaxError as error:
+        raise GraphError("KG601", error.msg, place=Place(str(file), error.lineno, error.offset)) from error

@@ -1,0 +1,227 @@
+"""From the graphs of a store to what rules infer from them, with what the last run left.
+
+What was read and inferred last is kept (`kg.rules.memory`). Of the graphs that changed since, patches are applied or
+the graph is read again; what follows from the difference is maintained (`kg.rules.maintain`), unless much changed.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from hashlib import blake2b
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from kg.rules import memory as memories
+from kg.rules.columns import EVERYTHING, read, read_columns, union_of, wanted
+from kg.rules.engine.evaluate import Program, evaluate
+from kg.rules.engine.facts import Facts, distinct
+from kg.rules.engine.terms import Dictionary
+from kg.rules.lines import lacking, stored
+from kg.rules.maintain import Maintained
+from kg.rules.memory import Memory
+from kg.rules.patches import patched, stated
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from pyoxigraph import NamedNode
+
+    from kg.rules.columns import Tables, Wanted
+    from kg.rules.engine.evaluate import Limits, RuleReport
+    from kg.rules.files import RuleSet
+    from kg.rules.recording import Names
+    from kg.store.changes import Changes
+
+__all__ = ["Outcome", "Reasoner"]
+
+_LARGE: Final = 4
+"""Where more than one in so many asserted triples changed, everything is evaluated anew."""
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What was inferred: `now` is what the graph holds, `then` what it is to hold; wall time in seconds."""
+
+    dictionary: Dictionary
+    asserted: Facts
+    now: Facts
+    then: Facts
+    mode: str
+    reports: tuple[RuleReport, ...]
+    read: float
+    evaluate: float
+
+
+class Reasoner:
+    """One set of rules at a time, over one store; `memory` is what it knows, with its generation."""
+
+    def __init__(self, names: Names, cache: Path | None) -> None:
+        self.memory: Memory | None = None
+        self._names = names
+        self._cache = cache
+        self._digest = ""
+        self._program = Program(())
+        self._what = EVERYTHING
+        self._asserted = Facts()
+        self._maintained: Maintained | None = None
+
+    @property
+    def strata(self) -> int:
+        """How many strata the rules have."""
+        return len(self._program.strata)
+
+    def take(self, rule_set: RuleSet) -> None:
+        """Take the rules, and what a run of the same ones left; KG202, KG203 for rules that cannot run."""
+        digest = _digest(rule_set, self._names)
+        if digest != self._digest:
+            self._program = Program(rule_set.rules)
+            self._what = wanted(rule_set.rules)
+            self._digest = digest
+            self.forget()
+        if self.memory is not None and self.memory.generation is None:
+            self.forget()
+        if self.memory is None and self._cache is not None:
+            self.memory = memories.load(self._cache, digest)
+            if self.memory is not None:
+                self._asserted = union_of([*self.memory.graphs.values(), self._data(rule_set, self.memory.dictionary)])
+
+    def forget(self) -> None:
+        """Let go of what the last run left."""
+        self.memory, self._maintained = None, None
+
+    def infer(self, source: Tables, changes: Changes, rule_set: RuleSet, limits: Limits) -> Outcome:
+        """Return what the rules taken infer, where `changes` is what happened since the generation of the memory.
+
+        The memory is then of this outcome, and of no generation until it is given one. Raises RuleError: KG204, KG205.
+        """
+        excluded = {self._names.inferred, self._names.builds}
+        graphs = [*(graph for graph in source.graphs() if graph not in excluded), None]
+        if self.memory is None or changes.graphs is None:
+            return self._anew(source, graphs, rule_set, limits)
+        return self._again(self.memory, source, graphs, changes, rule_set, limits)
+
+    def _anew(self, source: Tables, graphs: list[NamedNode | None], rule_set: RuleSet, limits: Limits) -> Outcome:
+        begin = time.perf_counter()
+        self.forget()
+        dictionary = Dictionary()
+        parts = read(source, self._what, graphs, dictionary)
+        data = self._data(rule_set, dictionary)
+        asserted = union_of([*parts.values(), data])
+        now = self._held(source, dictionary)
+        return self._full(Memory(None, self._digest, dictionary, parts), asserted, data, now, begin, limits)
+
+    def _full(  # noqa: PLR0913, PLR0917 - all that evaluation depends on
+        self, memory: Memory, asserted: Facts, data: Facts, now: Facts, begin: float, limits: Limits
+    ) -> Outcome:
+        middle = time.perf_counter()
+        found = evaluate(self._program, memory.dictionary, asserted, limits=limits)
+        memory.inferred = found.inferred
+        then = _shown(memory, data)
+        self.memory, self._asserted, self._maintained = memory, asserted, None
+        seconds = (middle - begin, time.perf_counter() - middle)
+        return Outcome(memory.dictionary, asserted, now, then, "full", tuple(found.reports), *seconds)
+
+    def _again(  # noqa: PLR0913, PLR0917 - all that evaluation depends on
+        self,
+        memory: Memory,
+        source: Tables,
+        graphs: list[NamedNode | None],
+        changes: Changes,
+        rule_set: RuleSet,
+        limits: Limits,
+    ) -> Outcome:
+        begin = time.perf_counter()
+        data = self._data(rule_set, memory.dictionary)
+        if self._names.inferred.value in (changes.graphs or {}):
+            now = self._held(source, memory.dictionary)
+        else:
+            now = _shown(memory, data)
+        parts, touched = _Rereading(memory, source, self._what).graphs(graphs, changes)
+        asserted = self._asserted.copy()
+        for predicate in touched:
+            columns = [part.keys(predicate) for part in (*parts.values(), data)]
+            asserted.replace(predicate, distinct(np.concatenate(columns)))
+        inserted, deleted = lacking(asserted, self._asserted), lacking(self._asserted, asserted)
+        following = Memory(None, self._digest, memory.dictionary, parts, memory.inferred)
+        if (len(inserted) + len(deleted)) * _LARGE > len(asserted):
+            return self._full(following, asserted, data, now, begin, limits)
+        middle = time.perf_counter()
+        if len(inserted) or len(deleted):
+            following.inferred = self._maintain(memory, inserted, deleted, limits)
+        then = _shown(following, data)
+        self.memory, self._asserted = following, asserted
+        seconds = (middle - begin, time.perf_counter() - middle)
+        return Outcome(memory.dictionary, asserted, now, then, "incremental", (), *seconds)
+
+    def _maintain(self, memory: Memory, inserted: Facts, deleted: Facts, limits: Limits) -> Facts:
+        if self._maintained is None:
+            self._maintained = Maintained(self._program, memory.dictionary, self._asserted, memory.inferred)
+        self._maintained.apply(inserted, deleted, limits=limits)
+        return self._maintained.inferred
+
+    def _held(self, source: Tables, dictionary: Dictionary) -> Facts:
+        """Return what the graph of inferred triples holds."""
+        if self._names.inferred not in source.graphs():
+            return Facts()
+        return read_columns(source, EVERYTHING, [self._names.inferred], dictionary)[1]
+
+    def _data(self, rule_set: RuleSet, dictionary: Dictionary) -> Facts:
+        return stated(rule_set.data, dictionary)
+
+
+@dataclass(frozen=True, slots=True)
+class _Rereading:
+    """Reads what changed of the graphs of a memory."""
+
+    memory: Memory
+    source: Tables
+    what: Wanted
+
+    def graphs(
+        self, graphs: list[NamedNode | None], changes: Changes
+    ) -> tuple[dict[NamedNode | None, Facts], set[int]]:
+        """Return the columns of all graphs, and the predicates of which triples may have come or gone."""
+        parts: dict[NamedNode | None, Facts] = {}
+        touched: set[int] = set()
+        known = changes.graphs or {}
+        again = [graph for graph in graphs if graph not in self.memory.graphs or known.get(_name(graph), ()) is None]
+        fresh = read(self.source, self.what, again, self.memory.dictionary)
+        for graph in graphs:
+            before = self.memory.graphs.get(graph, Facts())
+            if graph in fresh:
+                parts[graph] = fresh[graph]
+                touched |= _differing(before, fresh[graph])
+            elif known.get(_name(graph)):
+                patches = known[_name(graph)] or []
+                parts[graph], named = patched(before, patches, self.what, self.memory.dictionary)
+                touched |= named
+            else:
+                parts[graph] = before
+        for gone in self.memory.graphs.keys() - parts.keys():
+            touched.update(self.memory.graphs[gone].predicates)
+        return parts, touched
+
+
+def _name(graph: NamedNode | None) -> str:
+    return "" if graph is None else graph.value
+
+
+def _differing(before: Facts, after: Facts) -> set[int]:
+    predicates = {*before.predicates, *after.predicates}
+    return {one for one in predicates if not np.array_equal(before.keys(one), after.keys(one))}
+
+
+def _shown(memory: Memory, data: Facts) -> Facts:
+    """Return what belongs into the graph: what was inferred, and what rule files state and no graph does."""
+    found = stored(memory.inferred, memory.dictionary)
+    for predicate, keys in lacking(data, union_of(memory.graphs.values())) if len(data) else ():
+        found.add(predicate, keys)
+    return found
+
+
+def _digest(rule_set: RuleSet, names: Names) -> str:
+    """Return what tells sets of rules apart, with the graphs that they leave out."""
+    text = repr((names, rule_set.rules, rule_set.data))
+    return blake2b(text.encode(), digest_size=16).hexdigest()

@@ -1,0 +1,62 @@
+"""Triples given as N-Triples, or as terms, made columns; patches of graphs applied to columns."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from pyoxigraph import Quad, RdfFormat, Store, parse
+
+from kg.rules.columns import EVERYTHING, Wanted, read_columns
+from kg.rules.engine.facts import Facts
+from kg.store import bulk
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from pyoxigraph import NamedNode, Triple
+
+    from kg.rules.engine.terms import Dictionary
+
+__all__ = ["patched", "stated"]
+
+
+class _Loose:
+    """Some triples in a store of their own, which spells them as any store does."""
+
+    def __init__(self, quads: Iterable[Quad]) -> None:
+        self._db = Store()
+        self._db.bulk_extend(quads)
+
+    def table(self, select: str, graph: NamedNode | None) -> bytes:
+        return bulk.table(lambda: self._db, select, graph)
+
+    def graphs(self) -> list[NamedNode]:
+        return []
+
+
+def stated(triples: Iterable[Triple], dictionary: Dictionary, what: Wanted = EVERYTHING) -> Facts:
+    """Return those of some triples that are wanted."""
+    quads = [Quad(triple.subject, triple.predicate, triple.object) for triple in triples]
+    if not quads:
+        return Facts()
+    return read_columns(_Loose(quads), what, [None], dictionary)[1]
+
+
+def patched(
+    facts: Facts, patches: Iterable[tuple[bytes, bytes]], what: Wanted, dictionary: Dictionary
+) -> tuple[Facts, set[int]]:
+    """Return the columns of a graph after patches, and the predicates that these name."""
+    found, touched = facts.copy(), set[int]()
+    for removed, added in patches:
+        for text, change in ((removed, found.remove), (added, found.add)):
+            for predicate, keys in _columns(text, what, dictionary):
+                change(predicate, keys)
+                touched.add(predicate)
+    return found, touched
+
+
+def _columns(text: bytes, what: Wanted, dictionary: Dictionary) -> Facts:
+    """Return the wanted triples of a text; what is not is left out before it is read, since patches may be large."""
+    names = None if what.predicates is None else what.predicates | {predicate for predicate, _ in what.members}
+    quads = parse(text, RdfFormat.N_TRIPLES, lenient=True)
+    return stated((quad.triple for quad in quads if names is None or quad.predicate in names), dictionary, what)

@@ -1,0 +1,70 @@
+"""What a run of rules tells."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from kg.rules.lines import lines
+
+if TYPE_CHECKING:
+    from kg.rules.engine.evaluate import RuleReport
+    from kg.rules.engine.facts import Facts
+    from kg.rules.engine.terms import Dictionary
+
+__all__ = ["Difference", "RunReport", "Seconds"]
+
+
+@dataclass(frozen=True, slots=True)
+class Seconds:
+    """Wall time by phase."""
+
+    read: float = 0.0
+    evaluate: float = 0.0
+    write: float = 0.0
+
+    @property
+    def total(self) -> float:
+        """All of it."""
+        return self.read + self.evaluate + self.write
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """The triples that a run adds to what is inferred, and those that it takes out."""
+
+    dictionary: Dictionary
+    added: Facts
+    removed: Facts
+
+    def added_lines(self) -> list[bytes]:
+        """Return what is added as sorted lines of N-Triples."""
+        return self._sorted(self.added)
+
+    def removed_lines(self) -> list[bytes]:
+        """Return what is taken out as sorted lines of N-Triples."""
+        return self._sorted(self.removed)
+
+    def _sorted(self, facts: Facts) -> list[bytes]:
+        return sorted(b"".join(lines(facts, self.dictionary)).splitlines(keepends=True))
+
+
+@dataclass(frozen=True, slots=True)
+class RunReport:
+    """What a run did; `asserted` counts the triples that rules may read, `inferred` what the graph holds then.
+
+    `mode` is `full` or `incremental`; only a full run tells what each rule did. `generation` is the one that the run
+    made: None when it changed nothing, was a dry run, or is part of a transaction that goes on.
+    """
+
+    asserted: int
+    inferred: int
+    added: int
+    removed: int
+    seconds: Seconds
+    strata: int
+    mode: str
+    rules: tuple[RuleReport, ...]
+    change: Difference
+    generation: int | None = None
+    dry_run: bool = False

@@ -1,0 +1,190 @@
+"""Runs a set of rules over a store and writes the difference to what is inferred now.
+
+    report = run(store, rule_set, names)                     # `kg rules run`
+
+    runner = Runner(names, store.layout.cache)               # several runs in one process, or inside a transaction
+    with store.write("kg build") as transaction:
+        ...                                                  # sources change
+        report = runner.run_within(transaction, rule_set)
+    runner.remember(store.layout.current())
+
+A limit that is reached (KG205) leaves the store as it is. A run that changes nothing makes no generation.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from dataclasses import replace
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING, Final
+
+from kg.rules import memory as memories
+from kg.rules.engine.evaluate import Limits
+from kg.rules.filing import run_files
+from kg.rules.inferring import Reasoner
+from kg.rules.lines import lacking, lines
+from kg.rules.recording import Names, activity
+from kg.rules.reports import Difference, RunReport, Seconds
+from kg.store import changes
+from kg.store.changes import Changes
+from kg.store.failure import translated
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from kg.rules.files import RuleSet
+    from kg.rules.inferring import Outcome
+    from kg.store.embedded import EmbeddedStore
+    from kg.store.transaction import EmbeddedTransaction
+
+__all__ = ["Names", "RunReport", "Runner", "run", "run_files"]
+
+_FEW: Final = 5000
+"""So many triples are added one by one; a bulk load costs as much before it begins."""
+
+_REMOVAL: Final = 3
+"""Where more than one in so many inferred triples goes, the graph is written anew."""
+
+
+def run(  # noqa: PLR0913 - each is a decision of the caller
+    store: EmbeddedStore,
+    rule_set: RuleSet,
+    names: Names,
+    *,
+    limits: Limits | None = None,
+    incremental: bool = True,
+    dry_run: bool = False,
+    command: str = "kg rules run",
+) -> RunReport:
+    """Make the graph `names.inferred` what the rules infer from the other graphs, but for `names.builds`.
+
+    Raises:
+        RuleError: KG202, KG203, KG204 for rules that cannot run, KG205 at a limit; the store is as it was.
+        StoreError: KG301 without data, KG302 while another process writes, KG304 when the disk is full.
+    """
+    runner = Runner(names, store.layout.cache)
+    return runner.run(store, rule_set, limits=limits, incremental=incremental, dry_run=dry_run, command=command)
+
+
+class Runner:
+    """Runs rules again and again over one store; `cache` is the folder where it keeps what helps the next process."""
+
+    def __init__(self, names: Names, cache: Path | None = None) -> None:
+        self._names = names
+        self._cache = cache
+        self._reasoner = Reasoner(names, cache)
+
+    def run(  # noqa: PLR0913 - each is a decision of the caller
+        self,
+        store: EmbeddedStore,
+        rule_set: RuleSet,
+        *,
+        limits: Limits | None = None,
+        incremental: bool = True,
+        dry_run: bool = False,
+        command: str = "kg rules run",
+    ) -> RunReport:
+        """Run the rules in a transaction of their own, or with `dry_run` without writing; errors as `run`."""
+        if dry_run:
+            outcome, _ = self._infer(store, rule_set, limits, incremental=incremental)
+            self._reasoner.forget()
+            return replace(_report(outcome, self._reasoner.strata), dry_run=True)
+        with store.write(command) as transaction:
+            outcome, base = self._infer(store, rule_set, limits, incremental=incremental)
+            report = self._write(transaction, outcome)
+            generation = transaction.commit()
+        self.remember(generation or base)
+        return replace(report, generation=generation)
+
+    def run_within(
+        self,
+        transaction: EmbeddedTransaction,
+        rule_set: RuleSet,
+        *,
+        limits: Limits | None = None,
+        incremental: bool = True,
+    ) -> RunReport:
+        """Run the rules over what a transaction has written by now, and write into it; `remember` after its end."""
+        self._reasoner.take(rule_set)
+        changed = Changes.unknown()
+        memory = self._reasoner.memory
+        if incremental and memory is not None and memory.generation is not None and transaction.base is not None:
+            changed = changes.since(transaction.layout, memory.generation, transaction.base)
+            changed.follow(transaction.changes)
+        outcome = self._reasoner.infer(transaction, changed, rule_set, limits or Limits())
+        return self._write(transaction, outcome)
+
+    def remember(self, generation: int | None) -> None:
+        """Keep what the last run read and inferred for the next one: it is of this generation of the store."""
+        memory = self._reasoner.memory
+        if memory is None or generation is None:
+            return
+        memory.generation = generation
+        if self._cache is not None:
+            with translated(str(self._cache)):
+                memories.save(self._cache, memory)
+
+    def _infer(
+        self, store: EmbeddedStore, rule_set: RuleSet, limits: Limits | None, *, incremental: bool
+    ) -> tuple[Outcome, int]:
+        with store.read() as snapshot:
+            self._reasoner.take(rule_set)
+            memory = self._reasoner.memory
+            changed = Changes.unknown()
+            if incremental and memory is not None and memory.generation is not None:
+                changed = changes.since(store.layout, memory.generation, snapshot.generation)
+            return self._reasoner.infer(snapshot, changed, rule_set, limits or Limits()), snapshot.generation
+
+    def _write(self, transaction: EmbeddedTransaction, outcome: Outcome) -> RunReport:
+        """Write the difference, and the record of the run when there is any."""
+        begin = time.perf_counter()
+        report = _report(outcome, self._reasoner.strata)
+        if report.added or report.removed:
+            self._write_difference(transaction, outcome, report)
+            self._record(transaction, outcome)
+        seconds = replace(report.seconds, write=time.perf_counter() - begin)
+        return replace(report, seconds=seconds)
+
+    def _write_difference(self, transaction: EmbeddedTransaction, outcome: Outcome, report: RunReport) -> None:
+        graph, dictionary = self._names.inferred, outcome.dictionary
+        added, removed = report.change.added, report.change.removed
+        if len(removed) * _REMOVAL > len(outcome.now) or not len(outcome.now):
+            transaction.replace_graphs({graph: lines(outcome.then, dictionary, labelled=False)})
+            labelled = b"".join(lines(outcome.then, dictionary, labelled=True))
+            if labelled:
+                transaction.patch_exactly(graph, b"", labelled)
+            return
+        gone = b"".join(lines(removed, dictionary))
+        if len(added) <= _FEW:
+            transaction.patch_exactly(graph, gone, b"".join(lines(added, dictionary)))
+            return
+        transaction.patch_exactly(graph, gone, b"".join(lines(added, dictionary, labelled=True)))
+        transaction.load(graph, lines(added, dictionary, labelled=False))
+
+    def _record(self, transaction: EmbeddedTransaction, outcome: Outcome) -> None:
+        ended = datetime.now(UTC)
+        derived: Counter[str] = Counter()
+        for one in outcome.reports:
+            derived[one.rule.name] += one.derived
+        found = activity(self._names, _started(outcome, ended), ended, len(outcome.then), +derived)
+        transaction.append(self._names.builds, found)
+
+
+def _started(outcome: Outcome, ended: datetime) -> datetime:
+    return datetime.fromtimestamp(ended.timestamp() - outcome.read - outcome.evaluate, UTC)
+
+
+def _report(outcome: Outcome, strata: int) -> RunReport:
+    change = Difference(outcome.dictionary, lacking(outcome.then, outcome.now), lacking(outcome.now, outcome.then))
+    return RunReport(
+        asserted=len(outcome.asserted),
+        inferred=len(outcome.then),
+        added=len(change.added),
+        removed=len(change.removed),
+        seconds=Seconds(outcome.read, outcome.evaluate),
+        strata=strata,
+        mode=outcome.mode,
+        rules=outcome.reports,
+        change=change,
+    )

@@ -1,0 +1,117 @@
+r"""What each generation changed, so that what was read before of the rest can be used again.
+
+    .kg/changes/12      {"base": 11, "graphs": {"https://w3id.org/rnkg/graph/shared": null,
+                                                "": [["<a> <b> <c> .\n", ""]]}}
+
+The empty name is the default graph. A graph has its patches (what was taken out, what was put in), or null where it may
+have any content now; no graphs at all (null) means that any may have changed. The file of a generation is written
+before the generation comes into force, and removed when it is old.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Final, TypeAlias
+
+from kg.store.layout import write_atomically
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from kg.store.layout import Layout
+
+__all__ = ["Changes", "Patches", "since"]
+
+_KEPT: Final = 64
+_MOST_BYTES: Final = 1 << 20
+"""Patches of a generation that are larger are not kept: reading the graph is as fast."""
+
+Patches: TypeAlias = "list[tuple[bytes, bytes]] | None"
+"""N-Triples taken out and put in, one after the other; None where that is not known."""
+
+
+class Changes:
+    """What changed: `graphs` has the patches of each graph that did, and is None where any graph may have."""
+
+    def __init__(self, graphs: dict[str, Patches] | None = None) -> None:
+        self.graphs: dict[str, Patches] | None = {} if graphs is None else graphs
+
+    @classmethod
+    def unknown(cls) -> Changes:
+        """Return the changes of something that may have written anything."""
+        found = cls()
+        found.graphs = None
+        return found
+
+    def forget(self) -> None:
+        """Note that any graph may have changed."""
+        self.graphs = None
+
+    def replace(self, *graphs: str) -> None:
+        """Note that some graphs have a content that is not known."""
+        if self.graphs is not None:
+            self.graphs.update(dict.fromkeys(graphs))
+
+    def patch(self, graph: str, removed: bytes, added: bytes) -> None:
+        """Note that triples were taken out of a graph, and then others put in."""
+        if self.graphs is None:
+            return
+        patches = self.graphs.setdefault(graph, [])
+        if b"_:" in removed or b"_:" in added:
+            self.graphs[graph] = None
+        elif patches is not None:
+            patches.append((removed, added))
+
+    def follow(self, later: Changes) -> None:
+        """Add changes that came after these."""
+        if later.graphs is None:
+            self.graphs = None
+        for name, patches in (later.graphs or {}).items():
+            if patches is None:
+                self.replace(name)
+            for removed, added in patches or ():
+                self.patch(name, removed, added)
+
+    def record(self, layout: Layout, generation: int, base: int | None) -> None:
+        """Write down that these are what `generation` changes beside `base`; OSError when they cannot be written."""
+        folder = _folder(layout)
+        folder.mkdir(parents=True, exist_ok=True)
+        graphs = None if self.graphs is None else {name: _written(found) for name, found in self.graphs.items()}
+        content = json.dumps({"base": base, "graphs": graphs})
+        write_atomically(folder / str(generation), content.encode(), durable=False)
+        for path in folder.iterdir():
+            if path.name.isdigit() and int(path.name) <= generation - _KEPT:
+                path.unlink(missing_ok=True)
+
+
+def since(layout: Layout, earlier: int, later: int) -> Changes:
+    """Return what changed from one generation to another."""
+    steps: list[Changes] = []
+    number: int | None = later
+    while number != earlier:
+        if number is None or number < earlier:
+            return Changes.unknown()
+        try:
+            found = json.loads((_folder(layout) / str(number)).read_bytes())
+            number, graphs = found["base"], found["graphs"]
+            steps.append(Changes({name: _read(patches) for name, patches in graphs.items()}))
+        except (OSError, ValueError, KeyError, TypeError, AttributeError):
+            return Changes.unknown()
+    every = Changes()
+    for step in reversed(steps):
+        every.follow(step)
+    return every
+
+
+def _folder(layout: Layout) -> Path:
+    return layout.root / "changes"
+
+
+def _written(patches: Patches) -> list[list[str]] | None:
+    if patches is None or sum(len(removed) + len(added) for removed, added in patches) > _MOST_BYTES:
+        return None
+    return [[removed.decode(), added.decode()] for removed, added in patches]
+
+
+def _read(patches: list[list[str]] | None) -> Patches:
+    return None if patches is None else [(removed.encode(), added.encode()) for removed, added in patches]
