@@ -78,19 +78,27 @@ class _Heads:
         self._all: list[tuple[int, Atom]] = []
         self._variable: list[tuple[int, Atom]] = []
         self._by_predicate: dict[NamedNode, list[tuple[int, Atom]]] = {}
+        self._by_object: dict[tuple[NamedNode, NamedNode | None], list[tuple[int, Atom]]] = {}
         for number, rule in enumerate(rules):
             for head in writes(rule):
                 self._all.append((number, head))
                 if isinstance(head.predicate, NamedNode):
                     self._by_predicate.setdefault(head.predicate, []).append((number, head))
+                    fixed = head.object if isinstance(head.object, NamedNode) else None
+                    self._by_object.setdefault((head.predicate, fixed), []).append((number, head))
                 else:
                     self._variable.append((number, head))
 
     def matching(self, read: Read) -> Iterator[int]:
         """Yield the numbers of the rules that derive what a body reads."""
         candidates: Iterable[tuple[int, Atom]] = self._all
-        if isinstance(read.atom.predicate, NamedNode):
-            candidates = [*self._by_predicate.get(read.atom.predicate, ()), *self._variable]
+        predicate, value = read.atom.predicate, read.atom.object
+        if isinstance(predicate, NamedNode) and isinstance(value, NamedNode):
+            # Most rules of a schema give a class: those that give another one are not even compared.
+            same, unknown = (self._by_object.get((predicate, fixed), ()) for fixed in (value, None))
+            candidates = [*same, *unknown, *self._variable]
+        elif isinstance(predicate, NamedNode):
+            candidates = [*self._by_predicate.get(predicate, ()), *self._variable]
         return (
             number for number, head in candidates if head.predicate not in read.excluded and depends(read.atom, head)
         )
