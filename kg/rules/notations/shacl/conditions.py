@@ -50,7 +50,11 @@ class Conditions:
         constraints that are not supported.
         """
         if isinstance(shape, Literal):
-            raise self._graph.error(f"{shape} is no shape", self._around[-1] if self._around else shape)
+            raise self._graph.error(
+                f"{shape} is no shape",
+                self._around[-1] if self._around else shape,
+                hint="Point at a shape: an IRI or a blank node.",
+            )
         if shape in self._around:
             hint = "The standard leaves open what recursive shapes mean; break the cycle."
             raise self._graph.unsupported(f"{self._graph.called(shape)}, a shape that refers to itself,", shape, hint)
@@ -71,7 +75,11 @@ class Conditions:
         path = self._graph.one(shape, "path")
         if path is None:
             if self._graph.is_instance(shape, sh("PropertyShape")):
-                raise self._graph.error(f"{self._graph.called(shape)} is a property shape without sh:path", shape)
+                raise self._graph.error(
+                    f"{self._graph.called(shape)} is a property shape without sh:path",
+                    shape,
+                    hint="Give it a path, or the type sh:NodeShape.",
+                )
             return [Branch("", term)]
         return [*steps(path_of(self._graph, path, shape), term, self._names)]
 

@@ -55,7 +55,7 @@ class Expressions:
         if not isinstance(node, BlankNode):
             return [Branch("", str(node))]
         if self._depth > _MAX_DEPTH:
-            raise self._graph.error("a node expression contains itself", node)
+            raise self._graph.error("a node expression contains itself", node, hint="Break the cycle.")
         self._depth += 1
         try:
             return self._reader(node)(node, this)
@@ -83,7 +83,9 @@ class Expressions:
         }
         found = [name for name in kinds if name in has]
         if len(found) > 1 and not set(found) <= {"limit", "offset", "orderBy"}:
-            raise self._graph.error(f"a node expression has both sh:{found[0]} and sh:{found[1]}", node)
+            raise self._graph.error(
+                f"a node expression has both sh:{found[0]} and sh:{found[1]}", node, hint="Nest them with sh:nodes."
+            )
         return kinds[found[0]] if found else self._function
 
     def _nodes(self, node: Term, this: str) -> list[Branch]:
@@ -110,7 +112,9 @@ class Expressions:
     def _list(self, node: Term, name: str, this: str) -> list[list[Branch]]:
         members = self._graph.members(self._graph.required(node, name), node)
         if len(members) < 2:  # noqa: PLR2004 - the standard asks for two
-            raise self._graph.error(f"sh:{name} has a list of two members at least", node)
+            raise self._graph.error(
+                f"sh:{name} has fewer than two members", node, hint="Name the one expression alone."
+            )
         return [self.branches(member, this) for member in members]
 
     def _union(self, node: Term, this: str) -> list[Branch]:

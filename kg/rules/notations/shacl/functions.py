@@ -69,7 +69,8 @@ class Functions:
     def _query(self, node: NamedNode) -> Query:
         forms = [name for name in ("select", "ask") if self._graph.values(node, sh(name))]
         if len(forms) != 1:
-            raise self._graph.error(f"the function {node} must have either sh:select or sh:ask", node)
+            hint = "Give it exactly one of the two."
+            raise self._graph.error(f"the function {node} must have either sh:select or sh:ask", node, hint=hint)
         query = query_of(self._graph, node, forms[0])
         if any(word.text.upper() in {"LIMIT", "OFFSET", "ORDER", "GROUP", "HAVING"} for word in query.modifiers):
             hint = "Write it without ORDER BY, LIMIT and GROUP BY; to count, use sh:count where it is called."
@@ -88,7 +89,8 @@ class Functions:
         """Return the texts of arguments by the names of parameters; None when a mandatory one is missing."""
         if len(given) > len(function.parameters):
             count = f"{len(given)} arguments; it has {len(function.parameters)} parameters"
-            raise self._graph.error(f"the function {function.node} is called with {count}", owner)
+            hint = "Leave arguments out, or declare a sh:parameter for each."
+            raise self._graph.error(f"the function {function.node} is called with {count}", owner, hint=hint)
         padded = [*given, *[None] * (len(function.parameters) - len(given))]
         if any(text is None and not optional for text, (_, optional) in zip(padded, function.parameters, strict=True)):
             return None
@@ -133,7 +135,8 @@ class Functions:
     def _call(self, word: Word, node: NamedNode, given: list[Words], owner: Term, depth: int) -> Word:
         function = self.find(node, owner)
         if depth > _MAX_CALLS:
-            raise self._graph.error(f"the function {node} calls itself", node)
+            hint = "Functions are put in the place of their calls; write a recursion as a rule."
+            raise self._graph.error(f"the function {node} calls itself", node, hint=hint)
         arguments = self.arguments(function, [spell(part) for part in given], owner)
         text = _ERROR if arguments is None else self._computed(function, arguments, depth)
         if text is None:

@@ -31,7 +31,8 @@ class ShapesGraph:
         self.path = path
         self._by_subject: dict[Term, dict[NamedNode, list[Term]]] = defaultdict(lambda: defaultdict(list))
         self._by_object: dict[Term, list[tuple[Term, NamedNode]]] = defaultdict(list)
-        for triple in self._parsed():
+        self._triples = self._parsed()
+        for triple in self._triples:
             self._by_subject[triple.subject][triple.predicate].append(triple.object)
             self._by_object[triple.object].append((triple.subject, triple.predicate))
         self.places = Places(self.text)
@@ -46,21 +47,12 @@ class ShapesGraph:
             raise RuleError("KG201", f"the file is not Turtle: {what}", place=place) from None
 
     def _check_names(self) -> None:
-        for subject, predicate, _ in self.triples():
-            name = predicate.value.removeprefix(SH)
-            if predicate.value.startswith(SH) and name not in KNOWN:
-                offset = self.places.of_name(predicate.value)
+        for triple in self._triples:
+            name = triple.predicate.value.removeprefix(SH)
+            if triple.predicate.value.startswith(SH) and name not in KNOWN:
+                offset = self.places.of_name(triple.predicate.value)
                 hint = did_you_mean(name, KNOWN)
-                raise self.error(f"SHACL has no property `sh:{name}`", subject, hint=hint, offset=offset)
-
-    def triples(self) -> list[tuple[Term, NamedNode, Term]]:
-        """Return all triples, those of one subject together."""
-        return [
-            (subject, predicate, value)
-            for subject, pairs in self._by_subject.items()
-            for predicate, values in pairs.items()
-            for value in values
-        ]
+                raise self.error(f"SHACL has no property `sh:{name}`", triple.subject, hint=hint, offset=offset)
 
     def predicates(self, node: Term) -> list[NamedNode]:
         """Return the predicates of which a node has values."""
@@ -80,7 +72,9 @@ class ShapesGraph:
         """Return the only value of a property of SHACL; KG201 when there are several."""
         values = self.values(node, sh(name))
         if len(values) > 1:
-            raise self.error(f"{self.called(node)} has {len(values)} values of sh:{name}; one is allowed", node)
+            raise self.error(
+                f"{self.called(node)} has {len(values)} values of sh:{name}", node, hint="Leave one of them."
+            )
         return values[0] if values else None
 
     def required(self, node: Term, name: str) -> Term:
@@ -96,7 +90,7 @@ class ShapesGraph:
         if value is None:
             return False
         if not isinstance(value, Literal) or value.value not in {"true", "false", "1", "0"}:
-            raise self.error(f"sh:{name} is {value}; it is either true or false", node)
+            raise self.error(f"sh:{name} is {value}", node, hint="It is either true or false.")
         return value.value in {"true", "1"}
 
     def order(self, node: Term) -> float:
@@ -105,7 +99,7 @@ class ShapesGraph:
         try:
             return float(value.value) if isinstance(value, Literal) else 0.0 if value is None else float(str(value))
         except ValueError:
-            raise self.error(f"sh:order is {value}; it is a number", node) from None
+            raise self.error(f"sh:order is {value}", node, hint="It is a number, such as 1 or 2.5.") from None
 
     def members(self, node: Term, owner: Term) -> list[Term]:
         """Return the members of a list; KG201 when it is not well-formed."""
@@ -114,7 +108,8 @@ class ShapesGraph:
         while node != NIL:
             first, rest = self.values(node, FIRST), self.values(node, REST)
             if len(first) != 1 or len(rest) != 1 or node in seen:
-                raise self.error(f"{self.called(owner)} has a value that must be a list and is none", owner)
+                message = f"{self.called(owner)} has a value that must be a list and is none"
+                raise self.error(message, owner, hint="Write the members in brackets: ( ex:one ex:two ).")
             seen.add(node)
             found.append(first[0])
             node = rest[0]
@@ -159,7 +154,19 @@ class ShapesGraph:
         for text in (value for name in ("construct", "select", "ask") for value in self.values(node, sh(name))):
             if isinstance(text, Literal) and (found := self.string(text, node)):
                 return found.start
-        return None
+        return next((offset for name in self.predicates(node) if (offset := self._of_property(node, name))), None)
+
+    def _of_property(self, node: Term, predicate: NamedNode) -> int | None:
+        """Return where a node has a property, when all of its values are names or literals.
+
+        The parser gives such triples in the order of the text, so they are told apart by counting.
+        """
+        owners: list[Term] = [triple.subject for triple in self._triples if triple.predicate == predicate]
+        offsets = self.places.names.get(predicate.value, [])
+        values = [value for owner in dict.fromkeys(owners) for value in self.values(owner, predicate)]
+        if len(owners) != len(offsets) or any(isinstance(value, BlankNode) for value in values):
+            return None
+        return offsets[owners.index(node)]
 
     def string(self, text: Literal, node: Term) -> StringToken | None:
         """Return the token of a string that is a value of `node`; equal strings are told apart by their order."""
@@ -176,7 +183,7 @@ class ShapesGraph:
         return str(node)
 
     def error(
-        self, message: str, node: Term, *, code: str = "KG201", hint: str | None = None, offset: int | None = None
+        self, message: str, node: Term, *, hint: str | None, code: str = "KG201", offset: int | None = None
     ) -> RuleError:
         """Return an error about a node, or about the character at `offset`."""
         where = self.offset(node) if offset is None else offset

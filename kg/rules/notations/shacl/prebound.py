@@ -79,7 +79,8 @@ class _Groups:
         word = words[index]
         assigned = word.kind is Kind.VARIABLE and word.text[1:] == _THIS and index > 0
         if assigned and words[index - 1].text.upper() == "AS":
-            raise self._graph.error("$this has a value already", self._owner, offset=word.offset)
+            hint = "Take another variable; $this is the focus node."
+            raise self._graph.error("$this has a value already", self._owner, hint=hint, offset=word.offset)
 
 
 def _is_select(words: Words) -> bool:

@@ -64,7 +64,7 @@ def query_of(graph: ShapesGraph, owner: Term, name: str) -> Query:
     """
     literal = graph.required(owner, name)
     if not isinstance(literal, Literal):
-        raise graph.error(f"sh:{name} of {graph.called(owner)} is no string", owner)
+        raise graph.error(f"sh:{name} of {graph.called(owner)} is no string", owner, hint="Put the query in quotes.")
     return _Reader(graph, owner, literal).query(_FORMS[name])
 
 
@@ -139,7 +139,8 @@ class _Reader:
         found = self._prologue(list(tokens(self._text)))
         if not found or found[0].text.upper() != form:
             offset = self._offset(found[0]) if found else None
-            raise self._error(f"expected a {form} query", offset)
+            hint = f"sh:{form.lower()} has a {form} query; PREFIX may stand before it."
+            raise self._error(f"expected a {form} query", offset, hint)
         words = [self._word(number, found) for number in range(len(found))]
         opening = next((number for number, word in enumerate(words) if word.text == "{"), len(words))
         if form == "CONSTRUCT" and opening == 1:
@@ -147,7 +148,8 @@ class _Reader:
             opening = next((n for n, word in enumerate(words) if word.text == "{" and n > template_end), len(words))
         end = closing(words, opening)
         if end >= len(words):
-            raise self._error("a bracket of the query is not closed, or it has no group in braces", words[-1].offset)
+            hint = "Each of { ( [ needs its counterpart, and a query needs WHERE { ... }."
+            raise self._error("a bracket of the query is not closed, or it has no group", words[-1].offset, hint)
         return Query(form, words[1:opening], words[opening + 1 : end], words[end + 1 :], self._owner)
 
     def _prologue(self, found: list[Token]) -> list[Token]:
@@ -171,7 +173,7 @@ class _Reader:
         elif token.kind is Kind.NAME and not text.startswith("_:"):
             text = self._named(text, offset)
         elif token.kind is Kind.IRI and not is_absolute(unescape(text[1:-1])):
-            raise self._error(f"the IRI `{text}` is relative", offset)
+            raise self._error(f"the IRI `{text}` is relative", offset, "Write it out, or use a prefix.")
         return Word(Kind.IRI if text.startswith("<") and len(text) > 2 else token.kind, text, offset, joined)  # noqa: PLR2004 - `<`, `<=`
 
     def _named(self, name: str, offset: int) -> str:
@@ -207,5 +209,7 @@ def _prefixes(graph: ShapesGraph, owner: Term) -> dict[str, str]:
                 raise graph.error(f"{prefix} is no prefix", node, hint='sh:prefix has a string such as "ex".')
             value = namespace.value if isinstance(namespace, Literal | NamedNode) else str(namespace)
             if found.setdefault(prefix.value, value) != value:
-                raise graph.error(f"the prefix `{prefix.value}:` is declared for two namespaces", node)
+                raise graph.error(
+                    f"the prefix `{prefix.value}:` is declared for two namespaces", node, hint="Leave one of them."
+                )
     return found

@@ -80,7 +80,11 @@ class Comparison:
 def property_name(graph: ShapesGraph, shape: Term, value: Term) -> str:
     """Return the property that a constraint compares with; KG201 when it is none."""
     if not isinstance(value, NamedNode):
-        raise graph.error(f"{graph.called(shape)} is compared with {value}, which is no property", shape)
+        raise graph.error(
+            f"{graph.called(shape)} is compared with {value}, which is no property",
+            shape,
+            hint="Give it the IRI of a property.",
+        )
     return str(value)
 
 

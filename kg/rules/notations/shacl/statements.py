@@ -124,7 +124,10 @@ class _Rule:
             for name in ("subject", "predicate", "object")
         ]
         if any(isinstance(self._graph.one(self._rule, name), Literal) for name in ("subject", "predicate")):
-            raise self._graph.error("a literal cannot be the subject or the predicate of a triple", self._rule)
+            hint = "Give sh:subject and sh:predicate an IRI, sh:this or a node expression."
+            raise self._graph.error(
+                "a literal cannot be the subject or the predicate of a triple", self._rule, hint=hint
+            )
         for case, chosen in product(cases, product(*branches)):
             head = " ".join(branch.term for branch in chosen)
             patterns = dict.fromkeys(branch.pattern for branch in chosen if branch.pattern)

@@ -42,7 +42,7 @@ def _core(graph: ShapesGraph, shape: Term) -> Iterator[str]:
 
 def _constant(graph: ShapesGraph, node: Term, shape: Term, name: str) -> str:
     if isinstance(node, BlankNode) or (name != "targetNode" and not isinstance(node, NamedNode)):
-        raise graph.error(f"sh:{name} of {graph.called(shape)} must be an IRI", shape)
+        raise graph.error(f"sh:{name} of {graph.called(shape)} is not named", shape, hint="Give it an IRI.")
     return str(node)
 
 
@@ -59,7 +59,9 @@ def _custom(graph: ShapesGraph, target: Term, shape: Term) -> str:
         path = graph.required(parameter, "path")
         values = graph.values(target, path) if isinstance(path, NamedNode) else []
         if len(values) > 1 or any(isinstance(value, BlankNode) for value in values):
-            raise graph.error(f"a target has one value of {path}, which is no blank node", target)
+            raise graph.error(
+                f"a target has one value of {path}, which is no blank node", target, hint="Leave one IRI or literal."
+            )
         if not values and not graph.flag(parameter, "optional"):
             return "VALUES ?this { }"
         parameters |= {_local_name(path): str(value) for value in values}
@@ -71,7 +73,8 @@ def _selected(graph: ShapesGraph, owner: Term, parameters: dict[str, str]) -> st
     query = query_of(graph, owner, "select")
     projected = {word.text for word in query.head if word.text.startswith("?")}
     if "?this" not in projected and "*" not in {word.text for word in query.head}:
-        raise graph.error("the SELECT of a target must give the variable ?this", owner)
+        hint = "Name it in the SELECT: SELECT ?this WHERE { ... }."
+        raise graph.error("the SELECT of a target does not give the variable ?this", owner, hint=hint)
     functions = Functions(graph)
     group = spell(functions.inside(rename(query.group, parameters), owner))
     modifiers = f" {spell(query.modifiers)}" if query.modifiers else ""

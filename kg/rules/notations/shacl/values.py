@@ -80,7 +80,7 @@ def _compared(operator: str, name: str) -> Callable[..., Cases]:
 def _length(operator: str, name: str) -> Callable[..., Cases]:
     def read(graph: ShapesGraph, shape: Term, value: Term, term: str, *, wanted: bool) -> Cases:
         if not isinstance(value, Literal) or not value.value.isdecimal():
-            raise graph.error(f"sh:{name} of {graph.called(shape)} is {value}; it is a number", shape)
+            raise graph.error(f"sh:{name} of {graph.called(shape)} is {value}", shape, hint="It is a whole number.")
         return check(f"!isBlank({term}) && STRLEN(STR({term})) {operator} {value.value}", wanted=wanted)
 
     return read
@@ -89,7 +89,9 @@ def _length(operator: str, name: str) -> Callable[..., Cases]:
 def _pattern(graph: ShapesGraph, shape: Term, value: Term, term: str, *, wanted: bool) -> Cases:
     flags = graph.one(shape, "flags")
     if not isinstance(value, Literal) or not isinstance(flags, Literal | None):
-        raise graph.error(f"sh:pattern and sh:flags of {graph.called(shape)} are strings", shape)
+        raise graph.error(
+            f"sh:pattern and sh:flags of {graph.called(shape)} are strings", shape, hint="Put them in quotes."
+        )
     arguments = ", ".join(str(Literal(one.value)) for one in (value, flags) if one is not None)
     return check(f"!isBlank({term}) && REGEX(STR({term}), {arguments})", wanted=wanted)
 
