@@ -17,7 +17,7 @@ from pyoxigraph import NamedNode
 from kg.rules.dependencies import depends
 from kg.rules.engine.blocks import Blocks
 from kg.rules.engine.expressions import Expressions
-from kg.rules.engine.facts import Facts, difference
+from kg.rules.engine.facts import Facts
 from kg.rules.engine.heads import Collector
 from kg.rules.engine.limits import Clock, Limits
 from kg.rules.engine.planning import plan
@@ -26,9 +26,8 @@ from kg.rules.form import AUXILIARY, Atom
 from kg.rules.stratify import Stratum, stratify
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
-    from kg.rules.engine.facts import Keys
     from kg.rules.engine.plan import RulePlan
     from kg.rules.engine.terms import Dictionary
     from kg.rules.form import Rule
@@ -129,75 +128,59 @@ class _Run:
 
     def stratum(self, stratum: Stratum) -> None:
         """Evaluate a stratum to its fixpoint."""
-        reports = [RuleReport(rule, stratum.number, matched=(0,) * len(rule.body)) for rule in stratum.rules]
-        self.reports += reports
+        rules = [self._active(rule, stratum) for rule in stratum.rules]
+        self.reports += [rule.report for rule in rules]
         delta = Facts()
-        for report in reports:
-            self._apply(report, self._sources(report.rule), delta)
-        if not stratum.recursive:
-            self._merge(delta)
-            return
-        pivots = {rule: _pivots(self._plans[rule], stratum.rules) for rule in stratum.rules}
-        while delta.predicates:
-            old = self._known.copy()
+        for rule in rules:
+            self._apply(rule, self._everything(rule.plan), delta)
+        while stratum.recursive and delta.predicates:
+            # What was there before is only read by rules that read what changes more than once.
+            old = self._known.copy() if any(len(rule.pivots) > 1 for rule in rules) else self._known
             self._merge(delta)
             last, delta = delta, Facts()
-            for report in reports:
-                for pivot in pivots[report.rule]:
-                    sources = self._sources(report.rule, old, last, pivot, pivots[report.rule])
-                    if sources is not None:
-                        self._apply(report, sources, delta)
+            for rule in rules:
+                for pivot in rule.pivots:
+                    if pivot.touched(last):
+                        self._apply(rule, self._changed(rule, pivot, last, old), delta)
+        self._merge(delta)
 
-    def _sources(
-        self,
-        rule: Rule,
-        old: Facts | None = None,
-        last: Facts | None = None,
-        pivot: int = -1,
-        changing: Sequence[int] = (),
-    ) -> list[Facts] | None:
-        """Return what each source of a rule reads; None when nothing of what the pivot reads has changed."""
-        found = [self._asserted if source.asserted else self._known for source in self._plans[rule].sources]
-        if old is None or last is None:
+    def _active(self, rule: Rule, stratum: Stratum) -> _Active:
+        report = RuleReport(rule, stratum.number, matched=(0,) * len(rule.body))
+        plan = self._plans[rule]
+        pivots = _pivots(plan, stratum.rules, self._shop.dictionary) if stratum.recursive else ()
+        return _Active(plan, report, tuple(pivots))
+
+    def _everything(self, plan: RulePlan) -> list[Facts]:
+        return [self._asserted if source.asserted else self._known for source in plan.sources]
+
+    def _changed(self, rule: _Active, pivot: _Pivot, last: Facts, old: Facts) -> list[Facts]:
+        """Return what the sources read in a round: the pivot what was new in the last one."""
+        found = self._everything(rule.plan)
+        if pivot.block:
             return found
-        reads = self._plans[rule].sources[pivot].reads
-        if not isinstance(reads, Atom):
-            return found
-        if (
-            isinstance(reads.predicate, NamedNode)
-            and not last.keys(self._shop.dictionary.intern_term(reads.predicate)).size
-        ):
-            return None
-        for number in changing:
-            if number < pivot and isinstance(self._plans[rule].sources[number].reads, Atom):
-                found[number] = old
-        found[pivot] = last
+        for other in rule.pivots:
+            if other.number < pivot.number and not other.block:
+                found[other.number] = old
+        found[pivot.number] = last
         return found
 
-    def _apply(self, report: RuleReport, sources: list[Facts] | None, delta: Facts) -> None:
+    def _apply(self, rule: _Active, sources: list[Facts], delta: Facts) -> None:
         """Run a rule and add to `delta` what is not known."""
-        if sources is None:
-            return
         begin = time.perf_counter()
-        clock = self._shop.clock
-        clock.rule = str(report.rule)
+        report, clock = rule.report, self._shop.clock
         report.rounds += 1
-        clock.round = report.rounds
-        rule_plan = self._plans[report.rule]
+        clock.rule, clock.round = rule.report.rule, report.rounds
         solver = Solver(self._shop, View(sources))
-        collector = Collector(rule_plan, self._shop.dictionary)
-        for table in solver.solutions(rule_plan.body, rule_plan.outputs):
-            collector.add(table, rule_plan.heads)
+        collector = Collector(rule.plan, self._shop.dictionary)
+        for table in solver.solutions(rule.plan.body, rule.plan.outputs):
+            collector.add(table, rule.plan.heads)
         for predicate, keys in collector.facts():
-            new = delta.add(predicate, self._unknown(predicate, keys))
+            new = delta.add(predicate, self._known.missing(predicate, keys))
             report.derived += new.size
             self._size += new.size
         report.matched = tuple(rows + solver.matched.get(number, 0) for number, rows in enumerate(report.matched))
         report.seconds += time.perf_counter() - begin
         clock.check(self._size)
-
-    def _unknown(self, predicate: int, keys: Keys) -> Keys:
-        return difference(keys, self._known.keys(predicate))
 
     def _merge(self, delta: Facts) -> None:
         for predicate, keys in delta:
@@ -205,14 +188,40 @@ class _Run:
             self.inferred.extend(predicate, keys)
 
 
-def _pivots(rule_plan: RulePlan, rules: Sequence[Rule]) -> list[int]:
-    """Return the numbers of the sources that read what the rules of the stratum derive."""
+@dataclass(frozen=True, slots=True)
+class _Pivot:
+    """A source that reads what its stratum derives; `predicate` is None where that is a variable."""
+
+    number: int
+    predicate: int | None
+    block: bool
+
+    def touched(self, last: Facts) -> bool:
+        """Whether the last round added anything that it may read."""
+        return self.predicate is None or bool(last.keys(self.predicate).size)
+
+
+@dataclass(frozen=True, slots=True)
+class _Active:
+    """A rule of the stratum that runs."""
+
+    plan: RulePlan
+    report: RuleReport
+    pivots: tuple[_Pivot, ...]
+
+
+def _pivots(plan: RulePlan, rules: Sequence[Rule], dictionary: Dictionary) -> Iterator[_Pivot]:
+    """Yield the sources that read what the rules of the stratum derive; blocks of SPARQL last, once for all of them."""
     heads = [head for rule in rules for head in rule.head]
-    found = []
-    for number, source in enumerate(rule_plan.sources):
+    blocks = []
+    for number, source in enumerate(plan.sources):
         reads = source.reads
         if not source.positive or source.asserted:
             continue
-        if not isinstance(reads, Atom) or any(depends(reads, head) for head in heads):
-            found.append(number)
-    return found
+        if not isinstance(reads, Atom):
+            blocks.append(_Pivot(number, None, block=True))
+        elif any(depends(reads, head) for head in heads):
+            predicate = reads.predicate
+            identifier = dictionary.intern_term(predicate) if isinstance(predicate, NamedNode) else None
+            yield _Pivot(number, identifier, block=False)
+    yield from blocks[:1]

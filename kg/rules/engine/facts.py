@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Collection, Iterator
     from typing import TypeAlias
 
     from numpy.typing import NDArray
@@ -134,49 +134,67 @@ def _fan_out(keys: Keys) -> float:
 
 
 class Facts:
-    """A set of triples; arrays that it gives out are never written to."""
+    """A set of triples; arrays that it gives out are never written to.
+
+    What is added to a predicate waits in sorted runs, each more than twice as large as the next, and is put into the
+    one array when somebody asks for it: a recursion of many rounds that only adds does not copy everything each time.
+    """
 
     def __init__(self) -> None:
         self._keys: dict[int, Keys] = {}
+        self._runs: dict[int, list[Keys]] = {}
         self._flipped: dict[int, Keys] = {}
         self._starts: dict[tuple[int, bool], NDArray[np.int32]] = {}
         self._fan_outs: dict[tuple[int, bool], tuple[int, float]] = {}
 
     def __len__(self) -> int:
-        return sum(keys.size for keys in self._keys.values())
+        waiting = sum(run.size for runs in self._runs.values() for run in runs)
+        return sum(keys.size for keys in self._keys.values()) + waiting
 
     def __iter__(self) -> Iterator[tuple[int, Keys]]:
         """Yield each predicate with its keys, none of them empty."""
+        for predicate in list(self._runs):
+            self._settle(predicate)
         return iter(self._keys.items())
 
     @property
-    def predicates(self) -> Iterable[int]:
+    def predicates(self) -> Collection[int]:
         """The predicates of which there is a triple."""
-        return self._keys.keys()
+        return self._keys.keys() | self._runs.keys() if self._runs else self._keys.keys()
 
     def keys(self, predicate: int) -> Keys:
         """Return the pairs of a predicate, sorted by subject."""
+        if predicate in self._runs:
+            self._settle(predicate)
         return self._keys.get(predicate, EMPTY)
 
     def by_object(self, predicate: int) -> Keys:
         """Return the pairs of a predicate as `object << 32 | subject`, sorted."""
+        if predicate in self._runs:
+            self._settle(predicate)
         found = self._flipped.get(predicate)
         if found is None:
             found = self._flipped[predicate] = flipped(self.keys(predicate))
         return found
 
+    def missing(self, predicate: int, keys: Keys) -> Keys:
+        """Return the sorted pairs of which the predicate has none."""
+        for run in (self._keys.get(predicate, EMPTY), *self._runs.get(predicate, ())):
+            keys = difference(keys, run)
+        return keys
+
     def starts(self, predicate: int, terms: int, *, by_object: bool = False) -> NDArray[np.int32]:
         """Return `starts` of the pairs of a predicate, for identifiers below `terms`; kept until the pairs change."""
+        keys = self.by_object(predicate) if by_object else self.keys(predicate)
         found = self._starts.get((predicate, by_object))
         if found is None or found.size <= terms:
-            keys = self.by_object(predicate) if by_object else self.keys(predicate)
             found = self._starts[predicate, by_object] = starts(keys, terms)
         return found
 
     def has_starts(self, predicate: int, terms: int, *, by_object: bool = False) -> bool:
         """Tell whether `starts` of that many terms is there already."""
         found = self._starts.get((predicate, by_object))
-        return found is not None and found.size > terms
+        return found is not None and found.size > terms and predicate not in self._runs
 
     def fan_out(self, predicate: int, *, by_object: bool) -> float:
         """Estimate how many pairs a term has; an estimate serves until the pairs are twice, or half, as many."""
@@ -189,6 +207,7 @@ class Facts:
 
     def replace(self, predicate: int, keys: Keys) -> None:
         """Give a predicate other pairs: sorted, each once."""
+        self._runs.pop(predicate, None)
         self._forget(predicate)
         self._flipped.pop(predicate, None)
         if keys.size:
@@ -202,15 +221,28 @@ class Facts:
 
     def add(self, predicate: int, keys: Keys) -> Keys:
         """Add sorted pairs to a predicate and return those that are new."""
-        new = difference(keys, self.keys(predicate))
+        new = self.missing(predicate, keys)
         self.extend(predicate, new)
         return new
 
     def extend(self, predicate: int, new: Keys) -> None:
-        """Add sorted pairs of which the predicate has none; the order by object is carried on if it is there."""
+        """Add sorted pairs of which the predicate has none."""
         if not new.size:
             return
-        self._keys[predicate] = merged(self.keys(predicate), new)
+        if predicate not in self._keys:
+            self.replace(predicate, new)
+            return
+        runs = self._runs.setdefault(predicate, [])
+        runs.append(new)
+        while len(runs) > 1 and runs[-2].size <= 2 * runs[-1].size:
+            last = runs.pop()
+            runs[-1] = merged(runs[-1], last)
+
+    def _settle(self, predicate: int) -> None:
+        """Put what waits into the array; the order by object is carried on if it is there."""
+        runs = self._runs.pop(predicate)
+        new = runs[0] if len(runs) == 1 else np.sort(np.concatenate(runs))
+        self._keys[predicate] = merged(self._keys.get(predicate, EMPTY), new)
         other = self._flipped.get(predicate)
         if other is not None:
             self._flipped[predicate] = merged(other, flipped(new))
@@ -226,8 +258,9 @@ class Facts:
         """Take away sorted pairs, all of which the predicate has; the order by object is carried on if it is there."""
         if not gone.size:
             return
+        keys = self.keys(predicate)
         other = self._flipped.get(predicate)
-        self.replace(predicate, parted(self.keys(predicate), gone))
+        self.replace(predicate, parted(keys, gone))
         if other is not None and predicate in self._keys:
             self._flipped[predicate] = parted(other, flipped(gone))
 
@@ -241,6 +274,7 @@ class Facts:
         """Return a set that shares the arrays and can be changed by itself."""
         other = Facts()
         other._keys = dict(self._keys)
+        other._runs = {predicate: list(runs) for predicate, runs in self._runs.items()}
         other._flipped = dict(self._flipped)
         other._starts = dict(self._starts)
         other._fan_outs = dict(self._fan_outs)

@@ -34,7 +34,7 @@ class Clock:
     def __init__(self, limits: Limits) -> None:
         self._limits = limits
         self._end = None if limits.deadline is None else time.monotonic() + limits.deadline
-        self.rule = ""
+        self.rule: object = ""
         self.round = 0
 
     def check(self, inferred: int = 0) -> None:
