@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING, Final
 
-from kg.cli.output import Column
+from kg.cli.output import Column, make_table
 from kg.render.text import count, printable
 
 if TYPE_CHECKING:
@@ -15,12 +15,27 @@ if TYPE_CHECKING:
     from rich.table import Table
     from rich.text import Text
 
+    from kg.rules.authoring.coverage import RuleCoverage
+    from kg.rules.authoring.differences import Changed, Difference
     from kg.rules.authoring.library import Entry
     from kg.rules.authoring.manual import Manual
+    from kg.rules.authoring.profiling import RuleProfile
     from kg.rules.authoring.testing import Result
+    from kg.rules.explain.view import View
     from kg.rules.files import Documentation
 
-__all__ = ["COLUMNS", "changed_line", "here", "list_row", "manual_lines", "result_lines"]
+__all__ = [
+    "COLUMNS",
+    "change_line",
+    "changed_line",
+    "difference_words",
+    "element_table",
+    "gap_words",
+    "here",
+    "list_row",
+    "manual_lines",
+    "result_lines",
+]
 
 COLUMNS: Final = (
     Column("rule", "name"),
@@ -147,3 +162,66 @@ def changed_line(sign: str, text: str, about: str = "", *, indent: int = 0) -> T
     style = "green" if sign == "+" else "red"
     line = Text.assemble(" " * indent, (f"{sign} ", f"bold {style}"), (printable(text), style))
     return line.append(f"  {about}", style="dim") if about else line
+
+
+def change_line(change: Changed, view: View) -> Text:
+    """Return a triple that comes or goes as people call its parts, with the rules that it comes from."""
+    subject, value = view.label(change.triple.subject), view.label(change.triple.object)
+    return changed_line(change.sign, f"{subject} {change.predicate} {value}", ", ".join(change.rules))
+
+
+def difference_words(found: Difference) -> Iterator[str]:
+    """Yield how much comes and goes, rule by rule and in all."""
+    by_rule = found.by_rule
+    longest = max(map(len, by_rule), default=0)
+    for rule, (more, less) in by_rule.items():
+        yield f"  {rule:<{longest}}  +{more:,} -{less:,}"
+    if found:
+        come = count(found.count("+"), "triple")
+        yield f"{come} would come, {found.count('-'):,} would go; `kg rules run` applies it"
+    else:
+        yield "nothing would change"
+
+
+def element_table(rule: RuleProfile) -> Iterator[Text | Table]:
+    """Yield the elements of the bodies of one rule with their rows and seconds, in the order of the text."""
+    from rich.text import Text  # noqa: PLC0415 - start-up time
+
+    columns = (
+        Column("run", "number"),
+        Column("rows in", "number"),
+        Column("rows out", "number"),
+        Column("seconds", "number"),
+        Column("part", "number", spare=True),
+        Column("line", "number", spare=True),
+        Column("element"),
+    )
+    several = any(element.part > 1 for element in rule.elements)
+    rows = [
+        (
+            "-" if each.order is None else each.order,
+            each.rows_in,
+            each.rows_out,
+            f"{each.seconds:.4f}",
+            each.part if several else None,
+            each.place.line,
+            each.text,
+        )
+        for each in rule.elements
+    ]
+    yield Text()
+    yield Text(f"{rule.name}, applied once to all that is known", style="bold")
+    yield make_table(columns, rows)
+
+
+def gap_words(rule: RuleCoverage) -> str:
+    """Return in words which parts of a rule never did anything."""
+    words = []
+    for gap in rule.gaps:
+        where = f" ({here(gap.place.path)}{_line_of(gap.place.line)})"
+        part = f"part {gap.part}: " if rule.rules > 1 else ""
+        if gap.kind == "element":
+            words.append(f"{part}nothing passes {gap.text}{where}")
+        elif gap.kind == "head" and not any(each.kind == "element" and each.part == gap.part for each in rule.gaps):
+            words.append(f"{part}never derives {gap.text}{where}")
+    return "; ".join(words)

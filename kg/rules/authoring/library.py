@@ -97,6 +97,14 @@ class Library:
                 errors.append(error)
         return files, errors
 
+    def with_those_in_force(self, chosen: Iterable[Entry] = ()) -> list[RuleFile]:
+        """Return the files of the rules in force and of those chosen; raises the first error there is."""
+        wanted = {entry.name for entry in (*self.in_force, *chosen)}
+        files, errors = self.read_all(entry for name, entry in self.entries.items() if name in wanted)
+        for error in (*self.problems, *errors):
+            raise error
+        return files
+
 
 def _all_families(folder: Path) -> list[str]:
     return [path.name for path in folder.iterdir()] if folder.is_dir() else []

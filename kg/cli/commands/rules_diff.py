@@ -1,0 +1,62 @@
+"""`kg rules diff`: what rules as they are on disk would change in the store."""
+
+from typing import TYPE_CHECKING
+
+import typer
+
+from kg.cli.commands.rules import Chosen
+from kg.cli.diagnostics import note, say
+from kg.cli.options import Json, Limit, Rules, Store, Timeout
+from kg.cli.output import json_lines, show
+from kg.cli.session import session
+from kg.errors import Exit
+
+if TYPE_CHECKING:
+    from kg.rules.authoring.differences import Difference
+    from kg.rules.explain.view import View
+
+__all__ = ["diff", "show_difference"]
+
+
+def diff(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    chosen: Chosen = None,
+    *,
+    rules: Rules = None,
+    limit: Limit = None,
+    timeout: Timeout = None,
+    json: Json = False,
+    store: Store = None,
+) -> None:
+    """Show what rules as they are on disk add to the store and take from it; exit code 1 when there is anything.
+
+    Nothing is written. With rules named, what would come without them too is left out. For example:
+
+        kg rules diff
+        kg rules diff wiring/listens-to
+    """
+    from kg.pipeline.authoring import attempt  # noqa: PLC0415 - start-up time
+    from kg.rules.authoring.differences import difference, difference_objects  # noqa: PLC0415 - start-up time
+
+    settings = session(context).settings(store=store, rules=rules, limit=limit, timeout=timeout)
+    with attempt(settings, chosen or ()) as trial:
+        found = difference(trial.bench, trial.files, trial.chosen, trial.limits)
+        if json:
+            json_lines(difference_objects(found))
+        else:
+            show_difference(found, trial.view, settings.limit)
+    if found:
+        raise typer.Exit(Exit.FOUND)
+
+
+def show_difference(found: "Difference", view: "View", most: int) -> None:
+    """Show what comes and goes, up to `most` triples (0: all), and how much of it by rule."""
+    from kg.cli.rules_view import change_line, difference_words  # noqa: PLC0415 - start-up time
+
+    shown = found.changes[: most or None]
+    if shown:
+        show(*(change_line(change, view) for change in shown))
+    if len(shown) < len(found.changes):
+        note(f"{len(found.changes) - len(shown):,} more not shown; --limit 0 shows all")
+    for line in difference_words(found):
+        say(line)

@@ -1,0 +1,178 @@
+"""`kg rules graph`, `profile` and `coverage`: how rules hang together, what they cost, which never fire."""
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
+
+from kg.cli.commands.rules import Chosen
+from kg.cli.diagnostics import note, say
+from kg.cli.options import Json, Rules, Store, Timeout
+from kg.cli.output import Column, json_lines, listing, show, terminal
+from kg.cli.session import session
+from kg.errors import UsageError
+from kg.query.similar import did_you_mean
+from kg.render.text import count
+
+if TYPE_CHECKING:
+    from kg.rules.authoring.coverage import Coverage
+    from kg.rules.authoring.profiling import Profile
+
+__all__ = ["coverage", "graph", "profile"]
+
+_FORMATS: Final = ("svg", "mermaid", "json")
+_PROFILE: Final = (
+    Column("rule", "name"),
+    Column("seconds", "number"),
+    Column("share", "number", spare=True),
+    Column("derived", "number"),
+    Column("rounds", "number"),
+    Column("stratum", "number", spare=True),
+    Column("rules", "number", spare=True),
+)
+_COVERAGE: Final = (Column("rule", "name"), Column("parts", "number"), Column("covered", "number"), Column("", "dim"))
+
+Output = Annotated[str | None, typer.Option("--output", "-o", metavar="FILE", help="Write to FILE.")]
+Form = Annotated[str | None, typer.Option("--format", metavar="FORMAT", help=f"One of {', '.join(_FORMATS)}.")]
+
+
+def graph(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    chosen: Chosen = None,
+    *,
+    output: Output = None,
+    form: Form = None,
+    rules: Rules = None,
+    json: Json = False,
+) -> None:
+    """Draw which rules feed which, as SVG, Mermaid or JSON.
+
+    Rules stand behind all that they read; a dashed line with a bar leads to a rule that asks for what is absent, or
+    counts. For example:
+
+        kg rules graph -o rules.svg
+        kg rules graph communication --format mermaid
+    """
+    from kg.pipeline.reasoning import ontology_schema  # noqa: PLC0415 - start-up time
+    from kg.rules.authoring.graph import graph_objects, graph_picture, mermaid, rule_graph  # noqa: PLC0415 - start-up time
+    from kg.rules.authoring.library import Library  # noqa: PLC0415 - start-up time
+    from kg.rules.authoring.naming import choose  # noqa: PLC0415 - start-up time
+
+    form = _form("json" if json else form, output)
+    library = Library.of(session(context).settings(rules=rules))
+    entries = choose(library, chosen or ())
+    files, errors = library.read_all(entries)
+    for error in errors:
+        raise error
+    found = rule_graph(files, ontology_schema())
+    if form == "json":
+        json_lines(graph_objects(found))
+        return
+    title = f"Rules: {', '.join(chosen)}" if chosen else "Rules"
+    text = mermaid(found) if form == "mermaid" else graph_picture(found, title)
+    if output and output != "-":
+        Path(output).write_text(text, encoding="utf-8")
+        say(f"wrote {output}: {count(len(entries), 'rule')}")
+    else:
+        sys.stdout.write(text)
+
+
+def _form(form: str | None, output: str | None) -> str:
+    form = form or ("mermaid" if str(output).endswith((".mmd", ".mermaid")) else "svg")
+    if form not in _FORMATS:
+        hint = did_you_mean(form, _FORMATS) or f"One of {', '.join(_FORMATS)}."
+        raise UsageError("KG003", f"`{form}` is no format of the graph of rules", hint=hint)
+    return form
+
+
+def profile(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    chosen: Chosen = None,
+    *,
+    rules: Rules = None,
+    timeout: Timeout = None,
+    json: Json = False,
+    store: Store = None,
+) -> None:
+    """Run the rules in memory and show what each costs: seconds, triples, rounds; the dearest first.
+
+    Nothing is written. For rules that are named also what each part of their bodies costs: the rows before and
+    after it. For example:
+
+        kg rules profile
+        kg rules profile communication/feeds
+    """
+    from kg.pipeline.authoring import attempt  # noqa: PLC0415 - start-up time
+    from kg.rules.authoring.profiling import profile as profiled  # noqa: PLC0415 - start-up time
+    from kg.rules.authoring.profiling import profile_objects  # noqa: PLC0415 - start-up time
+
+    with attempt(session(context).settings(store=store, rules=rules, timeout=timeout), chosen or ()) as trial:
+        found = profiled(trial.bench, trial.files, [file.name for file in trial.chosen], trial.limits)
+    if json:
+        json_lines(profile_objects(found))
+    else:
+        _show_profile(found)
+
+
+def _show_profile(found: "Profile") -> None:
+    from kg.cli.rules_view import element_table  # noqa: PLC0415 - start-up time
+
+    detailed = [rule for rule in found.rules if rule.elements]
+    total = sum(rule.seconds for rule in found.rules) or 1.0
+    rows = [
+        (
+            rule.name,
+            f"{rule.seconds:.4f}",
+            f"{rule.seconds / total:.0%}",
+            rule.derived,
+            rule.rounds,
+            rule.stratum,
+            rule.rules,
+        )
+        for rule in (detailed or found.rules)
+    ]
+    listing(_PROFILE, rows)
+    for rule in detailed:
+        show(*element_table(rule))
+    seconds = f"{found.reading:.2f} s reading, {found.evaluating:.2f} s evaluating"
+    say(f"{count(found.asserted, 'triple')} read, {found.inferred:,} inferred: {seconds}")
+    if terminal() and not detailed:
+        note("`kg rules profile NAME` shows the parts of one")
+
+
+def coverage(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    chosen: Chosen = None,
+    *,
+    rules: Rules = None,
+    timeout: Timeout = None,
+    json: Json = False,
+    store: Store = None,
+) -> None:
+    """Show which rules, and which parts of rules, never did anything on this store.
+
+    Parts are the elements of bodies and the triples of heads; a rule with UNION or OPTIONAL counts as several. A
+    rule that never fires names the first element that nothing passes. For example:
+
+        kg rules coverage
+        kg rules coverage capability
+    """
+    from kg.pipeline.authoring import attempt  # noqa: PLC0415 - start-up time
+    from kg.rules.authoring.coverage import cover, coverage_objects  # noqa: PLC0415 - start-up time
+
+    with attempt(session(context).settings(store=store, rules=rules, timeout=timeout), chosen or ()) as trial:
+        found = cover(trial.bench, trial.files, trial.chosen, trial.limits)
+    if json:
+        json_lines(coverage_objects(found))
+    else:
+        _show_coverage(found)
+
+
+def _show_coverage(found: "Coverage") -> None:
+    from kg.cli.rules_view import gap_words  # noqa: PLC0415 - start-up time
+
+    rows = [(rule.name, rule.parts, rule.covered, gap_words(rule)) for rule in found.rules if rule.gaps]
+    listing(_COVERAGE, rows)
+    fired = f"{found.fired:,} of {count(len(found.rules), 'rule')} fired"
+    say(f"{fired}; {found.share:.0%} of their parts did something")

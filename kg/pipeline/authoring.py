@@ -1,0 +1,62 @@
+"""What trying rules needs of settings and store: the rules at hand, and a snapshot to try them on."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from kg.graph.vocabulary import RNKG
+from kg.pipeline.reasoning import explained_vocabulary
+from kg.rules.authoring.library import Library
+from kg.rules.authoring.naming import choose
+from kg.rules.authoring.workbench import Workbench
+from kg.rules.engine.limits import Limits
+from kg.rules.explain.view import View
+from kg.rules.recording import Names
+from kg.store.opening import reading
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from kg.rules.files import RuleFile
+    from kg.settings import Settings
+    from kg.store.snapshot import EmbeddedSnapshot
+
+__all__ = ["Attempt", "attempt"]
+
+
+@dataclass(frozen=True, slots=True)
+class Attempt:
+    """The rules in force and a store to try them on; `chosen` are those that were named, empty for all."""
+
+    library: Library
+    files: list[RuleFile]
+    chosen: list[RuleFile]
+    bench: Workbench
+    view: View
+    limits: Limits
+
+    @classmethod
+    def of(cls, settings: Settings, snapshot: EmbeddedSnapshot, named: Sequence[str] = ()) -> Attempt:
+        """Return the rules as settings say, with those `named`.
+
+        Raises:
+            UnknownNameError: KG001 for a rule that there is not.
+            RuleError: for the first file that cannot be read.
+        """
+        library = Library.of(settings)
+        entries = choose(library, named) if named else ()
+        files = library.with_those_in_force(entries)
+        names = {entry.name for entry in entries}
+        bench = Workbench(snapshot, Names.of(settings.base, RNKG))
+        view = View(snapshot, explained_vocabulary(settings.base))
+        chosen = [file for file in files if file.name in names]
+        return cls(library, files, chosen, bench, view, Limits(deadline=settings.timeout or None))
+
+
+@contextmanager
+def attempt(settings: Settings, named: Sequence[str] = ()) -> Iterator[Attempt]:
+    """Yield the rules in force beside the store in force; raises as `Attempt.of`, and KG301 without a store."""
+    with reading(settings) as snapshot:
+        yield Attempt.of(settings, snapshot, named)

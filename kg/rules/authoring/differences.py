@@ -1,0 +1,142 @@
+"""What rules as they are on disk add to a store and take from it, before they are run."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from pyoxigraph import NamedNode
+
+from kg.query.prefixes import PREFIXES
+from kg.rules.authoring.firing import fire
+from kg.rules.authoring.memory import triples_of
+from kg.rules.authoring.spelling import spell_term
+from kg.rules.columns import union_of
+from kg.rules.dependencies import depends
+from kg.rules.engine.facts import Facts, intersection
+from kg.rules.form import Atom
+from kg.rules.lines import lacking, stored
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from pyoxigraph import Triple
+
+    from kg.rules.authoring.workbench import Try, Workbench
+    from kg.rules.engine.limits import Limits
+    from kg.rules.files import RuleFile
+    from kg.rules.form import Rule
+
+__all__ = ["Changed", "Difference", "difference", "difference_objects"]
+
+
+@dataclass(frozen=True, slots=True)
+class Changed:
+    """A triple that comes (`+`) or goes (`-`), with the rules that derive it now, or might have derived it.
+
+    `predicate` is its property as those rules spell it.
+    """
+
+    sign: str
+    triple: Triple
+    rules: tuple[str, ...]
+    predicate: str
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """What comes and what goes, sorted; `tried` is what was inferred to find it."""
+
+    changes: tuple[Changed, ...]
+    tried: Try
+
+    def __bool__(self) -> bool:
+        return bool(self.changes)
+
+    def count(self, sign: str) -> int:
+        """Return how many triples come or go."""
+        return sum(change.sign == sign for change in self.changes)
+
+    @property
+    def by_rule(self) -> dict[str, tuple[int, int]]:
+        """For each rule that has to do with a change how many triples come and go, sorted."""
+        come, gone = (
+            Counter(rule for change in self.changes if change.sign == sign for rule in change.rules) for sign in "+-"
+        )
+        return {rule: (come[rule], gone[rule]) for rule in sorted(come | gone)}
+
+
+def difference(
+    bench: Workbench, files: Sequence[RuleFile], chosen: Sequence[RuleFile] = (), limits: Limits | None = None
+) -> Difference:
+    """Compare what the rules of `files` infer with what the store holds as inferred.
+
+    With `chosen`, triples that would come without these rules too are left out: what is new because of others, in a
+    store in which they were not run. Raises what evaluating the rules raises.
+    """
+    tried = bench.infer(files, limits)
+    now = union_of([stored(tried.outcome.inferred, bench.dictionary), tried.stated])
+    come, gone = lacking(now, bench.inferred), lacking(bench.inferred, now)
+    names = {file.name for file in chosen}
+    if names and len(come):
+        others = bench.infer([file for file in files if file.name not in names], limits)
+        come = lacking(come, others.outcome.inferred)
+    prefixes = {file.name: {**PREFIXES, **(file.prefixes or {})} for file in files}
+    changes = [
+        Changed(sign, triple, rules, spell_term(triple.predicate, prefixes[rules[0]] if rules else PREFIXES))
+        for sign, triple, rules in (*_come(bench, tried, come), *_gone(bench, files, gone))
+    ]
+    return Difference(tuple(changes), tried)
+
+
+_Found: TypeAlias = "tuple[str, Triple, tuple[str, ...]]"
+
+
+def _come(bench: Workbench, tried: Try, come: Facts) -> Iterator[_Found]:
+    """Yield what comes, in the order of its spelling, with the rules that derive it."""
+    rules: dict[tuple[int, int], set[str]] = {}
+    for firing in fire(_deriving(bench, tried, come), bench.dictionary, tried.asserted, tried.known):
+        for predicate, keys in union_of(firing.heads) if firing.heads else Facts():
+            for key in intersection(keys, come.keys(predicate)).tolist():
+                rules.setdefault((predicate, key), set()).add(firing.rule.name)
+    identify = bench.dictionary.intern_term
+    for triple in triples_of(come, bench.dictionary):
+        key = identify(triple.subject) << 32 | identify(triple.object)
+        yield "+", triple, tuple(sorted(rules.get((identify(triple.predicate), key), ())))
+
+
+def _deriving(bench: Workbench, tried: Try, come: Facts) -> Iterator[Rule]:
+    """Yield the rules that may derive some of these triples."""
+    predicates = set(come.predicates)
+    for rule in tried.rules if predicates else ():
+        heads = (head.predicate for head in rule.head)
+        if any(not isinstance(head, NamedNode) or bench.dictionary.intern_term(head) in predicates for head in heads):
+            yield rule
+
+
+def _gone(bench: Workbench, files: Sequence[RuleFile], gone: Facts) -> Iterator[_Found]:
+    """Yield what goes, in the order of its spelling, with the rules whose heads it fits."""
+    for triple in triples_of(gone, bench.dictionary):
+        atom = Atom(triple.subject, triple.predicate, triple.object)
+        names = (file.name for file in files for rule in file.rules if any(depends(atom, head) for head in rule.head))
+        yield "-", triple, tuple(dict.fromkeys(names))
+
+
+def difference_objects(found: Difference) -> Iterator[dict[str, Any]]:
+    """Yield a plain object for each change, and one for all, ready for JSON."""
+    for change in found.changes:
+        triple = change.triple
+        yield {
+            "change": change.sign,
+            "subject": spell_term(triple.subject, {}),
+            "predicate": spell_term(triple.predicate, {}),
+            "object": spell_term(triple.object, {}),
+            "rules": list(change.rules),
+        }
+    yield {
+        "diff": True,
+        "added": found.count("+"),
+        "removed": found.count("-"),
+        "rules": {rule: {"added": come, "removed": gone} for rule, (come, gone) in found.by_rule.items()},
+    }

@@ -1,0 +1,115 @@
+"""Rules applied once to all that is known: what each gives, and how rows grow and shrink in its body."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from pyoxigraph import NamedNode
+
+from kg.rules.engine.blocks import Blocks
+from kg.rules.engine.expressions import Expressions
+from kg.rules.engine.heads import Collector
+from kg.rules.engine.limits import Clock, Limits
+from kg.rules.engine.planning import plan
+from kg.rules.engine.solve import Solver, View, Workshop
+from kg.rules.form import AUXILIARY
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from kg.rules.engine.facts import Facts
+    from kg.rules.engine.plan import RulePlan, Step
+    from kg.rules.engine.tables import Table
+    from kg.rules.engine.terms import Dictionary
+    from kg.rules.form import Element, Rule
+
+__all__ = ["Firing", "Passage", "fire", "holds"]
+
+
+@dataclass(slots=True)
+class Passage:
+    """What one element of a body did: the rows before and after it, and the seconds; `order` in which it was run."""
+
+    order: int
+    rows_in: int = 0
+    rows_out: int = 0
+    seconds: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Firing:
+    """One rule applied once: the triples of each triple of its head, and what its elements did, by their number."""
+
+    rule: Rule
+    heads: tuple[Facts, ...]
+    passages: dict[int, Passage]
+    seconds: float
+
+
+class _Watched(Solver):
+    """A solver that writes down what each element does."""
+
+    def __init__(self, shop: Workshop, view: View) -> None:
+        super().__init__(shop, view)
+        self.passages: dict[int, Passage] = {}
+
+    def _after(self, table: Table, step: Step, steps: tuple[Step, ...], outputs: frozenset[str], *, bag: bool) -> Table:
+        begin = time.perf_counter()
+        before = self.matched.get(step.element, 0)
+        found = super()._after(table, step, steps, outputs, bag=bag)
+        passage = self.passages.setdefault(step.element, Passage(len(self.passages)))
+        passage.rows_in += table.rows
+        passage.rows_out += self.matched.get(step.element, 0) - before
+        passage.seconds += time.perf_counter() - begin
+        return found
+
+
+class _Bench:
+    """What applying rules over one dictionary shares."""
+
+    def __init__(self, rules: Iterable[Rule], dictionary: Dictionary, limits: Limits | None) -> None:
+        predicates = {atom.predicate for rule in rules for atom in rule.head}
+        hidden = frozenset(
+            dictionary.intern_term(predicate)
+            for predicate in predicates
+            if isinstance(predicate, NamedNode) and predicate.value.startswith(AUXILIARY)
+        )
+        clock = Clock(limits or Limits())
+        self.shop = Workshop(dictionary, Expressions(dictionary), Blocks(dictionary), clock, hidden)
+
+    def plan(self, rule: Rule) -> RulePlan:
+        """Return the plan of a rule."""
+        return plan(rule, self.shop.dictionary)
+
+
+def _view(rule_plan: RulePlan, asserted: Facts, known: Facts) -> View:
+    return View([asserted if source.asserted else known for source in rule_plan.sources])
+
+
+def fire(
+    rules: Iterable[Rule], dictionary: Dictionary, asserted: Facts, known: Facts, limits: Limits | None = None
+) -> Iterator[Firing]:
+    """Yield what each rule gives when it is applied to `known`, of which `asserted` is a part."""
+    every = list(rules)
+    bench = _Bench(every, dictionary, limits)
+    for rule in every:
+        begin = time.perf_counter()
+        bench.shop.clock.rule = str(rule)
+        rule_plan = bench.plan(rule)
+        solver = _Watched(bench.shop, _view(rule_plan, asserted, known))
+        collectors = [Collector(rule_plan, dictionary) for _ in rule_plan.heads]
+        for table in solver.solutions(rule_plan.body, rule_plan.outputs):
+            for collector, head in zip(collectors, rule_plan.heads, strict=True):
+                collector.add(table, [head])
+        heads = tuple(collector.facts() for collector in collectors)
+        yield Firing(rule, heads, solver.passages, time.perf_counter() - begin)
+
+
+def holds(rule: Rule, body: tuple[Element, ...], dictionary: Dictionary, asserted: Facts, known: Facts) -> bool:
+    """Tell whether a part of the body of a rule has a solution."""
+    bench = _Bench([rule], dictionary, None)
+    rule_plan = bench.plan(replace(rule, head=(), body=body))
+    solver = Solver(bench.shop, _view(rule_plan, asserted, known))
+    return any(table.rows for table in solver.solutions(rule_plan.body, frozenset()))

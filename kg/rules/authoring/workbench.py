@@ -1,0 +1,117 @@
+"""A store beside which rules are tried: its triples as columns, kept from one try to the next; nothing is written."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final
+
+from pyoxigraph import RdfFormat, parse
+
+from kg.rules.authoring.memory import facts_of
+from kg.rules.columns import EVERYTHING, Wanted, read_columns, union_of, wanted
+from kg.rules.engine.evaluate import Program, evaluate
+from kg.rules.engine.facts import Facts
+from kg.rules.engine.terms import Dictionary
+from kg.rules.lines import lacking
+from kg.rules.specialise import schema_pattern, specialise
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from pyoxigraph import NamedNode, Triple
+
+    from kg.rules.engine.evaluate import Outcome
+    from kg.rules.engine.limits import Limits
+    from kg.rules.files import RuleFile
+    from kg.rules.form import Rule
+    from kg.rules.recording import Names
+    from kg.store.snapshot import EmbeddedSnapshot
+
+__all__ = ["Try", "Workbench"]
+
+_NOTHING: Final = Wanted(frozenset())
+_KEPT: Final = 3
+"""How many answers are kept: all rules, all but those that are being written, and one more."""
+
+
+@dataclass(frozen=True, slots=True)
+class Try:
+    """What rules infer.
+
+    `read` is what they were given, `stated` the part of it that files state and the store does not have, `asserted`
+    adds the axioms, and `known` is all of it with what was inferred.
+    """
+
+    rules: tuple[Rule, ...]
+    read: Facts
+    stated: Facts
+    asserted: Facts
+    outcome: Outcome
+    known: Facts
+
+
+@dataclass(slots=True)
+class Workbench:
+    """One snapshot of a store; what was read of it stays read."""
+
+    snapshot: EmbeddedSnapshot
+    names: Names
+    dictionary: Dictionary = field(default_factory=Dictionary)
+    _asserted: Facts = field(default_factory=Facts)
+    _wanted: Wanted = _NOTHING
+    _schema: tuple[Triple, ...] | None = None
+    _inferred: Facts | None = None
+    _tries: dict[tuple[tuple[str, str], ...], Try] = field(default_factory=dict)
+
+    @property
+    def schema(self) -> tuple[Triple, ...]:
+        """The axioms of the store, which rules about any schema are cut to."""
+        if self._schema is None:
+            query = f"SELECT ?s ?p ?o WHERE {schema_pattern()}"
+            rows = b"".join(self.snapshot.table(query, graph) for graph in self._graphs)
+            text = b"".join(row.replace(b"\t", b" ") + b" .\n" for row in rows.splitlines())
+            self._schema = tuple(quad.triple for quad in parse(text, RdfFormat.TURTLE))
+        return self._schema
+
+    @property
+    def _graphs(self) -> list[NamedNode | None]:
+        """The graphs that hold what is asserted."""
+        hidden = {self.names.inferred, self.names.builds}
+        return [None, *(graph for graph in self.snapshot.graphs() if graph not in hidden)]
+
+    def infer(self, files: Sequence[RuleFile], limits: Limits | None = None) -> Try:
+        """Return what the rules of some files infer; the last answers are kept. Raises what `evaluate` raises."""
+        key = tuple((file.name, file.text) for file in files)
+        found = self._tries.pop(key, None) or self._try(files, limits)
+        self._tries[key] = found
+        while len(self._tries) > _KEPT:
+            del self._tries[next(iter(self._tries))]
+        return found
+
+    def _try(self, files: Sequence[RuleFile], limits: Limits | None) -> Try:
+        rules = specialise((rule for file in files for rule in file.rules), self.schema)
+        given = self._reading(rules)
+        stated = lacking(facts_of((triple for file in files for triple in file.data), self.dictionary), given)
+        read = union_of([given, stated])
+        outcome = evaluate(Program(rules), self.dictionary, read, limits=limits)
+        asserted = union_of([read, facts_of(self.schema, self.dictionary)])
+        return Try(rules, read, stated, asserted, outcome, union_of([asserted, outcome.inferred]))
+
+    def read(self, files: Sequence[RuleFile]) -> None:
+        """Read what the rules of some files need."""
+        self._reading(specialise((rule for file in files for rule in file.rules), self.schema))
+
+    def _reading(self, rules: Sequence[Rule]) -> Facts:
+        """Return the asserted triples that rules read or might infer, reading more of the store where needed."""
+        needed = self._wanted | wanted(rules)
+        if needed != self._wanted:
+            _, self._asserted = read_columns(self.snapshot, needed, self._graphs, self.dictionary)
+            self._wanted = needed
+        return self._asserted
+
+    @property
+    def inferred(self) -> Facts:
+        """What the store holds as inferred."""
+        if self._inferred is None:
+            _, self._inferred = read_columns(self.snapshot, EVERYTHING, [self.names.inferred], self.dictionary)
+        return self._inferred
