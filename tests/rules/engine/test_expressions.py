@@ -1,0 +1,110 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from pyoxigraph import BlankNode, Literal, NamedNode
+from rules.forms import expression
+
+from kg.rules.engine.expressions import Expressions
+from kg.rules.engine.limits import Clock, Limits
+from kg.rules.engine.strings import text_test
+from kg.rules.engine.tables import Table
+from kg.rules.engine.terms import Dictionary
+
+XSD = "http://www.w3.org/2001/XMLSchema#"
+TERMS = [
+    NamedNode("urn:lidar_1"),
+    BlankNode("lidar"),
+    Literal("lidar_node"),
+    Literal("a lidar"),
+    Literal("Lidar"),
+    Literal("lidar\n"),
+    Literal("lidar", language="en"),
+    Literal(7),
+    Literal(""),
+    Literal("a.b"),
+    Literal("axb"),
+    Literal("7", datatype=NamedNode(XSD + "decimal")),
+    Literal('li"dar'),
+    Literal("lidär"),
+]
+
+
+FILTERS = [
+    'REGEX( ?x , "lidar")',
+    'REGEX( ?x , "^lidar_(node|driver)$")',
+    'REGEX(STR( ?x ), "^urn:")',
+    'REGEX( ?x , "a\\\\.b")',
+    'REGEX( ?x , "r$")',
+    'REGEX( ?x , "[^a-z]")',
+    'REGEX( ?x , "^[a-z ]*$")',
+    'REGEX( ?x , "a.b")',
+    'REGEX( ?x , "")',
+    'CONTAINS( ?x , "lid")',
+    'STRSTARTS(STR( ?x ), "urn:l")',
+    'STRENDS( ?x , "dar")',
+    'CONTAINS(STR( ?x ), "7")',
+    " ?x = ?y ",
+    " ?x != ?y ",
+    "( ?x = <urn:lidar_1>)",
+    " ?x != <urn:other>",
+    "sameTerm( ?x , ?y )",
+    "!sameTerm( ?x , ?y )",
+    "isIRI( ?x )",
+    "!isBlank( ?x )",
+    "isLiteral( ?x )",
+    "BOUND( ?x )",
+    "!BOUND( ?x )",
+    " ?x IN (<urn:lidar_1>, <urn:b>)",
+    " ?x NOT IN (<urn:lidar_1>)",
+]
+
+
+def table(dictionary: Dictionary) -> Table:
+    """Return all pairs of terms."""
+    found = dictionary.intern_all(str(term).encode() for term in TERMS)
+    return Table({"x": np.repeat(found, found.size), "y": np.tile(found, found.size)}, found.size**2)
+
+
+@pytest.mark.parametrize("text", FILTERS)
+def test_what_is_decided_without_the_engine_is_what_it_says(text: str) -> None:
+    """Every filter with a quick way holds for the same terms as by evaluation, brackets around it or not."""
+    dictionary = Dictionary()
+    rows = table(dictionary)
+    columns = [("x", "x"), ("y", "y")]
+    quick = Expressions(dictionary).holds(expression(text), rows, columns, Clock(Limits()))
+    # A conjunction with what is true has no quick way.
+    slow = Expressions(dictionary).holds(expression(f"({text}) && true"), rows, columns, Clock(Limits()))
+    assert quick.tolist() == slow.tolist()
+
+
+@pytest.mark.parametrize("pattern", ["(a+)+b", "a*a*a*a*", r"\\d", "(?i)a", "[a--b]", "a{2}", r"\\bword"])
+def test_patterns_that_dialects_read_differently_are_left_to_the_engine(pattern: str) -> None:
+    """Shorthands, flags, classes of classes, and repetitions that could take time without end."""
+    assert text_test(f'REGEX(?x, "{pattern}")') is None
+
+
+def test_an_unbound_variable_is_an_error_unless_the_expression_forgives_it() -> None:
+    """A variable that no column has, or a row without a value, is unbound to the expression."""
+    dictionary = Dictionary()
+    rows = Table({"x": np.array([dictionary.intern_term(Literal(1)), 0], np.int64)}, 2)
+    expressions = Expressions(dictionary)
+    for text, expected in (
+        ("?x + 1", ["2", None]),
+        ("COALESCE( ?x , 5)", ["1", "5"]),
+        ("COALESCE( ?z , 6)", ["6", "6"]),
+    ):
+        values = expressions.values(expression(text), rows, [("x", "x")], Clock(Limits()))
+        assert [dictionary.term(value).value if value else None for value in values.tolist()] == expected  # type: ignore[union-attr]  # literals
+
+
+def test_values_are_remembered() -> None:
+    """The same expression over the same terms, in any table, is computed once."""
+    dictionary = Dictionary()
+    expressions = Expressions(dictionary)
+    rows = Table({"x": dictionary.intern_all([b'"a"', b'"b"', b'"a"'])}, 3)
+    first = expressions.values(expression("UCASE( ?x )"), rows, [("x", "x")], Clock(Limits()))
+    expressions._store = None  # type: ignore[assignment]  # nobody is asked again
+    again = expressions.values(expression("UCASE( ?x )"), rows.take(slice(0, 2)), [("x", "x")], Clock(Limits()))
+    assert again.tolist() == first[:2].tolist()
+    assert dictionary.spellings(first) == [b'"A"', b'"B"', b'"A"']

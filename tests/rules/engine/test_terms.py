@@ -1,0 +1,59 @@
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pyoxigraph import BlankNode, Literal, NamedNode, Triple
+
+from kg.rules.engine.terms import BLANK, IRI, LITERAL, TRIPLE, Dictionary, spell
+
+if TYPE_CHECKING:
+    from kg.rules.form import Term
+
+INNER = Triple(NamedNode("urn:a"), NamedNode("urn:b"), Literal("x", language="en"))
+TERMS: list[Term] = [
+    NamedNode("urn:a"),
+    BlankNode("b1"),
+    Literal(""),
+    Literal('a "b" \\ \n'),
+    Literal(3),
+    INNER,
+    Triple(BlankNode("b1"), NamedNode("urn:b"), INNER),
+]
+
+
+@pytest.mark.parametrize("term", TERMS, ids=str)
+def test_a_term_is_read_back_as_it_was(term: Term) -> None:
+    """Spelling and reading a term gives it again, and it has one identifier."""
+    dictionary = Dictionary()
+    identifier = dictionary.intern_term(term)
+    assert dictionary.term(identifier) == term
+    assert dictionary.intern(spell(term)) == identifier == dictionary.find(spell(term))
+
+
+def test_kinds_are_known_for_terms_that_come_later_too() -> None:
+    """The kind of a term is that of its spelling; "unbound" has none."""
+    dictionary = Dictionary()
+    first = dictionary.intern_all(spell(term) for term in TERMS[:2])
+    assert dictionary.kinds(first).tolist() == [IRI, BLANK]
+    later = dictionary.intern_all(spell(term) for term in TERMS)
+    assert dictionary.kinds(np.append(later, 0)).tolist() == [IRI, BLANK, LITERAL, LITERAL, LITERAL, TRIPLE, TRIPLE, 0]
+
+
+def test_a_triple_term_has_the_parts_it_was_made_of() -> None:
+    """Made of identifiers or read from a spelling, its parts are the same."""
+    dictionary = Dictionary()
+    read = dictionary.intern_term(INNER)
+    parts = dictionary.parts(read)
+    assert [dictionary.term(part) for part in parts] == [INNER.subject, INNER.predicate, INNER.object]
+    assert dictionary.intern_triple(*parts) == read
+
+
+@given(st.text(st.characters(codec="utf-8"), max_size=5))
+def test_strings_of_any_characters_survive(text: str) -> None:
+    """Control characters, quotes and all of Unicode are spelt so that they are read back."""
+    dictionary = Dictionary()
+    assert dictionary.term(dictionary.intern_term(Literal(text))) == Literal(text)
