@@ -61,12 +61,6 @@ class MaintainedRule:
         """Return what the rule derives."""
         return self._derived(self._sources(world), UNIT)
 
-    def rereads(self, written: frozenset[int] | None) -> bool:
-        """Tell whether one derivation may need two triples of the predicates `written` (None is any), or a block."""
-        readers = [pivot for pivot in self._pivots if not pivot.asserted]
-        own = [pivot for pivot in readers if written is None or pivot.predicates is None or pivot.predicates & written]
-        return len(own) > 1 or any(pivot.block for pivot in own)
-
     def may_derive(self, candidates: Facts) -> bool:
         """Tell whether the rule derives triples of the predicates of any of the candidates."""
         return self.writes is None or any(predicate in self.writes for predicate in candidates.predicates)

@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
-from kg.rules.engine.facts import Facts, difference, intersection
+from kg.rules.engine.facts import Facts, intersection
 
 __all__ = ["absorb", "common", "lacking", "take_out"]
 
 
 def common(facts: Facts, others: Facts) -> Facts:
     """Return the triples that both have."""
-    return _each(facts, others, keep=True)
+    found = Facts()
+    for predicate, keys in facts:
+        found.replace(predicate, intersection(keys, others.keys(predicate)))
+    return found
 
 
 def lacking(facts: Facts, others: Facts) -> Facts:
     """Return the triples of `facts` that `others` lack."""
-    return _each(facts, others, keep=False)
-
-
-def _each(facts: Facts, others: Facts, *, keep: bool) -> Facts:
     found = Facts()
     for predicate, keys in facts:
-        known = others.keys(predicate)
-        found.replace(predicate, intersection(keys, known) if keep else difference(keys, known))
+        found.replace(predicate, others.missing(predicate, keys))
     return found
 
 

@@ -57,8 +57,6 @@ class _Work:
     recursive: bool
     lost: Facts = field(default_factory=Facts)
     """What was derived by then and has been taken away."""
-    fresh: Facts = field(default_factory=Facts)
-    """What was added and does not stand in the world after yet."""
 
     def take_away(self) -> None:
         """Take away what may have no derivation any more."""
@@ -66,8 +64,8 @@ class _Work:
         frontier = self._lose(self._consequences(progress.came, progress.gone, after=False))
         while self.recursive and len(frontier):
             frontier = self._lose(self._consequences(None, Delta(Facts(), frontier), after=False))
-        for predicate, keys in self.lost:
-            progress.after.known.discard(predicate, keys)
+        if self.recursive:
+            self._discard_lost()
 
     def put_back(self) -> Facts:
         """Put back what is still derived from what is left, and return it."""
@@ -81,11 +79,19 @@ class _Work:
                     continue
                 self._watch(rule)
                 absorb(back, common(rule.supported(candidates, progress.after), candidates))
+        missing = back if self.recursive else common(back, progress.gone.known)
         take_out(self.lost, back)
         take_out(progress.gone.known, back)
-        for predicate, keys in back:
+        for predicate, keys in missing:
             progress.after.known.extend(predicate, keys)
+        if not self.recursive:
+            # Nothing here reads what it derives itself: only what stays lost has to be taken from the columns.
+            self._discard_lost()
         return back
+
+    def _discard_lost(self) -> None:
+        for predicate, keys in self.lost:
+            self.progress.after.known.discard(predicate, keys)
 
     def add(self, back: Facts) -> None:
         """Add what follows from what came and from what was put back."""
@@ -94,13 +100,9 @@ class _Work:
         if self.recursive and len(back):
             came = Delta(came.asserted, came.known.copy())
             absorb(came.known, back)
-        at_once = self.recursive and self._rereads()
         frontier = self._gain(self._consequences(came, progress.gone, after=True))
         while self.recursive and len(frontier):
-            if at_once:
-                self._settle()
             frontier = self._gain(self._consequences(Delta(Facts(), frontier), None, after=True))
-        self._settle()
         absorb(progress.gone.known, self.lost)
 
     def _consequences(self, came: Delta | None, gone: Delta | None, *, after: bool) -> Facts:
@@ -127,25 +129,13 @@ class _Work:
     def _gain(self, found: Facts) -> Facts:
         """Add triples, those that are not there, and return them."""
         progress = self.progress
-        new = lacking(lacking(found, self.fresh), progress.after.known)
+        new = lacking(found, progress.after.known)
         for predicate, keys in new:
-            self.fresh.extend(predicate, keys)
+            progress.after.known.extend(predicate, keys)
             progress.added += keys.size
             again = union(self.lost.remove(predicate, keys), progress.gone.known.remove(predicate, keys))
             progress.came.known.extend(predicate, difference(keys, again))
         return new
-
-    def _settle(self) -> None:
-        """Let the world after have what was added: one copy of a predicate's columns, however small the addition."""
-        for predicate, keys in self.fresh:
-            self.progress.after.known.extend(predicate, keys)
-        self.fresh = Facts()
-
-    def _rereads(self) -> bool:
-        """Tell whether a rule may join what this stratum added with other triples that it added."""
-        written = [rule.writes for rule in self.rules]
-        known = frozenset[int]().union(*(predicates or () for predicates in written))
-        return any(rule.rereads(None if None in written else known) for rule in self.rules)
 
 
 def maintain_stratum(
