@@ -18,7 +18,10 @@ from kg.cli.commands import (
     query,
     rules,
     rules_check,
+    rules_compile,
+    rules_diff,
     rules_lsp,
+    rules_reports,
     rules_testing,
     stats,
     why,
@@ -76,6 +79,11 @@ RULE_COMMANDS: Final[tuple[tuple[str, str, Any], ...]] = (
     ("Write", "lsp", rules_lsp.lsp),
     ("Try", "check", rules_check.check),
     ("Try", "test", rules_testing.try_rules),
+    ("Try", "diff", rules_diff.diff),
+    ("Look at", "compile", rules_compile.compile_rule),
+    ("Look at", "graph", rules_reports.graph),
+    ("Look at", "profile", rules_reports.profile),
+    ("Look at", "coverage", rules_reports.coverage),
 )
 """The commands of `kg rules`, in the order that its help lists them."""
 

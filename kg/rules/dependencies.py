@@ -54,7 +54,7 @@ class _Fresh:
 
 
 _NAME: Final = re.compile(r"<([^<>]*)>")
-_NOT_IN: Final = re.compile(r"\(*\?(\w+) NOT IN ?\(((?:<[^<>]*>|[, ])*)\)+")
+_NOT_IN: Final = re.compile(r"\(*\?([\w·]+) NOT IN ?\(((?:<[^<>]*>|[, ])*)\)+")
 _Node: TypeAlias = "Pattern | _Fresh | tuple[_Node, _Node, _Node]"
 _Bindings: TypeAlias = "dict[Variable, _Node]"
 

@@ -1,0 +1,13 @@
+"""Rules of the internal form as text: in each notation, and as the form itself for people.
+
+Each function takes rules of one file. What a notation cannot say raises RuleError KG209 and says what that is.
+"""
+
+from __future__ import annotations
+
+from kg.rules.printing.form import to_form
+from kg.rules.printing.rq import to_rq
+from kg.rules.printing.srl import to_srl
+from kg.rules.printing.turtle import to_turtle
+
+__all__ = ["to_form", "to_rq", "to_srl", "to_turtle"]

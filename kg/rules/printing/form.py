@@ -1,0 +1,97 @@
+"""The internal form as text for people: what a rule reads and writes, its head and its body, one element a line."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kg.query.prefixes import PREFIXES
+from kg.rules import sparql
+from kg.rules.dependencies import reads
+from kg.rules.form import Aggregate, Assignment, Atom, EngineBlock, Exists, Filter
+from kg.rules.printing.words import indented, shortened
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+    from kg.rules.form import Element, Rule
+
+__all__ = ["to_form"]
+
+
+def to_form(rules: Sequence[Rule], prefixes: Mapping[str, str] = PREFIXES, strata: Sequence[int] = ()) -> str:
+    """Return the rules as text; `strata` are the numbers of those that they run in, where they are known."""
+    texts = ("\n".join(_lines(rule, strata)) for rule in rules)
+    return shortened("\n\n".join(texts), prefixes)[0]
+
+
+def _lines(rule: Rule, strata: Sequence[int]) -> Iterator[str]:
+    yield f"rule {rule}"
+    yield f"  at            {rule.place}"
+    if strata:
+        yield f"  {'strata ' if len(strata) > 1 else 'stratum'}       {', '.join(map(str, strata))}"
+    if rule.order:
+        yield f"  order         {rule.order:g}"
+    found = list(reads(rule))
+    without = [read.atom for read in found if read.negated]
+    yield from _listed("reads", (read.atom for read in found if not read.negated))
+    yield from _listed("reads negated", without)
+    yield from _listed("writes", rule.head)
+    yield "  head"
+    yield from (f"    {_atom(atom)}" for atom in rule.head)
+    yield "  body"
+    yield from (f"    {line}" for element in rule.body for line in _element(element).split("\n"))
+
+
+def _listed(title: str, atoms: Iterable[Atom]) -> Iterator[str]:
+    names = sorted({sparql.term(atom.predicate) if _is_name(atom) else "any" for atom in atoms})
+    if names:
+        yield f"  {title:<13} {' '.join(names)}"
+
+
+def _is_name(atom: Atom) -> bool:
+    return sparql.term(atom.predicate).startswith("<")
+
+
+def _atom(atom: Atom) -> str:
+    return " ".join(map(sparql.term, atom.positions)) + (" (asserted)" if atom.asserted else "")
+
+
+def _element(element: Element) -> str:
+    """Return an element, its body and text indented below it."""
+    if isinstance(element, Atom):
+        return _atom(element)
+    if isinstance(element, Filter):
+        return f"filter {element.expression.text}"
+    if isinstance(element, Assignment):
+        marks = [name for name in ("mints", "volatile") if getattr(element.expression, name)]
+        told = f" ({', '.join(marks)})" if marks else ""
+        return f"{sparql.spelling(element.variable)} := {element.expression.text}{told}"
+    if isinstance(element, Exists):
+        return _below("not exists" if element.negated else "exists", element.body)
+    if isinstance(element, Aggregate):
+        return _below(_aggregate(element), element.body)
+    if isinstance(element, EngineBlock):
+        return f"{_block(element)}\n{indented(element.text)}"
+    return sparql.group((element,))
+
+
+def _below(title: str, body: Iterable[Element]) -> str:
+    return "\n".join([title, *(indented(_element(element)) for element in body)])
+
+
+def _aggregate(element: Aggregate) -> str:
+    """Return the columns of an aggregate and what it groups by."""
+    columns = []
+    for column in element.columns:
+        argument = column.expression.text if column.expression else "*"
+        distinct = "DISTINCT " if column.distinct else ""
+        columns.append(f"{sparql.spelling(column.variable)} := {column.function}({distinct}{argument})")
+    keys = f" by {' '.join(map(sparql.spelling, element.keys))}" if element.keys else ""
+    return f"group{keys}: {', '.join(columns)}"
+
+
+def _block(element: EngineBlock) -> str:
+    names = " ".join(map(sparql.spelling, element.variables))
+    optional = f", maybe {' '.join(map(sparql.spelling, element.optional))}" if element.optional else ""
+    reading = "anything" if element.reads is None else " ".join(sorted(map(str, element.reads)))
+    return f"engine gives {names}{optional}; reads {reading or 'nothing'}{'' if element.monotone else '; not monotone'}"

@@ -1,0 +1,61 @@
+"""What the printed notations share: names made short, heads, and what none of them can say."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kg.errors import RuleError
+from kg.query.prefixes import PREFIXES
+from kg.rules import sparql
+from kg.rules.syntax.lexer import END, Kind, token_at
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from kg.rules.form import Atom, Rule
+
+__all__ = ["head", "indented", "refusal", "shortened", "with_prefixes"]
+
+
+def shortened(text: str, prefixes: Mapping[str, str] = PREFIXES) -> tuple[str, tuple[str, ...]]:
+    """Return text in the terminals of SPARQL with prefixed names where a prefix fits, and the prefixes used."""
+    pieces, end, used = [], 0, set()
+    token = token_at(text, 0)
+    while token.text != END:
+        if token.kind is Kind.IRI and (found := _short(token.text[1:-1], prefixes)):
+            pieces += [text[end : token.start], ":".join(found)]
+            end = token.end
+            used.add(found[0])
+        token = token_at(text, token.end)
+    return "".join(pieces) + text[end:], tuple(sorted(used))
+
+
+def _short(iri: str, prefixes: Mapping[str, str]) -> tuple[str, str] | None:
+    """Return prefix and local name, of the longest namespace that fits; None where none does without an escape."""
+    for prefix in sorted(prefixes, key=lambda one: (-len(prefixes[one]), one)):
+        local = iri.removeprefix(prefixes[prefix])
+        if local != iri and local.isascii() and local.replace("_", "").replace("-", "").isalnum() and local[0] != "-":
+            return prefix, local
+    return None
+
+
+def with_prefixes(text: str, prefixes: Mapping[str, str]) -> str:
+    """Return text with prefixed names, behind the declarations that it needs."""
+    short, used = shortened(text, prefixes)
+    declared = "".join(f"PREFIX {prefix}: <{prefixes[prefix]}>\n" for prefix in used)
+    return f"{declared}\n{short}" if declared else short
+
+
+def head(atoms: Iterable[Atom]) -> str:
+    """Return the triples of a head, one a line."""
+    return "\n".join(f"{' '.join(map(sparql.term, atom.positions))} ." for atom in atoms)
+
+
+def indented(text: str) -> str:
+    """Return text one step to the right."""
+    return "\n".join(f"  {line}" if line else line for line in text.split("\n"))
+
+
+def refusal(rule: Rule, what: str, hint: str) -> RuleError:
+    """Return the error that a notation cannot say something of a rule."""
+    return RuleError("KG209", f"rule `{rule}` {what}", place=rule.place, hint=hint)
