@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from kg.rules.syntax.tree import Group, RuleUnit, TriplePattern
 
-CASES = Path(__file__).parent.parent / "srl" / "cases"
+CASES = Path(__file__).parent.parent / "notations" / "srl"
 SETS = [path.read_text() for path in sorted(CASES.rglob("*.srl"))]
 VOCABULARY = """
     CONSTRUCT WHERE RULE DATA NOT EXISTS SET FILTER BIND VALUES SELECT GROUP BY AS UNDEF UNION OPTIONAL COUNT STR REGEX

@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 
 import pytest
-from rules.srl.suite import Entry, entries, failure
+from rules.notations.srl_suite import Entry, entries, failure
 
 FOLDER = os.environ.get("KG_SRL_SUITE", "")
 REFUSED = {

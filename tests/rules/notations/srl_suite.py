@@ -1,4 +1,4 @@
-"""The W3C's tests of SPARQL 1.2 RL, from a folder of its suite: `python -m rules.srl.suite FOLDER`.
+"""The W3C's tests of SPARQL 1.2 RL, from a folder of its suite: `python -m rules.notations.srl_suite FOLDER`.
 
 FOLDER is `shacl12-test-suite/tests/sparql-rl` of github.com/w3c/data-shapes; the suite is not part of this repository.
 """
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 from urllib.parse import unquote, urlsplit
 
 from pyoxigraph import NamedNode, RdfFormat, Store
-from rules.srl.running import canonical, infer, load
+from rules.notations.srl_running import canonical, infer, load
 
 from kg.errors import KgError
 from kg.rules.reading import read

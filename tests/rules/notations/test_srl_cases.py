@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from rules.srl.running import canonical, infer, load
+from rules.notations.srl_running import canonical, infer, load
 
 from kg.errors import RuleError
 
-CASES = Path(__file__).parent / "cases"
+CASES = Path(__file__).parent / "srl"
 EVERY = sorted(CASES.rglob("*.srl"))
 
 
