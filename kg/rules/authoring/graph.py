@@ -13,7 +13,7 @@ from kg.query.prefixes import PREFIXES
 from kg.render.flow_picture import Box, Flow, draw_flow
 from kg.rules.authoring.spelling import spell_term
 from kg.rules.dependencies import depends, reads, writes
-from kg.rules.form import AUXILIARY
+from kg.rules.form import AUXILIARY, Variable
 from kg.rules.specialise import specialise
 from kg.rules.stratify import edges, stratify
 
@@ -29,7 +29,8 @@ if TYPE_CHECKING:
 __all__ = ["RuleGraph", "RuleNode", "graph_objects", "graph_picture", "is_inner", "mermaid", "rule_graph", "spell_atom"]
 
 _TYPE: Final = NamedNode("http://www.w3.org/1999/02/22-rdf-syntax-ns#type")
-_ANY: Final = "any property"
+_ANY_PROPERTY: Final = "any property"
+_ANY_CLASS: Final = "any class"
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +100,7 @@ def rule_graph(files: Sequence[RuleFile], schema: Iterable[Triple] = ()) -> Rule
     for number, needs in enumerate(edges(rules)):
         for writer in needs:
             for head, read in _joined(rules[writer], rules[number]):
-                term = f"steps of {rules[writer].name}" if is_inner(head) else spell_atom(head, prefixes)
+                term = f"steps of {rules[writer].name}" if is_inner(head) else _passed(head, read.atom, prefixes)
                 derives[writer, term] = None
                 readers[term, number] = readers.get((term, number), False) or read.negated
     before: dict[int | str, set[int | str]] = {number: set() for number in range(len(rules))}
@@ -150,6 +151,14 @@ def _joined(writer: Rule, reader: Rule) -> Iterator[tuple[Atom, Read]]:
                 yield head, read
 
 
+def _passed(head: Atom, read: Atom, prefixes: Mapping[str, str]) -> str:
+    """Return what passes: what is derived, or where the reader takes any of a kind, that kind."""
+    if isinstance(read.predicate, Variable):
+        return _ANY_PROPERTY
+    open_class = read.predicate == _TYPE and isinstance(read.object, Variable)
+    return _ANY_CLASS if open_class else spell_atom(head, prefixes)
+
+
 def is_inner(atom: Atom) -> bool:
     """Tell whether an atom has a predicate that decomposition introduced, which passes between rules of one file."""
     return isinstance(atom.predicate, NamedNode) and atom.predicate.value.startswith(AUXILIARY)
@@ -158,9 +167,9 @@ def is_inner(atom: Atom) -> bool:
 def spell_atom(atom: Atom, prefixes: Mapping[str, str] = PREFIXES) -> str:
     """Return what an atom is about: its property, or for a type its class."""
     if not isinstance(atom.predicate, NamedNode):
-        return _ANY
-    if atom.predicate == _TYPE and isinstance(atom.object, NamedNode):
-        return f"a {spell_term(atom.object, prefixes)}"
+        return _ANY_PROPERTY
+    if atom.predicate == _TYPE:
+        return f"a {spell_term(atom.object, prefixes)}" if isinstance(atom.object, NamedNode) else _ANY_CLASS
     return spell_term(atom.predicate, prefixes)
 
 
