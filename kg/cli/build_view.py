@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -12,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kg.facts import Problem
-    from kg.pipeline.report import BuildReport, SourceReport
+    from kg.pipeline.report import BuildReport, Inferred, SourceReport
 
 __all__ = ["report_object", "summary"]
 
@@ -31,6 +32,8 @@ def summary(report: BuildReport, store: Path, *, every: bool) -> Iterator[str]:
         gone = f", {removed:,} gone" if removed else ""
         yield f"read {count(report.read, 'package')} of {sources}{unchanged}{gone} in {report.seconds:.2f} s"
     yield _found(report)
+    if report.inferred:
+        yield _inferred(report.inferred)
     yield from _unresolved(report, every=every)
     yield from _problems(report, every=every)
     yield f"store {_near(store)}"
@@ -41,6 +44,11 @@ def _found(report: BuildReport) -> str:
     found = [count(report.total(key), noun) for key, noun in kinds]
     definitions = count(report.total("definitions"), "interface type")
     return f"found {', '.join(found)}, {definitions} in {count(report.total('files'), 'file')}"
+
+
+def _inferred(inferred: Inferred) -> str:
+    changes = "" if inferred.mode == "full" else f" ({inferred.added:,} new, {inferred.removed:,} gone)"
+    return f"inferred {count(inferred.triples, 'triple')}{changes} in {inferred.seconds:.2f} s"
 
 
 def _unresolved(report: BuildReport, *, every: bool) -> Iterator[str]:
@@ -105,8 +113,13 @@ def report_object(report: BuildReport) -> dict[str, Any]:
         "reused": report.reused,
         "counts": {key: report.total(key) for key in keys},
         "unresolved": report.unresolved(),
+        "inferred": _inferred_object(report.inferred),
         "sources": [_source_object(source) for source in report.sources],
     }
+
+
+def _inferred_object(inferred: Inferred | None) -> dict[str, Any] | None:
+    return {**asdict(inferred), "seconds": round(inferred.seconds, 3)} if inferred else None
 
 
 def _source_object(source: SourceReport) -> dict[str, Any]:

@@ -14,6 +14,7 @@ __all__ = [
     "Json",
     "Limit",
     "MaxFileBytes",
+    "NoRules",
     "PackageName",
     "Queries",
     "Rules",
@@ -46,6 +47,9 @@ Format = Annotated[str | None, from_setting("format")]
 Queries = Annotated[str | None, from_setting("queries")]
 Rules = Annotated[str | None, from_setting("rules")]
 Json = Annotated[bool, typer.Option("--json", help="Write JSON Lines: one object a line.")]
+NoRules = Annotated[
+    bool, typer.Option("--no-rules", help="Leave what rules inferred as it is; the next build brings it up to date.")
+]
 PackageName = Annotated[
     str | None,
     typer.Option(

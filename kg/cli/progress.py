@@ -59,6 +59,10 @@ class Lines(Silent):
         """Write that the store is written."""
         say(f"writing {count(triples, 'triple')}")
 
+    def inferring(self) -> None:
+        """Write that the rules run."""
+        say("inferring")
+
 
 class Bar(Silent):
     """A bar that grows by packages, with the time spent and the package read last.
@@ -113,6 +117,10 @@ class Bar(Silent):
     def writing(self, triples: int) -> None:
         """Show that the store is written."""
         self._show(f"writing {count(triples, 'triple')}")
+
+    def inferring(self) -> None:
+        """Show that the rules run."""
+        self._show("inferring")
 
     def _show(self, text: str) -> None:
         if self._progress and self._task is not None:

@@ -21,6 +21,7 @@ from kg.corpus.sources import is_address
 from kg.errors import SourceError
 from kg.facts import FileKind
 from kg.pipeline import cache
+from kg.pipeline.inferring import Inference, digest
 from kg.pipeline.plan import entries_by_name, listing, make_plan, stamp, version
 from kg.pipeline.recording import RecordingWorkspace
 from kg.pipeline.report import BuildReport, Silent, SourceReport
@@ -35,7 +36,7 @@ if TYPE_CHECKING:
     from kg.corpus.workspace import FileEntry, PackageFolder, Source
     from kg.pipeline.plan import Key, Plan
     from kg.pipeline.pool import Pool
-    from kg.pipeline.report import Report
+    from kg.pipeline.report import Inferred, Report
     from kg.pipeline.work import Outcome
     from kg.pipeline.writing import Written
     from kg.settings import Settings
@@ -47,19 +48,23 @@ __all__ = ["build"]
 _CODE = frozenset({FileKind.CPP, FileKind.PYTHON})
 
 
-def build(
+def build(  # noqa: PLR0913 - each is a decision of the caller
     named: Sequence[str],
     store: EmbeddedStore,
     settings: Settings,
     report: Report | None = None,
     command: str = "kg build",
+    *,
+    rules: bool = True,
 ) -> BuildReport:
     """Read the sources `named` (folders, git addresses, lists of them) into `store` and return what was done.
 
     Without names it reads what earlier builds read. Other sources in the store stay. `report` is told of the
-    progress; `command` is what another writer is told is running.
+    progress; `command` is what another writer is told is running. The rules in force run in the same transaction;
+    without `rules` what they inferred stays as it is.
 
     Raises:
+        RuleError: KG2xx for rules that cannot be read or run; the store is as it was.
         SourceError: KG101, KG102, KG103 when a source cannot be read at all.
         StoreError: KG302 while another process writes, KG304 when the disk is full; the store is as it was.
     """
@@ -68,7 +73,7 @@ def build(
     with translated(str(store.layout.root)):
         store.layout.cache.mkdir(parents=True, exist_ok=True)
     with store.write(command) as transaction:
-        found = _Build(store, transaction, settings, told).run(tuple(named))
+        found = _Build(store, transaction, settings, told, rules=rules).run(tuple(named))
     finished = replace(found, seconds=time.perf_counter() - began)
     told.finished(finished)
     return finished
@@ -78,7 +83,13 @@ class _Build:
     """One build under way."""
 
     def __init__(
-        self, store: EmbeddedStore, transaction: EmbeddedTransaction, settings: Settings, report: Report
+        self,
+        store: EmbeddedStore,
+        transaction: EmbeddedTransaction,
+        settings: Settings,
+        report: Report,
+        *,
+        rules: bool,
     ) -> None:
         self._store = store
         self._transaction = transaction
@@ -88,6 +99,8 @@ class _Build:
         self._state = load(self._cache)
         self._jobs = settings.jobs or os.cpu_count() or 1
         self._started = datetime.now(UTC)
+        self._rules = digest(settings) if rules else None
+        self._inference = Inference(store, settings)
 
     def run(self, named: tuple[str, ...]) -> BuildReport:
         """Do all of it under the lock of the store, which the caller holds."""
@@ -103,10 +116,11 @@ class _Build:
         results = dict(plan.reused)
         changed, gone = self._changed(sources, plan), self._gone(sources, roots)
         written: dict[str, Written] = {}
-        generation = None
         if changed or gone:
             written = self._write(workspace, plan, changed, gone, results)
-            generation = self._transaction.commit()
+        inferred = self._infer(changed=bool(changed or gone))
+        generation = self._transaction.commit()
+        self._inference.remember(generation)
         state = self._next_state(sources, plan, results, written, generation, named)
         state = replace(state, sources={name: one for name, one in state.sources.items() if name not in gone})
         if state != self._state:
@@ -114,7 +128,18 @@ class _Build:
                 save(self._cache, state)
                 cache.keep_only(self._cache, _results(state))
         reports = tuple(self._source_report(source, plan, results) for source in sources)
-        return BuildReport(reports, generation, 0.0, self._jobs, gone)
+        return BuildReport(reports, generation, 0.0, self._jobs, gone, inferred)
+
+    def _infer(self, *, changed: bool) -> Inferred | None:
+        """Run the rules when the sources or the rules themselves are not those of the last run."""
+        current = self._store.layout.current()
+        if self._rules is None or (not changed and self._rules == self._state.rules and current is not None):
+            return None
+        self._report.inferring()
+        found = self._inference.run(self._transaction)
+        if not changed and not found.added and not found.removed:
+            self._transaction.roll_back()
+        return found
 
     def _changed(self, sources: Sequence[Source], plan: Plan) -> list[Source]:
         """Return the sources whose graph is not what it has to become."""
@@ -229,7 +254,7 @@ class _Build:
             found[name] = SourceState(source.repository, source.problems, packages, head, quads)
         roots = dict.fromkeys((*self._state.roots, *map(_root, named)))
         current = generation or self._store.layout.current() or 0
-        return State(plan.version, plan.shape, current, tuple(roots), found)
+        return State(plan.version, plan.shape, current, tuple(roots), found, self._rules or "")
 
     def _source_report(self, source: Source, plan: Plan, results: dict[Key, PackageState]) -> SourceReport:
         name = source.repository.name

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from pyoxigraph import NamedNode
 
 from kg.graph.iris import Iris
+from kg.pipeline.inferring import Inference, digest
 from kg.pipeline.sharing import keep_shared
 from kg.pipeline.state import load, save
 from kg.pipeline.writing import shared_of
@@ -16,19 +17,26 @@ from kg.store.failure import translated
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from kg.pipeline.report import Inferred
     from kg.pipeline.state import State
+    from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
 
 __all__ = ["forget"]
 
 
-def forget(store: EmbeddedStore, base: str, names: Sequence[str], command: str = "kg forget") -> None:
+def forget(
+    store: EmbeddedStore, settings: Settings, names: Sequence[str], command: str = "kg forget", *, rules: bool = True
+) -> Inferred | None:
     """Take sources out of the store and out of what a build without names reads; names it does not know do nothing.
 
+    What rules inferred from them goes too; without `rules` it stays until the next build, and None is returned.
+
     Raises:
+        RuleError: KG2xx for rules that cannot be read or run; the store is as it was.
         StoreError: KG301 without data, KG302 while another process writes, KG304 when the disk is full.
     """
-    iris = Iris(base)
+    iris, inference = Iris(settings.base), Inference(store, settings)
     with store.write(command) as transaction:
         state = load(store.layout.cache)
         for name in names:
@@ -37,11 +45,14 @@ def forget(store: EmbeddedStore, base: str, names: Sequence[str], command: str =
         packages = [package for source in left.sources.values() for package in source.packages.values()]
         contents = (shared_of(store.layout.cache, package) for package in packages)
         keep_shared(transaction, iris, contents, left.sources)
+        inferred = inference.run(transaction) if rules else None
         generation = transaction.commit()
+        inference.remember(generation)
         current = generation if generation and state.generation + 1 == generation else state.generation
         with translated(str(store.layout.cache)):
             store.layout.cache.mkdir(parents=True, exist_ok=True)
-            save(store.layout.cache, replace(left, generation=current))
+            save(store.layout.cache, replace(left, generation=current, rules=digest(settings) if rules else ""))
+    return inferred
 
 
 def _without(state: State, names: frozenset[str]) -> State:

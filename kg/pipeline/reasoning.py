@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Final
 
 import pyoxigraph
-from pyoxigraph import NamedNode, RdfFormat
+from pyoxigraph import NamedNode, RdfFormat, parse
 
 from kg import resources
 from kg.graph.iris import Iris
@@ -14,19 +14,22 @@ from kg.graph.vocabulary import RNKG
 from kg.query.prefixes import PREFIXES
 from kg.query.stored import discover as discover_queries
 from kg.query.terms import iris_of
+from kg.rules.cells import cells
 from kg.rules.checks.finding import Context
 from kg.rules.checks.stores import StoreOf, nothing
 from kg.rules.explain.view import View, Vocabulary
 from kg.rules.files import RuleSet
 from kg.rules.folders import user_folders
 from kg.rules.reading import discover, packs
-from kg.rules.specialise import schema_query
+from kg.rules.recording import Names
+from kg.rules.specialise import schema_pattern, schema_query, specialised
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from pyoxigraph import Triple
 
+    from kg.rules.columns import Tables
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
@@ -36,6 +39,7 @@ __all__ = [
     "ontology_schema",
     "rule_folders",
     "rules_in_force",
+    "rules_over",
     "schema_of",
     "term_uses",
 ]
@@ -94,6 +98,16 @@ def _ontologies() -> pyoxigraph.Store:
 def schema_of(graph: Any) -> tuple[Triple, ...]:
     """Return the axioms of a store or a snapshot, which rules about any schema are cut to before they run."""
     return tuple(graph.query(schema_query()))
+
+
+def rules_over(settings: Settings, source: Tables) -> RuleSet:
+    """Return the rules in force, cut to the axioms of a snapshot or of a transaction; raises as `rules_in_force`."""
+    names = Names.of(settings.base, RNKG)
+    graphs = [graph for graph in source.graphs() if graph not in {names.inferred, names.builds}]
+    query = f"SELECT ?s ?p ?o WHERE {schema_pattern()}"
+    found = cells(b"".join(source.table(query, graph) for graph in (*graphs, None)), 3)
+    lines = b"".join(b"%s %s %s .\n" % row for row in zip(found[::3], found[1::3], found[2::3], strict=True))
+    return specialised(rules_in_force(settings), [quad.triple for quad in parse(lines, RdfFormat.N_TRIPLES)])
 
 
 def term_uses(snapshot: EmbeddedSnapshot) -> dict[str, int]:

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
     from kg.facts import Problem, Repository
 
-__all__ = ["BuildReport", "PackageResult", "Report", "Silent", "SourceReport"]
+__all__ = ["BuildReport", "Inferred", "PackageResult", "Report", "Silent", "SourceReport"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,10 +49,22 @@ class SourceReport:
 
 
 @dataclass(frozen=True, slots=True)
+class Inferred:
+    """What rules did: how many triples are inferred now, how many came and went; `mode` is full or incremental."""
+
+    triples: int
+    added: int
+    removed: int
+    seconds: float
+    mode: str
+
+
+@dataclass(frozen=True, slots=True)
 class BuildReport:
     """What a build did; `generation` is the snapshot it made, None when nothing had changed. Times in seconds.
 
     `gone` are the sources that stood in the folders built and do not any more; they were taken out of the store.
+    `inferred` is None when no rules ran.
     """
 
     sources: tuple[SourceReport, ...]
@@ -60,6 +72,7 @@ class BuildReport:
     seconds: float
     jobs: int
     gone: tuple[str, ...] = ()
+    inferred: Inferred | None = None
 
     @property
     def read(self) -> int:
@@ -117,6 +130,10 @@ class Report(Protocol):
         """Tell that so many triples go into the store."""
         ...
 
+    def inferring(self) -> None:
+        """Tell that the rules run."""
+        ...
+
     def finished(self, report: BuildReport) -> None:
         """Tell that the build has ended and is in force."""
         ...
@@ -139,6 +156,9 @@ class Silent:
 
     def writing(self, triples: int) -> None:
         """Take note of the writing."""
+
+    def inferring(self) -> None:
+        """Take note of the rules."""
 
     def finished(self, report: BuildReport) -> None:
         """Take note of the end."""

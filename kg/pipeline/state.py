@@ -62,7 +62,8 @@ class State:
     """All sources of a store.
 
     `version` stands for everything in `kg` that results depend on, `shape` for the paths of all files of the build,
-    `generation` is the snapshot of the store that the sources stand in, `roots` what the user named.
+    `generation` is the snapshot of the store that the sources stand in, `roots` what the user named, `rules` the digest
+    of the rules that ran last.
     """
 
     version: str = ""
@@ -70,6 +71,7 @@ class State:
     generation: int = 0
     roots: tuple[str, ...] = ()
     sources: dict[str, SourceState] = field(default_factory=dict)
+    rules: str = ""
 
 
 def load(cache: Path) -> State:

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Final, TypeGuard
 
 from pyoxigraph import BlankNode, NamedNode, Quad, Store
 
+from kg.rules.files import RuleSet
 from kg.rules.form import Atom, Filter, TripleTerm, Values, Variable, variables_of
 from kg.rules.scope import bound_in, mentions
 from kg.rules.sparql import construct, select
@@ -29,7 +30,15 @@ if TYPE_CHECKING:
 
     from kg.rules.form import Element, Pattern, Rule, Term
 
-__all__ = ["SCHEMA_CLASSES", "SCHEMA_PREDICATES", "is_schema", "schema_query", "specialise"]
+__all__ = [
+    "SCHEMA_CLASSES",
+    "SCHEMA_PREDICATES",
+    "is_schema",
+    "schema_pattern",
+    "schema_query",
+    "specialise",
+    "specialised",
+]
 
 _OWL: Final = "http://www.w3.org/2002/07/owl#"
 _RDFS: Final = "http://www.w3.org/2000/01/rdf-schema#"
@@ -68,9 +77,14 @@ def is_schema(predicate: Pattern, value: Pattern) -> bool:
 
 
 def schema_query() -> str:
-    """Return the CONSTRUCT query for the schema of a store: all triples for which `is_schema` holds, in any graph."""
+    """Return the CONSTRUCT query for the schema of a store: all triples for which `is_schema` holds."""
+    return f"CONSTRUCT {{ ?s ?p ?o }} WHERE {schema_pattern()}"
+
+
+def schema_pattern() -> str:
+    """Return the group of SPARQL that binds ?s, ?p and ?o to the triples for which `is_schema` holds."""
     predicates, classes = (" ".join(sorted(map(str, terms))) for terms in (SCHEMA_PREDICATES, SCHEMA_CLASSES))
-    return f"""CONSTRUCT {{ ?s ?p ?o }} WHERE {{
+    return f"""{{
   {{ VALUES ?p {{ {predicates} }} ?s ?p ?o }}
   UNION {{ VALUES ?o {{ {classes} }} VALUES ?p {{ {_TYPE} }} ?s ?p ?o }}
 }}"""
@@ -92,6 +106,17 @@ def specialise(rules: Iterable[Rule], schema: Iterable[Triple]) -> tuple[Rule, .
     if any(map(_may_write_schema, found)):
         return given
     return tuple(_numbered(sorted([*kept, *found], key=lambda rule: rule.name)))
+
+
+def specialised(rule_set: RuleSet, schema: Iterable[Triple]) -> RuleSet:
+    """Return a set of rules in which each file has the rules that `specialise` makes of its own."""
+    found = specialise(rule_set.rules, schema)
+    if found == rule_set.rules:
+        return rule_set
+    by_name: defaultdict[str, list[Rule]] = defaultdict(list)
+    for rule in found:
+        by_name[rule.name].append(rule)
+    return RuleSet(tuple(replace(file, rules=tuple(by_name[file.name])) for file in rule_set.files))
 
 
 def _about_schema(rule: Rule) -> bool:

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
     from pipeline.conftest import Bench
 
-BASE = "https://w3id.org/rnkg/"
-
 
 def test_a_forgotten_source_stays_out(bench: Bench, tmp_path: Path) -> None:
     """A source that is forgotten leaves the graph, and a build without names does not bring it back."""
@@ -25,7 +23,7 @@ def test_a_forgotten_source_stays_out(bench: Bench, tmp_path: Path) -> None:
     other.package("three", "third")
     bench.build()
     other.build()
-    forget(bench.store, BASE, ["local/src"])
+    forget(bench.store, load({}, environment={}), ["local/src"])
     assert "/talk" not in bench.topics()
     report = build([], bench.store, load({}, environment={}))
     assert [source.repository.name for source in report.sources] == ["local/other"]
@@ -35,7 +33,7 @@ def test_a_forgotten_source_stays_out(bench: Bench, tmp_path: Path) -> None:
 def test_the_last_source(bench: Bench) -> None:
     """When all sources are forgotten there is nothing to build, and building them by name brings them back."""
     bench.build()
-    forget(bench.store, BASE, ["local/src"])
+    forget(bench.store, load({}, environment={}), ["local/src"])
     with pytest.raises(SourceError):
         build([], bench.store, load({}, environment={}))
     assert bench.build().read == 3

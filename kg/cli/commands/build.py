@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from kg.cli.diagnostics import note, say
-from kg.cli.options import Base, Jobs, Json, MaxFileBytes, Store
+from kg.cli.options import Base, Jobs, Json, MaxFileBytes, NoRules, Rules, Store
 from kg.cli.output import Column, json_lines, listing, terminal
 from kg.cli.session import session
 from kg.render.text import count
@@ -39,39 +39,41 @@ def build(  # noqa: PLR0913 - the options of a command
     max_file_bytes: MaxFileBytes = None,
     base: Base = None,
     watch: Watch = False,
+    no_rules: NoRules = False,
+    rules: Rules = None,
     json: Json = False,
     store: Store = None,
 ) -> None:
     """Read ROS packages into the store.
 
     What their nodes declare is found in the source code; nothing is compiled or run. A second build reads only
-    what has changed. Files that cannot be read as they should are reported, the rest is built. Interrupted at
-    any moment, it leaves the store as it was. For example:
+    what has changed. Files that cannot be read as they should are reported, the rest is built. Rules then infer what
+    follows. Interrupted at any moment, it leaves the store as it was. For example:
 
         kg build ~/catkin_ws/src
         kg build https://github.com/ros-planning/navigation.git@noetic-devel
         kg build
     """
-    given = session(context).settings(store=store, jobs=jobs, max_file_bytes=max_file_bytes, base=base)
-    _build(list(sources or ()), given, problems=problems, json=json)
+    given = session(context).settings(store=store, jobs=jobs, max_file_bytes=max_file_bytes, base=base, rules=rules)
+    _build(list(sources or ()), given, problems=problems, infer=not no_rules, json=json)
     if watch:
-        _watch(given, problems=problems, json=json)
+        _watch(given, problems=problems, infer=not no_rules, json=json)
 
 
-def _build(named: list[str], given: "Settings", *, problems: bool, json: bool) -> None:
+def _build(named: list[str], given: "Settings", *, problems: bool, infer: bool, json: bool) -> None:
     from kg.cli.build_view import report_object, summary  # noqa: PLC0415 - start-up time
     from kg.cli.progress import for_this_stream  # noqa: PLC0415 - start-up time
     from kg.pipeline.build import build as run  # noqa: PLC0415 - start-up time
 
     with writable(given, create=bool(named)) as target, for_this_stream() as progress:
-        report = run(named, target, given, progress, " ".join(["kg build", *named]))
+        report = run(named, target, given, progress, " ".join(["kg build", *named]), rules=infer)
     for line in summary(report, target.layout.root, every=problems):
         say(line)
     if json:
         json_lines([report_object(report)])
 
 
-def _watch(given: "Settings", *, problems: bool, json: bool) -> None:
+def _watch(given: "Settings", *, problems: bool, infer: bool, json: bool) -> None:
     """Build again whenever a source has changed, until Ctrl-C, which is how watching ends."""
     from time import sleep  # noqa: PLC0415 - start-up time
 
@@ -83,7 +85,7 @@ def _watch(given: "Settings", *, problems: bool, json: bool) -> None:
         while True:
             sleep(_WATCH_SECONDS)
             if any(pending(layout, given).values()):
-                _build([], given, problems=problems, json=json)
+                _build([], given, problems=problems, infer=infer, json=json)
     except KeyboardInterrupt:
         say()
 

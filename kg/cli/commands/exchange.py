@@ -7,7 +7,7 @@ import typer
 
 from kg.cli.diagnostics import say
 from kg.cli.names import unknown
-from kg.cli.options import Base, Store
+from kg.cli.options import Base, NoRules, Store
 from kg.cli.output import write_bytes
 from kg.cli.session import session
 from kg.errors import Place, QueryError, UsageError
@@ -84,13 +84,14 @@ def import_files(  # noqa: PLR0913 - the options of a command
     *,
     format_name: FormatName = None,
     graph: GraphName = None,
+    no_rules: NoRules = False,
     base: Base = None,
     store: Store = None,
 ) -> None:
     """Add files of RDF to the store.
 
     When one of them is not valid none is added. Triples go into the graph named with --graph, by default one
-    with the name of the file; quads go where they say. For example:
+    with the name of the file; quads go where they say. Rules then infer what follows. For example:
 
         kg import everything.nq
         kg import my-robot.ttl --graph https://example.org/my-robot
@@ -98,23 +99,36 @@ def import_files(  # noqa: PLR0913 - the options of a command
     from pyoxigraph import NamedNode  # noqa: PLC0415 - start-up time
 
     from kg.graph.iris import Iris  # noqa: PLC0415 - start-up time
+    from kg.pipeline.inferring import Inference  # noqa: PLC0415 - start-up time
 
     settings = session(context).settings(store=store, base=base)
     iris = Iris(settings.base)
     with writable(settings) as target:
         rdf_format = _format(format_name, None)
+        inference = Inference(target, settings)
         with target.write("kg import") as transaction:
             for file in map(Path, files):
                 into = (_iri(settings.base, graph) if graph else None) or iris.graph(f"imported-{file.name}")
                 transaction.load_file(file, rdf_format, graph=NamedNode(into))
+            if not no_rules:
+                inference.run(transaction)
+            inference.remember(transaction.commit())
         with target.read() as snapshot:
             say(f"the store now holds {count(snapshot.count(), 'quad')}")
 
 
-def forget(context: typer.Context, sources: Sources, *, base: Base = None, store: Store = None) -> None:
+def forget(
+    context: typer.Context,
+    sources: Sources,
+    *,
+    no_rules: NoRules = False,
+    base: Base = None,
+    store: Store = None,
+) -> None:
     """Take sources out of the store.
 
-    Everything that was read from them goes. Their source code is not touched, and `kg build` brings them back.
+    Everything that was read from them goes, and what rules inferred from it. Their source code is not touched, and
+    `kg build` brings them back.
     For example:
 
         kg forget github.com/acme/rover
@@ -126,7 +140,7 @@ def forget(context: typer.Context, sources: Sources, *, base: Base = None, store
     with target.read() as snapshot:
         for name in sources:
             _graph(snapshot, settings.base, name, None)
-    drop(target, settings.base, sources)
+    drop(target, settings, sources, rules=not no_rules)
     say(f"forgot {', '.join(sources)}")
 
 
