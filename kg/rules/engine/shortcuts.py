@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from pyoxigraph import NamedNode
 
-from kg.rules.engine.terms import BLANK, IRI, LITERAL, spell
+from kg.rules.engine.facts import distinct
+from kg.rules.engine.terms import BLANK, IRI, LITERAL, datatype, spell
 from kg.rules.syntax.lexer import END, token_at
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 
     Mask = NDArray[np.bool_]
 
-__all__ = ["bare", "shortcut"]
+__all__ = ["bare", "has_shortcut", "shortcut"]
 
 _IRI: Final = r"<[^<>\"{}|^`\\\s]*>"
 _OPERAND: Final = rf"(\?\w+|{_IRI})"
@@ -34,7 +35,14 @@ _SAME: Final = re.compile(rf"\s*(!?)\s*sameTerm\s*\(\s*{_OPERAND}\s*,\s*{_OPERAN
 _KIND: Final = re.compile(r"\s*(!?)\s*(isIRI|isURI|isBlank|isLiteral)\s*\(\s*(\?\w+)\s*\)\s*", re.IGNORECASE)
 _BOUND: Final = re.compile(r"\s*(!?)\s*BOUND\s*\(\s*(\?\w+)\s*\)\s*", re.IGNORECASE)
 _AMONG: Final = re.compile(rf"\s*(\?\w+)\s+(NOT\s+)?IN\s*\(\s*({_IRI}(?:\s*,\s*{_IRI})*)\s*\)\s*", re.IGNORECASE)
+_TYPED: Final = re.compile(rf"\s*DATATYPE\s*\(\s*(\?\w+)\s*\)\s*(!?=)\s*{_OPERAND}\s*", re.IGNORECASE)
 _KINDS: Final = {"isiri": IRI, "isuri": IRI, "isblank": BLANK, "isliteral": LITERAL}
+
+
+@cache
+def has_shortcut(text: str) -> bool:
+    """Tell whether identifiers may decide a filter, so that it costs next to nothing."""
+    return any(form.fullmatch(bare(text)) for form, _ in _FORMS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,10 +141,27 @@ def _is_among(found: re.Match[str], rows: _Rows) -> Mask | None:
     return mask
 
 
+def _is_typed(found: re.Match[str], rows: _Rows) -> Mask | None:
+    """Compare the type of literals with an IRI; of another term it is an error."""
+    values, wanted = rows.operand(found[1]), rows.operand(found[3])
+    if values is None or wanted is None:
+        return None
+    dictionary = rows.dictionary
+    if (dictionary.kinds(wanted) == LITERAL).any():
+        return None
+    mask: Mask = dictionary.kinds(values) == LITERAL
+    different = distinct(values[mask])
+    types = dictionary.intern_all(map(datatype, dictionary.spellings(different)))
+    chosen = wanted if wanted.size == 1 and values.size != 1 else wanted[mask]
+    mask[mask] = (types[np.searchsorted(different, values[mask])] == chosen) == (found[2] == "=")
+    return mask
+
+
 _FORMS: Final[tuple[tuple[re.Pattern[str], Callable[[re.Match[str], _Rows], Mask | None]], ...]] = (
     (_COMPARISON, _compared),
     (_SAME, _same_term),
     (_KIND, _of_kind),
     (_BOUND, _is_bound),
     (_AMONG, _is_among),
+    (_TYPED, _is_typed),
 )

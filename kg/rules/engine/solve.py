@@ -10,6 +10,7 @@ import numpy as np
 from kg.rules.engine.groups import grouped
 from kg.rules.engine.matching import Reading, estimate, match
 from kg.rules.engine.plan import Assign, Block, Grouped, Match, Nested, Rows, Structure, Test
+from kg.rules.engine.shortcuts import has_shortcut
 from kg.rules.engine.tables import CHUNK, UNIT, Table, TooManyRowsError, concatenate, distinct_rows, join
 from kg.rules.engine.terms import TRIPLE
 
@@ -117,7 +118,8 @@ class Solver:
             terms = len(self.shop.dictionary)
             return estimate(table, step, self.view.sources[step.number], terms)
         if isinstance(step, Test):
-            return table.rows * 0.55 if _columns(step.columns) <= bound else None
+            cost = 0.1 if has_shortcut(step.expression.text) else 0.55
+            return table.rows * cost if _columns(step.columns) <= bound else None
         if isinstance(step, Assign):
             return table.rows * 1.0 if _columns(step.columns) <= bound else None
         if isinstance(step, Structure):

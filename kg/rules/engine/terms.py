@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from kg.rules.form import Term
 
-__all__ = ["BLANK", "IRI", "LITERAL", "MAX_TERMS", "TRIPLE", "Dictionary", "spell"]
+__all__ = ["BLANK", "IRI", "LITERAL", "MAX_TERMS", "TRIPLE", "Dictionary", "datatype", "spell"]
 
 MAX_TERMS = 1 << 31
 """Two identifiers share one signed integer of 64 bits."""
@@ -139,3 +139,14 @@ def spell(term: Term) -> bytes:
         # The library writes a triple as a statement; inside of another triple it writes it as a term.
         return b"<<( %s %s %s )>>" % (spell(term.subject), spell(term.predicate), spell(term.object))
     return str(term).encode()
+
+
+def datatype(literal: bytes) -> bytes:
+    """Return the spelling of the datatype of a literal that is spelt."""
+    if literal.endswith(b'"'):
+        return b"<http://www.w3.org/2001/XMLSchema#string>"
+    if literal.endswith(b">"):
+        return literal[literal.rindex(b"<") :]
+    # A language tag has no hyphen twice in a row: two of them begin the direction of a text (RDF 1.2).
+    directed = b"--" in literal[literal.rindex(b'"') :]
+    return b"<http://www.w3.org/1999/02/22-rdf-syntax-ns#%s>" % (b"dirLangString" if directed else b"langString")

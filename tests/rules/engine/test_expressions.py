@@ -13,6 +13,7 @@ from kg.rules.engine.terms import Dictionary
 
 XSD = "http://www.w3.org/2001/XMLSchema#"
 TERMS = [
+    NamedNode(XSD + "integer"),
     NamedNode("urn:lidar_1"),
     BlankNode("lidar"),
     Literal("lidar_node"),
@@ -31,6 +32,10 @@ TERMS = [
 
 
 FILTERS = [
+    f"DATATYPE( ?x ) = <{XSD}string>",
+    f"DATATYPE( ?x ) != <{XSD}integer>",
+    "DATATYPE( ?x ) = ?y ",
+    "DATATYPE( ?x ) = <http://www.w3.org/1999/02/22-rdf-syntax-ns#langString>",
     'REGEX( ?x , "lidar")',
     'REGEX( ?x , "^lidar_(node|driver)$")',
     'REGEX(STR( ?x ), "^urn:")',
