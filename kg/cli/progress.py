@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Final, Self
 
 from kg.cli.diagnostics import say
@@ -10,6 +11,7 @@ from kg.pipeline.report import Silent
 from kg.render.text import count, printable
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from types import TracebackType
 
     from rich.progress import Progress, TaskID
@@ -17,7 +19,7 @@ if TYPE_CHECKING:
     from kg.facts import Problem, Repository
     from kg.pipeline.report import PackageResult
 
-__all__ = ["Bar", "Lines", "for_this_stream"]
+__all__ = ["Bar", "Lines", "for_this_stream", "waiting"]
 
 _LONGEST_NAME: Final = 32
 
@@ -131,3 +133,18 @@ class Bar(Silent):
 def for_this_stream() -> Bar | Lines:
     """Return what suits standard error."""
     return Bar() if sys.stderr.isatty() else Lines()
+
+
+@contextmanager
+def waiting(what: str) -> Iterator[None]:
+    """Show on a terminal that something takes its time, and how long it has taken, until it is done."""
+    if not sys.stderr.isatty():
+        yield
+        return
+    from rich.console import Console  # noqa: PLC0415 - start-up time
+    from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn  # noqa: PLC0415 - start-up time
+
+    columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True, highlight=False), transient=True) as progress:
+        progress.add_task(what, total=None)
+        yield

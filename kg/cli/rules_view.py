@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from kg.rules.authoring.testing import Result
     from kg.rules.explain.view import View
     from kg.rules.files import Documentation
+    from kg.rules.reports import RunReport
 
 __all__ = [
     "COLUMNS",
@@ -35,6 +36,7 @@ __all__ = [
     "list_row",
     "manual_lines",
     "result_lines",
+    "run_words",
 ]
 
 COLUMNS: Final = (
@@ -225,3 +227,17 @@ def gap_words(rule: RuleCoverage) -> str:
         elif gap.kind == "head" and not any(each.kind == "element" and each.part == gap.part for each in rule.gaps):
             words.append(f"{part}never derives {gap.text}{where}")
     return "; ".join(words)
+
+
+def run_words(report: RunReport, derived: int, rules: int) -> Iterator[str]:
+    """Yield what a run did, of which `derived` files of rules out of `rules` inferred something."""
+    if rules:
+        yield f"{derived:,} of {count(rules, 'rule')} derived something, in {count(report.strata, 'stratum', 'strata')}"
+    would = "would come" if report.dry_run else "came"
+    going = "would go" if report.dry_run else "went"
+    yield (
+        f"{report.mode} run: {count(report.inferred, 'triple')} inferred from {report.asserted:,}; "
+        f"{report.added:,} {would}, {report.removed:,} {going}"
+    )
+    phases = report.seconds
+    yield f"read in {phases.read:.2f} s, evaluated in {phases.evaluate:.2f} s, written in {phases.write:.2f} s"

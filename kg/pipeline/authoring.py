@@ -52,7 +52,8 @@ class Attempt:
         bench = Workbench(snapshot, Names.of(settings.base, RNKG))
         view = View(snapshot, explained_vocabulary(settings.base))
         chosen = [file for file in files if file.name in names]
-        return cls(library, files, chosen, bench, view, Limits(deadline=settings.timeout or None))
+        asked = settings.origin("timeout").kind != "default"  # the default is for queries
+        return cls(library, files, chosen, bench, view, Limits((settings.timeout or None) if asked else None))
 
 
 @contextmanager

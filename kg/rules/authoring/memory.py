@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final, cast
 
-import numpy as np
 from pyoxigraph import NamedNode, Quad, QuerySolutions, RdfFormat, Store, Triple, parse
 
 from kg.rules.engine.blocks import lines
 from kg.rules.engine.evaluate import evaluate
-from kg.rules.engine.facts import Facts, distinct, pack
-from kg.rules.engine.terms import Dictionary, spell
+from kg.rules.engine.terms import Dictionary
 from kg.rules.explain.view import Vocabulary
 from kg.rules.form import AUXILIARY
+from kg.rules.patches import stated
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -21,26 +20,14 @@ if TYPE_CHECKING:
     from pyoxigraph import QueryBoolean, QueryTriples
 
     from kg.rules.engine.evaluate import Program, RuleReport
+    from kg.rules.engine.facts import Facts
     from kg.rules.engine.limits import Limits
     from kg.rules.form import Term
 
-__all__ = ["VOCABULARY", "World", "facts_of", "infer", "triples_of"]
+__all__ = ["VOCABULARY", "World", "infer", "triples_of"]
 
 VOCABULARY: Final = Vocabulary(NamedNode("urn:kg:inferred"))
 """Where the inferred triples of a world stand."""
-
-
-def facts_of(triples: Iterable[Triple], dictionary: Dictionary) -> Facts:
-    """Return triples as columns."""
-    pairs: dict[int, tuple[list[int], list[int]]] = {}
-    for triple in triples:
-        subjects, objects = pairs.setdefault(dictionary.intern(spell(triple.predicate)), ([], []))
-        subjects.append(dictionary.intern(spell(triple.subject)))
-        objects.append(dictionary.intern(spell(triple.object)))
-    facts = Facts()
-    for predicate, (subjects, objects) in pairs.items():
-        facts.replace(predicate, distinct(pack(np.array(subjects, np.int64), np.array(objects, np.int64))))
-    return facts
 
 
 def triples_of(facts: Facts, dictionary: Dictionary) -> Iterator[Triple]:
@@ -56,7 +43,7 @@ def infer(
 ) -> tuple[list[Triple], list[RuleReport]]:
     """Return what rules infer from triples, and what each rule did; raises what `evaluate` raises."""
     dictionary = Dictionary()
-    outcome = evaluate(program, dictionary, facts_of(triples, dictionary), limits=limits)
+    outcome = evaluate(program, dictionary, stated(triples, dictionary), limits=limits)
     return list(triples_of(outcome.inferred, dictionary)), outcome.reports
 
 

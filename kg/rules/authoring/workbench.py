@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import RdfFormat, parse
 
-from kg.rules.authoring.memory import facts_of
 from kg.rules.columns import EVERYTHING, Wanted, read_columns, union_of, wanted
 from kg.rules.engine.evaluate import Program, evaluate
 from kg.rules.engine.facts import Facts
 from kg.rules.engine.terms import Dictionary
 from kg.rules.lines import lacking
+from kg.rules.patches import stated
 from kg.rules.specialise import schema_pattern, specialise
 
 if TYPE_CHECKING:
@@ -91,11 +91,11 @@ class Workbench:
     def _try(self, files: Sequence[RuleFile], limits: Limits | None) -> Try:
         rules = specialise((rule for file in files for rule in file.rules), self.schema)
         given = self._reading(rules)
-        stated = lacking(facts_of((triple for file in files for triple in file.data), self.dictionary), given)
-        read = union_of([given, stated])
+        extra = lacking(stated((triple for file in files for triple in file.data), self.dictionary), given)
+        read = union_of([given, extra])
         outcome = evaluate(Program(rules), self.dictionary, read, limits=limits)
-        asserted = union_of([read, facts_of(self.schema, self.dictionary)])
-        return Try(rules, read, stated, asserted, outcome, union_of([asserted, outcome.inferred]))
+        asserted = union_of([read, stated(self.schema, self.dictionary)])
+        return Try(rules, read, extra, asserted, outcome, union_of([asserted, outcome.inferred]))
 
     def read(self, files: Sequence[RuleFile]) -> None:
         """Read what the rules of some files need."""

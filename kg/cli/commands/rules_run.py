@@ -1,0 +1,152 @@
+"""`kg rules run`: infer, and write what follows into the store."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
+
+from kg.cli.diagnostics import note, say
+from kg.cli.options import Json, Rules, Store, Timeout
+from kg.cli.output import Column, json_lines, listing, terminal
+from kg.cli.progress import waiting
+from kg.cli.session import session
+from kg.errors import UsageError
+from kg.render.text import count
+
+if TYPE_CHECKING:
+    from kg.rules.engine.limits import Limits
+    from kg.rules.remote.running import RemoteReport
+    from kg.rules.reports import RunReport
+    from kg.settings import Settings
+
+__all__ = ["limits_of", "run"]
+
+_COLUMNS: Final = (
+    Column("rule", "name"),
+    Column("derived", "number"),
+    Column("seconds", "number"),
+    Column("rounds", "number", spare=True),
+    Column("stratum", "number", spare=True),
+)
+_REMOTE_COLUMNS: Final = (
+    Column("stratum", "number"),
+    Column("derived", "number"),
+    Column("rounds", "number"),
+    Column("seconds", "number"),
+    Column("rules"),
+)
+
+Full = Annotated[bool, typer.Option("--full", help="Evaluate everything anew instead of what changed.")]
+DryRun = Annotated[bool, typer.Option("--dry-run", help="Write nothing.")]
+Remote = Annotated[str | None, typer.Option("--remote", metavar="URL", help="Run on this SPARQL 1.1 server.")]
+UpdateUrl = Annotated[
+    str | None, typer.Option("--update-url", metavar="URL", help="Where that server takes updates, if elsewhere.")
+]
+Data = Annotated[
+    list[str] | None, typer.Option("--data", metavar="FILE", help="Infer from N-Triples instead; as often as needed.")
+]
+Output = Annotated[str | None, typer.Option("--output", "-o", metavar="FILE", help="Where that goes, as N-Triples.")]
+MaxTriples = Annotated[
+    int | None, typer.Option("--max-triples", metavar="N", min=1, help="Give up when more than N triples are inferred.")
+]
+
+
+def run(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    *,
+    full: Full = False,
+    dry_run: DryRun = False,
+    remote: Remote = None,
+    update_url: UpdateUrl = None,
+    data: Data = None,
+    output: Output = None,
+    max_triples: MaxTriples = None,
+    rules: Rules = None,
+    timeout: Timeout = None,
+    json: Json = False,
+    store: Store = None,
+) -> None:
+    """Run the rules in force, and write what they infer into the store.
+
+    Only what follows from changes since the last run is evaluated, where that is less work. A run that is
+    interrupted, or reaches a limit, leaves the store as it was. For example:
+
+        kg rules run
+        kg rules run --dry-run
+        kg rules run --remote http://localhost:7878/query --update-url http://localhost:7878/update
+        kg rules run --data all.nt --output inferred.nt
+    """
+    from kg.pipeline import rule_runs  # noqa: PLC0415 - start-up time
+
+    _agree(remote=remote, update_url=update_url, data=data, output=output, dry_run=dry_run)
+    settings = session(context).settings(store=store, rules=rules, timeout=timeout)
+    limits = limits_of(settings, max_triples)
+    with waiting("running the rules"):
+        if remote:
+            answer = rule_runs.run_on_server(settings, remote, update_url, limits=limits)
+        elif data:
+            target = Path(output) if output and not dry_run else None
+            report = rule_runs.run_on_files(settings, [Path(file) for file in data], target, limits=limits)
+        else:
+            report = rule_runs.run_on_store(settings, full=full, dry_run=dry_run, limits=limits)
+    if remote:
+        _show_remote(answer, json=json)
+    else:
+        _show(report, json=json)
+
+
+def limits_of(settings: "Settings", max_triples: int | None = None) -> "Limits":
+    """Return the limits of a run: a deadline only where one is set, for it is queries that the default is for."""
+    from kg.rules.engine.limits import Limits  # noqa: PLC0415 - start-up time
+
+    asked = settings.origin("timeout").kind != "default"
+    return Limits((settings.timeout or None) if asked else None, max_triples)
+
+
+def _agree(
+    *, remote: str | None, update_url: str | None, data: list[str] | None, output: str | None, dry_run: bool
+) -> None:
+    """Raise KG003 for options that do not go together."""
+    problem = None
+    if remote and (data or output or dry_run):
+        problem = "--remote goes with none of --data, --output and --dry-run"
+    elif update_url and not remote:
+        problem = "--update-url says where the server of --remote takes updates"
+    elif output and not data:
+        problem = "--output is for --data; without it the store is written"
+    elif data and not output and not dry_run:
+        problem = "--data needs --output FILE, or --dry-run"
+    if problem:
+        raise UsageError("KG003", problem, hint="See `kg rules run --help`.")
+
+
+def _show(report: "RunReport", *, json: bool) -> None:
+    from kg.cli.rules_view import run_words  # noqa: PLC0415 - start-up time
+    from kg.rules.authoring.runs import rule_runs, run_objects  # noqa: PLC0415 - start-up time
+
+    if json:
+        json_lines(run_objects(report))
+        return
+    did = rule_runs(report.rules)
+    rows = [(rule.name, rule.derived, f"{rule.seconds:.4f}", rule.rounds, rule.stratum) for rule in did if rule.derived]
+    if rows:
+        listing(_COLUMNS, rows)
+    for line in run_words(report, len(rows), len(did)):
+        say(line)
+    if terminal() and not report.dry_run and report.generation is not None:
+        note("`kg why` explains a fact; `kg rules profile` shows what each rule costs")
+
+
+def _show_remote(report: "RemoteReport", *, json: bool) -> None:
+    from kg.rules.authoring.runs import remote_objects  # noqa: PLC0415 - start-up time
+
+    if json:
+        json_lines(remote_objects(report))
+        return
+    rows = [
+        (one.number, one.derived, one.rounds, f"{one.seconds:.3f}", ", ".join(dict.fromkeys(one.rules)))
+        for one in report.strata
+        if one.derived
+    ]
+    listing(_REMOTE_COLUMNS, rows)
+    say(f"{count(report.inferred, 'triple')} inferred on the server in {report.seconds:.2f} s")

@@ -1,0 +1,76 @@
+"""Runs of the rules in force: over the store, over a SPARQL server, over files."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from pyoxigraph import RdfFormat, parse
+
+from kg.errors import Place, SourceError
+from kg.graph.vocabulary import RNKG
+from kg.pipeline.reasoning import rules_in_force, rules_over, schema_of
+from kg.rules.recording import Names
+from kg.rules.remote.running import run as run_remotely
+from kg.rules.running import run, run_files
+from kg.rules.specialise import is_schema, specialised
+from kg.store.opening import existing
+from kg.store.remote import RemoteStore
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+    from pathlib import Path
+
+    from pyoxigraph import Triple
+
+    from kg.rules.engine.limits import Limits
+    from kg.rules.remote.running import RemoteReport
+    from kg.rules.reports import RunReport
+    from kg.settings import Settings
+
+__all__ = ["run_on_files", "run_on_server", "run_on_store"]
+
+
+def run_on_store(
+    settings: Settings, *, full: bool = False, dry_run: bool = False, limits: Limits | None = None
+) -> RunReport:
+    """Make what the store in force holds as inferred follow from the rest of it; only with `full` from scratch.
+
+    Raises:
+        RuleError: KG2xx for rules that cannot be read or run, KG205 at a limit; the store is as it was.
+        StoreError: KG301 without a store, KG302 while another process writes.
+    """
+    store = existing(settings)
+    with store.read() as snapshot:
+        rules = rules_over(settings, snapshot)
+    return run(store, rules, Names.of(settings.base, RNKG), limits=limits, incremental=not full, dry_run=dry_run)
+
+
+def run_on_server(
+    settings: Settings, query_address: str, update_address: str | None = None, *, limits: Limits | None = None
+) -> RemoteReport:
+    """Run the rules on a SPARQL 1.1 server; raises as `run_on_store`, and KG225 when the server fails."""
+    store = RemoteStore(query_address, update_address)
+    rules = specialised(rules_in_force(settings), schema_of(store.read()))
+    return run_remotely(store, rules, inferred_graph=Names.of(settings.base, RNKG).inferred, limits=limits)
+
+
+def run_on_files(
+    settings: Settings, files: Sequence[Path], output: Path | None, *, limits: Limits | None = None
+) -> RunReport:
+    """Write what the rules infer from files of N-Triples to `output`, or nowhere; raises as `run_files`."""
+    schema = [triple for file in files for triple in _schema(file)]
+    return run_files(files, output, specialised(rules_in_force(settings), schema), limits=limits)
+
+
+def _schema(file: Path) -> Iterator[Triple]:
+    """Yield the axioms of a file; only lines that can be one are parsed. What does not parse is told later."""
+    try:
+        with file.open("rb") as lines:
+            found = [line for line in lines if b"/owl#" in line or b"/rdf-schema#" in line]
+    except OSError as error:
+        raise SourceError("KG101", f"cannot be opened: {error.strerror}", place=Place(str(file))) from error
+    try:
+        triples = [quad.triple for quad in parse(b"".join(found), RdfFormat.N_TRIPLES, lenient=True)]
+    except SyntaxError:
+        return
+    yield from (triple for triple in triples if is_schema(triple.predicate, triple.object))

@@ -1,0 +1,93 @@
+"""What a run of rules says of each file of rules, for people and programs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from kg.rules.authoring.graph import is_inner
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from kg.rules.engine.evaluate import RuleReport
+    from kg.rules.remote.running import RemoteReport
+    from kg.rules.reports import RunReport
+
+__all__ = ["RuleRun", "remote_objects", "rule_runs", "run_objects"]
+
+
+@dataclass(frozen=True, slots=True)
+class RuleRun:
+    """The rules of one file in a run; `derived` counts the triples that one of them was the first to derive."""
+
+    name: str
+    stratum: int
+    rounds: int
+    derived: int
+    seconds: float
+
+
+def rule_runs(reports: Iterable[RuleReport]) -> list[RuleRun]:
+    """Return what the rules of each file did, in the order in which the last of them ran."""
+    found: dict[str, RuleRun] = {}
+    for report in reports:
+        name = report.rule.name
+        before = found.pop(name, RuleRun(name, 0, 0, 0, 0.0))
+        derived = 0 if all(map(is_inner, report.rule.head)) else report.derived
+        found[name] = RuleRun(
+            name,
+            max(before.stratum, report.stratum),
+            max(before.rounds, report.rounds),
+            before.derived + derived,
+            before.seconds + report.seconds,
+        )
+    return list(found.values())
+
+
+def run_objects(report: RunReport) -> Iterator[dict[str, Any]]:
+    """Yield a plain object for each rule and one for the run, as docs/formats.md has them."""
+    for rule in rule_runs(report.rules):
+        yield {
+            "rule": rule.name,
+            "stratum": rule.stratum,
+            "rounds": rule.rounds,
+            "derived": rule.derived,
+            "seconds": round(rule.seconds, 6),
+        }
+    phases = report.seconds
+    yield {
+        "run": True,
+        "asserted": report.asserted,
+        "inferred": report.inferred,
+        "seconds": round(phases.total, 6),
+        "strata": report.strata,
+        "mode": report.mode,
+        "added": report.added,
+        "removed": report.removed,
+        "dry_run": report.dry_run,
+        "phases": {
+            "read": round(phases.read, 6),
+            "evaluate": round(phases.evaluate, 6),
+            "write": round(phases.write, 6),
+        },
+    }
+
+
+def remote_objects(report: RemoteReport) -> Iterator[dict[str, Any]]:
+    """Yield a plain object for each stratum of a run on a server and one for the run."""
+    for stratum in report.strata:
+        yield {
+            "rules": sorted(set(stratum.rules)),
+            "stratum": stratum.number,
+            "rounds": stratum.rounds,
+            "derived": stratum.derived,
+            "seconds": round(stratum.seconds, 6),
+        }
+    yield {
+        "run": True,
+        "inferred": report.inferred,
+        "seconds": round(report.seconds, 6),
+        "strata": len(report.strata),
+        "mode": "full",
+    }
