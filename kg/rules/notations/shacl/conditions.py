@@ -6,7 +6,7 @@ A shape with a path speaks of the values of that path: that all conform is that 
 from __future__ import annotations
 
 from itertools import combinations
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import Literal, NamedNode
 
@@ -30,6 +30,9 @@ if TYPE_CHECKING:
     from kg.rules.notations.shacl.paths import Names
 
 __all__ = ["Conditions"]
+
+_TRUE: Final = Literal(True)
+"""The one spelling that sh:uniqueLang heeds (SHACL, section 4.4.5)."""
 
 
 class Conditions:
@@ -106,7 +109,7 @@ class Conditions:
             return has_value(self._graph, shape, value, self._values(shape, term), wanted=wanted)
         if name == "uniqueLang":
             pair = (self._values(shape, term), self._values(shape, term))
-            return unique_languages(pair, wanted=wanted) if self._graph.flag(shape, "uniqueLang") else None
+            return unique_languages(pair, wanted=wanted) if value == _TRUE else None
         self._refuse(shape, predicate, name)
         return None
 
@@ -180,6 +183,8 @@ class Conditions:
 
     def _counted(self, shape: Term, name: str, value: Term, term: str, *, wanted: bool) -> Cases:
         """Return that a path has at least or at most a number of values (that conform to a shape)."""
+        if name.startswith("qualified") and self._graph.one(shape, "path") is None:
+            return TRUE if wanted else FALSE
         limit = number_of(self._graph, shape, name, value)
         least = name in {"minCount", "qualifiedMinCount"}
         extra = self._qualified(shape) if name.startswith("qualified") else None

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 from pyoxigraph import Literal, NamedNode
 
 from kg.query.lexer import Kind, normalise, tokens
+from kg.query.prefixes import PREFIXES
 from kg.query.similar import did_you_mean
 from kg.rules.notations.shacl.vocabulary import IMPORTS, sh
 from kg.rules.syntax.iris import is_absolute
@@ -130,7 +131,7 @@ class _Reader:
         self._owner = owner
         self._text = normalise(literal.value)
         self._written = graph.string(literal, owner)
-        self._prefixes = _prefixes(graph, owner)
+        self._prefixes = {**PREFIXES, **_prefixes(graph, owner)}
 
     def _offset(self, token: Token) -> int:
         return self._written.offset(token.start) if self._written else self._graph.offset(self._owner)

@@ -30,6 +30,8 @@ def solution_of(graph: ShapesGraph, functions: Functions, names: Names, shape: T
     if query.modifiers or texts & _REFUSED:
         hint = "Write the query without sub-SELECT, aggregates, GROUP BY, ORDER BY and LIMIT."
         raise graph.unsupported("such a query of sh:sparql in a condition", node, hint)
+    if "shapesGraph" in variables(query.group):
+        raise graph.unsupported("$shapesGraph", node, "Write what the query needs of the shapes into it.")
     given = {name: names.fresh() for name in sorted(variables(query.group) - {"this"})} | {"currentShape": str(shape)}
     if "PATH" in given:
         path = path_of(graph, graph.required(shape, "path"), shape)

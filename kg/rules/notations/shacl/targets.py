@@ -18,8 +18,9 @@ if TYPE_CHECKING:
 
 __all__ = ["INSTANCE", "targets"]
 
-INSTANCE: Final = f"{TYPE}/{SUBCLASS}*"
-"""The path from a node to the classes that it is a SHACL instance of."""
+INSTANCE: Final = f"({TYPE}|({TYPE}/{SUBCLASS}+))"
+"""The path from a node to the classes that it is a SHACL instance of; no part of it is empty, for that would be a read
+of all nodes."""
 
 
 def targets(graph: ShapesGraph, shape: Term) -> list[str]:
