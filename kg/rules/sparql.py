@@ -1,11 +1,13 @@
 """The internal form as SPARQL text, for explanation, remote servers and people.
 
-The order of a body is kept. A group of SPARQL differs from a body in two ways, and both are mended here: its filters
-see all of the group, also what stands behind them, and BIND may not name a bound variable.
+The order of a body is kept. A group of SPARQL differs from a body in three ways, and all are mended here: its filters
+see all of the group, also what stands behind them; BIND may not name a bound variable; and BIND keeps the solutions in
+which its expression is in error.
 """
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final, TypeAlias
 
@@ -29,6 +31,9 @@ __all__ = ["Placed", "asserted_in", "construct", "group", "outside", "select", "
 
 _MADE: Final = "_·"
 """What the spelling of a variable begins with whose name begins with `.`."""
+
+_NEVER_FAILS: Final = re.compile(r"""\?[\w·]+|<[^<>\s]*>|-?[0-9]+(\.[0-9]+)?|"[^"\\]*\"""")
+"""Expressions that have a value in every solution, as far as it shows at once: variables and terms."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,6 +162,8 @@ class _Writer:
 
     def _unseen(self, element: Element) -> frozenset[Variable]:
         """Return the variables that change what a filter means when they are bound behind it."""
+        if isinstance(element, Assignment):
+            return frozenset((element.variable,))
         return mentions(element) if isinstance(element, Filter | Exists) else frozenset()
 
     def _values(self, body: Sequence[Element], used: frozenset[Variable]) -> Iterator[str]:
@@ -200,10 +207,15 @@ class _Writer:
         return pattern
 
     def _assignment(self, element: Assignment) -> str:
-        """Write BIND, or where the variable has its value already a comparison with it."""
+        """Write BIND, or where the variable has its value already a comparison with it.
+
+        BIND in error leaves the variable unbound, an assignment in error takes the solution away.
+        """
         value = self._fixed.get(element.variable)
         if value is None:
-            return f"BIND({element.expression.text} AS {spelling(element.variable)})"
+            text = f"BIND({element.expression.text} AS {spelling(element.variable)})"
+            certain = _NEVER_FAILS.fullmatch(element.expression.text)
+            return text if certain else f"{text}\nFILTER(BOUND({spelling(element.variable)}))"
         return f"FILTER(sameTerm({element.expression.text}, {term(value)}))"
 
     def _aggregate(self, element: Aggregate) -> str:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from kg.rules.syntax.lexer import Token
 
 __all__ = [
+    "bare",
     "can_fail",
     "conjuncts",
     "existence",
@@ -181,7 +182,7 @@ def conjuncts(text: str) -> list[str]:
 
     The conjunction is true only where both sides are true; false and error alike take the solution away.
     """
-    text = _bare(text)
+    text = bare(text)
     tokens = _tokens(text)
     depth, start, parts = 0, 0, []
     for token in tokens:
@@ -196,7 +197,7 @@ def conjuncts(text: str) -> list[str]:
     return [piece for part in (*parts, text[start:].strip()) for piece in conjuncts(part)]
 
 
-def _bare(text: str) -> str:
+def bare(text: str) -> str:
     """Return an expression without brackets around all of it."""
     tokens = _tokens(text)
     while len(tokens) > 2 and tokens[0].text == "(" and _partner(tokens) == len(tokens) - 1:  # noqa: PLR2004

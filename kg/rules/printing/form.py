@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from kg.query.prefixes import PREFIXES
 from kg.rules import sparql
+from kg.rules.decompose.expressions import bare
 from kg.rules.dependencies import reads
 from kg.rules.form import Aggregate, Assignment, Atom, EngineBlock, Exists, Filter
 from kg.rules.printing.words import indented, shortened
@@ -61,7 +62,7 @@ def _element(element: Element) -> str:
     if isinstance(element, Atom):
         return _atom(element)
     if isinstance(element, Filter):
-        return f"filter {element.expression.text}"
+        return f"filter {bare(element.expression.text)}"
     if isinstance(element, Assignment):
         marks = [name for name in ("mints", "volatile") if getattr(element.expression, name)]
         told = f" ({', '.join(marks)})" if marks else ""

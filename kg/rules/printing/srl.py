@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from kg.query.prefixes import PREFIXES
 from kg.rules import sparql
+from kg.rules.decompose.expressions import bare
 from kg.rules.form import Aggregate, Assignment, Atom, EngineBlock, Exists, Filter, Values, atoms_of
 from kg.rules.printing.words import head, indented, refusal, with_prefixes
 from kg.rules.syntax.functions import FUNCTIONS, RULE_FUNCTIONS
@@ -81,4 +82,4 @@ def _expression(rule: Rule, expression: Expression) -> str:
         if token.kind is Kind.WORD and name in FUNCTIONS and name not in RULE_FUNCTIONS:
             raise refusal(rule, f"calls {name}; SPARQL RL has no such function", "Print it as .rq.")
         token = token_at(expression.text, token.end)
-    return expression.text
+    return bare(expression.text)
