@@ -24,6 +24,8 @@ __all__ = ["Collector"]
 _SUBJECTS: Final = np.array([False, True, True, False, False])
 """By kind: IRIs and blank nodes may be subjects."""
 
+_PIECES: Final = 1 << 21
+
 
 class Collector:
     """Gathers the head's triples of one rule, table by table."""
@@ -52,14 +54,22 @@ class Collector:
     def _put(self, head: Head, subjects: Keys, predicates: Keys, objects: Keys) -> None:
         keys = pack(subjects, objects)
         if isinstance(head.predicate, int):
-            if keys.size:
-                self._keys.setdefault(head.predicate, []).append(distinct(keys))
+            self._append(head.predicate, keys)
             return
         order = np.argsort(predicates, kind="stable")
         predicates, keys = predicates[order], keys[order]
         for predicate in distinct(predicates).tolist():
             begin, end = np.searchsorted(predicates, [predicate, predicate + 1])
-            self._keys.setdefault(predicate, []).append(distinct(keys[begin:end]))
+            self._append(predicate, keys[begin:end])
+
+    def _append(self, predicate: int, keys: Keys) -> None:
+        """Add pairs to a predicate. A large join comes in pieces that derive much the same: they are put together."""
+        if not keys.size:
+            return
+        parts = self._keys.setdefault(predicate, [])
+        parts.append(distinct(keys))
+        if len(parts) > 1 and sum(part.size for part in parts[1:]) > max(_PIECES, parts[0].size):
+            parts[:] = [distinct(np.concatenate(parts))]
 
     def _column(self, node: HeadNode, table: Table) -> Keys:
         """Return a node's identifier for each row; 0 where it has none."""
