@@ -107,8 +107,9 @@ class Patterns(Selects):
         groups = [self.group()]
         while self.accept_word("UNION"):
             groups.append(self.group())
-        if len(groups) == 1 and groups[0].nodes and isinstance(groups[0].nodes[0], SubSelect):
-            return groups[0].nodes[0]
+        only = groups[0].nodes
+        if len(groups) == len(only) == 1 and isinstance(only[0], SubSelect):
+            return only[0]
         return Union(tuple(groups), self.span(start))
 
 

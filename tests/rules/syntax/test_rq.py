@@ -152,3 +152,12 @@ def test_the_engine_takes_a_group_spelt_anew(text: str) -> None:
     """What a group carries as its text is SPARQL that the engine parses without prefixes."""
     spelt = rule(f"CONSTRUCT {{ }} WHERE {{ {text} }}").group.text
     assert not list(Store().query(f"SELECT * WHERE {spelt}"))  # type: ignore[arg-type]  # a SELECT has solutions
+
+
+def test_a_group_of_a_selection_and_more_keeps_all_of_it() -> None:
+    """Braces around a sub-SELECT alone are its own; with something beside it they are a group."""
+    (alone,) = body("{ { SELECT ?s { ?s :p ?o } } }")
+    (beside,) = body("{ { SELECT ?s { ?s :p ?o } } ?s :q ?x }")
+    assert isinstance(alone, tree.SubSelect)
+    assert isinstance(beside, tree.Union)
+    assert [len(group.nodes) for group in beside.groups] == [2]
