@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-__all__ = ["BASE", "RNKG", "ROS", "TYPE", "triples", "write"]
+__all__ = ["BASE", "RNKG", "ROS", "TYPE", "schema", "triples", "write"]
 
 BASE: Final = "https://w3id.org/rnkg/"
 ROS: Final = "http://data.mksmart.org/onto-ros/class#"
@@ -26,6 +26,24 @@ _OTHERS: Final = ("planner", "controller", "filter", "mapper", "tracker", "bridg
 _NODES_OF_ROBOT: Final = 18
 _PACKAGES_OF_WORKSPACE: Final = 30
 _NODES_OF_PACKAGE: Final = 3
+_RDFS: Final = "http://www.w3.org/2000/01/rdf-schema#"
+_OWL: Final = "http://www.w3.org/2002/07/owl#"
+_AXIOMS: Final = (
+    (f"{ROS}Publisher", f"{_RDFS}subClassOf", f"{ROS}CommunicationComponent"),
+    (f"{ROS}Subscriber", f"{_RDFS}subClassOf", f"{ROS}CommunicationComponent"),
+    (f"{ROS}CommunicationComponent", f"{_RDFS}subClassOf", f"{RNKG}Part"),
+    (f"{ROS}Node", f"{_RDFS}subClassOf", f"{RNKG}Software"),
+    (f"{ROS}Package", f"{_RDFS}subClassOf", f"{RNKG}Software"),
+    (f"{ROS}hasComponent", f"{_RDFS}subPropertyOf", f"{RNKG}hasPart"),
+    (f"{RNKG}contains", f"{_RDFS}subPropertyOf", f"{RNKG}hasPart"),
+    (f"{RNKG}runs", f"{_RDFS}subPropertyOf", f"{RNKG}uses"),
+    (f"{RNKG}hasPart", f"{_RDFS}domain", f"{RNKG}Whole"),
+    (f"{RNKG}hasPart", f"{_RDFS}range", f"{RNKG}Part"),
+    (f"{RNKG}connectsTo", f"{_RDFS}range", f"{ROS}Topic"),
+    (f"{ROS}hasComponent", f"{_OWL}inverseOf", f"{RNKG}componentOf"),
+    (f"{RNKG}dependsOn", TYPE.strip("<>"), f"{_OWL}TransitiveProperty"),
+    (f"{RNKG}broader", TYPE.strip("<>"), f"{_OWL}TransitiveProperty"),
+)
 
 
 def write(path: Path, size: int) -> None:
@@ -37,6 +55,12 @@ def write(path: Path, size: int) -> None:
 def triples(size: int) -> Iterator[str]:
     """Yield the lines of a graph of `size` triples, no line twice."""
     return islice(_Graph(size).lines(), size)
+
+
+def schema() -> Iterator[str]:
+    """Yield an ontology of the graph's terms, for the rules of OWL 2 RL."""
+    for term, relation, other in _AXIOMS:
+        yield f"<{term}> <{relation}> <{other}> .\n"
 
 
 def _line(subject: str, predicate: str, target: str) -> str:
