@@ -24,6 +24,7 @@ from kg.cli.commands import (
     rules_reports,
     rules_run,
     rules_testing,
+    rules_watch,
     stats,
     why,
 )
@@ -81,6 +82,7 @@ RULE_COMMANDS: Final[tuple[tuple[str, str, Any], ...]] = (
     ("Try", "check", rules_check.check),
     ("Try", "test", rules_testing.try_rules),
     ("Try", "diff", rules_diff.diff),
+    ("Try", "watch", rules_watch.watch),
     ("Run", "run", rules_run.run),
     ("Look at", "compile", rules_compile.compile_rule),
     ("Look at", "graph", rules_reports.graph),

@@ -85,7 +85,7 @@ def difference(
     prefixes = {file.name: {**PREFIXES, **(file.prefixes or {})} for file in files}
     changes = [
         Changed(sign, triple, rules, spell_term(triple.predicate, prefixes[rules[0]] if rules else PREFIXES))
-        for sign, triple, rules in (*_come(bench, tried, come), *_gone(bench, files, gone))
+        for sign, triple, rules in (*_come(bench, tried, come), *_gone(bench, tried, gone))
     ]
     return Difference(tuple(changes), tried)
 
@@ -115,11 +115,11 @@ def _deriving(bench: Workbench, tried: Try, come: Facts) -> Iterator[Rule]:
             yield rule
 
 
-def _gone(bench: Workbench, files: Sequence[RuleFile], gone: Facts) -> Iterator[_Found]:
+def _gone(bench: Workbench, tried: Try, gone: Facts) -> Iterator[_Found]:
     """Yield what goes, in the order of its spelling, with the rules whose heads it fits."""
     for triple in triples_of(gone, bench.dictionary):
         atom = Atom(triple.subject, triple.predicate, triple.object)
-        names = (file.name for file in files for rule in file.rules if any(depends(atom, head) for head in rule.head))
+        names = (rule.name for rule in tried.rules if any(depends(atom, head) for head in rule.head))
         yield "-", triple, tuple(dict.fromkeys(names))
 
 

@@ -25,13 +25,15 @@ __all__ = ["Entry", "Library"]
 class Entry:
     """A file of rules that was not read yet; `pack` names the rule pack that brings it, empty for folders.
 
-    `in_force` is False for rules of a family that is optional, or that the setting `rule_families` leaves out.
+    `in_force` is False for rules of a family that is optional, or that the setting `rule_families` leaves out; `own`
+    is True for rules that `kg` does not ship.
     """
 
     name: str
     path: Path
     pack: str = ""
     in_force: bool = True
+    own: bool = True
 
     @property
     def family(self) -> str:
@@ -43,6 +45,11 @@ class Entry:
         """Where its examples stand, whether there are any or not."""
         return self.path.with_suffix(".md")
 
+    @property
+    def place(self) -> Place:
+        """The beginning of the file."""
+        return Place(str(self.path), 1, 1)
+
 
 class Library:
     """The rules of some folders and packs by name, sorted. A file is read again when it has changed.
@@ -52,18 +59,27 @@ class Library:
 
     def __init__(self, folders: Iterable[Path], installed: Iterable[Pack] = (), families: Collection[str] = ()) -> None:
         """Raise `RuleError` KG201 for a folder that is not there."""
-        found: dict[str, Entry] = {}
+        self._sources = [*((each.folder, each.name) for each in installed), *((folder, "") for folder in folders)]
+        self._families = families
+        self._read: dict[str, tuple[int, RuleFile]] = {}
+        self.entries: dict[str, Entry] = {}
         self.problems: list[RuleError] = []
-        for folder, pack in [*((each.folder, each.name) for each in installed), *((folder, "") for folder in folders)]:
-            chosen = set(rule_files(folder, families))
+        self.refresh()
+
+    def refresh(self) -> None:
+        """Look again which files there are."""
+        found: dict[str, Entry] = {}
+        self.problems = []
+        shipped = resources.folder("rules")
+        for folder, pack in self._sources:
+            chosen = set(rule_files(folder, self._families))
             for path, name in rule_files(folder, _all_families(folder)):
                 if name in found:
                     message = f"the rule `{name}` is in {found[name].path} already"
                     hint = "Rename one; files of two endings share a name too."
                     self.problems.append(RuleError("KG207", message, place=Place(str(path)), hint=hint))
-                found.setdefault(name, Entry(name, path, pack, (path, name) in chosen))
+                found.setdefault(name, Entry(name, path, pack, (path, name) in chosen, own=folder != shipped))
         self.entries = {name: found[name] for name in sorted(found)}
-        self._read: dict[str, tuple[int, RuleFile]] = {}
 
     @classmethod
     def of(cls, settings: Settings) -> Library:

@@ -93,7 +93,7 @@ def run_example(
         known = {} if programs is None else programs
         program = known.get(key) or known.setdefault(key, _program(files))
         data = tuple(triple for each in files for triple in each.data)
-        return _judged(file.name, example, program, data, begin)
+        return _judged(file, example, program, data, begin)
     except KgError as error:
         seconds = time.perf_counter() - begin
         return Result(file.name, example.title, example.place, error=error, seconds=seconds)
@@ -113,18 +113,19 @@ def _other(library: Library, name: str, place: Place) -> RuleFile:
         raise RuleError("KG221", message, place=place, hint=error.hint) from None
 
 
-def _judged(rule: str, example: Example, program: Program, data: tuple[Triple, ...], begin: float) -> Result:
+def _judged(file: RuleFile, example: Example, program: Program, data: tuple[Triple, ...], begin: float) -> Result:
+    prefixes = {**(file.prefixes or {}), **example.prefixes}
     given = (*example.given, *data)
     inferred, _ = infer(program, given, _LIMITS)
     world = World(given, inferred)
     found = compare(example, inferred, world)
-    lacking, proof = _unexplained(example, program.rules, found.facts, world)
+    lacking, proof = ((), ()) if found.missing else _unexplained(example, program.rules, found.facts, world)
     return Result(
-        rule,
+        file.name,
         example.title,
         example.place,
-        tuple(spell_triple(triple, example.prefixes) for triple in found.missing),
-        tuple(spell_triple(triple, example.prefixes) for triple in found.unexpected),
+        tuple(spell_triple(triple, prefixes) for triple in found.missing),
+        tuple(spell_triple(triple, prefixes) for triple in found.unexpected),
         lacking,
         proof,
         None,
@@ -136,8 +137,8 @@ def _unexplained(
     example: Example, rules: tuple[Rule, ...], facts: Sequence[Triple], world: World
 ) -> tuple[tuple[WhyLine, ...], tuple[str, ...]]:
     """Return the lines under `why` that stand in no proof of the expected facts, and the shortest proofs then."""
-    if not example.why or not facts:
-        return example.why, ()
+    if not example.why:
+        return (), ()
     view = View(world, VOCABULARY)
     shortest = list(chain.from_iterable(_lines(why(view, rules, fact), example.prefixes) for fact in facts))
     lacking = _absent(example.why, shortest)

@@ -1,0 +1,76 @@
+"""`kg rules watch`: check, test and compare rules whenever they are saved."""
+
+import sys
+import time
+from typing import TYPE_CHECKING, Final
+
+import typer
+
+from kg.cli.commands.rules import Chosen
+from kg.cli.diagnostics import colored, render, report, say
+from kg.cli.options import Rules, Store
+from kg.cli.output import show, terminal, write
+from kg.cli.session import session
+from kg.errors import RuleError
+from kg.render.text import count
+
+if TYPE_CHECKING:
+    from kg.pipeline.watching import Glance
+
+__all__ = ["watch"]
+
+_CLEAR: Final = "\x1b[2J\x1b[3J\x1b[H"
+_CHANGES: Final = 20
+"""How many triples of a difference are shown."""
+
+
+def watch(context: typer.Context, chosen: Chosen = None, *, rules: Rules = None, store: Store = None) -> None:
+    """Check and test rules whenever they are saved, and show what they would change in the store.
+
+    Rules and their examples are looked at five times a second; without a store there is nothing to compare with.
+    Nothing is written; Ctrl-C ends it. For example:
+
+        kg rules watch
+        kg rules watch wiring/listens-to
+    """
+    from kg.pipeline.watching import glances  # noqa: PLC0415 - start-up time
+
+    settings = session(context).settings(store=store, rules=rules)
+    try:
+        for glance in glances(settings, chosen or ()):
+            _show(glance)
+            sys.stdout.flush()
+    except KeyboardInterrupt:
+        say("\nstopped")
+
+
+def _show(glance: "Glance") -> None:
+    from kg.cli.commands.rules_testing import show_results  # noqa: PLC0415 - start-up time
+
+    if terminal():
+        sys.stdout.write(_CLEAR)
+    names = ", ".join((*glance.names, *(f"{name} (gone)" for name in glance.gone))) or "no rules of your own yet"
+    write(f"{time.strftime('%H:%M:%S')}  {names}")
+    for finding in glance.findings:
+        error = RuleError(finding.code, finding.message, place=finding.place, hint=finding.hint)
+        write(render(error, color=colored(sys.stdout), severity=finding.severity))
+    show_results(glance.results, every=False)
+    if glance.problem:
+        report(glance.problem)
+    if glance.difference is not None:
+        _show_difference(glance)
+    say(f"in {glance.seconds:.2f} s; watching, Ctrl-C ends")
+
+
+def _show_difference(glance: "Glance") -> None:
+    from kg.cli.rules_view import change_line, difference_words  # noqa: PLC0415 - start-up time
+
+    if glance.difference is None or glance.view is None:
+        return
+    changes = glance.difference.changes
+    if changes:
+        show(*(change_line(change, glance.view) for change in changes[:_CHANGES]))
+    if len(changes) > _CHANGES:
+        write(f"  and {count(len(changes) - _CHANGES, 'more change')}; `kg rules diff` shows them")
+    for line in difference_words(glance.difference):
+        write(line)

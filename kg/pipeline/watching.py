@@ -1,0 +1,149 @@
+"""Rules looked at whenever they are saved: checked, tried by their examples, compared with the store."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, Self
+
+from kg.errors import KgError, RuleError, StoreError
+from kg.graph.vocabulary import RNKG
+from kg.pipeline.reasoning import check_context, explained_vocabulary
+from kg.rules.authoring.differences import difference
+from kg.rules.authoring.library import Library
+from kg.rules.authoring.naming import choose
+from kg.rules.authoring.testing import run_examples, tested
+from kg.rules.authoring.watching import Watched
+from kg.rules.authoring.workbench import Workbench
+from kg.rules.checks.finding import from_error
+from kg.rules.checks.run import Read, check
+from kg.rules.explain.view import View
+from kg.rules.files import RuleSet
+from kg.rules.recording import Names
+from kg.store.opening import existing
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from kg.rules.authoring.differences import Difference
+    from kg.rules.authoring.library import Entry
+    from kg.rules.authoring.testing import Result
+    from kg.rules.checks.finding import Context, Finding
+    from kg.settings import Settings
+
+__all__ = ["Glance", "glances"]
+
+_INTERVAL: Final = 0.2
+"""Seconds between two looks at the files."""
+
+
+@dataclass(frozen=True, slots=True)
+class Glance:
+    """What is to be said of some rules: findings, results of their examples, what they would change in the store.
+
+    `problem` says why there is no difference to be had; `view` names things as the store does.
+    """
+
+    names: tuple[str, ...]
+    gone: tuple[str, ...]
+    findings: tuple[Finding, ...]
+    results: tuple[Result, ...]
+    difference: Difference | None
+    problem: KgError | None
+    view: View | None
+    seconds: float
+
+
+def glances(
+    settings: Settings, named: Sequence[str] = (), wait: Callable[[float], None] = time.sleep
+) -> Iterator[Glance]:
+    """Yield a glance at the rules named, or at all of one's own, and then at each that is saved, without end.
+
+    `wait` is called between two looks. Raises UnknownNameError KG001 for a rule that there is not.
+    """
+    with _Desk(settings) as desk:
+        wanted = {entry.name for entry in choose(desk.library, named)} if named else None
+        first = [entry for entry in desk.library.entries.values() if _shown_first(entry, wanted)]
+        watched = Watched(desk.library)
+        yield desk.look(first, [])
+        while True:
+            wait(_INTERVAL)
+            saved = watched.saved()
+            entries = [entry for entry in saved.entries if wanted is None or entry.name in wanted]
+            gone = [name for name in saved.gone if wanted is None or name in wanted]
+            if entries or gone:
+                yield desk.look(entries, gone)
+
+
+def _shown_first(entry: Entry, wanted: set[str] | None) -> bool:
+    return entry.own if wanted is None else entry.name in wanted
+
+
+class _Desk:
+    """The rules at hand and the store, both kept open while they are the same."""
+
+    def __init__(self, settings: Settings) -> None:
+        self._settings = settings
+        self.library = Library.of(settings)
+        self._bench: Workbench | None = None
+        self._context: Context | None = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._close()
+
+    def _close(self) -> None:
+        if self._bench is not None:
+            self._bench.snapshot.close()
+        self._bench = self._context = None
+
+    def _open(self) -> Workbench | None:
+        """Return the store in force; None when there is none."""
+        try:
+            store = existing(self._settings)
+            if self._bench is not None and self._bench.snapshot.generation == store.layout.current():
+                return self._bench
+            self._close()
+            self._bench = Workbench(store.read(), Names.of(self._settings.base, RNKG))
+        except StoreError:
+            self._close()
+        return self._bench
+
+    def look(self, entries: Sequence[Entry], gone: Sequence[str]) -> Glance:
+        """Return what is to be said of some rules."""
+        begin = time.perf_counter()
+        bench = self._open()
+        names = [entry.name for entry in entries]
+        findings = self._findings(names)
+        broken = {finding.rule for finding in findings if finding.severity == "error"}
+        sound = [entry for entry in entries if entry.name not in broken]
+        results = tuple(run_examples(tested(sound)[0], self.library))
+        found, problem = None, None
+        if bench is not None and (sound or gone):
+            found, problem = self._difference(bench, sound)
+        view = View(bench.snapshot, explained_vocabulary(self._settings.base)) if bench else None
+        seconds = time.perf_counter() - begin
+        return Glance(tuple(names), tuple(gone), tuple(findings), results, found, problem, view, seconds)
+
+    def _difference(self, bench: Workbench, entries: Sequence[Entry]) -> tuple[Difference | None, KgError | None]:
+        try:
+            files = self.library.with_those_in_force(entries)
+            names = {entry.name for entry in entries}
+            return difference(bench, files, [file for file in files if file.name in names]), None
+        except RuleError as error:
+            return None, error
+
+    def _findings(self, names: Sequence[str]) -> list[Finding]:
+        if self._context is None:
+            self._context = check_context(self._settings, self._bench.snapshot if self._bench else None)
+        unread, files = [], []
+        for entry in self.library.entries.values():
+            if entry.in_force or entry.name in names:
+                try:
+                    files.append(self.library.read(entry.name))
+                except RuleError as error:
+                    if entry.name in names:
+                        unread.append(from_error(error, entry.name, error.place or entry.place))
+        return check(Read(RuleSet(tuple(files)), tuple(unread)), self._context, names)
