@@ -42,8 +42,11 @@ class Blocks:
         self._known: dict[tuple[str, tuple[str, ...]], tuple[list[tuple[int, Keys]], Table]] = {}
 
     def solutions(self, step: Block, facts: Facts, clock: Clock, hidden: frozenset[int]) -> Table:
-        """Return the solutions of a block over `facts` without the predicates `hidden`; 0 where one is unbound."""
-        read = [(predicate, facts.keys(predicate)) for predicate in self._predicates(step, facts) - hidden]
+        """Return the solutions of a block; 0 where a variable is unbound.
+
+        One that may read anything does not see the predicates `hidden`.
+        """
+        read = [(predicate, facts.keys(predicate)) for predicate in self._predicates(step, facts, hidden)]
         read.sort(key=lambda pair: pair[0])
         name = step.block.text, tuple(column for _, column in step.columns)
         known = self._known.get(name)
@@ -56,9 +59,9 @@ class Blocks:
         self._known[name] = read, table
         return table
 
-    def _predicates(self, step: Block, facts: Facts) -> set[int]:
+    def _predicates(self, step: Block, facts: Facts, hidden: frozenset[int]) -> set[int]:
         if step.block.reads is None:
-            return set(facts.predicates)
+            return set(facts.predicates) - hidden
         found = {self._dictionary.intern_term(predicate) for predicate in step.block.reads}
         return found & set(facts.predicates)
 
