@@ -19,12 +19,13 @@ from typing import TYPE_CHECKING, Final, TypeGuard
 from pyoxigraph import BlankNode, NamedNode, Quad, Store
 
 from kg.rules.files import RuleSet
-from kg.rules.form import Atom, Filter, TripleTerm, Values, Variable, variables_of
+from kg.rules.form import AUXILIARY, Atom, Filter, TripleTerm, Values, Variable, variables_of
 from kg.rules.scope import bound_in, mentions
 from kg.rules.sparql import construct, select
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Set as AbstractSet
 
     from pyoxigraph import Triple
 
@@ -97,12 +98,14 @@ def specialise(rules: Iterable[Rule], schema: Iterable[Triple]) -> tuple[Rule, .
     numbered anew. Rules are returned as they are where one of them may derive schema from data.
     """
     given = tuple(rules)
-    kept, waiting = [rule for rule in given if _about_schema(rule)], [rule for rule in given if not _about_schema(rule)]
+    hidden = _hidden(given)
+    kept = [rule for rule in given if _about_schema(rule, hidden)]
+    waiting = [rule for rule in given if not _about_schema(rule, hidden)]
     stated, closed = Store(), Store()
     stated.extend(map(_quad, schema))
     closed.extend(stated)
     _close(closed, kept)
-    found = [instance for rule in waiting for instance in _instances(rule, stated, closed)]
+    found = [instance for rule in waiting for instance in _instances(rule, stated, closed, hidden)]
     if any(map(_may_write_schema, found)):
         return given
     return tuple(_numbered(sorted([*kept, *found], key=lambda rule: rule.name)))
@@ -119,9 +122,27 @@ def specialised(rule_set: RuleSet, schema: Iterable[Triple]) -> RuleSet:
     return RuleSet(tuple(replace(file, rules=tuple(by_name[file.name])) for file in rule_set.files))
 
 
-def _about_schema(rule: Rule) -> bool:
+def _hidden(rules: Sequence[Rule]) -> frozenset[NamedNode]:
+    """Return the auxiliary predicates that nothing but schema is in: paths such as `rdfs:subClassOf+`."""
+    found = {
+        atom.predicate
+        for rule in rules
+        for atom in rule.head
+        if isinstance(atom.predicate, NamedNode) and atom.predicate.value.startswith(AUXILIARY)
+    }
+    before = -1
+    while before != len(found):
+        before = len(found)
+        for rule in rules:
+            if not all(_is_axiom(each, found) or isinstance(each, Filter) for each in rule.body):
+                found -= {atom.predicate for atom in rule.head if isinstance(atom.predicate, NamedNode)}
+    return frozenset(found)
+
+
+def _about_schema(rule: Rule, hidden: AbstractSet[NamedNode]) -> bool:
     """Tell whether a rule derives schema from nothing but schema."""
-    return all(map(_is_axiom, rule.head)) and all(_is_axiom(each) or isinstance(each, Filter) for each in rule.body)
+    axioms = (_is_axiom(each, hidden) or isinstance(each, Filter) for each in rule.body)
+    return all(_is_axiom(atom, hidden) for atom in rule.head) and all(axioms)
 
 
 def _may_write_schema(rule: Rule) -> bool:
@@ -162,9 +183,9 @@ def _triples(store: Store, query: str) -> list[Triple]:
     return list(store.query(query))  # type: ignore[arg-type]  # a CONSTRUCT gives triples
 
 
-def _instances(rule: Rule, stated: Store, closed: Store) -> Iterator[Rule]:
+def _instances(rule: Rule, stated: Store, closed: Store, hidden: AbstractSet[NamedNode]) -> Iterator[Rule]:
     """Yield a rule for each way in which its atoms about the schema hold; the rule itself where it need not be cut."""
-    axioms: tuple[Atom, ...] = tuple(element for element in rule.body if _is_axiom(element))
+    axioms: tuple[Atom, ...] = tuple(element for element in rule.body if _is_axiom(element, hidden))
     known = bound_in(axioms)
     asserted = {axiom.asserted for axiom in axioms}
     if len(asserted) != 1 or not (known & set(_open(rule))):
@@ -184,8 +205,9 @@ def _instances(rule: Rule, stated: Store, closed: Store) -> Iterator[Rule]:
             yield instance
 
 
-def _is_axiom(element: Element) -> TypeGuard[Atom]:
-    return isinstance(element, Atom) and is_schema(element.predicate, element.object)
+def _is_axiom(element: Element, hidden: AbstractSet[NamedNode]) -> TypeGuard[Atom]:
+    """Tell whether an element is about the schema; `hidden` are the auxiliary predicates that are."""
+    return isinstance(element, Atom) and (element.predicate in hidden or is_schema(element.predicate, element.object))
 
 
 def _open(rule: Rule) -> Iterator[Variable]:

@@ -8,6 +8,7 @@ from rules.engine.comparing import inferred
 from kg.rules.engine.limits import Limits
 from kg.rules.form import AUXILIARY
 from kg.rules.notations.shacl import rules
+from kg.rules.specialise import specialise
 
 __all__ = ["canonical", "evaluated", "triples"]
 
@@ -20,10 +21,11 @@ def triples(text: str) -> list[Triple]:
     return [quad.triple for quad in parse(text.encode(), RdfFormat.TURTLE)]
 
 
-def evaluated(shapes: str, data: list[Triple]) -> list[Triple]:
-    """Return what the rules of a shapes graph infer from data."""
+def evaluated(shapes: str, data: list[Triple], *, cut: bool = False) -> list[Triple]:
+    """Return what the rules of a shapes graph infer from data; `cut`: from rules cut to the schema in the data."""
     facts = [(triple.subject, triple.predicate, triple.object) for triple in data]
-    found = inferred(rules(shapes, "tests/case", "rules.ttl"), facts, LIMIT)
+    compiled = rules(shapes, "tests/case", "rules.ttl")
+    found = inferred(specialise(compiled, data) if cut else compiled, facts, LIMIT)
     lines = (f"{subject} {predicate} {value} .\n" for subject, predicate, value in found)
     return triples("".join(line for line in lines if f"<{AUXILIARY}" not in line))
 
