@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 from pyoxigraph import NamedNode
 
 from kg.rules import sparql
+from kg.rules.decompose.paths import normal
 from kg.rules.decompose.uses import certain, possible
 from kg.rules.form import EngineBlock, Variable
 from kg.rules.syntax.tree import (
@@ -59,9 +60,13 @@ def reads(nodes: Iterable[Node]) -> frozenset[NamedNode] | None:
 
 
 def _read(nodes: Iterable[Node]) -> Iterator[NamedNode | None]:
+    nodes = tuple(nodes)
     for node in nodes:
         if isinstance(node, TriplePattern):
             yield from _path_reads(node.predicate)
+            if normal(node.predicate).zero and not _is_anchored(node, nodes):
+                # Of length zero it holds for all terms of the graph, whatever predicate they stand with.
+                yield _ANY
         elif isinstance(node, Filter | Bind):
             yield from _expression_reads(node.expression)
         elif isinstance(node, SubSelect):
@@ -72,6 +77,14 @@ def _read(nodes: Iterable[Node]) -> Iterator[NamedNode | None]:
         elif not isinstance(node, ValuesBlock):
             for group in node.groups if isinstance(node, Union) else (node.group,):
                 yield from _read(group.nodes)
+
+
+def _is_anchored(pattern: TriplePattern, nodes: tuple[Node, ...]) -> bool:
+    """Tell whether an end of a path is a constant, or an end of a triple beside it that has its own predicate."""
+    ends = {pattern.subject, pattern.object}
+    beside = [n for n in nodes if isinstance(n, TriplePattern) and isinstance(n.predicate, NamedNode)]
+    known = {end for triple in beside for end in (triple.subject, triple.object)}
+    return bool(ends & known) or not all(isinstance(end, Variable) for end in ends)
 
 
 def _expression_reads(expression: Expression) -> Iterator[NamedNode | None]:
@@ -85,12 +98,7 @@ def _path_reads(path: Path) -> Iterator[NamedNode | None]:
     elif isinstance(path, Sequence | Alternative):
         for part in path.parts:
             yield from _path_reads(part)
-    elif isinstance(path, Inverse):
-        yield from _path_reads(path.path)
-    elif isinstance(path, Repeat):
-        if path.least == 0:
-            # Of length zero it holds for all terms of the graph, whatever predicate they stand with.
-            yield _ANY
+    elif isinstance(path, Inverse | Repeat):
         yield from _path_reads(path.path)
     else:
         yield _ANY
