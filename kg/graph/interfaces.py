@@ -1,4 +1,4 @@
-"""Interfaces of nodes become components (onto-ros, K-CAP 2017, section 4) and direct relations (RNKG).
+"""Interfaces of nodes become components (onto-ros, K-CAP 2017, section 4); rules derive the direct relations of RNKG.
 
 A component stands for one end of a topic, service or action in one node; it carries where and how the fact was
 read. Topics, services, actions and interface types are shared by all sources. A name with an unknown part names no
@@ -32,11 +32,10 @@ class _TypeShape:
 
 @dataclass(frozen=True, slots=True)
 class _Shape:
-    """How a role is written: the component, the direct relation, what it connects to, and the type of that."""
+    """How a role is written: the component, what it connects to, and the type of that."""
 
     component: str
     component_class: str
-    relation: str
     channel: str
     channel_class: str
     has_type: str
@@ -65,12 +64,12 @@ _ON_TOPIC: Final = ("topic", v.TOPIC, v.ROS_HAS_MESSAGE, v.HAS_MESSAGE, "msg")
 _ON_SERVICE: Final = ("service", v.SERVICE, v.HAS_SERVICE_TYPE, v.HAS_SERVICE_TYPE, "srv")
 _ON_ACTION: Final = ("action", v.ACTION, v.HAS_ACTION_TYPE, v.HAS_ACTION_TYPE, "action")
 _SHAPES: Final = {
-    Role.PUBLISHES: _Shape("publisher", v.PUBLISHER, v.PUBLISHES, *_ON_TOPIC),
-    Role.SUBSCRIBES: _Shape("subscriber", v.SUBSCRIBER, v.SUBSCRIBES, *_ON_TOPIC),
-    Role.SERVICES: _Shape("service-server", v.SERVICE_SERVER, v.PROVIDES, *_ON_SERVICE),
-    Role.CLIENTS: _Shape("service-client", v.SERVICE_CLIENT, v.CALLS, *_ON_SERVICE),
-    Role.ACTION_SERVERS: _Shape("action-server", v.ACTION_SERVER, v.SERVES_ACTION, *_ON_ACTION),
-    Role.ACTION_CLIENTS: _Shape("action-client", v.ACTION_CLIENT, v.CALLS_ACTION, *_ON_ACTION),
+    Role.PUBLISHES: _Shape("publisher", v.PUBLISHER, *_ON_TOPIC),
+    Role.SUBSCRIBES: _Shape("subscriber", v.SUBSCRIBER, *_ON_TOPIC),
+    Role.SERVICES: _Shape("service-server", v.SERVICE_SERVER, *_ON_SERVICE),
+    Role.CLIENTS: _Shape("service-client", v.SERVICE_CLIENT, *_ON_SERVICE),
+    Role.ACTION_SERVERS: _Shape("action-server", v.ACTION_SERVER, *_ON_ACTION),
+    Role.ACTION_CLIENTS: _Shape("action-client", v.ACTION_CLIENT, *_ON_ACTION),
 }
 _NAMELESS: Final = frozenset({Resolution.PARTIAL, Resolution.UNRESOLVED})
 
@@ -93,7 +92,6 @@ def interface(scope: Scope, owner: str, fact: Interface) -> None:
         channel = f"<{scope.iris.channel(shape.channel, fact.resolved)}>"
         writer.described(channel, fact.resolved, shape.channel_class)
         writer.add(part, v.CONNECTS_TO, channel)
-        writer.once(node, shape.relation, channel)
         if kind:
             writer.once(channel, shape.channel_has_type, kind)
     _details(scope, part, fact)

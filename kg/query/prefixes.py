@@ -20,6 +20,9 @@ PREFIXES: Final = MappingProxyType(
         "skos": "http://www.w3.org/2004/02/skos/core#",
         "schema": "http://schema.org/",
         "sh": "http://www.w3.org/ns/shacl#",
+        "capability": "https://w3id.org/rnkg/capability#",
+        "function": "https://w3id.org/rnkg/function#",
+        "hardware": "https://w3id.org/rnkg/hardware#",
     }
 )
 """Prefix to namespace; a query that declares one of them itself overrides it."""

@@ -10,28 +10,24 @@ NODE = f"<node/{ROVER}/rover_base/driver>"
 
 
 ROLES = {
-    "publisher": "odom ros:Publisher rnkg:publishes ros:Topic ros:hasMessage message/nav_msgs/Odometry",
-    "subscriber": "cmd_vel ros:Subscriber rnkg:subscribes ros:Topic ros:hasMessage message/geometry_msgs/Twist",
-    "service-server": "reset ros:ServiceServer rnkg:provides ros:Service rnkg:hasServiceType "
-    "service-type/std_srvs/Empty",
-    "service-client": "static_map ros:ServiceClient rnkg:calls ros:Service rnkg:hasServiceType "
-    "service-type/nav_msgs/GetMap",
-    "action-server": "dock rnkg:ActionServer rnkg:servesAction rnkg:Action rnkg:hasActionType "
-    "action-type/rover_msgs/Dock",
-    "action-client": "move_base rnkg:ActionClient rnkg:callsAction rnkg:Action rnkg:hasActionType "
-    "action-type/move_base_msgs/MoveBase",
+    "publisher": "odom ros:Publisher ros:Topic ros:hasMessage message/nav_msgs/Odometry",
+    "subscriber": "cmd_vel ros:Subscriber ros:Topic ros:hasMessage message/geometry_msgs/Twist",
+    "service-server": "reset ros:ServiceServer ros:Service rnkg:hasServiceType service-type/std_srvs/Empty",
+    "service-client": "static_map ros:ServiceClient ros:Service rnkg:hasServiceType service-type/nav_msgs/GetMap",
+    "action-server": "dock rnkg:ActionServer rnkg:Action rnkg:hasActionType action-type/rover_msgs/Dock",
+    "action-client": "move_base rnkg:ActionClient rnkg:Action rnkg:hasActionType action-type/move_base_msgs/MoveBase",
 }
-"""For each kind of component: name, class, direct relation, what it connects to, and how it has which type."""
+"""For each kind of component: name, class, what it connects to, and how it has which type."""
 
 
 @pytest.mark.parametrize("part", ROLES)
-def test_each_role_has_its_component_relation_and_type(part: str) -> None:
-    """A role is written as a component of onto-ros and as a direct relation of RNKG."""
-    name, component_class, relation, mode, has_type, of_type = ROLES[part].split()
+def test_each_role_has_its_component_and_type(part: str) -> None:
+    """A role is written as a component of onto-ros that connects to a topic, service or action with its type."""
+    name, component_class, mode, has_type, of_type = ROLES[part].split()
     component, channel = f"<node/{ROVER}/rover_base/driver#{part}/{name}>", f"<{mode.split(':')[1].lower()}/{name}>"
     assert true(
         sample(),
-        f"""{NODE} ros:hasComponent {component} ; {relation} {channel} .
+        f"""{NODE} ros:hasComponent {component} .
         {component} a {component_class} ; rnkg:connectsTo {channel} ; {has_type} <{of_type}> .
         {channel} a {mode} ; rnkg:hasMessage|rnkg:hasServiceType|rnkg:hasActionType <{of_type}> .""",
     )
@@ -58,10 +54,10 @@ def test_a_name_that_is_not_known_makes_no_topic() -> None:
 
 
 def test_what_a_framework_makes_can_be_told_from_what_code_declares() -> None:
-    """Implicit interfaces are among the direct relations, and the component says what made them."""
+    """Implicit interfaces connect to their topics like others, and the component says what made them."""
     store = sample()
     part = f"<node/{ROVER}/rover_base/driver#publisher/tf>"
-    assert true(store, f'{NODE} rnkg:publishes <topic/tf> . {part} rnkg:implicit true ; rnkg:origin "tf2"')
+    assert true(store, f'{part} rnkg:connectsTo <topic/tf> ; rnkg:implicit true ; rnkg:origin "tf2"')
     assert rows(store, "SELECT ?o { ?c rnkg:implicit true ; rnkg:name ?o }") == [("tf",)]
 
 
@@ -84,7 +80,7 @@ def test_types_of_services_and_actions_have_their_messages() -> None:
 
 
 def test_the_same_interface_twice_is_two_components() -> None:
-    """Two places in the code that open the same topic are two components of one direct relation."""
+    """Two places in the code that open the same topic are two components of one topic."""
     twice = tuple(end(Role.PUBLISHES, "odom", "nav_msgs/Odometry", location=Location("a.cpp", line)) for line in (3, 9))
     node = NodeType("driver", NodeKind.EXECUTABLE, "cpp", 1, Location("a.cpp", 1), interfaces=twice)
     facts = PackageFacts(ROVER, Package("p", "p", 1, Location("p/package.xml", 1)), (node,))
