@@ -186,7 +186,7 @@ def _computation(function: Function) -> list[tuple[str, Words]] | None:
         if any(word.text.upper() in _AGGREGATES for word in projected):
             return None
         binds = [*binds, projected]
-    named = [(words[-1].text[1:], words[:-2]) for words in binds if len(words) > 2]  # noqa: PLR2004 - e AS ?v
+    named = [(words[-1].text[1:], words[:-2]) for words in binds if len(words) > 2]  # noqa: PLR2004 - expression AS ?v
     last = named[-1][0] if named else None
     return named if last is not None and (opening is not None or last == function.result) else None
 

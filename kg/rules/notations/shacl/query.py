@@ -175,7 +175,7 @@ class _Reader:
             text = self._named(text, offset)
         elif token.kind is Kind.IRI and not is_absolute(unescape(text[1:-1])):
             raise self._error(f"the IRI `{text}` is relative", offset, "Write it out, or use a prefix.")
-        return Word(Kind.IRI if text.startswith("<") and len(text) > 2 else token.kind, text, offset, joined)  # noqa: PLR2004 - `<`, `<=`
+        return Word(Kind.IRI if text.startswith("<") and len(text) > 2 else token.kind, text, offset, joined)  # noqa: PLR2004 - longer than `<=`
 
     def _named(self, name: str, offset: int) -> str:
         prefix, _, local = name.partition(":")

@@ -19,8 +19,8 @@ import logging
 import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from rdflib import Graph
-from rules.shacl.running import canonical, evaluated, triples
-from rules.shacl.shapes import data, shapes_graphs
+from rules.notations.shacl.running import canonical, evaluated, triples
+from rules.notations.shacl.shapes import data, shapes_graphs
 
 pyshacl = pytest.importorskip("pyshacl", reason="pySHACL is a dependency of tests only")
 

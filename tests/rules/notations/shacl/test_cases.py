@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from rules.shacl.running import canonical, evaluated, triples
+from rules.notations.shacl.running import canonical, evaluated, triples
 
 from kg.errors import RuleError
 from kg.rules.engine.evaluate import Program
