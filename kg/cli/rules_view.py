@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 from typing import TYPE_CHECKING, Final
 
 from kg.cli.output import Column, make_table
 from kg.render.text import count, printable
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Sequence
     from pathlib import Path
 
     from rich.table import Table
@@ -23,11 +24,12 @@ if TYPE_CHECKING:
     from kg.rules.authoring.testing import Result
     from kg.rules.explain.view import View
     from kg.rules.files import Documentation
+    from kg.rules.form import Term
     from kg.rules.reports import RunReport
 
 __all__ = [
     "COLUMNS",
-    "change_line",
+    "change_lines",
     "changed_line",
     "difference_words",
     "element_table",
@@ -144,6 +146,7 @@ def _example_lines(result: Result) -> Iterator[Text]:
     if result.error:
         place = f" ({here(result.error.place.path)}{_line_of(result.error.place.line)})" if result.error.place else ""
         yield Text(f"            {result.error.code}: {printable(result.error.message)}{place}", style="red")
+        yield from (Text(f"            {line}", style="dim") for line in (result.error.hint or "").splitlines())
     yield from (changed_line("-", text, "missing", indent=12) for text in result.missing)
     yield from (changed_line("+", text, "not expected", indent=12) for text in result.unexpected)
     for line in result.why_missing:
@@ -166,10 +169,27 @@ def changed_line(sign: str, text: str, about: str = "", *, indent: int = 0) -> T
     return line.append(f"  {about}", style="dim") if about else line
 
 
-def change_line(change: Changed, view: View) -> Text:
-    """Return a triple that comes or goes as people call its parts, with the rules that it comes from."""
-    subject, value = view.label(change.triple.subject), view.label(change.triple.object)
-    return changed_line(change.sign, f"{subject} {change.predicate} {value}", ", ".join(change.rules))
+def change_lines(changes: Sequence[Changed], view: View) -> Iterator[Text]:
+    """Yield triples that come or go as people call their parts, or by their names where two would look alike."""
+    from kg.rules.authoring.spelling import spell_triple  # noqa: PLC0415 - start-up time
+
+    texts = [" ".join(_called(term, change, view) for term in _terms(change)) for change in changes]
+    alike = Counter(zip(texts, (change.sign for change in changes), strict=True))
+    for text, change in zip(texts, changes, strict=True):
+        clear = text if alike[text, change.sign] == 1 else spell_triple(change.triple, change.prefixes)
+        yield changed_line(change.sign, clear, ", ".join(change.rules))
+
+
+def _terms(change: Changed) -> tuple[Term, Term, Term]:
+    return change.triple.subject, change.triple.predicate, change.triple.object
+
+
+def _called(term: Term, change: Changed, view: View) -> str:
+    """Return what a thing is called, else its name with the prefixes of the rule; properties have no other name."""
+    from kg.rules.authoring.spelling import spell_term  # noqa: PLC0415 - start-up time
+
+    label = view.spelt(term) if term == change.triple.predicate else view.label(term)
+    return spell_term(term, change.prefixes) if label == view.spelt(term) else label
 
 
 def difference_words(found: Difference) -> Iterator[str]:

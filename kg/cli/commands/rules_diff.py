@@ -51,11 +51,11 @@ def diff(  # noqa: PLR0913 - the options of a command
 
 def show_difference(found: "Difference", view: "View", most: int) -> None:
     """Show what comes and goes, up to `most` triples (0: all), and how much of it by rule."""
-    from kg.cli.rules_view import change_line, difference_words  # noqa: PLC0415 - start-up time
+    from kg.cli.rules_view import change_lines, difference_words  # noqa: PLC0415 - start-up time
 
     shown = found.changes[: most or None]
     if shown:
-        show(*(change_line(change, view) for change in shown))
+        show(*change_lines(shown, view))
     if len(shown) < len(found.changes):
         note(f"{len(found.changes) - len(shown):,} more not shown; --limit 0 shows all")
     for line in difference_words(found):

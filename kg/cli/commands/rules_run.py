@@ -47,7 +47,7 @@ Data = Annotated[
 ]
 Output = Annotated[str | None, typer.Option("--output", "-o", metavar="FILE", help="Where that goes, as N-Triples.")]
 MaxTriples = Annotated[
-    int | None, typer.Option("--max-triples", metavar="N", min=1, help="Give up when more than N triples are inferred.")
+    str | None, typer.Option("--max-triples", metavar="N", help="Give up when more than N triples are inferred.")
 ]
 
 
@@ -95,12 +95,16 @@ def run(  # noqa: PLR0913 - the options of a command
         _show(report, json=json)
 
 
-def limits_of(settings: "Settings", max_triples: int | None = None) -> "Limits":
+def limits_of(settings: "Settings", max_triples: str | None = None) -> "Limits":
     """Return the limits of a run: a deadline only where one is set, for it is queries that the default is for."""
     from kg.rules.engine.limits import Limits  # noqa: PLC0415 - start-up time
 
+    if max_triples is not None and not (max_triples.isdecimal() and int(max_triples)):
+        raise UsageError(
+            "KG003", f"--max-triples is `{max_triples}`, which is no number above 0", hint="Give a number."
+        )
     asked = settings.origin("timeout").kind != "default"
-    return Limits((settings.timeout or None) if asked else None, max_triples)
+    return Limits((settings.timeout or None) if asked else None, int(max_triples) if max_triples else None)
 
 
 def _agree(

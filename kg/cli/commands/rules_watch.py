@@ -63,13 +63,13 @@ def _show(glance: "Glance") -> None:
 
 
 def _show_difference(glance: "Glance") -> None:
-    from kg.cli.rules_view import change_line, difference_words  # noqa: PLC0415 - start-up time
+    from kg.cli.rules_view import change_lines, difference_words  # noqa: PLC0415 - start-up time
 
     if glance.difference is None or glance.view is None:
         return
     changes = glance.difference.changes
     if changes:
-        show(*(change_line(change, glance.view) for change in changes[:_CHANGES]))
+        show(*change_lines(changes[:_CHANGES], glance.view))
     if len(changes) > _CHANGES:
         write(f"  and {count(len(changes) - _CHANGES, 'more change')}; `kg rules diff` shows them")
     for line in difference_words(glance.difference):

@@ -19,7 +19,7 @@ from kg.rules.form import Atom
 from kg.rules.lines import lacking, stored
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from pyoxigraph import Triple
 
@@ -35,13 +35,13 @@ __all__ = ["Changed", "Difference", "difference", "difference_objects"]
 class Changed:
     """A triple that comes (`+`) or goes (`-`), with the rules that derive it now, or might have derived it.
 
-    `predicate` is its property as those rules spell it.
+    `prefixes` are those that the rules know.
     """
 
     sign: str
     triple: Triple
     rules: tuple[str, ...]
-    predicate: str
+    prefixes: Mapping[str, str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +84,7 @@ def difference(
         come = lacking(come, others.outcome.inferred)
     prefixes = {file.name: {**PREFIXES, **(file.prefixes or {})} for file in files}
     changes = [
-        Changed(sign, triple, rules, spell_term(triple.predicate, prefixes[rules[0]] if rules else PREFIXES))
+        Changed(sign, triple, rules, prefixes[rules[0]] if rules else PREFIXES)
         for sign, triple, rules in (*_come(bench, tried, come), *_gone(bench, tried, gone))
     ]
     return Difference(tuple(changes), tried)

@@ -44,7 +44,7 @@ def spell_head(atom: Atom, prefixes: Mapping[str, str] = PREFIXES) -> str:
 
 def _pattern(pattern: Pattern, prefixes: Mapping[str, str]) -> str:
     if isinstance(pattern, Variable):
-        return f"?{pattern.name.lstrip('.')}" if not pattern.name.startswith(".") else f"[{pattern.name[1:]}]"
+        return f"_:{pattern.name[1:]}" if pattern.name.startswith(".") else str(pattern)
     if isinstance(pattern, TripleTerm):
         return term(pattern)
     return spell_term(pattern, prefixes)
