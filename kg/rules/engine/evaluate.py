@@ -28,6 +28,7 @@ from kg.rules.stratify import Stratum, stratify
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
+    from kg.rules.engine.facts import Keys
     from kg.rules.engine.plan import RulePlan
     from kg.rules.engine.terms import Dictionary
     from kg.rules.form import Rule
@@ -174,13 +175,20 @@ class _Run:
         collector = Collector(rule.plan, self._shop.dictionary)
         for table in solver.solutions(rule.plan.body, rule.plan.outputs):
             collector.add(table, rule.plan.heads)
+            if clock.may_exceed(self._size + len(collector)):
+                found = collector.facts()
+                clock.check(self._size + sum(self._new(predicate, keys, delta).size for predicate, keys in found))
         for predicate, keys in collector.facts():
-            new = delta.add(predicate, self._known.missing(predicate, keys))
+            new = self._new(predicate, keys, delta)
+            delta.extend(predicate, new)
             report.derived += new.size
             self._size += new.size
         report.matched = tuple(rows + solver.matched.get(number, 0) for number, rows in enumerate(report.matched))
         report.seconds += time.perf_counter() - begin
         clock.check(self._size)
+
+    def _new(self, predicate: int, keys: Keys, delta: Facts) -> Keys:
+        return delta.missing(predicate, self._known.missing(predicate, keys))
 
     def _merge(self, delta: Facts) -> None:
         for predicate, keys in delta:

@@ -6,6 +6,7 @@ An aggregate in error leaves its variable unbound.
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -26,6 +27,10 @@ if TYPE_CHECKING:
 __all__ = ["grouped"]
 
 _BATCH: Final = 50_000
+_ON_INTEGERS: Final = {"SUM": np.add, "MIN": np.minimum, "MAX": np.maximum}
+_WHOLE: Final = re.compile(rb'"(0|-?[1-9][0-9]{0,8})"\^\^<http://www\.w3\.org/2001/XMLSchema#integer>')
+"""Integers of which four thousand million can be added."""
+
 _INTEGER: Final = b'"%d"^^<http://www.w3.org/2001/XMLSchema#integer>'
 
 
@@ -70,7 +75,25 @@ class _Columns:
             return self._integers(np.bincount(member[values != 0], minlength=self._groups))
         if column.function == "SAMPLE":
             return self._sample(member, values)
-        return self._by_engine(column, member, values, clock)
+        numbers = self._whole(values) if column.function in _ON_INTEGERS else None
+        if numbers is None or not numbers.size:
+            return self._by_engine(column, member, values, clock)
+        return self._on_integers(column.function, member, numbers)
+
+    def _whole(self, values: Keys) -> Keys | None:
+        """Return the numbers that the values are, None when one of them is no integer of a few digits."""
+        different = distinct(values)
+        found = [_WHOLE.fullmatch(spelling) for spelling in self._dictionary.spellings(different)]
+        numbers = [int(part[1]) for part in found if part]
+        if len(numbers) < len(found):
+            return None
+        return np.array(numbers, np.int64)[np.searchsorted(different, values)]
+
+    def _on_integers(self, function: str, member: Keys, numbers: Keys) -> Keys:
+        """Return the sum, the least or the greatest number of each group; every group has one."""
+        order = np.argsort(member, kind="stable")
+        begins = np.searchsorted(member[order], np.arange(self._groups))
+        return self._integers(_ON_INTEGERS[function].reduceat(numbers[order], begins))
 
     def _count_rows(self, *, distinct: bool) -> Keys:
         member = self._member

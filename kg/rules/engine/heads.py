@@ -100,6 +100,10 @@ class Collector:
         intern = self._dictionary.intern_triple
         return np.array([intern(*row) if kept else 0 for row, kept in zip(rows, good.tolist(), strict=True)], np.int64)
 
+    def __len__(self) -> int:
+        """Return how many triples were gathered, those that came in several pieces counted in each."""
+        return sum(part.size for parts in self._keys.values() for part in parts)
+
     def facts(self) -> Facts:
         """Return the triples gathered."""
         found = Facts()

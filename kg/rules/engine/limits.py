@@ -45,6 +45,10 @@ class Clock:
         if most is not None and inferred > most:
             raise self._error(f"more than {most:,} triples are inferred", "Raise the limit")
 
+    def may_exceed(self, inferred: int) -> bool:
+        """Tell whether so many triples, some of them perhaps known already, are more than allowed."""
+        return self._limits.max_triples is not None and inferred > self._limits.max_triples
+
     def _error(self, what: str, way: str) -> RuleError:
         message = f"{what}, at rule {self.rule}, round {self.round}; nothing was changed"
         return RuleError("KG205", message, hint=f"{way}, or make the rule more specific.")

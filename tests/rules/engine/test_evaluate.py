@@ -32,6 +32,18 @@ def test_a_limit_of_triples_ends_what_would_not_end() -> None:
     assert tuples(asserted, dictionary) == facts(":a :n 1")
 
 
+def test_a_rule_that_derives_too_much_at_once_is_stopped_before_it_is_through() -> None:
+    """All pairs of three thousand nodes are never all held: the first pieces are over the limit."""
+    nodes = {(NamedNode(f"urn:x:n{number}"), NamedNode("urn:x:is"), NamedNode("urn:x:node")) for number in range(3000)}
+    with pytest.raises(RuleError, match="KG205: more than 100,000 triples are inferred, at rule test/rule, round 1;"):
+        inferred([rule("?x :beside ?y", "?x :is ?c . ?y :is ?d")], nodes, Limits(max_triples=100_000))
+
+
+def test_known_triples_do_not_count_towards_a_limit() -> None:
+    """A rule that derives what is asserted stays within a limit of none."""
+    assert inferred([rule("?x :next ?y", "?x :next ?y")], CHAIN, Limits(max_triples=0)) == set()
+
+
 def test_a_deadline_ends_a_run() -> None:
     """A run that has no time left ends with KG205."""
     with pytest.raises(RuleError, match="KG205: the deadline of 0 s is over"):
@@ -120,6 +132,8 @@ def test_large_joins_are_done_in_pieces() -> None:
 @pytest.mark.parametrize(
     ("function", "values", "expected"),
     [
+        ("SUM", "1 2", '"3"^^<http://www.w3.org/2001/XMLSchema#integer>'),
+        ("MIN", "2 1", '"1"^^<http://www.w3.org/2001/XMLSchema#integer>'),
         ("SUM", "1 2.5", '"3.5"^^<http://www.w3.org/2001/XMLSchema#decimal>'),
         ("AVG", "1 2", '"1.5"^^<http://www.w3.org/2001/XMLSchema#decimal>'),
         ("MAX", "1 2.0e0", '"2"^^<http://www.w3.org/2001/XMLSchema#double>'),
