@@ -1,4 +1,4 @@
-"""A small store made of facts: two sources, nodes of several kinds, two of one name."""
+"""A small store made of facts: two sources, nodes of several kinds, two of one name, and their direct relations."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Final
 
-from pyoxigraph import NamedNode
+from pyoxigraph import NamedNode, RdfFormat, parse
 
 from kg.facts import (
     Access,
@@ -25,9 +25,14 @@ from kg.facts import (
 from kg.graph.builds import BuildRecord, build_triples, count
 from kg.graph.iris import Iris
 from kg.graph.sources import source_triples
+from kg.resources import folder
+from kg.rules.authoring.memory import infer
+from kg.rules.engine.evaluate import Program
+from kg.rules.reading import discover
 from kg.store.embedded import EmbeddedStore
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
     from pathlib import Path
 
 __all__ = ["DRIVER", "PLANNER", "build"]
@@ -126,6 +131,16 @@ def package(name: str, repository: str, *nodes: NodeType) -> PackageFacts:
     return PackageFacts(repository, manifest, nodes)
 
 
+def direct_relations(graphs: Iterable[bytes]) -> bytes:
+    """Return what rules infer that has the form of `rnkg:publishes`."""
+    triples = [quad.triple for content in graphs for quad in parse(content, RdfFormat.N_TRIPLES)]
+    named = {f"communication/{name}" for name in ("publishes", "subscribes", "provides", "calls")}
+    named |= {"communication/serves-action", "communication/calls-action"}
+    rules = discover([folder("rules")], families=["communication"]).rules
+    inferred, _ = infer(Program(rule for rule in rules if rule.name in named), triples)
+    return "".join(f"{triple} .\n" for triple in inferred).encode()
+
+
 def build(root: Path) -> None:
     """Write the store into `root` (the `.kg` folder)."""
     rover = Repository("github.com/acme/rover", "/nowhere/rover", "0123456789abcdef0123", "git@github.com:acme/rover")
@@ -142,6 +157,7 @@ def build(root: Path) -> None:
         NamedNode(iris.source_graph(source.name)): [source_triples(source, packages, iris)]
         for source, packages in sources.items()
     }
+    graphs[NamedNode(iris.graph("inferred"))] = [direct_relations(content for (content,) in graphs.values())]
     with EmbeddedStore.create(root).write("test") as transaction:
         transaction.replace_graphs(graphs)
         for source, packages in sources.items():

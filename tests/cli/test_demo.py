@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def test_the_demo_answers_every_question_with_lines_of_code(kg: Program, tmp_path: Path) -> None:
-    """Each of the five questions is shown with its query and an answer that ends in file and line; nothing is left."""
+    """Each of the five questions is shown with its query and an answer that ends in file and line, and then a proof."""
     run = kg("demo")
     assert run.code == 0
     parts = run.out.split("\n\n    SELECT ")
@@ -22,6 +22,8 @@ def test_the_demo_answers_every_question_with_lines_of_code(kg: Program, tmp_pat
         rows = part.split("file:line\n")[1].splitlines()[1:]
         assert rows[0].rpartition(":")[2].strip().isdigit()
     assert "scan_filter_nodelet.cpp:" in run.out
+    assert "by rule capability/general" in run.out
+    assert "ros:evokes" in run.out
     assert not list(tmp_path.iterdir())
 
 

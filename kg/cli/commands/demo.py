@@ -1,4 +1,4 @@
-"""`kg demo`: the example workspace, built and asked five questions."""
+"""`kg demo`: the example workspace, built, asked five questions, and one inferred fact proven."""
 
 import sys
 from contextlib import ExitStack
@@ -30,6 +30,8 @@ QUESTIONS: Final = (
     "demo/named-by-parameters",
     "demo/made-at-run-time",
 )
+FACT: Final = ("scan_filter", "rnkg:hasCapability", "capability:ranging")
+"""What rules inferred and the demo proves."""
 Keep = Annotated[
     str | None,
     typer.Option("--store", "-s", metavar="FOLDER", help="Keep the store in FOLDER; by default it is thrown away."),
@@ -37,7 +39,7 @@ Keep = Annotated[
 
 
 def demo(context: typer.Context, *, store: Keep = None) -> None:
-    """Build an example workspace and ask it five questions.
+    """Build an example workspace, ask it five questions, and prove what a rule inferred.
 
     It has a rover on ROS 1 and a drone on ROS 2. Needs no robot, no ROS and no network.
     """
@@ -52,6 +54,7 @@ def demo(context: typer.Context, *, store: Keep = None) -> None:
         bold = ("\x1b[1m", "\x1b[0m") if colored(sys.stdout) else ("", "")
         with target.read() as snapshot:
             _ask_all(snapshot, settings, bold)
+        _prove(context, str(target.layout.root), bold)
     for line in _next(str(chosen) if chosen else None):
         write(line)
 
@@ -98,6 +101,16 @@ def _ask(snapshot: "EmbeddedSnapshot", query: "StoredQuery", settings: "Settings
     result = ask(snapshot, query, {}, timeout=settings.timeout or None)
     if isinstance(result, Solutions):
         table(result, links)
+
+
+def _prove(context: typer.Context, root: str, bold: tuple[str, str]) -> None:
+    """Show the proof of `FACT` as `kg why` does."""
+    from kg.cli.commands.why import why  # noqa: PLC0415 - start-up time
+
+    title = "How is it known that a robot can measure distances with scan_filter?"
+    write(f"\n{bold[0]}{len(QUESTIONS) + 1}. {title}{bold[1]}\n")
+    write(f"    kg why {' '.join(FACT)}\n")
+    why(context, list(FACT), store=root)
 
 
 def _next(kept: str | None) -> list[str]:
