@@ -90,18 +90,23 @@ class Scope:
 
     def optional(self, part: Part) -> Scope:
         """Return the scope of the group of an OPTIONAL behind `part`: its own filters see what is before it."""
-        return replace(self.behind(part), seen=part.bound, required=frozenset())
+        return replace(self._kept(part, self.outer | part.bound), seen=part.bound, required=frozenset())
 
     def inside(self, part: Part) -> Scope:
         """Return the scope of the group of an EXISTS that is tested for each solution of `part`."""
         outer = self.outer | self.seen | part.bound
-        behind = self.behind(part)
-        return Scope(outer, near=behind.near, subjects=behind.subjects)
+        kept = self._kept(part, outer)
+        return Scope(outer, near=kept.near, subjects=kept.subjects)
 
     def removing(self, part: Part) -> Scope:
         """Return the scope of the group of a MINUS behind `part`: it sees nothing of it."""
+        kept = self._kept(part, self.outer | part.bound)
+        return Scope(self.outer, near=kept.near, subjects=kept.subjects)
+
+    def _kept(self, part: Part, shared: frozenset[Variable]) -> Scope:
+        """Return what is known behind `part` of the variables that a negation there shares with what is around it."""
         behind = self.behind(part)
-        return Scope(self.outer, near=behind.near, subjects=behind.subjects)
+        return replace(behind, near=behind.near & shared, subjects=behind.subjects & shared)
 
 
 def joined(left: Part, right: Part, names: Names) -> Part:
