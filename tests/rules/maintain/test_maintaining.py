@@ -217,6 +217,8 @@ def test_two_strata_may_derive_the_same_triple() -> None:
         rule("?x :looks :good", "?x :is :seen", name="test/reader"),
     ]
     kept = Kept(rules, ":a :p :b\n:a :q :b")
+    assert kept.change(":b :r :c") == ["+:b :is :hidden"]
+    assert kept.change(deleted=":b :r :c") == ["-:b :is :hidden"]
     assert kept.change(deleted=":a :p :b") == []
     assert kept.change(":b :r :c") == ["+:b :is :hidden", "-:a :is :seen", "-:a :looks :good"]
     assert kept.change(":a :p :c", ":b :r :c") == ["+:a :is :seen", "+:a :looks :good", "-:b :is :hidden"]
