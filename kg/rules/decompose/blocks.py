@@ -80,11 +80,14 @@ def _read(nodes: Iterable[Node]) -> Iterator[NamedNode | None]:
 
 
 def _is_anchored(pattern: TriplePattern, nodes: tuple[Node, ...]) -> bool:
-    """Tell whether an end of a path is a constant, or an end of a triple beside it that has its own predicate."""
+    """Tell whether an end of a path is an end of a triple beside it that has its own predicate.
+
+    A constant is not enough: the store's engine finds no path of length zero at a term that its graph does not have.
+    """
     ends = {pattern.subject, pattern.object}
     beside = [n for n in nodes if isinstance(n, TriplePattern) and isinstance(n.predicate, NamedNode)]
     known = {end for triple in beside for end in (triple.subject, triple.object)}
-    return bool(ends & known) or not all(isinstance(end, Variable) for end in ends)
+    return any(isinstance(end, Variable) for end in ends & known)
 
 
 def _expression_reads(expression: Expression) -> Iterator[NamedNode | None]:
