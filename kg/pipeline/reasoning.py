@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Final
 
 import pyoxigraph
@@ -11,6 +12,7 @@ from kg import resources
 from kg.graph.iris import Iris
 from kg.graph.ontology_files import ontology_triples
 from kg.graph.vocabulary import RNKG
+from kg.pipeline.inferring import digest
 from kg.query.prefixes import PREFIXES
 from kg.query.stored import discover as discover_queries
 from kg.query.terms import iris_of
@@ -30,6 +32,7 @@ if TYPE_CHECKING:
     from pyoxigraph import Triple
 
     from kg.rules.columns import Tables
+    from kg.rules.reading import Pack
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
@@ -63,7 +66,13 @@ def rules_in_force(settings: Settings) -> RuleSet:
     Raises:
         RuleError: KG201 and others of KG2xx for a file that cannot be used.
     """
-    return discover(rule_folders(settings), packs(), settings.rule_families)
+    return _read(rule_folders(settings), packs(), settings.rule_families, digest(settings))
+
+
+@lru_cache(maxsize=2)
+def _read(folders: tuple[Path, ...], installed: tuple[Pack, ...], families: tuple[str, ...], _digest: str) -> RuleSet:
+    """Return rules that were read before in this process, as long as no file changed."""
+    return discover(folders, installed, families)
 
 
 def rule_folders(settings: Settings) -> tuple[Path, ...]:

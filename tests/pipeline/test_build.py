@@ -320,14 +320,17 @@ class _Notes:
     def writing(self, triples: int) -> None:
         self.told.append("writing" if triples else "writing nothing")
 
+    def inferring(self) -> None:
+        self.told.append("inferring")
+
     def finished(self, report: BuildReport) -> None:
         self.told.append(f"finished {report.generation}")
 
 
 def test_progress_is_told(bench: Bench) -> None:
-    """Who watches is told of sources, plan, each package, the writing and the end."""
+    """Who watches is told of sources, plan, each package, the writing, the rules and the end."""
     notes = _Notes()
     build([str(bench.source)], bench.store, load_settings({"jobs": 2}, environment={}), notes)
     assert notes.told[:2] == ["source local/src 3 0", "planned 3 0 2"]
     assert sorted(notes.told[2:5]) == ["done one", "done shared", "done two"]
-    assert notes.told[5:] == ["writing", "finished 1"]
+    assert notes.told[5:] == ["writing", "inferring", "finished 1"]
