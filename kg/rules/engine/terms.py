@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from functools import lru_cache
+from typing import TYPE_CHECKING, Final, cast
 
 import numpy as np
-from pyoxigraph import NamedNode, RdfFormat, Triple, parse
+from pyoxigraph import Literal, NamedNode, Quad, RdfFormat, Store, Triple, parse
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -18,6 +19,10 @@ __all__ = ["BLANK", "IRI", "LITERAL", "MAX_TERMS", "TRIPLE", "Dictionary", "data
 
 MAX_TERMS = 1 << 31
 """Two identifiers share one signed integer of 64 bits."""
+
+_XSD: Final = "http://www.w3.org/2001/XMLSchema#"
+_STRING: Final = f"{_XSD}string"
+_ANYTHING: Final = NamedNode("urn:kg:anything")
 
 IRI, BLANK, LITERAL, TRIPLE = range(1, 5)
 """The kinds of terms; 0 is that of "unbound"."""
@@ -138,7 +143,17 @@ def spell(term: Term) -> bytes:
     if isinstance(term, Triple):
         # The library writes a triple as a statement; inside of another triple it writes it as a term.
         return b"<<( %s %s %s )>>" % (spell(term.subject), spell(term.predicate), spell(term.object))
+    if isinstance(term, Literal) and term.datatype.value.startswith(_XSD) and term.datatype.value != _STRING:
+        term = _stored(term)
     return str(term).encode()
+
+
+@lru_cache(maxsize=4096)
+def _stored(literal: Literal) -> Literal:
+    """Return a literal as a store gives it back, which keeps values of numbers and times, not how they were written."""
+    store = Store()
+    store.add(Quad(_ANYTHING, _ANYTHING, literal))
+    return cast("Literal", next(iter(store)).object)
 
 
 def datatype(literal: bytes) -> bytes:

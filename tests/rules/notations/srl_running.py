@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from pyoxigraph import CanonicalizationAlgorithm, Dataset, Quad, RdfFormat, Triple, parse
+from pyoxigraph import CanonicalizationAlgorithm, Dataset, Quad, RdfFormat, Store, Triple, parse
 from rules.engine.comparing import inferred
 
 from kg.errors import Place
@@ -40,7 +40,9 @@ def infer(rules: Path, data: Iterable[Triple]) -> list[Triple]:
 
 
 def canonical(triples: Iterable[Triple]) -> set[str]:
-    """Return triples as text, the same for graphs that differ by the names of blank nodes only."""
-    dataset = Dataset(Quad(triple.subject, triple.predicate, triple.object) for triple in triples)
+    """Return triples as text as a store has them, the same for graphs that differ by the names of blank nodes only."""
+    store = Store()
+    store.extend(Quad(triple.subject, triple.predicate, triple.object) for triple in triples)
+    dataset = Dataset(store)
     dataset.canonicalize(CanonicalizationAlgorithm.UNSTABLE)
     return {str(quad.triple) for quad in dataset}
