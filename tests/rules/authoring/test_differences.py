@@ -1,0 +1,71 @@
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from rules.authoring.worlds import bench, files, write_rules
+
+from kg.errors import RuleError
+from kg.rules.authoring.differences import difference, difference_objects
+from kg.rules.authoring.spelling import spell_triple
+from kg.rules.engine.limits import Limits
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from kg.rules.authoring.differences import Difference
+
+KNOWS = "CONSTRUCT { ?x :knows ?y } WHERE { ?x :met ?y }"
+BACK = "CONSTRUCT { ?y :knows ?x } WHERE { ?x :knows ?y }"
+
+
+def told(found: Difference) -> list[tuple[str, str, tuple[str, ...]]]:
+    """Return the changes as text."""
+    prefixes = {"": "https://example.org/"}
+    return [(change.sign, spell_triple(change.triple, prefixes), change.rules) for change in found.changes]
+
+
+def test_what_comes_and_what_goes(tmp_path: Path) -> None:
+    """Triples that rules now infer come, those that the store holds and no rule gives any more go."""
+    rules = write_rules(tmp_path / "rules", knows=KNOWS)
+    found = difference(bench(tmp_path, ":a :met :b .", ":a :knows :c ; :saw :b ."), files(rules))
+    assert told(found) == [
+        ("+", ":a :knows :b", ("f/knows",)),
+        ("-", ":a :knows :c", ("f/knows",)),
+        ("-", ":a :saw :b", ()),
+    ]
+    assert found.by_rule == {"f/knows": (1, 1)}
+
+
+def test_nothing_changes_when_the_rules_were_run(tmp_path: Path) -> None:
+    """What the store holds as inferred already, or asserts, is no change."""
+    rules = write_rules(tmp_path / "rules", knows=KNOWS)
+    found = difference(bench(tmp_path, ":a :met :b ; :knows :b . :c :met :d .", ":c :knows :d ."), files(rules))
+    assert not found
+    assert list(difference_objects(found)) == [{"diff": True, "added": 0, "removed": 0, "rules": {}}]
+
+
+def test_of_a_chosen_rule_also_what_others_make_of_it(tmp_path: Path) -> None:
+    """What would come without the chosen rule is left out; what others derive from it is not."""
+    rules = write_rules(
+        tmp_path / "rules", knows=KNOWS, back=BACK, other="CONSTRUCT { ?x a :Met } WHERE { ?x :met ?y }"
+    )
+    every = files(rules)
+    chosen = [file for file in every if file.name == "f/knows"]
+    found = difference(bench(tmp_path, ":a :met :b ."), every, chosen)
+    assert told(found) == [("+", ":a :knows :b", ("f/back", "f/knows")), ("+", ":b :knows :a", ("f/back",))]
+
+
+def test_rules_over_a_schema_are_cut_to_that_of_the_store(tmp_path: Path) -> None:
+    """A rule that reads axioms and any property is applied to the axioms there are."""
+    text = "CONSTRUCT { ?y ?p ?x } WHERE { ?p a <http://www.w3.org/2002/07/owl#SymmetricProperty> . ?x ?p ?y }"
+    rules = write_rules(tmp_path / "rules", symmetric=text)
+    found = difference(bench(tmp_path, ":met a owl:SymmetricProperty . :a :met :b ; :saw :c ."), files(rules))
+    assert told(found) == [("+", ":b :met :a", ("f/symmetric",))]
+
+
+def test_a_limit_ends_it(tmp_path: Path) -> None:
+    """KG205 as for a run."""
+    rules = write_rules(tmp_path / "rules", knows=KNOWS)
+    with pytest.raises(RuleError, match="KG205"):
+        difference(bench(tmp_path, ":a :met :b , :c ."), files(rules), limits=Limits(max_triples=1))
