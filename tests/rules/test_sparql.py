@@ -31,7 +31,7 @@ def rows(store: Store, text: str, names: str = "xyz", **options: bool) -> set[tu
     """Return the solutions of a query, the columns that it has."""
     found = store.query(text, use_default_graph_as_union=options.get("union", False))
     columns = [name for name in names if f"?{name} " in text.split("WHERE", maxsplit=1)[0]]
-    return {tuple(solution[name] for name in columns) for solution in found}  # type: ignore[union-attr]
+    return {tuple(solution[name] for name in columns) for solution in found}  # type: ignore[union-attr]  # SELECT
 
 
 def count(found: Iterable[object] | QueryBoolean) -> int:

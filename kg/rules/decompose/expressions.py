@@ -200,7 +200,7 @@ def conjuncts(text: str) -> list[str]:
 def bare(text: str) -> str:
     """Return an expression without brackets around all of it."""
     tokens = _tokens(text)
-    while len(tokens) > 2 and tokens[0].text == "(" and _partner(tokens) == len(tokens) - 1:  # noqa: PLR2004
+    while len(tokens) > 2 and tokens[0].text == "(" and _partner(tokens) == len(tokens) - 1:  # noqa: PLR2004 - both brackets and more
         tokens = tokens[1:-1]
     return text[tokens[0].start : tokens[-1].end] if tokens else text
 
