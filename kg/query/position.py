@@ -9,8 +9,9 @@ __all__ = ["place_at", "place_of"]
 
 def place_at(text: str, offset: int, path: str) -> Place:
     """Return the place of the character at `offset` in `text`."""
-    line = text.count("\n", 0, offset) + 1
-    return place_of(text, line, offset - (text.rfind("\n", 0, offset) + 1) + 1, path)
+    begin = text.rfind("\n", 0, offset) + 1
+    end = text.find("\n", offset)
+    return Place(path, text.count("\n", 0, offset) + 1, offset - begin + 1, text[begin : end if end >= 0 else None])
 
 
 def place_of(text: str, line: int, column: int, path: str) -> Place:

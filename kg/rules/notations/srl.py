@@ -39,9 +39,10 @@ def rules(unit: RuleUnit, name: str, path: str, text: str, *, first: int = 1) ->
     Raises RuleError: KG203 for what is not well-formed, KG209 for a head whose subject is a literal.
     """
     found: list[Rule] = []
+    written = normalise(text)
     for part, rule in enumerate(unit.rules, first):
-        check(rule, path, text)
-        reader = _Reader(rule, path, normalise(text))
+        check(rule, path, written)
+        reader = _Reader(rule, path, written)
         if rule.template:
             found.append(Rule(name, reader.head(), reader.body(), reader.place(rule.span), part))
     return tuple(found)

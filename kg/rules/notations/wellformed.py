@@ -10,7 +10,6 @@ import re
 from typing import TYPE_CHECKING
 
 from kg.errors import RuleError
-from kg.query.lexer import normalise
 from kg.query.position import place_at
 from kg.query.similar import did_you_mean
 from kg.rules.syntax.scope import mentioned
@@ -25,8 +24,11 @@ __all__ = ["check"]
 
 
 def check(rule: RuleText, path: str, text: str) -> None:
-    """Raise RuleError KG203 at the first variable of a rule that is not bound, or is bound twice."""
-    checker = _Checker(path, normalise(text))
+    """Raise RuleError KG203 at the first variable of a rule that is not bound, or is bound twice.
+
+    `text` is that of the file, normalised: its lines end with line feeds.
+    """
+    checker = _Checker(path, text)
     bound = checker.sequence(rule.group.nodes, set())
     for pattern in rule.template:
         for name in sorted(mentioned((pattern,)) - bound):
