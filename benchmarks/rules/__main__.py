@@ -3,6 +3,7 @@
     python benchmarks/rules [--sizes 1000 10000] [--engines nemo "kg store"] [--repeat 3] [--output figures.json]
     python benchmarks/rules --write 100000 FILE        # only the graph, as N-Triples
     python benchmarks/rules --changes [--sizes 100000] # the cost of changes beside that of a full run
+    python benchmarks/rules --why [--sizes 1000000]    # the cost of explanations
 
 Every measurement is a process of its own; of several the smallest time counts, since whatever else the machine does
 only adds. All engines have to infer the same triples: what each inferred is compared by a digest over its sorted lines.
@@ -22,6 +23,7 @@ from pathlib import Path
 from typing import Any, Final
 
 import changing
+import explaining
 import generating
 from engines import ENGINES, OWL_ENGINES
 
@@ -39,7 +41,9 @@ def main() -> None:
         generating.write(Path(options.write[1]), int(options.write[0]))
         return
     with tempfile.TemporaryDirectory(prefix="kg-benchmark-") as folder:
-        if options.changes:
+        if options.why:
+            rows = [explaining.measure(size, Path(folder)) for size in options.sizes]
+        elif options.changes:
             rows = [changing.measure(size, Path(folder)) for size in options.sizes]
         else:
             rows = [row for size in options.sizes for row in _size(size, Path(folder), options)]
@@ -55,6 +59,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--output", type=Path, help="a file for the figures, as JSON")
     parser.add_argument("--write", nargs=2, metavar=("SIZE", "FILE"), help="only write the graph of a size")
     parser.add_argument("--changes", action="store_true", help="measure changes instead")
+    parser.add_argument("--why", action="store_true", help="measure explanations instead")
     return parser.parse_args()
 
 
@@ -119,21 +124,21 @@ def _print(rows: list[dict[str, Any]], base: str) -> None:
     digests = {row["digest"] for row in rows}
     if rows:
         print(f"\n{rows[0]['asserted']:,} triples; all infer the same: {'yes' if len(digests) == 1 else digests}")
-        head = f"result / {base}", f"with writing / {base}"
-        print(f"{'engine':12} {'inferred':>10} {'result s':>9} {'writing s':>9} {head[0]:>19} {head[1]:>25} B/triple")
+        print("ratios: the time to the result, that with writing, and the processor time, each by that of", base)
+        print(f"{'engine':12} {'inferred':>10} {'result s':>9} {'writing s':>9} {'CPU s':>8}  ratios {'B/triple':>20}")
     for row in rows:
-        whole = row["seconds"] + row["writing"]
-        ratios = "-", "-"
-        if reference:
-            ratios = (
-                f"{row['seconds'] / reference['seconds']:.2f}",
-                f"{whole / (reference['seconds'] + reference['writing']):.2f}",
-            )
+        ratios = "".join(
+            f"{one / other:7.2f}" for one, other in zip(_times(row), _times(reference or row), strict=True)
+        )
         size = row["megabytes"] * 1e6 / (row["asserted"] + row["inferred"])
         print(
             f"{row['engine']:12} {row['inferred']:>10,} {row['seconds']:>9.3f} {row['writing']:>9.3f} "
-            f"{ratios[0]:>19} {ratios[1]:>25} {size:>8.0f}"
+            f"{row['cpu']:>8.3f} {ratios} {size:>6.0f}"
         )
+
+
+def _times(row: dict[str, Any]) -> tuple[float, float, float]:
+    return row["seconds"], row["seconds"] + row["writing"], row["cpu"]
 
 
 main()

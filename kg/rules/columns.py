@@ -147,6 +147,8 @@ class _Query:
 
 def by_predicate(rows: NDArray[np.int64]) -> Iterator[tuple[int, NDArray[np.int64]]]:
     """Yield each predicate of rows of subject, predicate and object with its keys in any order."""
+    if not len(rows):
+        return
     ordered = rows[np.argsort(rows[:, 1], kind="stable")]
     starts = np.flatnonzero(np.diff(ordered[:, 1], prepend=-1))
     for start, end in zip(starts, [*starts[1:], len(ordered)], strict=True):

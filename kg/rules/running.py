@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Names", "RunReport", "Runner", "run", "run_files"]
 
-_FEW: Final = 5000
+_FEW: Final = 2500
 """So many triples are added one by one; a bulk load costs as much before it begins."""
 
 _REMOVAL: Final = 3

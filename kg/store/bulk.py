@@ -31,6 +31,8 @@ _LEAST_BYTES: Final = 4 << 20
 """A batch of at least this size goes to a thread of its own."""
 _MOST_BYTES: Final = 16 << 20
 """The size of a batch; larger ones cost more for each triple, and keep Ctrl-C waiting."""
+_FEW: Final = 2500
+"""So many triples are added as fast one by one: a bulk load writes files for each index, whatever their size."""
 
 
 def table(engine: Engine, select: str, graph: NamedNode | None) -> bytes:
@@ -65,7 +67,11 @@ def load(engine: Engine, graph: NamedNode, chunks: Iterable[bytes]) -> None:
 def add_exactly(engine: Engine, graph: NamedNode, lines: bytes) -> None:
     """Add N-Triples with the labels that their blank nodes have; loading would give them others."""
     quads = parse(lines, RdfFormat.N_TRIPLES, lenient=True)
-    engine().bulk_extend(Quad(quad.subject, quad.predicate, quad.object, graph) for quad in quads)
+    placed = (Quad(quad.subject, quad.predicate, quad.object, graph) for quad in quads)
+    if lines.count(b"\n") > _FEW:
+        engine().bulk_extend(placed)
+    else:
+        engine().extend(placed)
 
 
 def remove_exactly(engine: Engine, graph: NamedNode, lines: bytes) -> None:

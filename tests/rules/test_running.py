@@ -1,0 +1,203 @@
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from pyoxigraph import BlankNode, NamedNode, RdfFormat, parse
+
+from kg.errors import Place, RuleError
+from kg.rules.engine.evaluate import Limits
+from kg.rules.files import Documentation, RuleFile, RuleSet
+from kg.rules.form import Atom, Exists, Rule, Variable
+from kg.rules.running import Names, Runner, RunReport, run
+from kg.store.embedded import EmbeddedStore
+
+if TYPE_CHECKING:
+    from kg.rules.form import Element
+
+NAMES = Names.of("http://example.org/", "http://example.org/ns#")
+A, B = NamedNode("http://example.org/graph/a"), NamedNode("http://example.org/graph/b")
+X, Y, Z, N = Variable("x"), Variable("y"), Variable("z"), Variable("n")
+PARENT, ANCESTOR, CHILDLESS, KNOWS = (NamedNode(f"urn:{name}") for name in ("parent", "ancestor", "childless", "knows"))
+TYPE = NamedNode("http://www.w3.org/1999/02/22-rdf-syntax-ns#type")
+
+
+def rule_set(*rules: tuple[str, Atom, tuple[Element, ...]], data: str = "") -> RuleSet:
+    """Return rules given as name, head and body, of one file that states `data`."""
+    made = tuple(Rule(name, (head,), body, Place("test.rq", 1)) for name, head, body in rules)
+    triples = tuple(quad.triple for quad in parse(data, RdfFormat.N_TRIPLES))
+    return RuleSet((RuleFile("family/test", Path("test.rq"), "", Documentation(), made, triples),))
+
+
+FAMILY = rule_set(
+    ("family/base", Atom(X, ANCESTOR, Y), (Atom(X, PARENT, Y),)),
+    ("family/step", Atom(X, ANCESTOR, Z), (Atom(X, PARENT, Y), Atom(Y, ANCESTOR, Z))),
+    ("family/leaf", Atom(Y, TYPE, CHILDLESS), (Atom(X, PARENT, Y), Exists((Atom(Y, PARENT, Z),), negated=True))),
+)
+
+
+def parents(*pairs: tuple[int, int]) -> bytes:
+    """Return triples that say who is whose parent."""
+    return "".join(f"<urn:{one}> <urn:parent> <urn:{other}> .\n" for one, other in pairs).encode()
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> EmbeddedStore:
+    """Return a store with two graphs that share a triple."""
+    made = EmbeddedStore.create(tmp_path / ".kg")
+    with made.write("test") as transaction:
+        transaction.replace_graphs({A: [parents((1, 2), (2, 3))], B: [parents((2, 3), (3, 4))]})
+    return made
+
+
+def inferred(store: EmbeddedStore) -> list[bytes]:
+    """Return the lines of the graph of inferred triples."""
+    with store.read() as snapshot:
+        return sorted(snapshot.dump(RdfFormat.N_TRIPLES, graph=NAMES.inferred).splitlines())
+
+
+def figures(report: RunReport) -> tuple[str, int, int, int]:
+    """Return what a run did: mode, inferred triples, those added and removed."""
+    return report.mode, report.inferred, report.added, report.removed
+
+
+def test_a_run_writes_what_follows_from_all_graphs_and_the_next_one_changes_nothing(store: EmbeddedStore) -> None:
+    """The union of the graphs is read, each triple once; without a change no generation is made."""
+    report = run(store, FAMILY, NAMES)
+    assert figures(report) == ("full", 7, 7, 0)
+    assert report.asserted == 3
+    assert report.strata >= 2
+    assert b"<urn:1> <urn:ancestor> <urn:4> ." in inferred(store)
+    again = run(store, FAMILY, NAMES)
+    assert figures(again) == ("incremental", 7, 0, 0)
+    assert again.generation is None
+    anew = run(store, FAMILY, NAMES, incremental=False)
+    assert figures(anew) == ("full", 7, 0, 0)
+    assert store.layout.current() == report.generation
+
+
+def test_a_change_of_one_graph_is_maintained_in_the_transaction_that_makes_it(store: EmbeddedStore) -> None:
+    """A graph that is written anew is read again; what only it stated goes, with what followed from it."""
+    run(store, FAMILY, NAMES)
+    runner = Runner(NAMES, store.layout.cache)
+    with store.write("test") as transaction:
+        transaction.replace_graphs({B: [parents((2, 3), (3, 5), (8, 9))]})
+        report = runner.run_within(transaction, FAMILY)
+    runner.remember(store.layout.current())
+    assert figures(report)[2:] == (6, 4)
+    assert b"<urn:1> <urn:ancestor> <urn:5> ." in inferred(store)
+    assert b"<urn:1> <urn:ancestor> <urn:4> ." not in inferred(store)
+    assert figures(run(store, FAMILY, NAMES)) == ("incremental", 9, 0, 0)
+
+
+def test_a_dry_run_tells_the_difference_and_writes_nothing(store: EmbeddedStore) -> None:
+    """The lines that would come are in the report; the store has no new generation."""
+    report = run(store, FAMILY, NAMES, dry_run=True)
+    assert report.dry_run
+    assert report.change.added_lines()[0] == b"<urn:1> <urn:ancestor> <urn:2> .\n"
+    assert report.change.removed_lines() == []
+    assert store.layout.current() == 1
+
+
+def test_a_limit_leaves_the_store_as_it_is(store: EmbeddedStore) -> None:
+    """KG205 ends a run before anything is written."""
+    with pytest.raises(RuleError) as caught:
+        run(store, FAMILY, NAMES, limits=Limits(max_triples=2))
+    assert caught.value.code == "KG205"
+    assert store.layout.current() == 1
+    assert store.layout.numbers() == [1]
+
+
+def test_changes_of_any_kind_are_noticed(store: EmbeddedStore) -> None:
+    """Updates in SPARQL, patches, graphs that go, and a graph of inferred triples that somebody dropped."""
+    run(store, FAMILY, NAMES)
+    with store.write("test") as transaction:
+        transaction.update(f"DELETE DATA {{ GRAPH {A} {{ <urn:1> <urn:parent> <urn:2> }} }}")
+    assert figures(run(store, FAMILY, NAMES))[1:] == (4, 0, 3)
+    with store.write("test") as transaction:
+        transaction.append(A, parents((0, 2)))
+    assert figures(run(store, FAMILY, NAMES))[1:] == (7, 3, 0)
+    with store.write("test") as transaction:
+        transaction.drop_graph(NAMES.inferred)
+    assert figures(run(store, FAMILY, NAMES))[1:] == (7, 7, 0)
+    with store.write("test") as transaction:
+        transaction.drop_graph(B)
+    assert figures(run(store, FAMILY, NAMES))[1:] == (4, 1, 4)
+
+
+def test_a_damaged_cache_is_not_used(store: EmbeddedStore) -> None:
+    """A file whose digest does not fit is as none."""
+    run(store, FAMILY, NAMES)
+    for path in (store.layout.cache / "columns").iterdir():
+        content = path.read_bytes()
+        path.write_bytes(content[:-1] + bytes([content[-1] ^ 1]))
+    assert figures(run(store, FAMILY, NAMES)) == ("full", 7, 0, 0)
+
+
+def test_blank_nodes_of_heads_keep_their_labels(store: EmbeddedStore) -> None:
+    """A rule that makes blank nodes gives the same ones in every run, and the store has them under these names."""
+    rules = rule_set(("family/knows", Atom(X, KNOWS, BlankNode("one")), (Atom(X, PARENT, Y),)))
+    assert figures(run(store, rules, NAMES)) == ("full", 3, 3, 0)
+    first = inferred(store)
+    assert figures(run(store, rules, NAMES, incremental=False)) == ("full", 3, 0, 0)
+    with store.write("test") as transaction:
+        transaction.patch_graph(A, parents((1, 2)), b"")
+    assert figures(run(store, rules, NAMES)) == ("full", 2, 0, 1)
+    assert set(inferred(store)) < set(first)
+
+
+def test_what_rule_files_state_is_inferred_unless_a_graph_states_it(store: EmbeddedStore) -> None:
+    """Triples of DATA take part as asserted ones and stand in the graph of inferred ones."""
+    rules = rule_set(
+        ("family/base", Atom(X, ANCESTOR, Y), (Atom(X, PARENT, Y),)), data=parents((1, 2), (7, 8)).decode()
+    )
+    assert figures(run(store, rules, NAMES)) == ("full", 5, 5, 0)
+    assert b"<urn:7> <urn:parent> <urn:8> ." in inferred(store)
+    assert b"<urn:1> <urn:parent> <urn:2> ." not in inferred(store)
+
+
+def test_the_graph_of_builds_has_one_activity_a_run_with_its_rules(store: EmbeddedStore) -> None:
+    """Rules that inferred something are named with what they were the first to derive; a run without changes is not."""
+    run(store, FAMILY, NAMES)
+    run(store, FAMILY, NAMES, incremental=False)
+    with store.read() as snapshot:
+        text = snapshot.dump(RdfFormat.N_TRIPLES, graph=NAMES.builds).decode()
+    assert text.count("http://www.w3.org/ns/prov#Activity>") == 1
+    assert text.count("<http://www.w3.org/ns/shacl#sourceRule>") == 3
+    assert "<http://www.w3.org/ns/shacl#sourceRule> <http://example.org/rule/family/base>" in text
+
+
+edges = st.tuples(st.integers(0, 4), st.integers(0, 4))
+changes = st.lists(
+    st.tuples(st.sampled_from([A, B]), st.lists(edges, max_size=3), st.lists(edges, max_size=3), st.booleans()),
+    min_size=1,
+    max_size=4,
+)
+
+
+@settings(max_examples=6, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(changes)
+def test_any_sequence_of_changes_gives_what_starting_over_gives(
+    tmp_path_factory: pytest.TempPathFactory,
+    made: list[tuple[NamedNode, list[tuple[int, int]], list[tuple[int, int]], bool]],
+) -> None:
+    """Patches, with one process for all or one for each, leave the triples of a run from nothing."""
+    store = EmbeddedStore.create(tmp_path_factory.mktemp("changes") / ".kg")
+    with store.write("test") as transaction:
+        transaction.replace_graphs({A: [parents((1, 2), (2, 3))], B: [parents((2, 3), (3, 4))]})
+    runner = Runner(NAMES, store.layout.cache)
+    runner.run(store, FAMILY)
+    for graph, gone, come, stays in made:
+        with store.write("test") as transaction:
+            transaction.patch_graph(graph, parents(*gone), parents(*come))
+            runner = runner if stays else Runner(NAMES, store.layout.cache)
+            runner.run_within(transaction, FAMILY)
+        runner.remember(store.layout.current())
+    kept = inferred(store)
+    with store.write("test") as transaction:
+        transaction.drop_graph(NAMES.inferred)
+    Runner(NAMES).run(store, FAMILY)
+    assert inferred(store) == kept

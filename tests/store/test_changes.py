@@ -1,0 +1,49 @@
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from pyoxigraph import NamedNode
+
+from kg.store.changes import Changes, since
+from kg.store.embedded import EmbeddedStore
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+G, H = NamedNode("urn:g"), NamedNode("urn:h")
+ONE, TWO = b"<urn:a> <urn:b> <urn:c> .\n", b"<urn:a> <urn:b> <urn:d> .\n"
+
+
+def test_generations_tell_which_graphs_they_changed(tmp_path: Path) -> None:
+    """Patches follow one another; a graph that was written anew has none."""
+    store = EmbeddedStore.create(tmp_path / ".kg")
+    with store.write("test") as transaction:
+        transaction.replace_graphs({G: [ONE], H: [ONE]})
+    with store.write("test") as transaction:
+        transaction.patch_graph(G, ONE, TWO)
+    with store.write("test") as transaction:
+        transaction.append(G, ONE)
+        transaction.load(H, [TWO])
+    assert since(store.layout, 1, 3).graphs == {"urn:g": [(ONE, TWO), (b"", ONE)], "urn:h": None}
+    assert since(store.layout, 3, 3).graphs == {}
+
+
+def test_what_may_write_anywhere_is_not_known(tmp_path: Path) -> None:
+    """An update in SPARQL, a missing record and a record of an older generation leave nothing known."""
+    store = EmbeddedStore.create(tmp_path / ".kg")
+    with store.write("test") as transaction:
+        transaction.load(G, [ONE])
+    with store.write("test") as transaction:
+        transaction.update("INSERT DATA { <urn:a> <urn:b> <urn:c> }")
+    assert since(store.layout, 1, 2).graphs is None
+    (store.layout.root / "changes" / "2").unlink()
+    assert since(store.layout, 1, 2).graphs is None
+    assert since(store.layout, 2, 1).graphs is None
+
+
+def test_patches_with_blank_nodes_are_not_kept() -> None:
+    """Loading gives blank nodes other labels, so the text does not say what is in the store."""
+    changes = Changes()
+    changes.patch("urn:g", b"", b"_:a <urn:b> <urn:c> .\n")
+    changes.patch("urn:g", b"", ONE)
+    assert changes.graphs == {"urn:g": None}
