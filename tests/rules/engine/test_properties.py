@@ -5,13 +5,26 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
-from pyoxigraph import BlankNode, Literal, NamedNode
+from pyoxigraph import BlankNode, Literal, NamedNode, Triple
 from rules.engine.comparing import inferred
 from rules.engine.oracle import infer
 
 from kg.errors import Place, RuleError
 from kg.rules.engine import heads, matching, solve, tables
-from kg.rules.form import Aggregate, Assignment, Atom, Column, Exists, Expression, Filter, Rule, Values, Variable
+from kg.rules.form import (
+    Aggregate,
+    Assignment,
+    Atom,
+    Column,
+    Exists,
+    Expression,
+    Filter,
+    Rule,
+    TripleTerm,
+    Values,
+    Variable,
+    variables_of,
+)
 from kg.rules.stratify import stratify
 
 if TYPE_CHECKING:
@@ -21,7 +34,8 @@ if TYPE_CHECKING:
 
 PREDICATES = [NamedNode(f"urn:p{number}") for number in range(5)]
 NODES = [NamedNode(f"urn:n{number}") for number in range(4)]
-TERMS: list[Term] = [*NODES, BlankNode("b"), Literal(1), Literal(2), Literal("x"), PREDICATES[0], PREDICATES[3]]
+STATEMENT = Triple(NODES[0], PREDICATES[0], NODES[1])
+TERMS: list[Term] = [*NODES, BlankNode("b"), Literal(1), Literal(2), Literal("x"), *PREDICATES[::3], STATEMENT]
 VARIABLES = [Variable(name) for name in "abcd"]
 TESTS = [
     "?{0} = ?{1}",
@@ -65,7 +79,9 @@ def patterns(draw: st.DrawFn) -> Atom:
     subjects: list[Pattern] = [*VARIABLES, *VARIABLES, *NODES]
     variable: Variable = draw(st.sampled_from(VARIABLES))
     predicates: list[Pattern] = [*PREDICATES, variable]
-    values: list[Pattern] = [*VARIABLES, *VARIABLES, *TERMS]
+    ends: list[Pattern] = [*VARIABLES, NODES[0]]
+    inner = TripleTerm(draw(st.sampled_from(VARIABLES)), PREDICATES[0], draw(st.sampled_from(ends)))
+    values: list[Pattern] = [*VARIABLES, *VARIABLES, *TERMS, inner, inner]
     subject, predicate, value = (draw(st.sampled_from(each)) for each in (subjects, predicates, values))
     return Atom(subject, predicate, value, asserted=draw(st.integers(0, 9)) == 0)
 
@@ -118,7 +134,7 @@ def bound_by(body: tuple[Element, ...]) -> set[Variable]:
     found: set[Variable] = set()
     for element in body:
         if isinstance(element, Atom):
-            found |= {position for position in element.positions if isinstance(position, Variable)}
+            found |= {variable for position in element.positions for variable in variables_of(position)}
         elif isinstance(element, Assignment):
             found.add(element.variable)
         elif isinstance(element, Values):
