@@ -93,6 +93,6 @@ def test_volatile_functions_in_recursion_are_refused_even_when_bounded() -> None
 
 
 def test_long_chains_of_rules_need_no_deep_stack() -> None:
-    """Twenty thousand rules in a row are stratified."""
+    """Five thousand rules in a row are stratified."""
     rules = [rule(f"?x :p{number + 1} ?y", f"?x :p{number} ?y", name=f"t/{number}") for number in range(5000)]
     assert len(stratify(reversed(rules))) == 5000

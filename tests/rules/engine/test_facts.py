@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import numpy as np
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
@@ -63,6 +63,7 @@ class AgainstASet(RuleBasedStateMachine):
         assert (5 in self.facts.predicates) == bool(self.pairs)
 
 
+AgainstASet.TestCase.settings = settings(max_examples=30, stateful_step_count=20, deadline=None)
 TestAgainstASet = AgainstASet.TestCase
 
 
