@@ -2,9 +2,9 @@
 
     <run/2026-01-31T12:00:00+00:00> a prov:Activity, rnkg:RuleRun ;
         prov:startedAtTime, prov:endedAtTime "..."^^xsd:dateTime ; prov:generated <graph/inferred> ;
-        rnkg:tripleCount 170412 ; prov:qualifiedUsage <run/...#communication/feeds> .
+        rnkg:inferredCount 170412 ; prov:qualifiedUsage <run/...#communication/feeds> .
     <run/...#communication/feeds> a prov:Usage ; prov:entity <rule/communication/feeds> ;
-        sh:sourceRule <rule/communication/feeds> ; rnkg:tripleCount 5120 .
+        sh:sourceRule <rule/communication/feeds> ; rnkg:inferredCount 5120 .
 
 No triple is said of an inferred one: which rule gives it is found out when somebody asks.
 """
@@ -51,7 +51,7 @@ class Names:
 def activity(names: Names, started: datetime, ended: datetime, triples: int, derived: Mapping[str, int]) -> bytes:
     """Return the N-Triples about one run; `derived` counts what each rule, by name, was the first to derive."""
     run = f"{names.base}run/{quote(started.isoformat(), safe=':')}"
-    count = f"<{names.vocabulary}tripleCount>"
+    count = f"<{names.vocabulary}inferredCount>"
     found = [
         f"<{run}> {_TYPE} <{_PROV}Activity>",
         f"<{run}> {_TYPE} <{names.vocabulary}RuleRun>",
