@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from itertools import product
-from typing import TYPE_CHECKING, Any, Final, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias, cast
 
 from pyoxigraph import Literal, NamedNode, RdfFormat, Triple, parse
 
@@ -13,13 +13,13 @@ from kg.query.prefixes import PREFIXES, shorten
 from kg.query.similar import did_you_mean
 
 if TYPE_CHECKING:
-    from pyoxigraph import BlankNode
+    from collections.abc import Mapping
 
-    from kg.store.interface import Snapshot
+    from pyoxigraph import BlankNode, QueryBoolean, QuerySolutions, QueryTriples
 
     _Term: TypeAlias = NamedNode | BlankNode | Literal
 
-__all__ = ["facts", "terms"]
+__all__ = ["Askable", "facts", "terms"]
 
 _PREFIXED: Final = re.compile(r"([A-Za-z][\w.-]*):([\w.-]*)")
 _WRITTEN: Final = re.compile(r"""["'].*|[+-]?\d[\d.eE+-]*|true|false|<<.*""", re.DOTALL)
@@ -29,7 +29,17 @@ _NAMES: Final = "SELECT DISTINCT ?name WHERE { ?t rdfs:label ?name }"
 _PROPERTIES: Final = "SELECT DISTINCT ?name WHERE { ?s ?name ?o }"
 
 
-def facts(snapshot: Snapshot, subject: str, predicate: str, value: str) -> tuple[list[Triple], bool]:
+class Askable(Protocol):
+    """The part of a snapshot that names are looked up in."""
+
+    def query(
+        self, text: str, *, prefixes: Mapping[str, str] | None = None
+    ) -> QuerySolutions | QueryBoolean | QueryTriples:
+        """Run a query over the union of all graphs."""
+        ...
+
+
+def facts(snapshot: Askable, subject: str, predicate: str, value: str) -> tuple[list[Triple], bool]:
     """Return the facts that three typed words may mean, and whether the store holds them.
 
     A name that several things have means the ones of which the store holds the fact; where it holds none, those that
@@ -63,7 +73,7 @@ def _triples(subjects: list[_Term], predicates: list[_Term], values: list[_Term]
     ]
 
 
-def _fitting(snapshot: Snapshot, found: list[_Term], used: str, pattern: str, place: str) -> list[_Term]:
+def _fitting(snapshot: Askable, found: list[_Term], used: str, pattern: str, place: str) -> list[_Term]:
     """Return those of several things that stand in this place of the property, or else are of a kind that does."""
     for test in (f"{used}", f"{pattern} . {place} a ?kind . {{}} a ?kind"):
         fitting = [term for term in found if snapshot.query(f"ASK {{ {test.format(term)} }}")]
@@ -72,7 +82,7 @@ def _fitting(snapshot: Snapshot, found: list[_Term], used: str, pattern: str, pl
     return found
 
 
-def terms(snapshot: Snapshot, word: str, *, property_: bool = False) -> list[_Term]:
+def terms(snapshot: Askable, word: str, *, property_: bool = False) -> list[_Term]:
     """Return the terms that a word may mean: `<iri>`, `ros:Node`, `"text"`, `5`, `a`, or a name in the store.
 
     Raises:
@@ -101,7 +111,7 @@ def _literal(word: str) -> Literal:
     return cast("Literal", found)
 
 
-def _property(snapshot: Snapshot, word: str) -> list[NamedNode]:
+def _property(snapshot: Askable, word: str) -> list[NamedNode]:
     rows: Any = snapshot.query(_PROPERTIES)
     known = [row[0] for row in rows]
     found = [iri for iri in known if re.split(r"[/#]", iri.value)[-1] == word]
@@ -111,7 +121,7 @@ def _property(snapshot: Snapshot, word: str) -> list[NamedNode]:
     return found
 
 
-def _called(snapshot: Snapshot, word: str) -> list[NamedNode]:
+def _called(snapshot: Askable, word: str) -> list[NamedNode]:
     """Return what is called `word`; the leading slash of a ROS name may be left out."""
     names = f"{Literal(word)} {Literal('/' + word)}"
     rows: Any = snapshot.query(_CALLED % names, prefixes=PREFIXES)

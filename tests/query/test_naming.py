@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import pytest
 from pyoxigraph import Literal, NamedNode, Store
 
 from kg.errors import UnknownNameError, UsageError
 from kg.query.naming import facts, terms
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from pyoxigraph import QueryBoolean, QuerySolutions, QueryTriples
 
 DATA = """
 PREFIX : <https://w3id.org/rnkg/>
@@ -28,9 +35,11 @@ class Snapshot:
         self.store = Store()
         self.store.update(DATA)
 
-    def query(self, text: str, *, prefixes: object = None, union: bool = True) -> object:
+    def query(
+        self, text: str, *, prefixes: Mapping[str, str] | None = None
+    ) -> QuerySolutions | QueryBoolean | QueryTriples:
         """Run a query."""
-        return self.store.query(text, prefixes=dict(prefixes or {}), use_default_graph_as_union=union)  # type: ignore[call-overload]
+        return self.store.query(text, prefixes=dict(prefixes or {}))
 
 
 STORE = Snapshot()
@@ -52,19 +61,19 @@ BASE = "https://w3id.org/rnkg/"
 )
 def test_words(word: str, term: object) -> None:
     """A word means the term that it spells, or the thing that is called so."""
-    assert terms(STORE, word) == [term]  # type: ignore[arg-type]
+    assert terms(STORE, word) == [term]
 
 
 def test_a_fact_that_is_held_says_which_thing_is_meant() -> None:
     """Of two things of one name the one is meant of which the store holds the fact."""
-    found, held = facts(STORE, "talker", "publishes", "chatter")  # type: ignore[arg-type]
+    found, held = facts(STORE, "talker", "publishes", "chatter")
     assert held
     assert [fact.subject for fact in found] == [NamedNode(BASE + "talker")]
 
 
 def test_a_fact_that_is_not_held_goes_by_what_the_property_is_used_with() -> None:
     """Of two things of one name the one is meant that has the property, or is of the kind that has."""
-    found, held = facts(STORE, "talker", "publishes", "odom")  # type: ignore[arg-type]
+    found, held = facts(STORE, "talker", "publishes", "odom")
     assert not held
     assert [fact.subject for fact in found] == [NamedNode(BASE + "talker")]
 
@@ -72,17 +81,17 @@ def test_a_fact_that_is_not_held_goes_by_what_the_property_is_used_with() -> Non
 def test_unknown_words_get_suggestions() -> None:
     """A name or property that nothing has is refused with the nearest."""
     with pytest.raises(UnknownNameError) as name:
-        terms(STORE, "talkr")  # type: ignore[arg-type]
+        terms(STORE, "talkr")
     assert name.value.hint == "Did you mean `talker`?"
     with pytest.raises(UnknownNameError) as missing:
-        terms(STORE, "publish", property_=True)  # type: ignore[arg-type]
+        terms(STORE, "publish", property_=True)
     assert "rnkg:publishes" in (missing.value.hint or "")
     with pytest.raises(UsageError):
-        terms(STORE, '"open')  # type: ignore[arg-type]
+        terms(STORE, '"open')
 
 
 def test_ambiguous_words_are_asked_about() -> None:
     """Where nothing tells things of one name apart, their IRIs are listed."""
     with pytest.raises(UsageError) as error:
-        facts(STORE, "listener", "publishes", "talker")  # type: ignore[arg-type]
+        facts(STORE, "listener", "publishes", "talker")
     assert BASE + "exe" in (error.value.hint or "")
