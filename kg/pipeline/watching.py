@@ -12,7 +12,7 @@ from kg.pipeline.reasoning import check_context, explained_vocabulary
 from kg.rules.authoring.differences import difference
 from kg.rules.authoring.library import Library
 from kg.rules.authoring.naming import choose
-from kg.rules.authoring.testing import run_examples, tested
+from kg.rules.authoring.testing import parted, run_examples
 from kg.rules.authoring.watching import Watched
 from kg.rules.authoring.workbench import Workbench
 from kg.rules.checks.finding import from_error
@@ -119,7 +119,7 @@ class _Desk:
         findings = self._findings(names)
         broken = {finding.rule for finding in findings if finding.severity == "error"}
         sound = [entry for entry in entries if entry.name not in broken]
-        results = tuple(run_examples(tested(sound)[0], self.library))
+        results = tuple(run_examples(parted(sound)[0], self.library))
         found, problem = None, None
         if bench is not None and (sound or gone):
             found, problem = self._difference(bench, sound)

@@ -14,6 +14,11 @@ from typing import Final
 import pytest
 from cli.rover import build
 from cli.test_golden import said
+from pyoxigraph import NamedNode
+
+from kg.graph.iris import Iris
+from kg.store.embedded import EmbeddedStore
+from kg.store.layout import Layout
 
 GOLDEN: Final = Path(__file__).parent / "golden" / "rules"
 CASES: Final = sorted(GOLDEN.glob("*.txt"))
@@ -24,10 +29,12 @@ SHARE: Final = re.compile(r"\b\d+%")
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a folder with rules and the store of the rover."""
+    """Return a folder with rules and the store of the rover, in which no rules were run."""
     folder = tmp_path_factory.mktemp("built") / "rover"
     shutil.copytree(Path(__file__).parent / "rules_case", folder)
     build(folder / ".kg")
+    with EmbeddedStore(Layout(folder / ".kg")).write("test") as transaction:
+        transaction.drop_graph(NamedNode(Iris().graph("inferred")))
     return folder
 
 

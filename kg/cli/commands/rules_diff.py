@@ -30,7 +30,7 @@ def diff(  # noqa: PLR0913 - the options of a command
 ) -> None:
     """Show what rules as they are on disk add to the store and take from it; exit code 1 when there is anything.
 
-    Nothing is written. With rules named, what would come without them too is left out. For example:
+    Nothing is written. With rules named, only what comes and goes because of them is shown. For example:
 
         kg rules diff
         kg rules diff wiring/listens-to

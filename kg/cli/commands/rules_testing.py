@@ -47,11 +47,11 @@ def try_rules(
     """
     from kg.rules.authoring.library import Library  # noqa: PLC0415 - start-up time
     from kg.rules.authoring.naming import choose  # noqa: PLC0415 - start-up time
-    from kg.rules.authoring.testing import result_object, run_examples, tested  # noqa: PLC0415 - start-up time
+    from kg.rules.authoring.testing import parted, result_object, run_examples  # noqa: PLC0415 - start-up time
 
     begin = time.perf_counter()
     library = Library.of(session(context).settings(rules=rules))
-    with_examples, without = tested(choose(library, chosen or ()))
+    with_examples, without = parted(choose(library, chosen or ()))
     results = run_examples(with_examples, library)
     done = []
     if json:

@@ -17,6 +17,7 @@ from kg.rules.dependencies import depends
 from kg.rules.engine.facts import Facts, intersection
 from kg.rules.form import Atom
 from kg.rules.lines import lacking, stored
+from kg.rules.stratify import edges
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -72,13 +73,14 @@ def difference(
 ) -> Difference:
     """Compare what the rules of `files` infer with what the store holds as inferred.
 
-    With `chosen`, triples that would come without these rules too are left out: what is new because of others, in a
-    store in which they were not run. Raises what evaluating the rules raises.
+    With `chosen`, only what comes or goes because of these rules is told: in a store in which others were not run, or
+    have changed too, there is more. Raises what evaluating the rules raises.
     """
     tried = bench.infer(files, limits)
     now = union_of([stored(tried.outcome.inferred, bench.dictionary), tried.stated])
     come, gone = lacking(now, bench.inferred), lacking(bench.inferred, now)
     names = {file.name for file in chosen}
+    fed = _fed_by(tried.rules, names) if names else None
     if names and len(come):
         others = bench.infer([file for file in files if file.name not in names], limits)
         come = lacking(come, others.outcome.inferred)
@@ -86,8 +88,23 @@ def difference(
     changes = [
         Changed(sign, triple, rules, prefixes[rules[0]] if rules else PREFIXES)
         for sign, triple, rules in (*_come(bench, tried, come), *_gone(bench, tried, gone))
+        if sign == "+" or fed is None or fed.intersection(rules)
     ]
     return Difference(tuple(changes), tried)
+
+
+def _fed_by(rules: Sequence[Rule], names: set[str]) -> set[str]:
+    """Return the names of rules with those of the rules that read, directly or not, what they derive."""
+    readers: dict[str, set[str]] = {}
+    for reader, needs in zip(rules, edges(rules), strict=True):
+        for writer in needs:
+            readers.setdefault(rules[writer].name, set()).add(reader.name)
+    found, waiting = set(names), list(names)
+    while waiting:
+        fresh = readers.get(waiting.pop(), set()) - found
+        found |= fresh
+        waiting.extend(fresh)
+    return found
 
 
 _Found: TypeAlias = "tuple[str, Triple, tuple[str, ...]]"

@@ -93,7 +93,7 @@ def rule_graph(files: Sequence[RuleFile], schema: Iterable[Triple] = ()) -> Rule
     Raises:
         RuleError: KG202 and KG204 where they have no strata.
     """
-    prefixes = {**{name: iri for file in files for name, iri in (file.prefixes or {}).items() if name}, **PREFIXES}
+    prefixes = _prefixes(files)
     rules = specialise((rule for file in files for rule in file.rules), schema)
     derives: dict[tuple[int, str], None] = {}
     readers: dict[tuple[str, int], bool] = {}
@@ -116,6 +116,15 @@ def rule_graph(files: Sequence[RuleFile], schema: Iterable[Triple] = ()) -> Rule
         {(keys[writer], term): None for writer, term in derives},
         _merged(readers, keys),
     )
+
+
+def _prefixes(files: Sequence[RuleFile]) -> dict[str, str]:
+    """Return the prefixes that everyone knows, and those that mean the same in all files that declare them."""
+    meant: dict[str, set[str]] = defaultdict(set)
+    for file in files:
+        for name, iri in (file.prefixes or {}).items():
+            meant[name].add(iri)
+    return {**{name: next(iter(iris)) for name, iris in meant.items() if len(iris) == 1}, **PREFIXES}
 
 
 def _merged(readers: Mapping[tuple[str, int], bool], keys: Sequence[str]) -> dict[tuple[str, str], bool]:

@@ -63,7 +63,7 @@ class Manual:
 def manual(library: Library, entry: Entry, schema: Iterable[Triple] = ()) -> Manual:
     """Return what is known of a rule among others cut to `schema`; raises what reading its file raises."""
     file = library.read(entry.name)
-    prefixes = {**PREFIXES, **{name: iri for name, iri in (file.prefixes or {}).items() if name}}
+    prefixes = {**PREFIXES, **(file.prefixes or {})}
     atoms = list(_atoms(file))
     absent = _spelt((atom for atom, negated in atoms if negated), prefixes)
     graph, problem = _graph(library, schema)

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from kg.rules.files import RuleFile
     from kg.rules.form import Rule
 
-__all__ = ["Result", "failure", "result_object", "run_example", "run_examples", "tested"]
+__all__ = ["Result", "failure", "parted", "result_object", "run_example", "run_examples"]
 
 _LIMITS: Final = Limits(deadline=30.0, max_triples=1_000_000)
 """An example is a few triples: a rule that does not end on it never ends."""
@@ -61,7 +61,7 @@ class Result:
         return not (self.missing or self.unexpected or self.why_missing or self.error)
 
 
-def tested(entries: Iterable[Entry]) -> tuple[list[Entry], list[Entry]]:
+def parted(entries: Iterable[Entry]) -> tuple[list[Entry], list[Entry]]:
     """Return the rules that have examples, and those that have none."""
     groups: tuple[list[Entry], list[Entry]] = [], []
     for entry in entries:

@@ -1,0 +1,110 @@
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+import pytest
+from rules.authoring.worlds import write_rules
+
+from kg.errors import KgError, RuleError
+from kg.rules.authoring.library import Library
+from kg.rules.authoring.naming import choose, find_rule
+from kg.rules.authoring.watching import Watched
+from kg.rules.folders import own_folder, user_folders
+from kg.settings import load
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+RULE = "CONSTRUCT { ?x :p ?y } WHERE { ?x :q ?y }"
+
+
+@pytest.fixture
+def library(tmp_path: Path) -> Library:
+    """Return two families of rules, of which one is optional, and one rule that does not parse."""
+    write_rules(tmp_path, one=RULE, two=RULE, broken="CONSTRUCT {")
+    (tmp_path / "g").mkdir()
+    (tmp_path / "g" / "optional").write_text("for a test")
+    (tmp_path / "g" / "two.rq").write_text((tmp_path / "f" / "two.rq").read_text())
+    return Library([tmp_path])
+
+
+def names(library: Library, *wanted: str) -> list[str]:
+    """Return the rules that are meant."""
+    return [entry.name for entry in choose(library, wanted)]
+
+
+def test_a_file_that_does_not_parse_hides_no_other(library: Library) -> None:
+    """Each file is read by itself; the errors are told."""
+    files, errors = library.read_all()
+    assert [file.name for file in files] == ["f/one", "f/two"]
+    assert [error.code for error in errors] == ["KG201"]
+    with pytest.raises(RuleError, match="KG201"):
+        library.with_those_in_force()
+
+
+def test_rules_are_meant_by_name_family_file_and_folder(
+    library: Library, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without a name those in force are; the last part of a name is enough."""
+    monkeypatch.chdir(tmp_path)
+    assert names(library) == ["f/broken", "f/one", "f/two"]
+    assert names(library, "one") == ["f/one"]
+    assert names(library, "two") == ["f/two", "g/two"]
+    assert names(library, "g", "f/one") == ["f/one", "g/two"]
+    (tmp_path / "f" / "two.md").write_text("")
+    assert names(library, "f/one.rq", "f/two.md") == ["f/one", "f/two"]
+    assert names(library, str(tmp_path / "f")) == ["f/broken", "f/one", "f/two"]
+
+
+@pytest.mark.parametrize(
+    ("name", "message", "hint"),
+    [
+        ("onee", "there is no rule `onee`", "Did you mean `one` or `f/one`?"),
+        ("zzz", "there is no rule `zzz`", "`kg rules list` lists them."),
+        ("two", "several rules are called `two`: f/two, g/two", "Give the whole name."),
+    ],
+)
+def test_a_name_that_means_no_single_rule_is_refused(library: Library, name: str, message: str, hint: str) -> None:
+    """KG001 with what was probably meant."""
+    with pytest.raises(KgError) as caught:
+        find_rule(library, name)
+    assert (caught.value.code, caught.value.message, caught.value.hint) == ("KG001", message, hint)
+
+
+def test_two_files_of_one_name_are_told(tmp_path: Path) -> None:
+    """KG207 for the second; the first is kept."""
+    write_rules(tmp_path, one=RULE)
+    (tmp_path / "f" / "one.srl").write_text("")
+    library = Library([tmp_path])
+    assert [error.code for error in library.problems] == ["KG207"]
+    assert library.entries["f/one"].path.suffix == ".rq"
+
+
+def test_what_was_saved(library: Library, tmp_path: Path) -> None:
+    """A rule counts as saved when it, or its page of examples, is new or has another time."""
+    watched = Watched(library)
+    assert not watched.saved()
+    os.utime(tmp_path / "f" / "one.rq", ns=(1, 1))
+    (tmp_path / "f" / "two.md").write_text("## One\n")
+    (tmp_path / "g" / "two.rq").unlink()
+    (tmp_path / "f" / "three.rq").write_text("")
+    saved = watched.saved()
+    assert [entry.name for entry in saved.entries] == ["f/one", "f/three", "f/two"]
+    assert saved.gone == ["g/two"]
+    assert not watched.saved()
+
+
+def test_the_folder_of_ones_own_rules(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By default it is rules/ beside kg.toml, or in the working folder; the setting `rules` names others."""
+    deep = tmp_path / "a" / "b"
+    deep.mkdir(parents=True)
+    monkeypatch.chdir(deep)
+    settings = load({}, environment={})
+    assert own_folder(settings) == deep / "rules"
+    assert user_folders(settings) == ()
+    (tmp_path / "kg.toml").write_text("")
+    (tmp_path / "rules").mkdir()
+    assert user_folders(settings) == (tmp_path / "rules",)
+    chosen = load({"rules": f"x{os.pathsep}y"}, environment={})
+    assert (own_folder(chosen), user_folders(chosen)) == (deep / "x", (deep / "x", deep / "y"))
