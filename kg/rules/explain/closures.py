@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING, Final
 from pyoxigraph import NamedNode
 
 from kg.rules import sparql
-from kg.rules.form import AUXILIARY, Atom, EngineBlock, Exists, Variable
+from kg.rules.form import AUXILIARY, Aggregate, Atom, EngineBlock, Exists, Variable
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from pyoxigraph import Triple
 
-    from kg.rules.form import Aggregate, Element, Pattern, Rule, Term
+    from kg.rules.form import Element, Pattern, Rule, Term
 
     Bodies = Mapping[str, tuple[tuple[Element, ...], ...]]
     Stepper = Callable[[tuple[Element, ...], Term], Iterable[tuple[Term, tuple[Triple, ...]]]]
@@ -67,10 +67,9 @@ class Closures:
             return EngineBlock(text, tuple(end for end in ends if isinstance(end, Variable)), place=element.place)
         if isinstance(element, Exists):
             return replace(element, body=self.written(element.body))
-        return self._aggregate(element) if hasattr(element, "keys") else element  # type: ignore[arg-type]
-
-    def _aggregate(self, element: Aggregate) -> Aggregate:
-        return replace(element, body=self.written(element.body))
+        if isinstance(element, Aggregate):
+            return replace(element, body=self.written(element.body))
+        return element
 
     def _path(self, name: str) -> str:
         ways = "|".join(self._way(body) for body in self.steps.get(name, ()))
