@@ -61,6 +61,11 @@ class MaintainedRule:
         """Return what the rule derives."""
         return self._derived(self._sources(world), UNIT)
 
+    def grows(self, written: frozenset[int] | None) -> bool:
+        """Tell whether more triples of the predicates `written` (None is any) only add to what the rule derives."""
+        inner = [pivot for pivot in self._pivots if (pivot.chain or pivot.block) and not pivot.asserted]
+        return not any(written is None or pivot.predicates is None or pivot.predicates & written for pivot in inner)
+
     def may_derive(self, candidates: Facts) -> bool:
         """Tell whether the rule derives triples of the predicates of any of the candidates."""
         return self.writes is None or any(predicate in self.writes for predicate in candidates.predicates)

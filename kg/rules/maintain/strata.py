@@ -1,7 +1,8 @@
 """One stratum after a change: delete and rederive, then insert (Gupta, Mumick and Subrahmanian 1993, section 7).
 
 1. Whatever was derived, in the data before, from a triple that went, is taken away (unless it is asserted), and so on
-   where the stratum is recursive. This takes away too much: a triple may have other derivations.
+   where the stratum is recursive. This takes away too much: a triple may have other derivations. So that one triple
+   does not take everything with it, what follows in one step from data that certainly stays is left where it is.
 2. What was taken away and still is derived from the data that is left is put back.
 3. What follows from triples that came, or that were put back, is added, round by round.
 
@@ -57,10 +58,18 @@ class _Work:
     recursive: bool
     lost: Facts = field(default_factory=Facts)
     """What was derived by then and has been taken away."""
+    _size: int = 0
+    """How much was lost in the last round: where less is lost from round to round, no triple is looked at closely."""
+    _base: World | None = None
 
     def take_away(self) -> None:
         """Take away what may have no derivation any more."""
         progress = self.progress
+        if self.recursive:
+            stays = self._founded(progress.gone.known)
+            take_out(progress.gone.known, stays)
+            for predicate, keys in stays:
+                progress.after.known.extend(predicate, keys)
         frontier = self._lose(self._consequences(progress.came, progress.gone, after=False))
         while self.recursive and len(frontier):
             frontier = self._lose(self._consequences(None, Delta(Facts(), frontier), after=False))
@@ -122,9 +131,35 @@ class _Work:
         What rules derive in the world before is known there, so that nobody has to look for it among all.
         """
         going = lacking(lacking(lacking(found, self.progress.after.asserted), self.progress.gone.known), self.lost)
+        if self.recursive and len(going) > self._size:
+            going = lacking(going, self._founded(going))
+        self._size = len(going)
         for predicate, keys in going:
             self.lost.extend(predicate, keys)
         return going
+
+    def _founded(self, candidates: Facts) -> Facts:
+        """Return the candidates that follow in one step from what is asserted and what other strata derived."""
+        found = Facts()
+        written = _written(self.rules)
+        for rule in self.earlier:
+            if rule.may_derive(candidates):
+                absorb(found, common(rule.supported(candidates, self.progress.after), candidates))
+        for rule in self.rules:
+            if rule.may_derive(candidates) and rule.grows(written):
+                self._watch(rule)
+                absorb(found, common(rule.supported(candidates, self._foundation(written)), candidates))
+        return found
+
+    def _foundation(self, written: frozenset[int] | None) -> World:
+        """Return the world after without what this stratum may have derived."""
+        if self._base is None:
+            after = self.progress.after
+            known = after.asserted if written is None else after.known.copy()
+            for predicate in written or ():
+                known.take_over(predicate, after.asserted)
+            self._base = World(after.asserted, known)
+        return self._base
 
     def _gain(self, found: Facts) -> Facts:
         """Add triples, those that are not there, and return them."""
@@ -136,6 +171,12 @@ class _Work:
             again = union(self.lost.remove(predicate, keys), progress.gone.known.remove(predicate, keys))
             progress.came.known.extend(predicate, difference(keys, again))
         return new
+
+
+def _written(rules: Sequence[MaintainedRule]) -> frozenset[int] | None:
+    """Return the predicates that rules derive, None for any."""
+    written = [rule.writes for rule in rules]
+    return None if None in written else frozenset[int]().union(*(known for known in written if known))
 
 
 def maintain_stratum(
