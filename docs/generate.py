@@ -9,6 +9,7 @@ import shutil
 import sys
 import tempfile
 from pathlib import Path
+from textwrap import fill
 from typing import TYPE_CHECKING, Final
 
 from transcripts import refreshed
@@ -16,10 +17,13 @@ from transcripts import refreshed
 from kg.cli.reference import markdown as commands_page
 from kg.errors import CATALOGUE, Exit
 from kg.query import stored
+from kg.rules.reading import OPTIONAL, discover
 from kg.settings import DECLARED
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from kg.rules.files import RuleFile
 
 __all__ = ["PAGES", "SESSIONS", "main", "session"]
 
@@ -137,10 +141,69 @@ def queries_page() -> str:
     return "".join(parts)
 
 
+_RULES: Final = """\
+# The rules that kg brings
+
+<!-- Written by docs/generate.py from rules/. -->
+
+`kg build` runs them after reading sources, and again over what changed; `kg why` proves what they infer. Each is a
+file below [rules/](../rules) with its [examples](rule-examples.md) beside it; `kg rules show NAME` prints what stands
+here, with the text of the rule. Folders of your own are added with the [setting](settings.md) `rules`; `rule_families`
+chooses families.
+"""
+
+_FAMILIES: Final = {
+    "capability": "What robots can sense, do and know. Messages tell it, by ontology/capability.ttl: every type of "
+    "geometry_msgs, sensor_msgs, nav_msgs and std_msgs evokes a capability, or is listed there with the "
+    "reason why it evokes none.",
+    "communication": "Who talks to whom: direct relations of nodes (RNKG), communications (onto-ros), and whether "
+    "types agree.",
+    "copies": "Packages, repositories and definitions that several sources have.",
+    "function": "What nodes are for, in seven categories, by the words and types of ontology/function.ttl.",
+    "hardware": "Which devices nodes work with, by the words and types of ontology/hardware.ttl.",
+    "owl": "The entailments of OWL 2 RL that the ontologies in force use, named as in the profile. Before they run "
+    "they are cut to the axioms that the store has: `prp-spo1` becomes one plain rule for each "
+    "`rdfs:subPropertyOf`. So other rules may deny what they derive, and only what they can use is read. "
+    "Contradictions are told by `kg ontology check`.",
+    "owl-rl": "The whole profile, tables 4 to 9, for ontologies that kg does not know. It runs only where "
+    "`rule_families` names it, since rules that deny something or make new names cannot be stratified beside "
+    "it. What the profile calls `false` is derived as membership in `owl:Nothing`. Of its 78 rules, three are"
+    " not there: `dt-type2`, `dt-eq` and `dt-diff` are about literals as subjects, which RDF does not have. "
+    "Lists of properties in chains and keys have a greatest length. The same triples as owlrl gives, except "
+    "that owlrl knows more data types, and does not say of a class that it is below and equivalent to itself.",
+}
+"""What the rules of each family are about."""
+
+
+def rules_page() -> str:
+    """Return docs/rules.md: every rule that is shipped, by family, with its documentation."""
+    folder = _FOLDER.parent / "rules"
+    files = discover([folder], families=list(_FAMILIES)).files
+    parts = [_RULES]
+    for family, about in _FAMILIES.items():
+        parts.append(f"\n## {family}\n\n{fill(about, 120, break_on_hyphens=False)}\n")
+        members = [file for file in files if file.family == family]
+        if (folder / family / OPTIONAL).exists():
+            parts.append("\n| rule | |\n|---|---|\n")
+            parts += [f"| `{file.name}` | {file.documentation.title} |\n" for file in members]
+        else:
+            parts += [_rule(file) for file in members]
+    return "".join(parts)
+
+
+def _rule(file: RuleFile) -> str:
+    sections = file.documentation.sections or {}
+    limits = f"\n*Known limits.* {sections['Known limits']}\n" if "Known limits" in sections else ""
+    link = f"[{file.path.name}](../rules/{file.name}{file.notation})"
+    told = f"{sections['What it infers']}\n\n{sections['Why']}\n"
+    return f"\n### `{file.name}`\n\n{file.documentation.title} ({link}).\n\n{told}{limits}"
+
+
 PAGES: Final[dict[str, Callable[[], str]]] = {
     "cli.md": commands_page,
     "errors.md": errors_page,
     "queries.md": queries_page,
+    "rules.md": rules_page,
     "settings.md": settings_page,
 }
 """The pages that are made from the code, and what makes them."""

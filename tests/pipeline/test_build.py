@@ -224,7 +224,7 @@ def test_a_checkout_that_is_gone(bench: Bench) -> None:
     assert bench.topics() - IMPLICIT == {"/first", "/talk"}
     with bench.store.read() as snapshot:
         graphs = {graph.value.rpartition("/graph/")[2] for graph in snapshot.graphs()}
-    assert graphs == {"builds", "ontology", "shared", "source/example.org/a/b"}
+    assert graphs == {"builds", "inferred", "ontology", "shared", "source/example.org/a/b"}
 
 
 def test_what_sources_share_stands_once(bench: Bench) -> None:
