@@ -116,29 +116,30 @@ class _Run:
     def stratum(self, stratum: Stratum) -> StratumReport:
         """Run the rules of a stratum to their fixpoint."""
         began, rounds = time.monotonic(), 1
+        written = {self._graphs.channel(atom.predicate): None for rule in stratum.rules for atom in rule.head}
+        channels = tuple(written)
         updates = {str(rule): first_update(rule, self._graphs) for rule in stratum.rules}
-        derived = added = self._round(updates, rounds)
+        derived = added = self._round(updates, channels, rounds)
         if stratum.recursive:
             readings = ((str(rule), next_update(rule, stratum, self._graphs)) for rule in stratum.rules)
             updates = {name: update for name, update in readings if update}
         while stratum.recursive and added:
             rounds += 1
-            added = self._round(updates, rounds)
+            added = self._round(updates, channels, rounds)
             derived += added
-        self._update(" ;\n".join(f"DROP SILENT GRAPH {channel.delta}" for channel in self._graphs.channels))
         names = tuple(map(str, stratum.rules))
         return StratumReport(stratum.number, names, rounds, derived, time.monotonic() - began)
 
-    def _round(self, updates: dict[str, str], number: int) -> int:
+    def _round(self, updates: dict[str, str], channels: Sequence[Channel], number: int) -> int:
         """Apply rules and return how many triples are new; those are the delta now."""
         self._clock.round = number
         for self._clock.rule, update in updates.items():
             self._update(update)
-        self._update(" ;\n".join(_advance(channel, self._graphs) for channel in self._graphs.channels))
-        plain, auxiliary = (self._store.read().count(channel.delta) for channel in self._graphs.channels)
-        self._inferred += plain
+        self._update(" ;\n".join(_advance(channel, self._graphs) for channel in channels))
+        counts = {channel: self._store.read().count(channel.delta) for channel in channels}
+        self._inferred += counts.get(self._graphs.plain, 0)
         self._clock.check(self._inferred)
-        return plain + auxiliary
+        return sum(counts.values())
 
     def _update(self, text: str) -> None:
         """Run an update in the time that is left; StoreError KG225 when the server is silent for longer."""
