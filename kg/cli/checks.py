@@ -79,7 +79,7 @@ def _dependencies() -> Iterator[Check]:
 
 
 def _data() -> Check:
-    missing = [name for name in ("ontology", "queries", "examples") if not folder(name).is_dir()]
+    missing = [name for name in ("ontology", "rules", "queries", "examples") if not folder(name).is_dir()]
     if missing:
         return Check("data files", "wrong", f"missing: {', '.join(missing)}", f"install {_DISTRIBUTION} again")
     return Check("data files", "ok", str(folder("ontology").parent))
