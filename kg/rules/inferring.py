@@ -162,10 +162,14 @@ class Reasoner:
         return self._maintained.inferred
 
     def _held(self, source: Tables, dictionary: Dictionary) -> Facts:
-        """Return what the graph of inferred triples holds."""
-        if self._names.inferred not in source.graphs():
+        """Return what the graph of inferred triples holds: as a rule, what these rules may infer and nothing else."""
+        graph = self._names.inferred
+        if graph not in source.graphs():
             return Facts()
-        return read_columns(source, EVERYTHING, [self._names.inferred], dictionary)[1]
+        found = read_columns(source, self._what, [graph], dictionary)[1]
+        if len(found) == int(source.table("SELECT (COUNT(*) AS ?n) { ?s ?p ?o }", graph)):
+            return found
+        return read_columns(source, EVERYTHING, [graph], dictionary)[1]
 
     def _data(self, rule_set: RuleSet, dictionary: Dictionary) -> Facts:
         return stated(rule_set.data, dictionary)
