@@ -14,12 +14,12 @@ from itertools import islice
 from typing import TYPE_CHECKING, Final, Protocol
 
 import numpy as np
-from pyoxigraph import NamedNode
+from pyoxigraph import Literal, NamedNode
 
 from kg.rules.cells import cells
 from kg.rules.engine.facts import Facts, distinct, pack
 from kg.rules.engine.terms import Dictionary, spell
-from kg.rules.form import AUXILIARY, Aggregate, Atom, EngineBlock, Exists, TripleTerm, Variable
+from kg.rules.form import AUXILIARY, Aggregate, Atom, EngineBlock, Exists
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -72,7 +72,8 @@ def wanted(rules: Iterable[Rule]) -> Wanted:
                 predicates |= element.reads
             elif not isinstance(element.predicate, NamedNode):
                 return EVERYTHING
-            elif isinstance(element.object, Variable | TripleTerm):
+            elif not isinstance(element.object, NamedNode | Literal):
+                # Queries cannot name a blank node.
                 predicates.add(element.predicate)
             else:
                 members.add((element.predicate, element.object))
