@@ -208,7 +208,7 @@ PAGES: Final[dict[str, Callable[[], str]]] = {
 }
 """The pages that are made from the code, and what makes them."""
 
-SESSIONS: Final = ("../README.md", "quickstart.md")
+SESSIONS: Final = ("../README.md", "quickstart.md", "writing-rules.md")
 """The pages with sessions, whose commands are run."""
 
 

@@ -24,7 +24,8 @@ _BLOCK: Final = re.compile(r"(?P<open>^```console\n)(?P<body>.*?)(?P<close>^```$
 _PROMPT: Final = "$ "
 _MORE: Final = "> "
 _LEFT_OUT: Final = "..."
-_VARIES: Final = re.compile(r"\b\d+(?:\.\d+)? ?(?=m?s\b)")
+_VARIES: Final = re.compile(r"\b\d+(?:\.\d+)? ?(?=m?s\b)|\b\d+\.\d{4}\b|\b\d+(?=%)")
+"""Durations in sentences and in columns, and shares of them."""
 _SECONDS: Final = 120
 _CONTROL: Final = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]|\x1b\]8;[^\x1b]*\x1b\\")
 """Weights of letters, and links behind them."""

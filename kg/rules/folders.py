@@ -32,4 +32,4 @@ def own_folder(settings: Settings) -> Path:
 def _default() -> Path:
     here = Path.cwd()
     file = find_file(here)
-    return (file.parent if file else here) / _NAME
+    return Path(_NAME) if file is None or file.parent == here else file.parent / _NAME

@@ -173,6 +173,7 @@ def _show_coverage(found: "Coverage") -> None:
     from kg.cli.rules_view import gap_words  # noqa: PLC0415 - start-up time
 
     rows = [(rule.name, rule.parts, rule.covered, gap_words(rule)) for rule in found.rules if rule.gaps]
-    listing(_COVERAGE, rows)
+    if rows or not terminal():
+        listing(_COVERAGE, rows)
     fired = f"{found.fired:,} of {count(len(found.rules), 'rule')} fired"
     say(f"{fired}; {found.share:.0%} of their parts did something")

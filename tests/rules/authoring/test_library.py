@@ -101,7 +101,7 @@ def test_the_folder_of_ones_own_rules(tmp_path: Path, monkeypatch: pytest.Monkey
     deep.mkdir(parents=True)
     monkeypatch.chdir(deep)
     settings = load({}, environment={})
-    assert own_folder(settings) == deep / "rules"
+    assert own_folder(settings).absolute() == deep / "rules"
     assert user_folders(settings) == ()
     (tmp_path / "kg.toml").write_text("")
     (tmp_path / "rules").mkdir()
