@@ -1,0 +1,38 @@
+"""Rules run wherever a command changes what they read."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+from kg.resources import folder
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from cli.program import Program
+
+DATA = """
+@prefix ros: <http://data.mksmart.org/onto-ros/class#> . @prefix rnkg: <https://w3id.org/rnkg/ns#> .
+<urn:x:driver> a ros:Node ; ros:hasComponent <urn:x:end> .
+<urn:x:end> a ros:Publisher ; rnkg:connectsTo <urn:x:scan> .
+"""
+PUBLISHES = "ASK { <urn:x:driver> rnkg:publishes <urn:x:scan> }"
+
+
+def test_what_is_imported_is_inferred_from(kg: Program, tmp_path: Path) -> None:
+    """After `kg import` rules have run, unless --no-rules; then `kg rules run` makes up for it."""
+    (tmp_path / "robot.ttl").write_text(DATA)
+    assert kg("--store", "one", "import", "robot.ttl").code == 0
+    assert kg("--store", "one", "query", PUBLISHES).out.strip() == "true"
+    kg("--store", "two", "import", "robot.ttl", "--no-rules")
+    assert kg("--store", "two", "query", PUBLISHES).out.strip() == "false"
+    assert kg("--store", "two", "rules", "run").code == 0
+    assert kg("--store", "two", "query", PUBLISHES).out.strip() == "true"
+
+
+def test_a_build_says_how_much_it_inferred(kg: Program) -> None:
+    """The report has a line for people and an object for programs."""
+    run = kg("--store", "built", "build", str(folder("examples") / "workspace"), "--json")
+    assert "inferred" in run.err
+    assert json.loads(run.out)["inferred"]["triples"] > 0
