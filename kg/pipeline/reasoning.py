@@ -112,11 +112,21 @@ def schema_of(graph: Any) -> tuple[Triple, ...]:
 def rules_over(settings: Settings, source: Tables) -> RuleSet:
     """Return the rules in force, cut to the axioms of a snapshot or of a transaction; raises as `rules_in_force`."""
     names = Names.of(settings.base, RNKG)
-    graphs = [graph for graph in source.graphs() if graph not in {names.inferred, names.builds}]
-    query = f"SELECT ?s ?p ?o WHERE {schema_pattern()}"
-    found = cells(b"".join(source.table(query, graph) for graph in (*graphs, None)), 3)
-    lines = b"".join(b"%s %s %s .\n" % row for row in zip(found[::3], found[1::3], found[2::3], strict=True))
-    return specialised(rules_in_force(settings), [quad.triple for quad in parse(lines, RdfFormat.N_TRIPLES)])
+    named = f"GRAPH ?graph {schema_pattern()} FILTER(?graph NOT IN ({names.inferred}, {names.builds}))"
+    query = f"SELECT ?s ?p ?o WHERE {{ {schema_pattern()} UNION {{ {named} }} }}"
+    found = cells(source.table(query, None), 3)
+    lines = {b"%s %s %s .\n" % row for row in zip(found[::3], found[1::3], found[2::3], strict=True)}
+    folders = rule_folders(settings)
+    return _cut(folders, packs(), settings.rule_families, digest(settings), b"".join(sorted(lines)))
+
+
+@lru_cache(maxsize=2)
+def _cut(
+    folders: tuple[Path, ...], installed: tuple[Pack, ...], families: tuple[str, ...], mark: str, axioms: bytes
+) -> RuleSet:
+    """Return rules that were cut before in this process, as long as neither a file nor an axiom changed."""
+    rules = _read(folders, installed, families, mark)
+    return specialised(rules, [quad.triple for quad in parse(axioms, RdfFormat.N_TRIPLES)])
 
 
 def term_uses(snapshot: EmbeddedSnapshot) -> dict[str, int]:
