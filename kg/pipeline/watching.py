@@ -55,7 +55,7 @@ class Glance:
 
 
 def glances(
-    settings: Settings, named: Sequence[str] = (), wait: Callable[[float], None] = time.sleep
+    settings: Settings, named: Sequence[str] = (), wait: Callable[[float], object] = time.sleep
 ) -> Iterator[Glance]:
     """Yield a glance at the rules named, or at all of one's own, and then at each that is saved, without end.
 

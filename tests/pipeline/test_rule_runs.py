@@ -1,0 +1,74 @@
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+import pytest
+from cli.rover import build
+
+from kg.errors import RuleError, SourceError
+from kg.pipeline.rule_runs import run_on_files, run_on_store
+from kg.rules.authoring.runs import rule_runs, run_objects
+from kg.rules.engine.limits import Limits
+from kg.settings import load
+from kg.store.opening import reading
+
+if TYPE_CHECKING:
+    from kg.settings import Settings
+
+CASE: Final = Path(__file__).parent.parent / "cli" / "rules_case"
+SCHEMA: Final = (
+    "<urn:talks> <http://www.w3.org/2000/01/rdf-schema#subPropertyOf> <https://example.org/wiring#talksTo> .\n"
+)
+
+
+@pytest.fixture
+def settings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Settings:
+    """Return the settings of a folder with rules."""
+    shutil.copytree(CASE, tmp_path, dirs_exist_ok=True)
+    monkeypatch.chdir(tmp_path)
+    return load({"rule_families": "wiring,owl"}, environment={})
+
+
+def test_a_run_over_the_store_tells_what_each_rule_did(settings: Settings, tmp_path: Path) -> None:
+    """The rules of one file are told as one; the next run has nothing to do."""
+    build(tmp_path / ".kg")
+    report = run_on_store(settings, full=True)
+    derived = {rule.name: rule.derived for rule in rule_runs(report.rules)}
+    assert (derived["wiring/talks-to"], derived["wiring/reaches"], derived["wiring/silent"]) == (2, 2, 2)
+    *_, last = run_objects(report)
+    assert (last["run"], last["mode"], last["inferred"]) == (True, "full", report.inferred)
+    again = run_on_store(settings)
+    assert (again.mode, again.added, again.removed, again.generation) == ("incremental", 0, 0, None)
+
+
+def test_a_dry_run_and_a_limit_leave_the_store_as_it_was(settings: Settings, tmp_path: Path) -> None:
+    """Neither makes a generation."""
+    build(tmp_path / ".kg")
+    with reading(settings) as snapshot:
+        before = snapshot.identity
+    assert run_on_store(settings, dry_run=True, full=True).added > 0
+    with pytest.raises(RuleError, match="KG205"):
+        run_on_store(settings, full=True, limits=Limits(max_triples=1))
+    with reading(settings) as snapshot:
+        assert snapshot.identity == before
+
+
+def test_a_run_over_files_writes_what_it_infers(settings: Settings, tmp_path: Path) -> None:
+    """Rules over any schema are cut to the axioms of the files."""
+    data = tmp_path / "data.nt"
+    data.write_text(SCHEMA + "<urn:a> <urn:talks> <urn:b> .\n<urn:b> <urn:talks> <urn:c> .\n")
+    output = tmp_path / "inferred.nt"
+    run_on_files(settings, [data], output)
+    lines = output.read_text().splitlines()
+    assert "<urn:a> <https://example.org/wiring#reaches> <urn:c> ." in lines
+    assert len([line for line in lines if "#reaches" in line]) == 3
+    assert run_on_files(settings, [data], None).inferred == len(lines)
+
+
+def test_a_file_that_is_not_there_is_named(settings: Settings, tmp_path: Path) -> None:
+    """KG101 with the file."""
+    with pytest.raises(SourceError, match="KG101") as caught:
+        run_on_files(settings, [tmp_path / "none.nt"], None)
+    assert str(caught.value.place).endswith("none.nt")
