@@ -46,6 +46,7 @@ class EmbeddedTransaction:
         self._number = max([self._base or 0, *numbers]) + 1
         self._db: Store | None = None
         self.changes = Changes()
+        self._loaded = False
 
     @property
     def layout(self) -> Layout:
@@ -81,6 +82,7 @@ class EmbeddedTransaction:
         with translated(str(self._layout.root)):
             self._begin(frozenset())
             self.changes.replace(graph.value)
+            self._loaded = True
             bulk.load(lambda: self._engine, graph, chunks)
 
     def patch_graph(self, graph: NamedNode, removed: bytes, added: bytes) -> None:
@@ -188,6 +190,9 @@ class EmbeddedTransaction:
         if self._db is None:
             return None
         with translated(str(self._layout.root)):
+            if self._loaded:
+                # Batches leave files in which every term has to be looked for; merged, reading is four times faster.
+                self._db.optimize()
             self._db.flush()
             self._db = None
             self.changes.record(self._layout, self._number, self._base)
