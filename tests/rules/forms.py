@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -42,9 +43,8 @@ def atoms(text: str) -> tuple[Atom, ...]:
 
 
 def expression(text: str, *, mints: bool = False) -> Expression:
-    """Make an expression whose variables are all words that begin with `?`."""
-    names = dict.fromkeys(word.strip("(),")[1:] for word in text.split() if word.startswith("?"))
-    return Expression(text, tuple(names), mints)
+    """Make an expression of no other question marks than those of its variables."""
+    return Expression(text, tuple(dict.fromkeys(re.findall(r"\?(\w+)", text))), mints)
 
 
 def test(text: str) -> Filter:

@@ -10,6 +10,8 @@ from pyoxigraph import CanonicalizationAlgorithm, Dataset, NamedNode, Quad, RdfF
 from rules.engine.comparing import inferred
 from rules.engine.test_properties import facts, rule_sets
 from rules.forms import rule_set
+from rules.maintain.generating import facts as dense
+from rules.maintain.generating import layered
 from store.servers import oxigraph_server
 
 from kg.errors import RuleError
@@ -63,10 +65,22 @@ def orderly(body: Sequence[Element]) -> bool:
     return True
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=20, deadline=None, suppress_health_check=list(HealthCheck))
 @given(rule_sets(), facts)
 def test_a_server_infers_the_same(store: RemoteStore, rules: list[Rule], asserted: set[Fact]) -> None:
-    """The same triples, up to the labels of blank nodes."""
+    """Rules of any shape: the same triples, up to the labels of blank nodes."""
+    compare(store, rules, asserted)
+
+
+@settings(max_examples=20, deadline=None, suppress_health_check=list(HealthCheck))
+@given(layered(), dense(8, 16))
+def test_a_server_infers_the_same_in_layers(store: RemoteStore, rules: list[Rule], asserted: set[Fact]) -> None:
+    """Rules that fire, over several strata."""
+    compare(store, rules, asserted)
+
+
+def compare(store: RemoteStore, rules: list[Rule], asserted: set[Fact]) -> None:
+    """Run rules here and there."""
     assume(all(orderly(rule.body) for rule in rules))
     try:
         found = on_server(store, rules, asserted)
