@@ -174,7 +174,7 @@ def _drafts(text: str, path: str) -> Iterator[_Draft]:
                 continue
             if draft and _speaks(draft):
                 yield draft
-            draft = _Draft(part.title, place) if part.level == 2 else None  # noqa: PLR2004 - `##`
+            draft = _Draft(part.title, place) if part.level == 2 else None  # noqa: PLR2004 - examples have `##`
         elif not part.closed:
             raise RuleError("KG221", "the block is not closed", place=place, hint="End it with a line of backticks.")
         elif draft:
