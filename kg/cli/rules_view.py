@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
     from pathlib import Path
 
+    from rich.console import RenderableType
     from rich.table import Table
     from rich.text import Text
 
@@ -31,6 +32,7 @@ __all__ = [
     "COLUMNS",
     "change_lines",
     "changed_line",
+    "coverage_lines",
     "difference_words",
     "element_table",
     "gap_words",
@@ -65,8 +67,9 @@ def list_row(entry: Entry, told: Documentation) -> tuple[str | None, ...]:
     return (entry.name, told.title + severity, entry.path.suffix.lstrip("."), told.since, state)
 
 
-def manual_lines(known: Manual) -> Iterator[Text | Table]:
+def manual_lines(known: Manual) -> Iterator[RenderableType]:
     """Yield the lines about one rule: what it is, its documentation, its place among the rules, its text."""
+    from rich.padding import Padding  # noqa: PLC0415 - start-up time
     from rich.text import Text  # noqa: PLC0415 - start-up time
 
     file = known.file
@@ -77,7 +80,7 @@ def manual_lines(known: Manual) -> Iterator[Text | Table]:
     for heading, text in known.sections:
         yield Text()
         yield Text(heading, style="bold")
-        yield from (Text(f"  {printable(line)}".rstrip()) for line in text.splitlines())
+        yield from (Padding(printable(line), (0, 0, 0, 2), expand=False) for line in text.splitlines())
     yield Text()
     yield _fields(known)
     yield Text()
@@ -205,27 +208,27 @@ def difference_words(found: Difference) -> Iterator[str]:
         yield "nothing would change"
 
 
-def element_table(rule: RuleProfile) -> Iterator[Text | Table]:
+def element_table(rule: RuleProfile) -> Iterator[RenderableType]:
     """Yield the elements of the bodies of one rule with their rows and seconds, in the order of the text."""
     from rich.text import Text  # noqa: PLC0415 - start-up time
 
+    several = any(element.part > 1 for element in rule.elements)
     columns = (
         Column("run", "number"),
         Column("rows in", "number"),
         Column("rows out", "number"),
         Column("seconds", "number"),
-        Column("part", "number", spare=True),
+        *((Column("part", "number"),) if several else ()),
         Column("line", "number", spare=True),
         Column("element"),
     )
-    several = any(element.part > 1 for element in rule.elements)
     rows = [
         (
             "-" if each.order is None else each.order,
             each.rows_in,
             each.rows_out,
             f"{each.seconds:.4f}",
-            each.part if several else None,
+            *((each.part,) if several else ()),
             each.place.line,
             each.text,
         )
@@ -236,17 +239,27 @@ def element_table(rule: RuleProfile) -> Iterator[Text | Table]:
     yield make_table(columns, rows)
 
 
-def gap_words(rule: RuleCoverage) -> str:
+def coverage_lines(rule: RuleCoverage) -> Iterator[RenderableType]:
+    """Yield the lines about a rule of which not all parts did something."""
+    from rich.padding import Padding  # noqa: PLC0415 - start-up time
+    from rich.text import Text  # noqa: PLC0415 - start-up time
+
+    yield Text.assemble((rule.name, "bold"), f"  {rule.covered} of {count(rule.parts, 'part')}")
+    yield from (Padding(Text(words), (0, 0, 0, 4), expand=False) for words in gap_words(rule))
+
+
+def gap_words(rule: RuleCoverage) -> list[str]:
     """Return in words which parts of a rule never did anything."""
     words = []
+    stopped = {gap.part for gap in rule.gaps if gap.kind == "element"}
     for gap in rule.gaps:
-        where = f" ({here(gap.place.path)}{_line_of(gap.place.line)})"
         part = f"part {gap.part}: " if rule.rules > 1 else ""
+        line = f"line {gap.place.line}: " if gap.place.line else ""
         if gap.kind == "element":
-            words.append(f"{part}nothing passes {gap.text}{where}")
-        elif gap.kind == "head" and not any(each.kind == "element" and each.part == gap.part for each in rule.gaps):
-            words.append(f"{part}never derives {gap.text}{where}")
-    return "; ".join(words)
+            words.append(printable(f"{part}{line}nothing passes {gap.text}"))
+        elif gap.kind == "head" and gap.part not in stopped:
+            words.append(printable(f"{part}{line}never derives {gap.text}"))
+    return words
 
 
 def run_words(report: RunReport, derived: int, rules: int) -> Iterator[str]:

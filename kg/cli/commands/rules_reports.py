@@ -31,7 +31,7 @@ _PROFILE: Final = (
     Column("stratum", "number", spare=True),
     Column("rules", "number", spare=True),
 )
-_COVERAGE: Final = (Column("rule", "name"), Column("parts", "number"), Column("covered", "number"), Column("", "dim"))
+_COVERAGE: Final = (Column("rule", "name"), Column("parts", "number"), Column("covered", "number"), Column("never"))
 
 Output = Annotated[str | None, typer.Option("--output", "-o", metavar="FILE", help="Write to FILE.")]
 Form = Annotated[str | None, typer.Option("--format", metavar="FORMAT", help=f"One of {', '.join(_FORMATS)}.")]
@@ -170,10 +170,13 @@ def coverage(  # noqa: PLR0913 - the options of a command
 
 
 def _show_coverage(found: "Coverage") -> None:
-    from kg.cli.rules_view import gap_words  # noqa: PLC0415 - start-up time
+    from kg.cli.rules_view import coverage_lines, gap_words  # noqa: PLC0415 - start-up time
 
-    rows = [(rule.name, rule.parts, rule.covered, gap_words(rule)) for rule in found.rules if rule.gaps]
-    if rows or not terminal():
-        listing(_COVERAGE, rows)
+    lacking = [rule for rule in found.rules if rule.gaps]
+    if terminal():
+        for rule in lacking:
+            show(*coverage_lines(rule))
+    else:
+        listing(_COVERAGE, [(rule.name, rule.parts, rule.covered, "; ".join(gap_words(rule))) for rule in lacking])
     fired = f"{found.fired:,} of {count(len(found.rules), 'rule')} fired"
     say(f"{fired}; {found.share:.0%} of their parts did something")
