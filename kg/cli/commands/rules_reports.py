@@ -72,7 +72,12 @@ def graph(  # noqa: PLR0913 - the options of a command
     title = f"Rules: {', '.join(chosen)}" if chosen else "Rules"
     text = mermaid(found) if form == "mermaid" else graph_picture(found, title)
     if output and output != "-":
-        Path(output).write_text(text, encoding="utf-8")
+        try:
+            Path(output).write_text(text, encoding="utf-8")
+        except OSError as error:
+            raise UsageError(
+                "KG003", f"{output} cannot be written: {error.strerror}", hint="Check the path."
+            ) from error
         say(f"wrote {output}: {count(len(entries), 'rule')}")
     else:
         sys.stdout.write(text)

@@ -22,7 +22,8 @@ def start(name: str, folder: Path, notation: str = "rq") -> tuple[Path, Path]:
     """Write the rule `name` and its examples below `folder`, and return the two files.
 
     Raises:
-        UsageError: KG003 for a name that is not `family/name`, a notation there is not, and a rule that exists.
+        UsageError: KG003 for a name that is not `family/name`, a notation there is not, a rule that exists, and a
+            folder that cannot be written.
     """
     ending = _ending(notation)
     if not _NAME.fullmatch(name):
@@ -34,9 +35,13 @@ def start(name: str, folder: Path, notation: str = "rq") -> tuple[Path, Path]:
     if existing:
         hint = "Choose another name, or edit that file."
         raise UsageError("KG003", f"there is a file {existing[0]} already", hint=hint)
-    targets[0].parent.mkdir(parents=True, exist_ok=True)
-    for path, template in zip(targets, (f"rule{ending}", "examples.md"), strict=True):
-        path.write_text(_filled(template, name), encoding="utf-8")
+    try:
+        targets[0].parent.mkdir(parents=True, exist_ok=True)
+        for path, template in zip(targets, (f"rule{ending}", "examples.md"), strict=True):
+            path.write_text(_filled(template, name), encoding="utf-8")
+    except OSError as error:
+        message = f"{error.filename or folder} cannot be written: {error.strerror}"
+        raise UsageError("KG003", message, hint="Name another folder with `--rules`.") from error
     return targets
 
 

@@ -58,3 +58,11 @@ def test_a_notation_that_is_not_there_is_refused(tmp_path: Path) -> None:
     with pytest.raises(UsageError) as caught:
         start("a/b", tmp_path, "datalog")
     assert caught.value.hint == "The notations are rq, ttl, srl."
+
+
+def test_a_folder_that_cannot_be_written_is_named(tmp_path: Path) -> None:
+    """A file that stands in the way is KG003 with its name."""
+    (tmp_path / "rules").write_text("")
+    with pytest.raises(UsageError, match="Not a directory") as caught:
+        start("a/b", tmp_path / "rules")
+    assert (caught.value.code, caught.value.hint) == ("KG003", "Name another folder with `--rules`.")
