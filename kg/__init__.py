@@ -9,8 +9,18 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final
 
 if TYPE_CHECKING:
-    from kg.api import build, nodes, open_store, sparql
-    from kg.errors import Exit, GraphError, KgError, Place, QueryError, SourceError, StoreError, UsageError
+    from kg.api import build, infer, nodes, open_store, sparql
+    from kg.errors import (
+        Exit,
+        GraphError,
+        KgError,
+        Place,
+        QueryError,
+        RuleError,
+        SourceError,
+        StoreError,
+        UsageError,
+    )
 
 __all__ = [
     "Exit",
@@ -18,17 +28,19 @@ __all__ = [
     "KgError",
     "Place",
     "QueryError",
+    "RuleError",
     "SourceError",
     "StoreError",
     "UsageError",
     "__version__",
     "build",
+    "infer",
     "nodes",
     "open_store",
     "sparql",
 ]
 
-_API: Final = frozenset({"build", "nodes", "open_store", "sparql"})
+_API: Final = frozenset({"build", "infer", "nodes", "open_store", "sparql"})
 
 
 def __getattr__(name: str) -> Any:

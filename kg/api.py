@@ -5,6 +5,7 @@
     kg.build(["~/catkin_ws/src"])
     for node in kg.nodes(package="move_base"):
         print(node["node"], [topic["name"] for topic in node["publishes"]])
+    kg.infer(rules=["~/my_rules"])
     answer = kg.sparql("SELECT ?node { ?node a ros:Node }")
 
 `store` is the folder of a store; without it the settings decide, as on the command line. Errors are `kg.KgError`.
@@ -26,9 +27,10 @@ if TYPE_CHECKING:
 
     from kg.pipeline.report import BuildReport, Report
     from kg.query.result import Result
+    from kg.rules.reports import RunReport
     from kg.store.embedded import EmbeddedStore
 
-__all__ = ["build", "nodes", "open_store", "sparql"]
+__all__ = ["build", "infer", "nodes", "open_store", "sparql"]
 
 
 def open_store(store: str | Path | None = None) -> EmbeddedStore:
@@ -61,6 +63,31 @@ def build(
     given = settings.load({"store": store, "jobs": jobs})
     with opening.writable(given, create=bool(sources)) as target:
         return run([str(source) for source in sources], target, given, report, "kg.build")
+
+
+def infer(
+    *,
+    rules: Sequence[str | Path] | None = None,
+    full: bool = False,
+    dry_run: bool = False,
+    timeout: float | None = None,
+    store: str | Path | None = None,
+) -> RunReport:
+    """Run the rules in force, write what they infer into the store, and return what was done.
+
+    `rules` are folders of rules beside those that `kg` ships, by default those of the settings. What follows from
+    changes since the last run is evaluated, with `full` everything; with `dry_run` nothing is written. `timeout` is in
+    seconds.
+
+    Raises:
+        RuleError: KG2xx for rules that cannot be read or run, KG205 after the timeout; the store is as it was.
+        StoreError: KG301 when there is no store, KG302 while another process writes.
+    """
+    from kg.pipeline.rule_runs import run_on_store  # noqa: PLC0415 - who only asks loads no engine of rules
+    from kg.rules.engine.limits import Limits  # noqa: PLC0415 - the same
+
+    given = settings.load({"store": store, "rules": None if rules is None else [str(folder) for folder in rules]})
+    return run_on_store(given, full=full, dry_run=dry_run, limits=Limits(deadline=timeout))
 
 
 def nodes(*, package: str | None = None, store: str | Path | None = None) -> list[dict[str, Any]]:

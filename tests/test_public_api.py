@@ -17,12 +17,14 @@ if TYPE_CHECKING:
 SIGNATURES: Final = {
     "build": "(sources: 'Sequence[str | Path]' = (), *, store: 'str | Path | None' = None, jobs: 'int | None' = None, "
     "report: 'Report | None' = None) -> 'BuildReport'",
+    "infer": "(*, rules: 'Sequence[str | Path] | None' = None, full: 'bool' = False, dry_run: 'bool' = False, "
+    "timeout: 'float | None' = None, store: 'str | Path | None' = None) -> 'RunReport'",
     "nodes": "(*, package: 'str | None' = None, store: 'str | Path | None' = None) -> 'list[dict[str, Any]]'",
     "open_store": "(store: 'str | Path | None' = None) -> 'EmbeddedStore'",
     "sparql": "(text: 'str', *, parameters: 'Mapping[str, NamedNode | Literal] | None' = None, "
     "timeout: 'float | None' = None, limit: 'int | None' = None, store: 'str | Path | None' = None) -> 'Result'",
 }
-ERRORS: Final = {"GraphError", "KgError", "QueryError", "SourceError", "StoreError", "UsageError"}
+ERRORS: Final = {"GraphError", "KgError", "QueryError", "RuleError", "SourceError", "StoreError", "UsageError"}
 
 
 def test_the_public_names_are_these() -> None:
@@ -66,6 +68,13 @@ def test_a_program_builds_and_asks(tmp_path: Path) -> None:
     assert isinstance(answer, Boolean)
     assert answer.value
     assert kg.build(store=store).read == 0
+    rules = tmp_path / "rules" / "mine"
+    rules.mkdir(parents=True)
+    (rules / "copy.rq").write_text(
+        "CONSTRUCT { ?node <urn:called> ?name } WHERE { ?node a ros:Node ; rnkg:name ?name }"
+    )
+    assert kg.infer(rules=[rules.parent], store=store).added == len(kg.nodes(store=store))
+    assert kg.infer(rules=[rules.parent], store=store).mode == "incremental"
 
 
 def test_without_a_store_the_error_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
