@@ -9,6 +9,7 @@ from kg.settings import DECLARED
 
 __all__ = [
     "Base",
+    "Families",
     "Format",
     "Jobs",
     "Json",
@@ -46,6 +47,7 @@ Limit = Annotated[str | None, from_setting("limit", "-n")]
 Format = Annotated[str | None, from_setting("format")]
 Queries = Annotated[str | None, from_setting("queries")]
 Rules = Annotated[str | None, from_setting("rules")]
+Families = Annotated[str | None, from_setting("rule_families")]
 Json = Annotated[bool, typer.Option("--json", help="Write JSON Lines: one object a line.")]
 NoRules = Annotated[
     bool, typer.Option("--no-rules", help="Leave what rules inferred as it is; the next build brings it up to date.")

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from kg.cli.diagnostics import note, say
-from kg.cli.options import Base, Jobs, Json, MaxFileBytes, NoRules, Rules, Store
+from kg.cli.options import Base, Families, Jobs, Json, MaxFileBytes, NoRules, Rules, Store
 from kg.cli.output import Column, json_lines, listing, terminal
 from kg.cli.session import session
 from kg.render.text import count
@@ -41,6 +41,7 @@ def build(  # noqa: PLR0913 - the options of a command
     watch: Watch = False,
     no_rules: NoRules = False,
     rules: Rules = None,
+    rule_families: Families = None,
     json: Json = False,
     store: Store = None,
 ) -> None:
@@ -54,7 +55,9 @@ def build(  # noqa: PLR0913 - the options of a command
         kg build https://github.com/ros-planning/navigation.git@noetic-devel
         kg build
     """
-    given = session(context).settings(store=store, jobs=jobs, max_file_bytes=max_file_bytes, base=base, rules=rules)
+    given = session(context).settings(
+        store=store, jobs=jobs, max_file_bytes=max_file_bytes, base=base, rules=rules, rule_families=rule_families
+    )
     _build(list(sources or ()), given, problems=problems, infer=not no_rules, json=json)
     if watch:
         _watch(given, problems=problems, infer=not no_rules, json=json)

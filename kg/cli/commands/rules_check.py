@@ -9,7 +9,7 @@ import typer
 
 from kg.cli.diagnostics import colored, render, say
 from kg.cli.names import unknown
-from kg.cli.options import Json, Rules, Store
+from kg.cli.options import Families, Json, Rules, Store
 from kg.cli.output import json_lines, write
 from kg.cli.session import session
 from kg.errors import Exit, RuleError, StoreError, UsageError
@@ -43,6 +43,7 @@ def check(  # noqa: PLR0913 - the options of a command
     level: Level = "note",
     json: Json = False,
     rules: Rules = None,
+    rule_families: Families = None,
     store: Store = None,
 ) -> None:
     """Check rules: names, safety, strata, what never fires, documentation.
@@ -58,7 +59,7 @@ def check(  # noqa: PLR0913 - the options of a command
     for word, allowed, what in ((form, _FORMATS, "format"), (level, _SEVERITIES, "severity")):
         if word not in allowed:
             raise UsageError("KG003", f"`{word}` is no {what}", hint=f"One of {', '.join(allowed)}.")
-    settings = session(context).settings(store=store, rules=rules)
+    settings = session(context).settings(store=store, rules=rules, rule_families=rule_families)
     findings, checked = _found(settings, names or [])
     shown = [one for one in findings if _SEVERITIES.index(one.severity) <= _SEVERITIES.index(level)]
     _write(shown, form, checked)

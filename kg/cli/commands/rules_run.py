@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from kg.cli.diagnostics import note, say
-from kg.cli.options import Json, Rules, Store, Timeout
+from kg.cli.options import Families, Json, Rules, Store, Timeout
 from kg.cli.output import Column, json_lines, listing, terminal
 from kg.cli.progress import waiting
 from kg.cli.session import session
@@ -62,6 +62,7 @@ def run(  # noqa: PLR0913 - the options of a command
     output: Output = None,
     max_triples: MaxTriples = None,
     rules: Rules = None,
+    rule_families: Families = None,
     timeout: Timeout = None,
     json: Json = False,
     store: Store = None,
@@ -79,7 +80,7 @@ def run(  # noqa: PLR0913 - the options of a command
     from kg.pipeline import rule_runs  # noqa: PLC0415 - start-up time
 
     _agree(remote=remote, update_url=update_url, data=data, output=output, dry_run=dry_run)
-    settings = session(context).settings(store=store, rules=rules, timeout=timeout)
+    settings = session(context).settings(store=store, rules=rules, rule_families=rule_families, timeout=timeout)
     limits = limits_of(settings, max_triples)
     with waiting("running the rules"):
         if remote:
