@@ -26,8 +26,8 @@ CODES: Final = {
     ),
     "KG204": CodeEntry(
         "terms made in recursion",
-        "A rule makes new terms (blank nodes, computed values, triple terms) or calls a function that differs from call "
-        "to call, and feeds itself: it may never end.",
+        "A rule makes new terms (blank nodes, computed values, triple terms) or calls a function that differs from "
+        "call to call, and feeds itself: it may never end.",
         "Move what makes terms to a rule that does not recur, or run with a deadline or a limit of triples.",
     ),
     "KG205": CodeEntry(
