@@ -83,7 +83,7 @@ def summary(done: "Sequence[Result]", without: "Sequence[Entry]", seconds: float
     """Say how all went, and which rules have no examples."""
     failed = sum(not result.passed for result in done)
     rules = len({result.rule for result in done})
-    verdict = f"{failed:,} failed" if failed else "all passed"
+    verdict = f"{failed:,} failed (KG220)" if failed else "all passed"
     say(f"{count(len(done), 'example')} of {count(rules, 'rule')}: {verdict} in {seconds:.2f} s")
     if without:
         names = ", ".join(entry.name for entry in without[:_FEW])
