@@ -81,6 +81,11 @@ class Library:
                 found.setdefault(name, Entry(name, path, pack, (path, name) in chosen, own=folder != shipped))
         self.entries = {name: found[name] for name in sorted(found)}
 
+    def directories(self) -> list[Path]:
+        """Return the folders of rules with all folders below them."""
+        below = (path for folder, _ in self._sources for path in (folder, *folder.rglob("*")))
+        return [path for path in below if path.is_dir()]
+
     @classmethod
     def of(cls, settings: Settings) -> Library:
         """Return the rules in force: those that `kg` ships, those of installed packs, and the user's own."""

@@ -24,15 +24,20 @@ class Saved:
 
 
 class Watched:
-    """The files of a library by their times; looking costs one call of the system a file."""
+    """The files of a library by their times; looking costs one call of the system a file and a folder."""
 
     def __init__(self, library: Library) -> None:
         self._library = library
-        self._times = self._now()
+        self._folders: dict[Path, int] = {}
+        self._times: dict[str, tuple[int, int]] = {}
+        self.saved()
 
     def saved(self) -> Saved:
         """Return what happened since the last call."""
-        self._library.refresh()
+        if not self._folders or any(_time(folder) != time for folder, time in self._folders.items()):
+            # A file came or went: only then the folders are searched.
+            self._folders = {folder: _time(folder) for folder in self._library.directories()}
+            self._library.refresh()
         before, self._times = self._times, self._now()
         changed = [name for name, times in self._times.items() if before.get(name) != times]
         return Saved([self._library.entries[name] for name in changed], sorted(before.keys() - self._times.keys()))
@@ -42,7 +47,7 @@ class Watched:
 
 
 def _time(path: Path) -> int:
-    """Return when a file was changed last, 0 when it is not there."""
+    """Return when a file or folder was changed last, 0 when it is not there."""
     try:
         return path.stat().st_mtime_ns
     except OSError:
