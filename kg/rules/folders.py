@@ -18,10 +18,10 @@ _NAME: Final = "rules"
 
 def user_folders(settings: Settings) -> tuple[Path, ...]:
     """Return the folders of rules in force beside those that `kg` ships; the default one only where it exists."""
-    if settings.rules:
-        return settings.rules
     default = _default()
-    return (default,) if default.is_dir() and default.resolve() != shipped(_NAME).resolve() else ()
+    named = settings.rules or ((default,) if default.is_dir() else ())
+    own = shipped(_NAME).resolve()
+    return tuple(folder for folder in named if folder.resolve() != own)
 
 
 def own_folder(settings: Settings) -> Path:

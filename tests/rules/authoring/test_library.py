@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import pytest
 from rules.authoring.worlds import write_rules
 
+from kg import resources
 from kg.errors import KgError, RuleError
 from kg.rules.authoring.library import Library
 from kg.rules.authoring.naming import choose, find_rule
@@ -108,3 +109,10 @@ def test_the_folder_of_ones_own_rules(tmp_path: Path, monkeypatch: pytest.Monkey
     assert user_folders(settings) == (tmp_path / "rules",)
     chosen = load({"rules": f"x{os.pathsep}y"}, environment={})
     assert (own_folder(chosen), user_folders(chosen)) == (deep / "x", (deep / "x", deep / "y"))
+
+
+def test_the_rules_that_are_shipped_are_not_there_twice() -> None:
+    """Who works on them may name their folder."""
+    settings = load({"rules": str(resources.folder("rules"))}, environment={})
+    assert user_folders(settings) == ()
+    assert not Library.of(settings).problems
