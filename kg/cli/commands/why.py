@@ -1,12 +1,12 @@
 """`kg why` and `kg why-not`: what a fact rests on, and what one that is not there lacks."""
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from kg.cli.diagnostics import note
 from kg.cli.options import Json, Rules, Store
-from kg.cli.output import json_lines, show, write
+from kg.cli.output import json_lines, write
 from kg.cli.query_text import pairs, query_meant
 from kg.cli.session import session
 from kg.errors import Exit, UsageError
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
     from kg.query.stored import StoredQuery
     from kg.rules.explain.proof import Proof
-    from kg.rules.explain.text import Line
     from kg.rules.explain.view import View
     from kg.rules.form import Rule
     from kg.settings import Settings
@@ -186,7 +185,9 @@ def why_not(  # noqa: PLR0913 - the options of a command
         if json:
             json_lines([why_not_object(answer, view)])
         else:
-            _print(why_not_lines(answer, view), snapshot)
+            from kg.cli.trees import print_tree  # noqa: PLC0415 - start-up time
+
+            print_tree(why_not_lines(answer, view), snapshot)
 
 
 def _form(name: str) -> str:
@@ -228,28 +229,6 @@ def _show(proof: "Proof", view: "View", form: str, snapshot: "EmbeddedSnapshot")
     elif form == "svg":
         write(picture(proof, view).rstrip())
     else:
-        _print(proof_lines(proof, view), snapshot)
+        from kg.cli.trees import print_tree  # noqa: PLC0415 - start-up time
 
-
-def _print(lines: "Iterable[Line]", snapshot: "EmbeddedSnapshot") -> None:
-    from kg.cli.links import Links  # noqa: PLC0415 - start-up time
-    from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
-
-    links = Links.of(sources(snapshot))
-    for line in lines:
-        show(_styled(line, links))
-
-
-def _styled(line: "Line", links: Any) -> Any:
-    """Return a line as rich text: branches dim, places as links."""
-    from rich.text import Text  # noqa: PLC0415 - start-up time
-
-    styles = {"rule": "cyan", "bindings": "dim", "condition": "", "failure": "red", "hint": "yellow", "fact": "bold"}
-    text = Text(line.branches, style="dim")
-    text.append(line.text, style=styles[line.kind])
-    where = line.evidence or line.place
-    if where:
-        address = links.find(line.evidence.path, line.evidence.line or 1) if line.evidence else None
-        text.append("  ")
-        text.append(str(where), style=f"green link {address}" if address else "green")
-    return text
+        print_tree(proof_lines(proof, view), snapshot)
