@@ -11,9 +11,7 @@ from rich.text import Text
 
 from kg.cli.links import Links
 from kg.cli.output import console, line_width, show
-from kg.errors import Place
 from kg.graph.source_states import sources
-from kg.resources import folder
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -48,7 +46,7 @@ def _folded(line: Line, text: Text) -> list[Text]:
     first, *others = [text] if text.cell_len <= room else text.wrap(console(), room - 2)
     below = line.branches[:-3] + _BRANCHES.get(line.branches[-3:], line.branches[-3:])
     rows = [(line.branches, first), *((f"{below}  ", part) for part in others)]
-    return [Text(branches, style="dim") + part for branches, part in rows]
+    return [Text.assemble((branches, "dim"), part) for branches, part in rows]
 
 
 def _styled(line: Line, links: Links) -> Text:
@@ -58,18 +56,9 @@ def _styled(line: Line, links: Links) -> Text:
         text.append(f"  {line.evidence}", style=_linked(address))
     elif line.place:
         path = Path(line.place.path).absolute()
-        text.append(f"  {_shown(line.place)}", style=_linked(f"file://{gethostname()}{quote(str(path))}"))
+        text.append(f"  {line.where}", style=_linked(f"file://{gethostname()}{quote(str(path))}"))
     return text
 
 
 def _linked(address: str | None) -> str:
     return f"not bold green link {address}" if address else "not bold green"
-
-
-def _shown(place: Place) -> Place:
-    """Return the place of a rule as people know it: those that `kg` ships below `rules/`."""
-    shipped = folder("rules")
-    path = Path(place.path)
-    if path.is_relative_to(shipped):
-        return Place(f"rules/{path.relative_to(shipped).as_posix()}", place.line)
-    return Place(place.path, place.line)

@@ -55,8 +55,7 @@ def _left(line: Line) -> float:
 
 
 def _words(line: Line) -> str:
-    where = line.evidence or line.place
-    return f"{line.text}  {where}" if where else line.text
+    return f"{line.text}  {line.where}" if line.where else line.text
 
 
 def _baseline(row: int) -> float:
@@ -64,8 +63,7 @@ def _baseline(row: int) -> float:
 
 
 def _text(line: Line, row: int) -> str:
-    where = line.evidence or line.place
-    place = f'<tspan class="place" dx="14">{escape(str(where))}</tspan>' if where else ""
+    place = f'<tspan class="place" dx="14">{escape(line.where)}</tspan>' if line.where else ""
     left = _MARGIN + _left(line)
     return f'<text class="{line.kind}" x="{left:g}" y="{_baseline(row):g}">{escape(line.text)}{place}</text>'
 

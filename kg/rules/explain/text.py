@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
+from kg.resources import folder
 from kg.rules.explain.proof import Proof
 
 if TYPE_CHECKING:
@@ -34,8 +36,16 @@ class Line:
     place: Place | None = None
 
     def __str__(self) -> str:
-        where = self.evidence or self.place
-        return f"{self.branches}{self.text}" + (f"  {where}" if where else "")
+        return f"{self.branches}{self.text}" + (f"  {self.where}" if self.where else "")
+
+    @property
+    def where(self) -> str:
+        """The place as people know it: rules that `kg` ships stand in `rules/`, wherever it is installed."""
+        if self.evidence or not self.place:
+            return str(self.evidence or "")
+        path, shipped = Path(self.place.path), folder("rules")
+        shown = f"rules/{path.relative_to(shipped).as_posix()}" if path.is_relative_to(shipped) else self.place.path
+        return f"{shown}:{self.place.line}"
 
 
 def proof_lines(proof: Proof, view: View) -> Iterator[Line]:
