@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from rich.table import Table
     from rich.text import Text
 
+    from kg.errors import RuleError
     from kg.rules.authoring.coverage import RuleCoverage
     from kg.rules.authoring.differences import Changed, Difference
     from kg.rules.authoring.library import Entry
@@ -58,12 +59,16 @@ def here(path: str | Path) -> str:
     return str(path) if text.startswith("..") else text
 
 
-def list_row(entry: Entry, told: Documentation) -> tuple[str | None, ...]:
-    """Return the row of a rule in the list of rules."""
+def list_row(entry: Entry, told: Documentation, error: RuleError | None = None) -> tuple[str | None, ...]:
+    """Return the row of a rule in the list of rules; `error` is what keeps it from being read."""
     severity = f" [{told.severity}]" if told.severity else ""
-    state = ", ".join(
-        word for word in (f"pack {entry.pack}" if entry.pack else "", "" if entry.in_force else "not in force") if word
+    where = here(error.place.path) + _line_of(error.place.line) if error and error.place else ""
+    words = (
+        f"error {error.code} at {where}" if error else "",
+        f"pack {entry.pack}" if entry.pack else "",
+        "" if entry.in_force else "not in force",
     )
+    state = ", ".join(word for word in words if word)
     return (entry.name, told.title + severity, entry.path.suffix.lstrip("."), told.since, state)
 
 
@@ -130,7 +135,9 @@ def result_lines(rule: str, results: Iterable[Result], *, every: bool) -> Iterat
 
     found = list(results)
     failed = [result for result in found if not result.passed]
+    ran = [result for result in found if result.title]
     words = f"{len(failed)} of {len(found)} failed" if failed else f"{count(len(found), 'example')}"
+    words = words if ran else "cannot be read"
     mark = ("FAIL", "bold red") if failed else ("ok  ", "green")
     yield Text.assemble(mark, "  ", (rule, "bold"), f"  {words}")
     for result in found if every else failed:
@@ -140,7 +147,7 @@ def result_lines(rule: str, results: Iterable[Result], *, every: bool) -> Iterat
 def _example_lines(result: Result) -> Iterator[Text]:
     from rich.text import Text  # noqa: PLC0415 - start-up time
 
-    title = printable(result.title or "examples")
+    title = printable(result.title or "the rule and its examples")
     if result.passed:
         yield Text.assemble(("      ok    ", "green"), title)
         return

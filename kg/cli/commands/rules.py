@@ -1,6 +1,7 @@
 """`kg rules new`, `list` and `show`: begin a rule, see which there are, read one."""
 
 import shlex
+from contextlib import suppress
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -14,7 +15,7 @@ from kg.errors import Exit, RuleError
 from kg.render.text import count
 
 if TYPE_CHECKING:
-    from kg.rules.authoring.library import Entry
+    from kg.rules.authoring.library import Entry, Library
     from kg.rules.files import Documentation
 
 __all__ = ["HELP", "Chosen", "list_rules", "new", "show_rule"]
@@ -79,14 +80,14 @@ def list_rules(context: typer.Context, chosen: Chosen = None, *, rules: Rules = 
     from kg.rules.authoring.naming import choose  # noqa: PLC0415 - start-up time
 
     library = Library.of(session(context).settings(rules=rules))
-    errors = list(library.problems)
-    found = [(entry, _documentation(entry, errors)) for entry in choose(library, chosen or ())]
-    objects = (entry_object(entry, told) for entry, told in found) if json else None
-    listing(COLUMNS, [list_row(entry, told) for entry, told in found], objects=objects)
+    found = [(entry, *_read(library, entry)) for entry in choose(library, chosen or ())]
+    errors = [*library.problems, *(error for _, _, error in found if error)]
+    objects = (entry_object(*each) for each in found) if json else None
+    listing(COLUMNS, [list_row(*each) for each in found], objects=objects)
     for error in errors:
         report(error)
     if terminal() and not json:
-        families = len({entry.family for entry, _ in found})
+        families = len({entry.family for entry, _, _ in found})
         note(f"{count(len(found), 'rule')} of {count(families, 'family', 'families')}; `kg rules show NAME` shows one")
         idle = sorted({entry.family for entry in library.entries.values() if not entry.in_force})
         if idle and not chosen:
@@ -95,15 +96,17 @@ def list_rules(context: typer.Context, chosen: Chosen = None, *, rules: Rules = 
         raise typer.Exit(Exit.FOUND)
 
 
-def _documentation(entry: "Entry", errors: list[RuleError]) -> "Documentation":
+def _read(library: "Library", entry: "Entry") -> "tuple[Documentation, RuleError | None]":
+    """Return what the header of a rule says, and the error for which the rule cannot be read."""
     from kg.rules.authoring.manual import documentation  # noqa: PLC0415 - start-up time
     from kg.rules.files import Documentation  # noqa: PLC0415 - start-up time
 
     try:
-        return documentation(entry)
+        return library.read(entry.name).documentation, None
     except RuleError as error:
-        errors.append(error)
-        return Documentation()
+        with suppress(RuleError):
+            return documentation(entry), error
+        return Documentation(), error
 
 
 def show_rule(context: typer.Context, name: Name, *, rules: Rules = None, json: Json = False) -> None:

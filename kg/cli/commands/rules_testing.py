@@ -51,8 +51,9 @@ def try_rules(
 
     begin = time.perf_counter()
     library = Library.of(session(context).settings(rules=rules))
-    with_examples, without = parted(choose(library, chosen or ()))
-    results = run_examples(with_examples, library)
+    entries = choose(library, chosen or ())
+    with_examples, without = parted(entries)
+    results = run_examples(entries, library)
     done = []
     if json:
         for result in results:
@@ -80,11 +81,16 @@ def show_results(results: "Iterable[Result]", *, every: bool) -> "list[Result]":
 
 
 def summary(done: "Sequence[Result]", without: "Sequence[Entry]", seconds: float) -> None:
-    """Say how all went, and which rules have no examples."""
-    failed = sum(not result.passed for result in done)
-    rules = len({result.rule for result in done})
-    verdict = f"{failed:,} failed (KG220)" if failed else "all passed"
-    say(f"{count(len(done), 'example')} of {count(rules, 'rule')}: {verdict} in {seconds:.2f} s")
+    """Say how all went, which rules cannot be read, and which have no examples."""
+    ran = [result for result in done if result.title]
+    broken = {result.rule for result in done if not result.title}
+    failed = sum(not result.passed for result in ran)
+    verdict = f"{failed:,} failed (KG220)" if failed else "all passed" if ran or not broken else "none ran"
+    if broken:
+        verdict += f", {count(len(broken), 'rule')} cannot be read"
+    rules = len({result.rule for result in ran})
+    say(f"{count(len(ran), 'example')} of {count(rules, 'rule')}: {verdict} in {seconds:.2f} s")
+    without = [entry for entry in without if entry.name not in broken]
     if without:
         names = ", ".join(entry.name for entry in without[:_FEW])
         more = f" and {len(without) - _FEW} more" if len(without) > _FEW else ""

@@ -119,8 +119,8 @@ def documentation(entry: Entry) -> Documentation:
     return parse_header(text, str(entry.path))
 
 
-def entry_object(entry: Entry, told: Documentation) -> dict[str, Any]:
-    """Return a rule in a list as plain values, ready for JSON."""
+def entry_object(entry: Entry, told: Documentation, error: RuleError | None = None) -> dict[str, Any]:
+    """Return a rule in a list as plain values, ready for JSON; `error` is what keeps it from being read."""
     return {
         "rule": entry.name,
         "family": entry.family,
@@ -130,6 +130,7 @@ def entry_object(entry: Entry, told: Documentation) -> dict[str, Any]:
         "severity": told.severity,
         "pack": entry.pack or None,
         "in_force": entry.in_force,
+        "error": {"code": error.code, "message": error.message, "place": str(error.place or "")} if error else None,
         "file": str(entry.path),
         "examples": str(entry.examples) if entry.examples.is_file() else None,
     }

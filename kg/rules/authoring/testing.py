@@ -70,10 +70,11 @@ def parted(entries: Iterable[Entry]) -> tuple[list[Entry], list[Entry]]:
 
 
 def run_examples(entries: Iterable[Entry], library: Library) -> Iterator[Result]:
-    """Yield the result of each example of some rules; what cannot be run is a result too."""
+    """Yield the result of each example of some rules; what cannot be run is a result too, even without examples."""
     for entry in entries:
         try:
-            file, examples = library.read(entry.name), read_examples(entry.examples)
+            file = library.read(entry.name)
+            examples = read_examples(entry.examples) if entry.examples.is_file() else ()
         except RuleError as error:
             yield Result(entry.name, "", error.place or Place(str(entry.path)), error=error)
             continue

@@ -127,3 +127,13 @@ def test_rules_without_examples_are_told_apart(tmp_path: Path) -> None:
     (found,) = run_examples(with_examples, library)
     assert found.error is not None
     assert found.error.code == "KG221"
+
+
+def test_a_rule_that_cannot_be_read_fails_without_examples(tmp_path: Path) -> None:
+    """Nothing is green that does not parse; what has no examples and can be read gives no result."""
+    write_rules(tmp_path, knows=KNOWS, broken="CONSTRUCT { ?x nobody:knows ?y } WHERE { ?x :met ?y }")
+    library = Library([tmp_path])
+    (found,) = run_examples(library.in_force, library)
+    assert (found.rule, found.title, found.passed) == ("f/broken", "", False)
+    assert found.error is not None
+    assert (found.error.code, found.place.path) == ("KG201", f"{tmp_path}/f/broken.rq")
