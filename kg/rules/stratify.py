@@ -1,7 +1,9 @@
 """Strata: the order in which rules run, so that negation and aggregates see only what is finished.
 
-A stratum is one strongly connected component of the rules' dependencies: rules that feed each other run together to a
-fixpoint, any other rule runs once. Dependencies decide the order. `sh:order` decides where they leave it open: of the
+Each is evaluated in parts, the strongly connected components of the rules' dependencies: rules that feed each other run
+together to a fixpoint, any other rule runs once; that is what `Stratum` holds. Its `level` is the stratum in the sense
+of the field (Apt, Blair, Walker, "Towards a theory of declarative knowledge", 1988): one more than that of what it
+negates or counts, and not below that of what it reads. Dependencies decide the order. `sh:order` decides where they leave it open: of the
 rules that may run next, one of the lowest order does. So a rule of a lower order is finished before one of a higher
 order unless it reads, directly or through others, what that one derives; it then sees the whole fixpoint, where an
 evaluation in a single pass (SHACL-AF, section 8) would miss a part of it.
@@ -24,16 +26,29 @@ if TYPE_CHECKING:
 
     from kg.rules.form import Atom, Rule
 
-__all__ = ["Stratum", "edges", "stratify"]
+__all__ = ["Failure", "Stratum", "edges", "failures", "stratify"]
 
 
 @dataclass(frozen=True, slots=True)
 class Stratum:
-    """Rules that are evaluated together; `number` counts from one; `recursive`: one of them feeds itself."""
+    """Rules that are evaluated together; `number` counts from one; `recursive`: one of them feeds itself.
+
+    `level` is one for rules that neither negate nor count what rules derive, nor read what rules derive that do.
+    """
 
     number: int
     rules: tuple[Rule, ...]
     recursive: bool
+    level: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """One reason why rules have no order: `rule` has the error, `cycle` are all rules that are part of it."""
+
+    error: RuleError
+    rule: Rule
+    cycle: tuple[Rule, ...]
 
 
 def stratify(rules: Iterable[Rule], *, bounded: bool = False) -> list[Stratum]:
@@ -47,14 +62,36 @@ def stratify(rules: Iterable[Rule], *, bounded: bool = False) -> list[Stratum]:
     needs = edges(ordered)
     components = _components([sorted(need) for need in needs])
     strata: list[Stratum] = []
+    levels = [1] * len(ordered)
     for component in _in_order(ordered, needs, components):
         members = set(component)
+        level = max((levels[need] + read.negated for rule in component for need, read in needs[rule].items()), default=1)
+        for rule in component:
+            levels[rule] = level
         recursive = any(need in members for rule in component for need in needs[rule])
-        if recursive:
-            _check_negation(ordered, needs, component)
-            _check_minting([ordered[rule] for rule in component], bounded=bounded)
-        strata.append(Stratum(len(strata) + 1, tuple(ordered[rule] for rule in sorted(component)), recursive))
+        failure = next(_failures(ordered, needs, component, bounded=bounded), None) if recursive else None
+        if failure is not None:
+            raise failure.error
+        strata.append(Stratum(len(strata) + 1, tuple(ordered[rule] for rule in sorted(component)), recursive, level))
     return strata
+
+
+def failures(rules: Iterable[Rule]) -> Iterator[Failure]:
+    """Yield every reason why rules cannot be put in order, where `stratify` raises the first; each cycle comes once."""
+    ordered = list(rules)
+    needs = edges(ordered)
+    for component in _in_order(ordered, needs, _components([sorted(need) for need in needs])):
+        members = set(component)
+        if any(need in members for rule in component for need in needs[rule]):
+            yield from _failures(ordered, needs, component, bounded=False)
+
+
+def _failures(
+    rules: Sequence[Rule], needs: list[dict[int, Read]], component: list[int], *, bounded: bool
+) -> Iterator[Failure]:
+    """Yield what is wrong with one component that feeds itself."""
+    yield from _negations(rules, needs, component)
+    yield from _mintings([rules[rule] for rule in component], bounded=bounded)
 
 
 def edges(rules: Sequence[Rule]) -> list[dict[int, Read]]:
@@ -169,18 +206,23 @@ def _in_order(rules: Sequence[Rule], needs: list[dict[int, Read]], components: l
                 heapq.heappush(ready, (rank[reader], reader))
 
 
-def _check_negation(rules: Sequence[Rule], needs: list[dict[int, Read]], component: list[int]) -> None:
+def _negations(rules: Sequence[Rule], needs: list[dict[int, Read]], component: list[int]) -> Iterator[Failure]:
     members = set(component)
+    told: set[frozenset[int]] = set()
     for rule in sorted(component):
         for writer, read in needs[rule].items():
-            if read.negated and writer in members:
-                cycle = _path(needs, writer, rule, members)
-                raise RuleError(
+            if not read.negated or writer not in members:
+                continue
+            cycle = _path(needs, writer, rule, members)
+            if frozenset(cycle) not in told:
+                told.add(frozenset(cycle))
+                error = RuleError(
                     "KG202",
                     _cycle_in_words(rules, needs, [rule, *cycle]),
                     place=read.atom.place or rules[rule].place,
                     hint="Let the negated or counted pattern read something that this rule does not feed.",
                 )
+                yield Failure(error, rules[rule], tuple(rules[each] for each in cycle))
 
 
 def _path(needs: list[dict[int, Read]], start: int, goal: int, members: set[int]) -> list[int]:
@@ -212,14 +254,15 @@ def _shown(atom: Atom) -> str:
     return " ".join(str(position) for position in atom.positions)
 
 
-def _check_minting(rules: Sequence[Rule], *, bounded: bool) -> None:
+def _mintings(rules: Sequence[Rule], *, bounded: bool) -> Iterator[Failure]:
     others = ", ".join(str(rule) for rule in rules)
     for rule in rules:
         if volatile(rule):
             message = f"{rule} calls a function that differs from call to call and feeds itself (through {others})"
-            raise RuleError("KG204", message, place=rule.place, hint="Move the call to a rule that does not recur.")
-        if mints(rule) and not bounded:
+            hint = "Move the call to a rule that does not recur."
+        elif mints(rule) and not bounded:
             message = f"{rule} makes new terms from what it derives itself (through {others}), which may never end"
-            raise RuleError(
-                "KG204", message, place=rule.place, hint="Move what makes terms to a rule of its own, or set a limit."
-            )
+            hint = "Move what makes terms to a rule of its own, or set a limit."
+        else:
+            continue
+        yield Failure(RuleError("KG204", message, place=rule.place, hint=hint), rule, tuple(rules))

@@ -16,10 +16,13 @@ if TYPE_CHECKING:
     from kg.rules.files import RuleFile, RuleSet
     from kg.rules.form import Element, Term
 
-__all__ = ["SEVERITIES", "Context", "Finding", "Store", "at_offset", "at_rule", "from_error"]
+__all__ = ["SECONDS", "SEVERITIES", "Context", "Finding", "Store", "at_offset", "at_rule", "from_error"]
 
 SEVERITIES: Final = ("error", "warning", "note")
 """From the worst to the least; errors keep a rule from running."""
+
+SECONDS: Final = 5.0
+"""How long a store may be asked about one rule, where nothing else is said."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +55,8 @@ class Context:
 
     `rules` are all in force, the file itself among them; `terms` what ontologies and data define or use, as IRIs;
     `read` the IRIs that stored queries mention; `schema` the axioms that rules about any schema are cut to;
-    `empty` is a store without data. `store` is None when there is none.
+    `empty` is a store without data. `store` is None when there is none; what it is asked about one rule may take
+    `seconds`, None being without end.
     """
 
     rules: RuleSet
@@ -63,6 +67,7 @@ class Context:
     labels: Callable[[Term], str] = str
     prefixes: Mapping[str, str] | None = None
     schema: tuple[Triple, ...] = ()
+    seconds: float | None = SECONDS
 
 
 class Check(Protocol):

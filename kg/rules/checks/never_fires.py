@@ -1,18 +1,21 @@
-"""KG213: a rule whose body matches nothing in the store."""
+"""KG213: a rule whose body matches nothing in the store; KG205 where the store takes too long to say so."""
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Final
 
+from kg.query.prefixes import PREFIXES, shorten
+from kg.query.runner import DeadlineError, in_thread
 from kg.rules.checks.finding import Finding, at_rule
-from kg.rules.form import AUXILIARY, Atom, atoms_of
+from kg.rules.form import AUXILIARY, Aggregate, Assignment, Atom, Exists, Filter, atoms_of
 from kg.rules.sparql import group
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from kg.errors import Place
-    from kg.rules.checks.finding import Context
+    from kg.rules.checks.finding import Context, Store
     from kg.rules.files import RuleFile
     from kg.rules.form import Element, Rule
 
@@ -20,19 +23,64 @@ __all__ = ["CODE", "TITLE", "check"]
 
 CODE: Final = "KG213"
 TITLE: Final = "never fires"
+_LATE: Final = "KG205"
+_IRI: Final = re.compile(r"<([^<>\s]*)>")
 
 
 def check(file: RuleFile, context: Context) -> Iterator[Finding]:
-    """Yield one finding for a file of which no rule has a match, naming the first part that leaves it without."""
-    if context.store is None:
-        return
+    """Yield one finding for a file of which no rule has a match, naming the first part that leaves it without.
+
+    Where the store does not answer in time, the finding says that.
+    """
+    store = context.store
     asked = [rule for rule in file.rules if not _auxiliary(rule)]
-    if not asked or any(context.store.matches(rule.body) for rule in asked):
+    if store is None or not asked:
         return
-    element = context.store.failing(asked[0].body)
-    reason = f": nothing matches {' '.join(group((element,)).split())}" if element else ""
-    place: Place = getattr(element, "place", None) or at_rule(file)
-    yield Finding(CODE, "note", file.name, f"on this store the rule derives nothing{reason}", place, None)
+    try:
+        fires, element = in_thread(lambda: _ask(store, asked), context.seconds)
+    except DeadlineError:
+        message = f"whether the rule fires is not known: the store did not answer in {context.seconds:g} s"
+        hint = "Join the parts of the body by variables or name their predicates, or raise `--timeout`."
+        yield Finding(_LATE, "note", file.name, message, at_rule(file), hint)
+        return
+    if not fires:
+        reason = f": nothing matches {_shown(element, file)}" if element else ""
+        place = (_place(element) if element else None) or at_rule(file)
+        yield Finding(CODE, "note", file.name, f"on this store the rule derives nothing{reason}", place, _hint(element))
+
+
+def _ask(store: Store, rules: Sequence[Rule]) -> tuple[bool, Element | None]:
+    """Return whether one of the rules has a match, else the part of the first one that leaves it without."""
+    if any(store.matches(rule.body) for rule in rules):
+        return True, None
+    return False, store.failing(rules[0].body)
+
+
+def _shown(element: Element, file: RuleFile) -> str:
+    """Return a part of a body as SPARQL on one line, with the prefixes of the file and those that all know."""
+    prefixes = {**PREFIXES, **(file.prefixes or {})}
+    text = _IRI.sub(lambda match: shorten(match[1], prefixes), group((element,)))
+    return " ".join(text.split())
+
+
+def _place(element: Element) -> Place | None:
+    """Return where a part of a body stands: itself, its expression, or the first triple in it."""
+    if isinstance(element, Filter | Assignment):
+        return element.expression.place
+    if isinstance(element, Exists | Aggregate):
+        return next((place for part in element.body if (place := _place(part))), None)
+    return getattr(element, "place", None)
+
+
+def _hint(element: Element | None) -> str:
+    """Return what can be done about a part that lets nothing through."""
+    if isinstance(element, Atom):
+        return "Correct the names in it, or build the packages that would state it; `kg why-not` goes deeper."
+    if isinstance(element, Filter | Assignment):
+        return "All before it has matches: compare the values that it sees there with what it asks for."
+    if isinstance(element, Exists):
+        return f"All before it has matches, and {'all' if element.negated else 'none'} of them have what stands in it."
+    return "All before it has matches, and none of them goes with this part."
 
 
 def _auxiliary(rule: Rule) -> bool:

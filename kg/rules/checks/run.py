@@ -19,9 +19,9 @@ from kg.rules.checks import (
 )
 from kg.rules.checks.finding import SEVERITIES, Context, Finding, from_error
 from kg.rules.files import RuleSet
-from kg.rules.reading import read, rule_files
+from kg.rules.reading import TWICE, read, rule_files
 from kg.rules.specialise import specialise
-from kg.rules.stratify import stratify
+from kg.rules.stratify import failures
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator
@@ -64,7 +64,7 @@ def read_all(folders: Iterable[Path], installed: Iterable[Pack] = (), families: 
             place = Place(str(path), 1, 1)
             if name in files:
                 twice = f"the rule `{name}` is in {files[name].path} already"
-                findings.append(Finding("KG207", "error", name, twice, place, "Rename one of the two."))
+                findings.append(Finding("KG207", "error", name, twice, place, TWICE))
                 continue
             try:
                 files[name] = read(path, name, pack=pack)
@@ -76,16 +76,17 @@ def read_all(folders: Iterable[Path], installed: Iterable[Pack] = (), families: 
 def check(found: Read, context: Context, names: Iterable[str] | None = None) -> list[Finding]:
     """Return what is wrong with the rules read, or with those called `names`, sorted by place.
 
-    `context` tells what they are checked against; its rules are those that were read.
+    A cycle belongs to each of its rules, wherever its error stands. `context` tells what they are checked against; its
+    rules are those that were read.
     """
     context = replace(context, rules=found.rules)
     wanted = None if names is None else set(names)
-    findings = [*found.findings, *_order(context)]
+    findings = [finding for finding in found.findings if wanted is None or finding.rule in wanted]
+    findings += _order(context, wanted)
     for file in found.rules.files:
         if wanted is None or file.name in wanted:
             findings += check_file(file, context)
-    chosen = [finding for finding in findings if wanted is None or finding.rule in wanted]
-    return sorted(chosen, key=_place)
+    return sorted(findings, key=_place)
 
 
 def check_file(file: RuleFile, context: Context) -> Iterator[Finding]:
@@ -94,14 +95,11 @@ def check_file(file: RuleFile, context: Context) -> Iterator[Finding]:
         yield from each.check(file, context)
 
 
-def _order(context: Context) -> Iterator[Finding]:
-    """Yield the one reason why the rules cannot be put in order, at the rule that it is about."""
-    try:
-        stratify(specialise(context.rules.rules, context.schema))
-    except RuleError as error:
-        place = error.place or Place("rules")
-        owner = next((file.name for file in context.rules.files if str(file.path) == place.path), "rules")
-        yield from_error(error, owner, place)
+def _order(context: Context, wanted: Collection[str] | None) -> Iterator[Finding]:
+    """Yield why rules cannot be put in order: each cycle once, also where only one of its rules is wanted."""
+    for failure in failures(specialise(context.rules.rules, context.schema)):
+        if wanted is None or any(rule.name in wanted for rule in failure.cycle):
+            yield from_error(failure.error, failure.rule.name, failure.rule.place)
 
 
 def _place(finding: Finding) -> tuple[str, int, int, int]:

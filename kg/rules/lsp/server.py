@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -73,13 +73,14 @@ class _Session:
             return None
         return self._server.workspace.get_text_document(uri), Path(path).resolve()
 
-    def publish(self, uri: str) -> None:
-        """Send what is wrong with a document as it is in the editor."""
+    def publish(self, uri: str, *, asks: bool = True) -> None:
+        """Send what is wrong with a document as it is in the editor; `asks`: the store too, which may take seconds."""
         found = self._document(uri)
         if found is None:
             return
         document, path = found
-        findings = diagnose(document.source, path, self._knowledge.name_of(path), self._context)
+        context = self._context if asks else replace(self._context, store=None)
+        findings = diagnose(document.source, path, self._knowledge.name_of(path), context)
         here = [_diagnostic(each) for each in findings if Path(each.place.path).resolve() == path]
         self._server.text_document_publish_diagnostics(
             types.PublishDiagnosticsParams(uri=uri, diagnostics=here, version=document.version)
@@ -129,7 +130,7 @@ def language_server(knowledge: Knowledge) -> LanguageServer:
 
     @server.feature(types.TEXT_DOCUMENT_DID_CHANGE)
     def changed(params: types.DidChangeTextDocumentParams) -> None:
-        session.publish(params.text_document.uri)
+        session.publish(params.text_document.uri, asks=False)
 
     @server.feature(types.TEXT_DOCUMENT_DID_SAVE)
     def saved(params: types.DidSaveTextDocumentParams) -> None:

@@ -6,7 +6,10 @@ A case is a rule in `cases/CODE/`; a line `# expect: CODE line:column words` at 
 from __future__ import annotations
 
 import re
+import threading
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 from pyoxigraph import NamedNode
@@ -18,6 +21,9 @@ from kg.rules.checks.stores import StoreOf, nothing
 from kg.rules.explain.view import View, Vocabulary
 from kg.rules.files import RuleSet
 from kg.rules.reading import read, read_text
+
+if TYPE_CHECKING:
+    from kg.rules.form import Element
 
 FOLDER = Path(__file__).parent / "cases"
 CASES = sorted(path for path in FOLDER.rglob("*") if path.suffix in {".rq", ".srl"})
@@ -54,6 +60,31 @@ def test_every_check_has_cases_for_and_against() -> None:
         code = getattr(check, "CODE")  # noqa: B009 - a module's constant
         expecting = ["# expect:" in path.read_text() for path in CASES if path.parent.name == code]
         assert {True, False} <= set(expecting), code
+
+
+class _Endless:
+    """A store that answers when it is told to."""
+
+    def __init__(self) -> None:
+        self.answer = threading.Event()
+
+    def matches(self, _body: tuple[Element, ...]) -> bool:
+        """Wait."""
+        return self.answer.wait(60)
+
+    def failing(self, _body: tuple[Element, ...]) -> None:
+        """Return nothing."""
+
+
+def test_a_store_that_does_not_answer() -> None:
+    """A rule that takes the store too long is a note; what needs no store is found as ever."""
+    store = _Endless()
+    path = FOLDER / "KG218" / "nothing.rq"
+    given = replace(context(path), store=store, seconds=0.01)
+    found = {finding.code: finding for finding in check_file(given.rules.files[0], given)}
+    store.answer.set()
+    assert (found["KG205"].severity, "did not answer in 0.01 s" in found["KG205"].message) == ("note", True)
+    assert "KG218" in found
 
 
 def test_a_store_that_is_empty() -> None:

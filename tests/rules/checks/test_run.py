@@ -55,6 +55,26 @@ def test_rules_without_an_order(tmp_path: Path) -> None:
     assert "two negates" in found.message
 
 
+def test_each_cycle_is_found_and_belongs_to_all_its_rules(tmp_path: Path) -> None:
+    """Rules without an order are found in each cycle, and by the name of any rule in it."""
+    texts = {
+        "one": "CONSTRUCT { ?x a :One } WHERE { ?x :p ?y FILTER NOT EXISTS { ?x a :Two } }",
+        "two": "CONSTRUCT { ?x a :Two } WHERE { ?x a :One }",
+        "mints": "CONSTRUCT { [] :q ?x } WHERE { ?x :q ?y }",
+        "other": "CONSTRUCT { ?x a :Other } WHERE { ?x a :Two }",
+    }
+    for name, text in texts.items():
+        (tmp_path / f"{name}.rq").write_text(PREFIX + text)
+    read = read_all([tmp_path])
+
+    def codes(names: list[str] | None) -> list[str]:
+        found = check(read, Context(RuleSet(())), names)
+        return [each.code for each in found if each.severity == "error"]
+
+    assert codes(None) == ["KG204", "KG202"]
+    assert [codes([name]) for name in ("one", "two", "mints", "other")] == [["KG202"], ["KG202"], ["KG204"], []]
+
+
 def test_unbound_heads(tmp_path: Path) -> None:
     """A variable of the head that the body does not bind is named at its place."""
     (found,) = findings(tmp_path, unsafe_rq="CONSTRUCT { ?x :p ?z } WHERE { ?x :q ?y }")
