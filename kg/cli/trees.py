@@ -37,28 +37,37 @@ def print_tree(lines: Iterable[Line], graph: Queryable) -> None:
     """Write the lines of an explanation; `graph` knows where the sources stand."""
     links = Links.of(sources(graph))
     for line in lines:
-        show(*_folded(line, _styled(line, links)))
+        show(*_folded(line, links))
 
 
-def _folded(line: Line, text: Text) -> list[Text]:
-    """Return the rows of a line: what does not fit goes on below, inside the branches."""
+def _folded(line: Line, links: Links) -> list[Text]:
+    """Return the rows of a line: what does not fit goes on below, inside the branches; places are never broken."""
     room = max(_NARROWEST, line_width() - len(line.branches))
-    first, *others = [text] if text.cell_len <= room else text.wrap(console(), room - 2)
+    text, place = Text(line.text, style=_STYLES[line.kind]), _place(line, links)
+    parts = [text] if text.cell_len <= room else list(text.wrap(console(), room - 2))
+    if place and parts[-1].cell_len + place.cell_len + 2 > room - (2 if len(parts) > 1 else 0):
+        parts.append(place)
+    elif place:
+        parts[-1] = Text.assemble(parts[-1], "  ", place)
     below = line.branches[:-3] + _BRANCHES.get(line.branches[-3:], line.branches[-3:])
-    rows = [(line.branches, first), *((f"{below}  ", part) for part in others)]
-    return [Text.assemble((branches, "dim"), part) for branches, part in rows]
+    starts = [line.branches, *[f"{below}  "] * (len(parts) - 1)]
+    rows = [Text.assemble((start, "dim"), part) for start, part in zip(starts, parts, strict=True)]
+    for row in rows:
+        row.no_wrap, row.overflow = True, "ignore"
+    return rows
 
 
-def _styled(line: Line, links: Links) -> Text:
-    text = Text(line.text, style=_STYLES[line.kind])
+def _place(line: Line, links: Links) -> Text | None:
     if line.evidence:
-        address = links.find(line.evidence.path, line.evidence.line or 1)
-        text.append(f"  {line.evidence}", style=_linked(address))
-    elif line.place:
-        path = Path(line.place.path).absolute()
-        text.append(f"  {line.where}", style=_linked(f"file://{gethostname()}{quote(str(path))}"))
-    return text
+        path = Path(line.evidence.path)
+        address = _file(path) if path.is_absolute() else links.find(line.evidence.path, line.evidence.line or 1)
+        return Text(line.where, style=_linked(address))
+    return Text(line.where, style=_linked(_file(Path(line.place.path)))) if line.place else None
+
+
+def _file(path: Path) -> str:
+    return f"file://{gethostname()}{quote(str(path.absolute()))}"
 
 
 def _linked(address: str | None) -> str:
-    return f"not bold green link {address}" if address else "not bold green"
+    return f"green link {address}" if address else "green"

@@ -11,6 +11,7 @@ from pyoxigraph import NamedNode, RdfFormat, parse
 from kg import resources
 from kg.graph.iris import Iris
 from kg.graph.ontology_files import ontology_triples
+from kg.graph.ontology_places import place_of
 from kg.graph.vocabulary import RNKG
 from kg.pipeline.inferring import digest
 from kg.query.prefixes import PREFIXES
@@ -19,9 +20,10 @@ from kg.query.terms import iris_of
 from kg.rules.cells import cells
 from kg.rules.checks.finding import Context
 from kg.rules.checks.stores import StoreOf, nothing
+from kg.rules.explain.proof import Evidence
 from kg.rules.explain.view import View, Vocabulary
 from kg.rules.files import RuleSet
-from kg.rules.folders import user_folders
+from kg.rules.folders import families_in_force, user_folders
 from kg.rules.reading import discover, packs
 from kg.rules.recording import Names
 from kg.rules.specialise import schema_pattern, schema_query, specialised
@@ -66,7 +68,7 @@ def rules_in_force(settings: Settings) -> RuleSet:
     Raises:
         RuleError: KG201 and others of KG2xx for a file that cannot be used.
     """
-    return _read(rule_folders(settings), packs(), settings.rule_families, digest(settings))
+    return _read(rule_folders(settings), packs(), families_in_force(settings), digest(settings))
 
 
 @lru_cache(maxsize=2)
@@ -117,7 +119,7 @@ def rules_over(settings: Settings, source: Tables) -> RuleSet:
     found = cells(source.table(query, None), 3)
     lines = {b"%s %s %s .\n" % row for row in zip(found[::3], found[1::3], found[2::3], strict=True)}
     folders = rule_folders(settings)
-    return _cut(folders, packs(), settings.rule_families, digest(settings), b"".join(sorted(lines)))
+    return _cut(folders, packs(), families_in_force(settings), digest(settings), b"".join(sorted(lines)))
 
 
 @lru_cache(maxsize=2)
@@ -142,5 +144,12 @@ def _terms(rows: Any) -> frozenset[str]:
 def explained_vocabulary(base: str) -> Vocabulary:
     """Return what explanations need to know of a graph with this base."""
     iris = Iris(base)
-    properties = (NamedNode(RNKG + name) for name in ("path", "line", "repository"))
-    return Vocabulary(NamedNode(iris.graph("inferred")), (NamedNode(iris.graph("builds")),), *properties)
+    path, line, repository = (NamedNode(RNKG + name) for name in ("path", "line", "repository"))
+    inferred, builds = NamedNode(iris.graph("inferred")), NamedNode(iris.graph("builds"))
+    return Vocabulary(inferred, (builds,), path, line, repository, _ontology_line)
+
+
+def _ontology_line(fact: Triple) -> Evidence | None:
+    """Return the line of an ontology that states a fact."""
+    found = place_of(fact)
+    return Evidence(*found) if found else None

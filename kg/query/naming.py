@@ -25,6 +25,9 @@ _PREFIXED: Final = re.compile(r"([A-Za-z][\w.-]*):([\w.-]*)")
 _WRITTEN: Final = re.compile(r"""["'].*|[+-]?\d[\d.eE+-]*|true|false|<<.*""", re.DOTALL)
 _TYPE: Final = NamedNode(PREFIXES["rdf"] + "type")
 _CALLED: Final = "SELECT DISTINCT ?t WHERE { VALUES ?name { %s } ?t rdfs:label|rnkg:name ?name } ORDER BY ?t"
+_ENDING: Final = """SELECT DISTINCT ?t WHERE {
+  ?t rdfs:label ?label FILTER(ISIRI(?t) && (STRENDS(STR(?t), %s) || STRENDS(STR(?t), %s)))
+} ORDER BY ?t"""
 _NAMES: Final = "SELECT DISTINCT ?name WHERE { ?t rdfs:label ?name }"
 _PROPERTIES: Final = "SELECT DISTINCT ?name WHERE { ?s ?name ?o }"
 
@@ -39,7 +42,9 @@ class Askable(Protocol):
         ...
 
 
-def facts(snapshot: Askable, subject: str, predicate: str, value: str) -> tuple[list[Triple], bool]:
+def facts(
+    snapshot: Askable, subject: str, predicate: str, value: str, *, prefixes: Mapping[str, str] = PREFIXES
+) -> tuple[list[Triple], bool]:
     """Return the facts that three typed words may mean, and whether the store holds them.
 
     A name that several things have means the ones of which the store holds the fact; where it holds none, those that
@@ -49,13 +54,15 @@ def facts(snapshot: Askable, subject: str, predicate: str, value: str) -> tuple[
         UnknownNameError: KG001 with suggestions for a word that names nothing.
         UsageError: KG003 when the store holds no such fact and the words name several things.
     """
-    subjects, predicates = terms(snapshot, subject), terms(snapshot, predicate, property_=True)
-    values = terms(snapshot, value)
+    subjects = terms(snapshot, subject, prefixes=prefixes)
+    predicates = terms(snapshot, predicate, property_=True, prefixes=prefixes)
+    values = terms(snapshot, value, prefixes=prefixes)
     every = _triples(subjects, predicates, values)
     held = [fact for fact in every if snapshot.query(f"ASK {{ {fact.subject} {fact.predicate} {fact.object} }}")]
     if held:
         return held, True
-    if len(predicates) == 1:
+    if len(predicates) == 1 and max(len(subjects), len(values)) > 1:
+        _check_used(snapshot, predicates[0], prefixes)
         subjects = _fitting(snapshot, subjects, f"{{}} {predicates[0]} ?y", f"?x {predicates[0]} ?y", "?x")
         values = _fitting(snapshot, values, f"?x {predicates[0]} {{}}", f"?x {predicates[0]} ?y", "?y")
     for word, found in ((subject, subjects), (predicate, predicates), (value, values)):
@@ -63,6 +70,15 @@ def facts(snapshot: Askable, subject: str, predicate: str, value: str) -> tuple[
             ways = "\n".join(str(term) for term in found)
             raise UsageError("KG003", f"{len(found)} things are called `{word}`; say which", hint=ways)
     return _triples(subjects, predicates, values), False
+
+
+def _check_used(snapshot: Askable, predicate: _Term, prefixes: Mapping[str, str]) -> None:
+    """Raise KG001 for a property that nothing has: it cannot tell things of one name apart, and is often misspelt."""
+    if isinstance(predicate, NamedNode) and not snapshot.query(f"ASK {{ ?s {predicate} ?o }}"):
+        rows: Any = snapshot.query(_PROPERTIES)
+        known = [shorten(row[0].value, prefixes) for row in rows]
+        short = shorten(predicate.value, prefixes)
+        raise UnknownNameError("KG001", f"nothing has the property {short}", hint=did_you_mean(short, known))
 
 
 def _triples(subjects: list[_Term], predicates: list[_Term], values: list[_Term]) -> list[Triple]:
@@ -82,7 +98,9 @@ def _fitting(snapshot: Askable, found: list[_Term], used: str, pattern: str, pla
     return found
 
 
-def terms(snapshot: Askable, word: str, *, property_: bool = False) -> list[_Term]:
+def terms(
+    snapshot: Askable, word: str, *, property_: bool = False, prefixes: Mapping[str, str] = PREFIXES
+) -> list[_Term]:
     """Return the terms that a word may mean: `<iri>`, `ros:Node`, `"text"`, `5`, `a`, or a name in the store.
 
     Raises:
@@ -93,10 +111,13 @@ def terms(snapshot: Askable, word: str, *, property_: bool = False) -> list[_Ter
     if word.startswith("<") and word.endswith(">"):
         return [NamedNode(word[1:-1])]
     prefixed = _PREFIXED.fullmatch(word)
-    if prefixed and prefixed[1] in PREFIXES:
-        return [NamedNode(PREFIXES[prefixed[1]] + prefixed[2])]
+    if prefixed and prefixed[1] in prefixes:
+        return [NamedNode(prefixes[prefixed[1]] + prefixed[2])]
     if "://" in word:
         return [NamedNode(word)]
+    if prefixed and property_:
+        hint = did_you_mean(prefixed[1], prefixes) or "Write the whole IRI, in angle brackets."
+        raise UnknownNameError("KG001", f"`{prefixed[1]}:` is no prefix that is known here", hint=hint)
     if _WRITTEN.fullmatch(word):
         return [_literal(word)]
     return list(_property(snapshot, word) if property_ else _called(snapshot, word))
@@ -122,10 +143,12 @@ def _property(snapshot: Askable, word: str) -> list[NamedNode]:
 
 
 def _called(snapshot: Askable, word: str) -> list[NamedNode]:
-    """Return what is called `word`; the leading slash of a ROS name may be left out."""
-    names = f"{Literal(word)} {Literal('/' + word)}"
+    """Return what is called `word`, or whose IRI ends in it; the leading slash of a ROS name may be left out."""
+    names = f"{Literal(word)} {Literal('/' + word)} {Literal(word, language='en')}"
     rows: Any = snapshot.query(_CALLED % names, prefixes=PREFIXES)
     found = [row[0] for row in rows if isinstance(row[0], NamedNode)]
+    ended: Any = snapshot.query(_ENDING % (Literal("#" + word), Literal("/" + word)), prefixes=PREFIXES)
+    found += [row[0] for row in ended if row[0] not in found]
     if not found:
         known: Any = snapshot.query(_NAMES, prefixes=PREFIXES)
         hint = did_you_mean(word, [row[0].value for row in known])

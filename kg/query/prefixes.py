@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from types import MappingProxyType
-from typing import Final
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
 
 __all__ = ["PREFIXES", "shorten"]
 
@@ -28,9 +31,9 @@ PREFIXES: Final = MappingProxyType(
 """Prefix to namespace; a query that declares one of them itself overrides it."""
 
 
-def shorten(iri: str) -> str:
+def shorten(iri: str, prefixes: Mapping[str, str] = PREFIXES) -> str:
     """Return `iri` as a prefixed name if one of the prefixes fits and its rest needs no escape, else in brackets."""
-    for prefix, namespace in PREFIXES.items():
+    for prefix, namespace in prefixes.items():
         local = iri.removeprefix(namespace)
         if local != iri and local.replace("_", "").replace("-", "").isalnum() and local.isascii():
             return f"{prefix}:{local}"

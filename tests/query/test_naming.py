@@ -95,3 +95,26 @@ def test_ambiguous_words_are_asked_about() -> None:
     with pytest.raises(UsageError) as error:
         facts(STORE, "listener", "publishes", "talker")
     assert BASE + "exe" in (error.value.hint or "")
+
+
+def test_labels_in_a_language_and_ends_of_iris() -> None:
+    """A thing is found by its English label, and by the end of its IRI."""
+    store = Snapshot()
+    store.store.update(
+        f'INSERT DATA {{ <{BASE}x#ranging> <http://www.w3.org/2000/01/rdf-schema#label> "measure it"@en }}'
+    )
+    assert terms(store, "measure it") == terms(store, "ranging") == [NamedNode(BASE + "x#ranging")]
+
+
+def test_prefixes_of_rules_and_unknown_ones() -> None:
+    """Prefixes that are given count; an unknown one is named."""
+    assert terms(STORE, "my:x", prefixes={"my": "https://m.org/"}) == [NamedNode("https://m.org/x")]
+    with pytest.raises(UnknownNameError, match="`my:` is no prefix"):
+        terms(STORE, "my:x", property_=True)
+
+
+def test_a_property_that_nothing_has_is_named_before_things_are_asked_about() -> None:
+    """A misspelt property is the error, not the name that several things have."""
+    with pytest.raises(UnknownNameError) as error:
+        facts(STORE, "talker", "rnkg:publishs", "odom")
+    assert "`rnkg:publishes`" in (error.value.hint or "")

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from kg.cli.diagnostics import note
+from kg.cli.numbers import whole
 from kg.cli.options import Json, Rules, Store
 from kg.cli.output import json_lines, write
 from kg.cli.query_text import pairs, query_meant
@@ -47,7 +48,7 @@ Query = Annotated[
     str | None,
     typer.Option("--query", "-q", metavar="QUERY", help="Explain a row of this query: SPARQL, or a stored one."),
 ]
-Row = Annotated[int, typer.Option("--row", metavar="N", min=1, help="Which row of the query's answer.")]
+Row = Annotated[str, typer.Option("--row", metavar="N", help="Which row of the query's answer.", show_default=True)]
 Parameter = Annotated[
     list[str] | None, typer.Option("--param", metavar="NAME=VALUE", help="Give a variable of the query a value.")
 ]
@@ -58,7 +59,7 @@ def why(  # noqa: PLR0913 - the options of a command
     words: Words = None,
     *,
     query: Query = None,
-    row: Row = 1,
+    row: Row = "1",
     param: Parameter = None,
     every: All = False,
     shortest: Shortest = False,
@@ -80,18 +81,15 @@ def why(  # noqa: PLR0913 - the options of a command
     form = _form("json" if json else form)
     settings = session(context).settings(store=store, rules=rules)
     with reading(settings) as snapshot:
-        known = _rules(settings)
-        view = _view(snapshot, settings, known)
+        known, view = _known(snapshot, settings)
         if query is not None:
             if words:
                 raise UsageError("KG003", "give a fact or a query, not both", hint="See `kg why --help`.")
-            proofs: Iterable[Proof] = _row(
-                query_meant(query, None, settings), pairs(param or []), row, view, known, snapshot
-            )
+            asked, number = query_meant(query, None, settings), whole(row, "--row", 1)
+            proofs: Iterable[Proof] = _row(asked, pairs(param or []), number, view, known, snapshot)
         else:
             proofs = _proofs(_three(words), snapshot, view, known, every=every, shortest=shortest)
-        for proof in proofs:
-            _show(proof, view, form, snapshot)
+        _show(list(proofs), view, form, snapshot)
 
 
 def _three(words: list[str] | None) -> tuple[str, str, str]:
@@ -114,7 +112,7 @@ def _proofs(  # noqa: PLR0913 - the choices of the user
     from kg.rules.explain.why import why as explained  # noqa: PLC0415 - start-up time
     from kg.rules.explain.why import why_all  # noqa: PLC0415 - start-up time
 
-    found, held = facts(snapshot, *words)
+    found, held = facts(snapshot, *words, prefixes=view.prefixes)
     if not held:
         _absent(found[0], view)
     for fact in found:
@@ -156,8 +154,8 @@ def why_not(  # noqa: PLR0913 - the options of a command
     words: Words = None,
     *,
     depth: Annotated[
-        int, typer.Option("--depth", metavar="N", min=1, max=20, help="How far missing premises are followed.")
-    ] = 3,
+        str, typer.Option("--depth", metavar="N", help="How far missing premises are followed.", show_default=True)
+    ] = "3",
     json: Json = False,
     rules: Rules = None,
     store: Store = None,
@@ -175,13 +173,12 @@ def why_not(  # noqa: PLR0913 - the options of a command
 
     settings = session(context).settings(store=store, rules=rules)
     with reading(settings) as snapshot:
-        known = _rules(settings)
-        view = _view(snapshot, settings, known)
-        found, held = facts(snapshot, *_three(words))
+        known, view = _known(snapshot, settings)
+        found, held = facts(snapshot, *_three(words), prefixes=view.prefixes)
         if held:
             note(f"{view.sentence(found[0])}: the store holds it; `kg why` explains it")
             raise typer.Exit(Exit.FOUND)
-        answer = explained(view, known, found[0], depth=depth)
+        answer = explained(view, known, found[0], depth=whole(depth, "--depth", 1, 20))
         if json:
             json_lines([why_not_object(answer, view)])
         else:
@@ -204,31 +201,30 @@ def _absent(fact: "Triple", view: "View") -> None:
     raise RuleError("KG226", message, hint=f"`kg why-not {words}` says what is missing.")
 
 
-def _view(snapshot: "EmbeddedSnapshot", settings: "Settings", rules: "tuple[Rule, ...]") -> "View":
-    from kg.pipeline.reasoning import explained_vocabulary  # noqa: PLC0415 - start-up time
+def _known(snapshot: "EmbeddedSnapshot", settings: "Settings") -> "tuple[tuple[Rule, ...], View]":
+    """Return the rules in force, and the store as explanations with these rules see it."""
+    from kg.pipeline.reasoning import explained_vocabulary, rules_in_force  # noqa: PLC0415 - start-up time
+    from kg.query.prefixes import PREFIXES  # noqa: PLC0415 - start-up time
     from kg.rules.explain.view import View  # noqa: PLC0415 - start-up time
 
-    return View(snapshot, explained_vocabulary(settings.base), rules)
+    rules = rules_in_force(settings)
+    prefixes = {name: iri for file in rules.files for name, iri in (file.prefixes or {}).items()} | PREFIXES
+    return rules.rules, View(snapshot, explained_vocabulary(settings.base), rules.rules, prefixes=prefixes)
 
 
-def _rules(settings: "Settings") -> "tuple[Rule, ...]":
-    from kg.pipeline.reasoning import rules_in_force  # noqa: PLC0415 - start-up time
-
-    return rules_in_force(settings).rules
-
-
-def _show(proof: "Proof", view: "View", form: str, snapshot: "EmbeddedSnapshot") -> None:
+def _show(proofs: "list[Proof]", view: "View", form: str, snapshot: "EmbeddedSnapshot") -> None:
     from kg.rules.explain.export import mermaid, proof_object  # noqa: PLC0415 - start-up time
     from kg.rules.explain.picture import picture  # noqa: PLC0415 - start-up time
     from kg.rules.explain.text import proof_lines  # noqa: PLC0415 - start-up time
 
     if form == "json":
-        json_lines([proof_object(proof, view)])
+        json_lines(proof_object(proof, view) for proof in proofs)
     elif form == "mermaid":
-        write(mermaid(proof, view).rstrip())
+        write(mermaid(proofs, view).rstrip())
     elif form == "svg":
-        write(picture(proof, view).rstrip())
+        write(picture(proofs, view).rstrip())
     else:
         from kg.cli.trees import print_tree  # noqa: PLC0415 - start-up time
 
-        print_tree(proof_lines(proof, view), snapshot)
+        for proof in proofs:
+            print_tree(proof_lines(proof, view), snapshot)

@@ -89,7 +89,7 @@ def _witness(view: View, element: Exists, solution: Mapping[str, Term]) -> Itera
 
 def _condition(view: View, element: Element, solution: Mapping[str, Term]) -> Condition:
     if not isinstance(element, Aggregate):
-        return Condition(described(element))
+        return Condition(view.brief(described(element)))
     keys = {key.name: solution[key.name] for key in element.keys if key.name in solution}
     members = view.solutions(element.body, bound_by(element.body), keys, 1000)
     facts = [

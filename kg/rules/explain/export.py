@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from kg.rules.explain.proof import Proof
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from pyoxigraph import Triple
 
@@ -95,20 +95,28 @@ def _attempt_object(attempt: Attempt, view: View) -> dict[str, object]:
     }
 
 
-def mermaid(proof: Proof, view: View) -> str:
-    """Return a proof as a Mermaid flowchart: facts are boxes, those inferred rounded, rules stand at the arrows."""
-    proofs = {each.fact: each for _, each in proof.walk() if isinstance(each, Proof)}
-    numbers = {fact: number for number, fact in enumerate(proofs)}
-    lines = ["flowchart BT"]
-    for fact, each in proofs.items():
-        place = f"<br/>{_escaped(str(each.evidence))}" if each.evidence else ""
-        left, right = ("[", "]") if each.derivation is None else ("([", "])")
-        lines.append(f'  f{numbers[fact]}{left}"{_escaped(view.sentence(fact))}{place}"{right}')
-    for fact, each in proofs.items():
-        rule = _escaped(each.derivation.rule.name) if each.derivation else ""
-        below = [premise.fact for premise in each.premises if isinstance(premise, Proof)]
-        lines += [f'  f{numbers[premise]} -->|"{rule}"| f{numbers[fact]}' for premise in below]
-    return "\n".join(lines) + "\n"
+def mermaid(proofs: Sequence[Proof], view: View) -> str:
+    """Return proofs as one Mermaid flowchart: facts are boxes, those inferred rounded, rules stand at the arrows."""
+    lines: list[str] = []
+    links: list[str] = []
+    for number, proof in enumerate(proofs):
+        steps = {each.fact: each for _, each in proof.walk() if isinstance(each, Proof)}
+        names = {fact: f"p{number}f{place}" for place, fact in enumerate(steps)}
+        lines += [_box(names[fact], each, view) for fact, each in steps.items()]
+        links += [link for each in steps.values() for link in _arrows(each, names)]
+    return "\n".join(["flowchart BT", *lines, *links, ""])
+
+
+def _box(name: str, proof: Proof, view: View) -> str:
+    place = f"<br/>{_escaped(str(proof.evidence))}" if proof.evidence else ""
+    left, right = ("[", "]") if proof.derivation is None else ("([", "])")
+    return f'  {name}{left}"{_escaped(view.sentence(proof.fact))}{place}"{right}'
+
+
+def _arrows(proof: Proof, names: Mapping[Triple, str]) -> list[str]:
+    rule = _escaped(proof.derivation.rule.name) if proof.derivation else ""
+    below = [premise.fact for premise in proof.premises if isinstance(premise, Proof)]
+    return [f'  {names[premise]} -->|"{rule}"| {names[proof.fact]}' for premise in below]
 
 
 def _escaped(text: str) -> str:

@@ -1,4 +1,4 @@
-"""A proof as an SVG picture: the fact on top, its premises below it indented, each with its line of code."""
+"""Proofs as an SVG picture: each fact on top, its premises below it indented, each with its line of code."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 __all__ = ["picture"]
 
 _ROW: Final = 22
-_CHAR: Final = 7.4
+_CHAR: Final = 7.9
 _STEP: Final = 22
 _MARGIN: Final = 16
 _STYLE: Final = """
@@ -31,9 +31,9 @@ _STYLE: Final = """
 """
 
 
-def picture(proof: Proof, view: View) -> str:
-    """Return a proof as SVG; text only, the same for the same proof."""
-    lines = list(proof_lines(proof, view))
+def picture(proofs: Sequence[Proof], view: View) -> str:
+    """Return proofs, one below the other, as one SVG; text only, the same for the same proofs."""
+    lines = [line for proof in proofs for line in proof_lines(proof, view)]
     width = max(_MARGIN * 2 + _left(line) + len(_words(line)) * _CHAR for line in lines)
     height = _MARGIN * 2 + len(lines) * _ROW
     body = "\n".join([*_guides(lines), *(_text(line, row) for row, line in enumerate(lines))])

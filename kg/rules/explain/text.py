@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from kg.resources import folder
 from kg.rules.explain.proof import Proof
+from kg.rules.form import Assignment, Exists, Filter, Variable
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from kg.errors import Place
     from kg.rules.explain.proof import Attempt, Condition, Evidence, Premise, WhyNot
     from kg.rules.explain.view import View
-    from kg.rules.form import Term
+    from kg.rules.form import Element, Term
 
 __all__ = ["Line", "proof_lines", "why_not_lines"]
 
@@ -40,12 +40,15 @@ class Line:
 
     @property
     def where(self) -> str:
-        """The place as people know it: rules that `kg` ships stand in `rules/`, wherever it is installed."""
-        if self.evidence or not self.place:
-            return str(self.evidence or "")
-        path, shipped = Path(self.place.path), folder("rules")
-        shown = f"rules/{path.relative_to(shipped).as_posix()}" if path.is_relative_to(shipped) else self.place.path
-        return f"{shown}:{self.place.line}"
+        """The place as it can be opened from the working folder."""
+        if self.evidence:
+            return f"{_from_here(self.evidence.path)}" + (f":{self.evidence.line}" if self.evidence.line else "")
+        return f"{_from_here(self.place.path)}:{self.place.line}" if self.place else ""
+
+
+def _from_here(name: str) -> str:
+    path, here = Path(name), Path.cwd()
+    return str(path.relative_to(here)) if path.is_relative_to(here) else name
 
 
 def proof_lines(proof: Proof, view: View) -> Iterator[Line]:
@@ -99,14 +102,11 @@ def why_not_lines(answer: WhyNot, view: View) -> Iterator[Line]:
 
 
 def _absent(answer: WhyNot, view: View, below: str) -> Iterator[Line]:
-    if not answer.attempts:
+    started = [attempt for attempt in answer.attempts if attempt.held or not _general(attempt)]
+    if not started:
         yield Line(f"{below}  ", f"no rule derives {view.spelt(answer.fact.predicate)} facts of this form", "failure")
-    started = [attempt for attempt in answer.attempts if attempt.held] or list(answer.attempts)
     for attempt in started:
-        yield from _attempt(attempt, view, below, last=attempt is started[-1] and len(started) == len(answer.attempts))
-    others = [attempt.rule.name for attempt in answer.attempts if attempt not in started]
-    if others:
-        yield Line(f"{below}└─ ", f"nothing holds of what {', '.join(dict.fromkeys(others))} ask for", "condition")
+        yield from _attempt(attempt, view, below, last=attempt is started[-1])
     for text in answer.nearest:
         yield Line(f"{below}  ", f"but {text}" if " has " in text else text, "hint")
 
@@ -116,9 +116,23 @@ def _attempt(attempt: Attempt, view: View, below: str, *, last: bool) -> Iterato
     inner = below + ("   " if last else "│  ")
     for fact in attempt.held:
         yield Line(inner, f"holds: {view.sentence(fact)}", "condition", view.evidence(fact))
-    yield Line(inner, f"fails: {attempt.text}", "failure", place=getattr(attempt.failing, "place", None))
+    yield Line(inner, f"fails: {attempt.text}", "failure", place=_place(attempt.failing))
     if attempt.deeper and attempt.deeper.attempts:
         yield from _absent(attempt.deeper, view, f"{inner}  ")
     else:
         for text in attempt.nearest:
             yield Line(inner, f"nearest: {text}", "hint")
+
+
+def _general(attempt: Attempt) -> bool:
+    """Tell whether a rule derives facts of any property, as those of OWL do: it says little where nothing holds."""
+    return any(isinstance(atom.predicate, Variable) for atom in attempt.rule.head)
+
+
+def _place(element: Element | None) -> Place | None:
+    """Return where a part of a body stands; a block stands where its first pattern does."""
+    if isinstance(element, Exists):
+        return next((place for part in element.body if (place := _place(part))), None)
+    if isinstance(element, Filter | Assignment):
+        return element.expression.place
+    return getattr(element, "place", None)

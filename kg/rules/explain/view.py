@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Protocol, cast
 
 import pyoxigraph
 from pyoxigraph import Literal, NamedNode
 
-from kg.query.prefixes import shorten
+from kg.query.prefixes import PREFIXES, shorten
 from kg.rules.explain.closures import Closures
 from kg.rules.explain.proof import Evidence
 from kg.rules.form import Variable
 from kg.rules.sparql import outside, select, spelling, substitutions
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from pyoxigraph import QueryBoolean, QuerySolutions, QueryTriples, Triple
 
@@ -25,6 +26,7 @@ __all__ = ["Queryable", "View", "Vocabulary"]
 
 _LABEL: Final = "http://www.w3.org/2000/01/rdf-schema#label"
 _STRING: Final = "http://www.w3.org/2001/XMLSchema#string"
+_IRI: Final = re.compile(r"<([^<>\s]+)>")
 _GRAPHS: Final = "SELECT ?g ?s ?p ?o WHERE { GRAPH ?g { ?s ?p ?o } } ORDER BY ?g"
 _DEFAULT: Final = "SELECT ?s ?p ?o WHERE { ?s ?p ?o }"
 
@@ -49,7 +51,7 @@ class Vocabulary:
     """Which graphs and properties of a store matter to explanations.
 
     `inferred` holds what rules derived; graphs `ignored` are not read by rules; `path`, `line` and `repository` are the
-    properties that say where in the sources a thing was read.
+    properties that say where in the sources a thing was read; `documents` knows the lines of what files of RDF state.
     """
 
     inferred: NamedNode
@@ -57,6 +59,7 @@ class Vocabulary:
     path: NamedNode | None = None
     line: NamedNode | None = None
     repository: NamedNode | None = None
+    documents: Callable[[Triple], Evidence | None] | None = None
 
 
 class View:
@@ -65,8 +68,16 @@ class View:
     `rules` are those that bodies asked about come from: they tell what auxiliary predicates stand for.
     """
 
-    def __init__(self, snapshot: Queryable, vocabulary: Vocabulary, rules: Iterable[Rule] = ()) -> None:
+    def __init__(
+        self,
+        snapshot: Queryable,
+        vocabulary: Vocabulary,
+        rules: Iterable[Rule] = (),
+        *,
+        prefixes: Mapping[str, str] = PREFIXES,
+    ) -> None:
         self.closures = Closures.of(rules)
+        self.prefixes = prefixes
         self._snapshot = snapshot
         self._vocabulary = vocabulary
         self._ignored = {graph.value for graph in vocabulary.ignored}
@@ -136,7 +147,7 @@ class View:
             found = self._place(cast("Term", thing)) if not isinstance(thing, Literal) else None
             if found:
                 return found
-        return None
+        return self._vocabulary.documents(fact) if self._vocabulary.documents else None
 
     def _place(self, thing: Term) -> Evidence | None:
         path = self._value(thing, self._vocabulary.path)
@@ -171,10 +182,13 @@ class View:
         """Return a fact as people read it."""
         return f"{self.label(fact.subject)} {self.spelt(fact.predicate)} {self.label(fact.object)}"
 
-    @staticmethod
-    def spelt(term: Term) -> str:
-        """Return a term as SPARQL spells it, with known prefixes."""
-        return shorten(term.value) if isinstance(term, NamedNode) else str(term)
+    def spelt(self, term: Term) -> str:
+        """Return a term as SPARQL spells it, with known prefixes and those of the rules."""
+        return shorten(term.value, self.prefixes) if isinstance(term, NamedNode) else str(term)
+
+    def brief(self, text: str) -> str:
+        """Return SPARQL with its IRIs shortened, for people."""
+        return _IRI.sub(lambda match: shorten(match[1], self.prefixes), text)
 
 
 def _limited(text: str, wanted: Sequence[Variable], limit: int) -> str:

@@ -98,8 +98,8 @@ class _Inquiry:
         values = ", ".join(f"{each} = {self.view.label(solution[each.name])}" for each in known)
         suffix = f" where {values}" if values else ""
         if isinstance(element, Filter):
-            return f"FILTER({element.expression.text}) is not true{suffix}"
-        return f"{described(element)} fails{suffix}"
+            return f"{self.view.brief(described(element))} is not true{suffix}"
+        return f"{self.view.brief(described(element))} fails{suffix}"
 
     def _shown(self, position: Pattern, solution: Mapping[str, Term]) -> str:
         term = filled(position, solution)

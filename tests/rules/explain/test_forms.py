@@ -55,17 +55,17 @@ def test_json() -> None:
 
 def test_mermaid() -> None:
     """Facts are boxes and rules the words at arrows; signs of HTML are escaped."""
-    text = mermaid(PROOF, WORLD.view)
-    assert 'f1 -->|"family/linear"| f0' in text
+    text = mermaid([PROOF], WORLD.view)
+    assert 'p0f1 -->|"family/linear"| p0f0' in text
     assert "&lt;Cy&gt;" in text
 
 
 def test_picture() -> None:
     """The picture is well-formed, has every line of the text, and is the same each time."""
-    svg = picture(PROOF, WORLD.view)
+    svg = picture([PROOF], WORLD.view)
     words = " ".join(ET.fromstring(svg).itertext())  # noqa: S314 - our own
     assert all(part in words for part in ("by rule family/linear", "a.cpp:3", "FILTER NOT EXISTS"))
-    assert svg == picture(PROOF, WORLD.view)
+    assert svg == picture([PROOF], WORLD.view)
 
 
 def test_why_not_as_text_and_json() -> None:
