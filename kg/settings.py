@@ -199,7 +199,8 @@ class Settings:
         metadata=_about(
             _words,
             "FAMILIES",
-            "The families of rules in force, joined by commas; by default all but those marked optional, as owl-rl is.",
+            "The families of rules in force, joined by commas; by default all but those marked optional, as owl-rl is. "
+            "+FAMILY adds one to those.",
         ),
     )
     origins: Mapping[str, Origin] = field(default_factory=dict)

@@ -127,4 +127,9 @@ CODES: Final = {
         "than RDFS.",
         "Write it as the hint says, or as a SPARQL rule.",
     ),
+    "KG231": CodeEntry(
+        "rules not readable",
+        "A file or a folder of rules is not there, or may not be opened.",
+        "Make it readable, or take its folder out of the setting `rules`.",
+    ),
 }

@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING
 
 from kg import resources
 from kg.pipeline.report import Inferred
-from kg.rules.folders import user_folders
+from kg.rules.folders import families_in_force, user_folders
 from kg.rules.reading import packs, rule_files
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from kg.rules.running import Runner
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
@@ -23,14 +25,23 @@ def digest(settings: Settings) -> str:
     """Return what changes whenever a file of a rule in force changes, comes or goes.
 
     Raises:
-        RuleError: KG201 for a folder of rules that is not there, KG208 for a pack that cannot be loaded.
+        RuleError: KG208 for a pack that cannot be loaded, KG231 for a folder of rules that is closed.
+        UsageError: KG002 for a folder or a family of the settings that is not there.
     """
-    found = blake2b(repr(settings.rule_families).encode(), digest_size=16)
+    families = families_in_force(settings)
+    found = blake2b(repr(families).encode(), digest_size=16)
     for folder in (resources.folder("rules"), *(pack.folder for pack in packs()), *user_folders(settings)):
-        for path, name in rule_files(folder, settings.rule_families):
+        for path, name in rule_files(folder, families):
             found.update(f"{name}{path.suffix}\0".encode())
-            found.update(path.read_bytes())
+            found.update(_content(path))
     return found.hexdigest()
+
+
+def _content(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:  # told where the rule is read
+        return str(error).encode()
 
 
 class Inference:

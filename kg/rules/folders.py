@@ -1,25 +1,42 @@
-"""The folders of rules that users keep: the setting `rules`, else `rules/` beside kg.toml or the working folder."""
+"""The rules that users keep and choose: the settings `rules` and `rule_families`, checked against what there is.
+
+By default rules stand in `rules/` beside kg.toml or in the working folder.
+"""
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from kg.errors import UsageError
+from kg.query.similar import did_you_mean
 from kg.resources import folder as shipped
+from kg.rules.reading import packs, rule_files
 from kg.settings import find_file
 
 if TYPE_CHECKING:
-    from kg.settings import Settings
+    from collections.abc import Iterator
 
-__all__ = ["own_folder", "user_folders"]
+    from kg.settings import Origin, Settings
+
+__all__ = ["families_in_force", "own_folder", "user_folders"]
 
 _NAME: Final = "rules"
 
 
 def user_folders(settings: Settings) -> tuple[Path, ...]:
-    """Return the folders of rules in force beside those that `kg` ships; the default one only where it exists."""
+    """Return the folders of rules in force beside those that `kg` ships; the default one only where it exists.
+
+    Raises UsageError KG002 for one that the setting `rules` names and that is not there.
+    """
     default = _default()
     named = settings.rules or ((default,) if default.is_dir() else ())
+    for folder in named:
+        if not os.path.exists(folder):  # noqa: PTH110 - False for what may not be looked at, where Path raises
+            origin = settings.origin("rules")
+            message = f"{_setting(origin, 'rules')} names {folder}, which is not there"
+            raise UsageError("KG002", message, place=origin.place, hint="Name a folder of rules, or a file.")
     own = shipped(_NAME).resolve()
     return tuple(folder for folder in named if folder.resolve() != own)
 
@@ -27,6 +44,34 @@ def user_folders(settings: Settings) -> tuple[Path, ...]:
 def own_folder(settings: Settings) -> Path:
     """Return the folder that new rules are written to, whether it exists or not."""
     return settings.rules[0] if settings.rules else _default()
+
+
+def families_in_force(settings: Settings) -> tuple[str, ...]:
+    """Return the families that the setting `rule_families` names, as `kg.rules.reading.rule_files` takes them.
+
+    Raises UsageError KG002 for one of which there is no rule, with what was probably meant.
+    """
+    if not settings.rule_families:
+        return ()
+    known = sorted(set(_families(settings)))
+    for name in settings.rule_families:
+        plain = name.removeprefix("+")
+        if plain not in known:
+            origin = settings.origin("rule_families")
+            message = f"{_setting(origin, 'rule_families')} names `{plain}`, which is no family of rules"
+            hint = did_you_mean(plain, known) or f"The families are {', '.join(known)}."
+            raise UsageError("KG002", message, place=origin.place, hint=hint)
+    return settings.rule_families
+
+
+def _families(settings: Settings) -> Iterator[str]:
+    """Yield the family of each rule at hand: the first part of its name."""
+    for folder in (shipped(_NAME), *(pack.folder for pack in packs()), *user_folders(settings)):
+        yield from (name.partition("/")[0] for _, name in rule_files(folder, every=True))
+
+
+def _setting(origin: Origin, name: str) -> str:
+    return origin.name or f"the setting `{name}`"
 
 
 def _default() -> Path:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass, replace
 from importlib.metadata import entry_points
 from inspect import getfile
@@ -18,13 +19,19 @@ if TYPE_CHECKING:
 
     from kg.rules.files import Documentation
 
-__all__ = ["ENTRY_POINTS", "OPTIONAL", "Pack", "discover", "packs", "read", "read_text", "rule_files"]
+__all__ = ["ENTRY_POINTS", "OPTIONAL", "TWICE", "Pack", "discover", "packs", "read", "read_text", "rule_files"]
 
 ENTRY_POINTS: Final = "kg.rules"
 """The group of entry points that name packs of rules."""
 
 OPTIONAL: Final = "optional"
 """A file of this name in the folder of a family says, and why, that the family is in force only where it is named."""
+
+TWICE: Final = (
+    "Rename one: no rule takes the place of another of its name, and files of two endings share a name too. "
+    "The setting `rule_families` leaves out whole families."
+)
+"""What to do about two files of one name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,14 +45,16 @@ class Pack:
 def read(path: Path, name: str, *, pack: str = "") -> RuleFile:
     """Return the rule file at `path`; `name` is `family/name`, `pack` the rule pack that brings it.
 
-    Raises RuleError: KG201 where it cannot be read or does not parse, KG203 where it is unsafe, KG206 for its header,
-    KG208 for what it imports, KG209 and KG230 for what rules cannot do.
+    Raises RuleError: KG201 where it does not parse, KG203 where it is unsafe, KG206 for its header, KG208 for what it
+    imports, KG209 and KG230 for what rules cannot do, KG231 where it cannot be read.
     """
     try:
         text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8"
-        raise RuleError("KG201", f"the file cannot be read: {reason}", place=Place(str(path))) from None
+    except UnicodeDecodeError:
+        hint = "Save it as UTF-8."
+        raise RuleError("KG201", "the file is not UTF-8", place=Place(str(path)), hint=hint) from None
+    except OSError as error:
+        raise RuleError("KG231", f"the file cannot be read: {error.strerror}", place=Place(str(path))) from None
     return read_text(text, path, name, pack=pack)
 
 
@@ -103,32 +112,47 @@ def discover(folders: Iterable[Path], installed: Iterable[Pack] = (), families: 
         for path, name in rule_files(folder, families):
             if name in found:
                 message = f"the rule `{name}` is in {found[name].path} already"
-                hint = "Rename one; files of two endings share a name too."
-                raise RuleError("KG207", message, place=Place(str(path)), hint=hint)
+                raise RuleError("KG207", message, place=Place(str(path)), hint=TWICE)
             found[name] = read(path, name, pack=pack)
     return RuleSet(tuple(_once([found[name] for name in sorted(found)])))
 
 
-def rule_files(folder: Path, families: Collection[str] = ()) -> Iterator[tuple[Path, str]]:
-    """Yield the rule files below a folder, sorted, with their names; hidden folders are left out.
+def rule_files(folder: Path, families: Collection[str] = (), *, every: bool = False) -> Iterator[tuple[Path, str]]:
+    """Yield the rule files below a folder, sorted, with their names; hidden files and folders are left out.
 
-    So are families other than `families`; without these, those that are optional.
+    So are families other than `families`; without these, those that are optional. A family with a plus sign before it
+    is in force beside those that otherwise are; with `every` all are. Raises RuleError KG231 for a folder that is not
+    there or is closed.
     """
     if folder.is_file():
         yield folder, f"{folder.absolute().parent.name}/{folder.stem}"
         return
     if not folder.is_dir():
         hint = "Folders of rules are named by the setting `rules`."
-        raise RuleError("KG201", "there is no such folder of rules", place=Place(str(folder)), hint=hint)
-    for path in sorted(folder.rglob("*")):
-        below = path.relative_to(folder)
-        hidden = any(part.startswith(".") for part in below.parts)
-        if path.suffix in NOTATIONS and path.is_file() and not hidden and _in_force(path, below.parts[0], families):
-            yield path, below.with_suffix("").as_posix()
+        raise RuleError("KG231", "there is no such folder of rules", place=Place(str(folder)), hint=hint)
+    for path in sorted(_visible(folder)):
+        name = path.relative_to(folder).with_suffix("").as_posix()
+        if path.suffix in NOTATIONS and (every or _in_force(path, name.partition("/")[0], families)):
+            yield path, name
+
+
+def _visible(folder: Path) -> Iterator[Path]:
+    """Yield the files below a folder that are not hidden; one that is closed is told, not passed over."""
+    for inner, folders, names in os.walk(folder, onerror=_closed):
+        folders[:] = [name for name in folders if not name.startswith(".")]
+        yield from (Path(inner, name) for name in names if not name.startswith("."))
+
+
+def _closed(error: OSError) -> None:
+    message = f"the folder of rules cannot be read: {error.strerror}"
+    raise RuleError("KG231", message, place=Place(str(error.filename))) from error
 
 
 def _in_force(path: Path, family: str, families: Collection[str]) -> bool:
-    return family in families if families else not (path.parent / OPTIONAL).is_file()
+    if family in families or f"+{family}" in families:
+        return True
+    optional = os.path.isfile(path.parent / OPTIONAL)  # noqa: PTH113 - False for what is closed, where Path raises
+    return not optional and all(one.startswith("+") for one in families)
 
 
 def _once(files: list[RuleFile]) -> Iterator[RuleFile]:

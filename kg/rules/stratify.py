@@ -3,10 +3,10 @@
 Each is evaluated in parts, the strongly connected components of the rules' dependencies: rules that feed each other run
 together to a fixpoint, any other rule runs once; that is what `Stratum` holds. Its `level` is the stratum in the sense
 of the field (Apt, Blair, Walker, "Towards a theory of declarative knowledge", 1988): one more than that of what it
-negates or counts, and not below that of what it reads. Dependencies decide the order. `sh:order` decides where they leave it open: of the
-rules that may run next, one of the lowest order does. So a rule of a lower order is finished before one of a higher
-order unless it reads, directly or through others, what that one derives; it then sees the whole fixpoint, where an
-evaluation in a single pass (SHACL-AF, section 8) would miss a part of it.
+negates or counts, and not below that of what it reads. Dependencies decide the order. `sh:order` decides where they
+leave it open: of the rules that may run next, one of the lowest order does. So a rule of a lower order is finished
+before one of a higher order unless it reads, directly or through others, what that one derives; it then sees the whole
+fixpoint, where an evaluation in a single pass (SHACL-AF, section 8) would miss a part of it.
 """
 
 from __future__ import annotations
@@ -14,12 +14,13 @@ from __future__ import annotations
 import heapq
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import NamedNode
 
 from kg.errors import RuleError
 from kg.rules.dependencies import Read, depends, mints, reads, volatile, writes
+from kg.rules.form import Variable
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -27,6 +28,16 @@ if TYPE_CHECKING:
     from kg.rules.form import Atom, Rule
 
 __all__ = ["Failure", "Stratum", "edges", "failures", "stratify"]
+
+_FEW: Final = 5
+"""So many rules of a cycle are named where it is enough to see that there is one."""
+
+_MOVED: Final = "Move the call to a rule that does not recur."
+_LIMITED: Final = "Move what makes terms to a rule of its own, or set a limit."
+_ANY_PROPERTY: Final = (
+    "Rules that derive any property, such as eq-rep-p of owl-rl, feed every rule beside them: families that make terms "
+    "or deny something cannot stand beside owl-rl. `rule_families` names those that go together."
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +76,9 @@ def stratify(rules: Iterable[Rule], *, bounded: bool = False) -> list[Stratum]:
     levels = [1] * len(ordered)
     for component in _in_order(ordered, needs, components):
         members = set(component)
-        level = max((levels[need] + read.negated for rule in component for need, read in needs[rule].items()), default=1)
+        level = max(
+            (levels[need] + read.negated for rule in component for need, read in needs[rule].items()), default=1
+        )
         for rule in component:
             levels[rule] = level
         recursive = any(need in members for rule in component for need in needs[rule])
@@ -91,7 +104,7 @@ def _failures(
 ) -> Iterator[Failure]:
     """Yield what is wrong with one component that feeds itself."""
     yield from _negations(rules, needs, component)
-    yield from _mintings([rules[rule] for rule in component], bounded=bounded)
+    yield from _mintings(rules, needs, component, bounded=bounded)
 
 
 def edges(rules: Sequence[Rule]) -> list[dict[int, Read]]:
@@ -254,15 +267,28 @@ def _shown(atom: Atom) -> str:
     return " ".join(str(position) for position in atom.positions)
 
 
-def _mintings(rules: Sequence[Rule], *, bounded: bool) -> Iterator[Failure]:
-    others = ", ".join(str(rule) for rule in rules)
-    for rule in rules:
+def _mintings(
+    rules: Sequence[Rule], needs: list[dict[int, Read]], component: list[int], *, bounded: bool
+) -> Iterator[Failure]:
+    for number in sorted(component):
+        rule = rules[number]
         if volatile(rule):
-            message = f"{rule} calls a function that differs from call to call and feeds itself (through {others})"
-            hint = "Move the call to a rule that does not recur."
+            did, end, hint = "calls a function that differs from call to call and feeds itself", "", _MOVED
         elif mints(rule) and not bounded:
-            message = f"{rule} makes new terms from what it derives itself (through {others}), which may never end"
-            hint = "Move what makes terms to a rule of its own, or set a limit."
+            did, end, hint = "makes new terms from what it derives itself", ", which may never end", _LIMITED
+            if any(isinstance(head.predicate, Variable) for other in component for head in writes(rules[other])):
+                hint += f" {_ANY_PROPERTY}"
         else:
             continue
-        yield Failure(RuleError("KG204", message, place=rule.place, hint=hint), rule, tuple(rules))
+        message = f"{rule} {did} (through {_round(rules, needs, number, component)}){end}"
+        error = RuleError("KG204", message, place=rule.place, hint=hint)
+        yield Failure(error, rule, tuple(rules[each] for each in component))
+
+
+def _round(rules: Sequence[Rule], needs: list[dict[int, Read]], start: int, component: Sequence[int]) -> str:
+    """Return the rules of a shortest way from a rule back to itself, the first few by name."""
+    members = set(component)
+    ways = [_path(needs, need, start, members) for need in needs[start] if need in members]
+    names = [str(rules[rule]) for rule in min(ways, key=len)]
+    more = f" and {len(names) - _FEW} more" if len(names) > _FEW else ""
+    return ", ".join(names[:_FEW]) + more

@@ -96,3 +96,15 @@ def test_long_chains_of_rules_need_no_deep_stack() -> None:
     """Five thousand rules in a row are stratified."""
     rules = [rule(f"?x :p{number + 1} ?y", f"?x :p{number} ?y", name=f"t/{number}") for number in range(5000)]
     assert len(stratify(reversed(rules))) == 5000
+
+
+def test_a_long_cycle_is_told_by_its_first_rules() -> None:
+    """KG204 names a shortest way back; rules that derive any property are given as a reason where there is one."""
+    chain = [rule(f"?x :p{number + 1} ?y", f"?x :p{number} ?y", name=f"t/{number}") for number in range(9)]
+    minting = rule("_:new :p0 ?x", "?x :p9 ?y", name="t/mints")
+    with pytest.raises(RuleError, match=r"\(through t/8, t/7, t/6, t/5, t/4 and 5 more\)") as caught:
+        stratify([*chain, minting])
+    assert "rule_families" not in (caught.value.hint or "")
+    with pytest.raises(RuleError) as caught:
+        stratify([*chain, minting, rule("?x ?q ?y", "?p :sub ?q", "?x ?p ?y", name="t/any")])
+    assert "rule_families" in (caught.value.hint or "")

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from kg import resources
 from kg.errors import Place, RuleError
-from kg.rules.folders import user_folders
-from kg.rules.reading import packs, read, rule_files
+from kg.rules.folders import families_in_force, user_folders
+from kg.rules.reading import TWICE, packs, read, rule_files
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable
@@ -58,7 +58,7 @@ class Library:
     """
 
     def __init__(self, folders: Iterable[Path], installed: Iterable[Pack] = (), families: Collection[str] = ()) -> None:
-        """Raise `RuleError` KG201 for a folder that is not there."""
+        """Raise `RuleError` KG231 for a folder that is not there or is closed."""
         self._sources = [*((each.folder, each.name) for each in installed), *((folder, "") for folder in folders)]
         self._families = families
         self._read: dict[str, tuple[int, RuleFile]] = {}
@@ -73,11 +73,10 @@ class Library:
         shipped = resources.folder("rules")
         for folder, pack in self._sources:
             chosen = set(rule_files(folder, self._families))
-            for path, name in rule_files(folder, _all_families(folder)):
+            for path, name in rule_files(folder, every=True):
                 if name in found:
                     message = f"the rule `{name}` is in {found[name].path} already"
-                    hint = "Rename one; files of two endings share a name too."
-                    self.problems.append(RuleError("KG207", message, place=Place(str(path)), hint=hint))
+                    self.problems.append(RuleError("KG207", message, place=Place(str(path)), hint=TWICE))
                 found.setdefault(name, Entry(name, path, pack, (path, name) in chosen, own=folder != shipped))
         self.entries = {name: found[name] for name in sorted(found)}
 
@@ -89,7 +88,7 @@ class Library:
     @classmethod
     def of(cls, settings: Settings) -> Library:
         """Return the rules in force: those that `kg` ships, those of installed packs, and the user's own."""
-        return cls((resources.folder("rules"), *user_folders(settings)), packs(), settings.rule_families)
+        return cls((resources.folder("rules"), *user_folders(settings)), packs(), families_in_force(settings))
 
     @property
     def in_force(self) -> list[Entry]:
@@ -125,7 +124,3 @@ class Library:
         for error in (*self.problems, *errors):
             raise error
         return files
-
-
-def _all_families(folder: Path) -> list[str]:
-    return [path.name for path in folder.iterdir()] if folder.is_dir() else []

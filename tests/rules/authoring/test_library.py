@@ -7,11 +7,12 @@ import pytest
 from rules.authoring.worlds import write_rules
 
 from kg import resources
-from kg.errors import KgError, RuleError
+from kg.errors import KgError, RuleError, UsageError
 from kg.rules.authoring.library import Library
 from kg.rules.authoring.naming import choose, find_rule
 from kg.rules.authoring.watching import Watched
-from kg.rules.folders import own_folder, user_folders
+from kg.rules.folders import families_in_force, own_folder, user_folders
+from kg.rules.reading import read, rule_files
 from kg.settings import load
 
 if TYPE_CHECKING:
@@ -108,6 +109,10 @@ def test_the_folder_of_ones_own_rules(tmp_path: Path, monkeypatch: pytest.Monkey
     (tmp_path / "rules").mkdir()
     assert user_folders(settings) == (tmp_path / "rules",)
     chosen = load({"rules": f"x{os.pathsep}y"}, environment={})
+    with pytest.raises(UsageError, match=r"--rules names .*x, which is not there"):
+        user_folders(chosen)
+    (deep / "x").mkdir()
+    (deep / "y").mkdir()
     assert (own_folder(chosen), user_folders(chosen)) == (deep / "x", (deep / "x", deep / "y"))
 
 
@@ -116,3 +121,45 @@ def test_the_rules_that_are_shipped_are_not_there_twice() -> None:
     settings = load({"rules": str(resources.folder("rules"))}, environment={})
     assert user_folders(settings) == ()
     assert not Library.of(settings).problems
+
+
+def test_a_family_that_there_is_not_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The message names where the setting stands, and what was probably meant."""
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(UsageError, match="KG_RULE_FAMILIES names `comunication`") as caught:
+        Library.of(load({}, environment={"KG_RULE_FAMILIES": "owl,comunication"}))
+    assert (caught.value.hint or "").startswith("Did you mean `communication`")
+    (tmp_path / "kg.toml").write_text('rule_families = ["+minds"]\n')
+    with pytest.raises(UsageError) as caught:
+        families_in_force(load({}, environment={}))
+    assert str(caught.value.place).endswith("kg.toml:1")
+
+
+def test_a_plus_adds_a_family_to_those_in_force() -> None:
+    """Without one, the families named are all that are in force."""
+
+    def families(text: str) -> set[str]:
+        return {entry.family for entry in Library.of(load({"rule_families": text}, environment={})).in_force}
+
+    usual = {entry.family for entry in Library.of(load({}, environment={})).in_force}
+    assert families("+owl-rl") == usual | {"owl-rl"}
+    assert families("owl,+owl-rl") == {"owl", "owl-rl"}
+
+
+def test_what_is_closed_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A folder or a file of rules that may not be opened is an error, not passed over."""
+    (tmp_path / "f").mkdir()
+    file = tmp_path / "f" / "one.rq"
+    file.write_text("")
+
+    def refuse(path: object, *_: object, **__: object) -> None:
+        raise PermissionError(13, "Permission denied", str(path))
+
+    monkeypatch.setattr("pathlib.Path.read_text", refuse)
+    with pytest.raises(RuleError, match=r"KG231.*Permission denied") as caught:
+        read(file, "f/one")
+    assert str(caught.value.place) == str(file)
+    monkeypatch.setattr("os.scandir", refuse)
+    with pytest.raises(RuleError, match=r"KG231.*Permission denied") as caught:
+        list(rule_files(tmp_path))
+    assert str(caught.value.place) == str(tmp_path)
