@@ -1,0 +1,84 @@
+"""`kg why` and `kg why-not` as a user calls them, on a store of the example workspace."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+from xml.etree import ElementTree as ET
+
+import pytest
+from cli.program import Program
+from repository import ROOT
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+@pytest.fixture(scope="module", name="built")
+def build(tmp_path_factory: pytest.TempPathFactory) -> Program:
+    """Return the program in a folder with a store of the example workspace."""
+    folder: Path = tmp_path_factory.mktemp("why")
+    program = Program(folder)
+    assert program("build", str(ROOT / "examples" / "workspace")).code == 0
+    return program
+
+
+def test_a_proof_ends_in_lines_of_code_and_of_ontologies(built: Program) -> None:
+    """An inferred capability leads to the line that publishes and to the line of the ontology."""
+    run = built("why", "scan_filter", "hasCapability", "measure distances")
+    assert run.code == 0, run.err
+    assert "scan_filter_nodelet.cpp:33" in run.out
+    assert "capability.ttl:" in run.out
+    assert "by rule capability/general" in run.out
+
+
+def test_all_ways_as_one_picture_and_as_lines_of_json(built: Program) -> None:
+    """Several proofs are one well-formed picture, one chart, and one JSON object each."""
+    asked = ("why", "patrol", "subscribes", "scan_filtered", "--all")
+    assert ET.fromstring(built(*asked, "--format", "svg").out).tag.endswith("svg")  # noqa: S314 - our own
+    assert built(*asked, "--format", "mermaid").out.count("flowchart") == 1
+    facts = [json.loads(line)["facts"] for line in built(*asked, "--json").out.splitlines()]
+    assert facts[0][0]["rule"] == "communication/subscribes"
+
+
+def test_a_row_of_an_answer(built: Program) -> None:
+    """The facts that a query matched for one of its rows are explained."""
+    run = built("why", "--query", "who-publishes", "--param", "topic=/odom", "--row", "1")
+    assert run.code == 0, run.err
+    assert "rnkg:connectsTo /odom" in run.out
+    assert "row 1: " in run.err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("why-not", "patrol", "rnkg:feeds", "patrol", "--depth", "x"), "whole number from 1 to 20"),
+        (("why-not", "patrol", "rnkg:feeds", "patrol", "--depth", "99"), "whole number from 1 to 20"),
+        (("why", "--query", "who-publishes", "--row", "9999"), "not 9999"),
+        (("why", "patrol", "subscribes"), "SUBJECT PREDICATE OBJECT"),
+        (("why", "patrol", "subscribes", "odom", "--query", "x"), "not both"),
+        (("why", "patrol", "subscribes", "odom", "--format", "png"), "no form of a proof"),
+    ],
+)
+def test_wrong_calls(built: Program, arguments: tuple[str, ...], words: str) -> None:
+    """A call that cannot be meant is an error of usage that says why."""
+    run = built(*arguments)
+    assert (run.code, run.out) == (2, "")
+    assert words in run.err
+
+
+def test_a_fact_that_is_not_there_leads_to_why_not(built: Program) -> None:
+    """The way out of `why` is `why-not`, which names what is missing and what is nearest."""
+    run = built("why", "patrol", "rnkg:feeds", "flight_controller")
+    assert run.code == 1
+    assert "kg why-not" in run.err
+    missing = built("why-not", "patrol", "rnkg:feeds", "flight_controller")
+    assert "fails: no flight_controller rnkg:rosVersion 1" in missing.out
+    assert "owl/" not in missing.out
+
+
+def test_a_fact_that_is_there_needs_no_why_not(built: Program) -> None:
+    """`why-not` of a fact that holds says so."""
+    run = built("why-not", "patrol", "subscribes", "scan_filtered")
+    assert run.code == 1
+    assert "kg why" in run.err
