@@ -90,7 +90,10 @@ def stratify(rules: Iterable[Rule], *, bounded: bool = False) -> list[Stratum]:
 
 
 def failures(rules: Iterable[Rule]) -> Iterator[Failure]:
-    """Yield every reason why rules cannot be put in order, where `stratify` raises the first; each cycle comes once."""
+    """Yield every reason why rules cannot be put in order, where `stratify` raises the first.
+
+    Each cycle comes once, and so does each pattern that is denied.
+    """
     ordered = list(rules)
     needs = edges(ordered)
     for component in _in_order(ordered, needs, _components([sorted(need) for need in needs])):
@@ -221,14 +224,15 @@ def _in_order(rules: Sequence[Rule], needs: list[dict[int, Read]], components: l
 
 def _negations(rules: Sequence[Rule], needs: list[dict[int, Read]], component: list[int]) -> Iterator[Failure]:
     members = set(component)
-    told: set[frozenset[int]] = set()
+    told: set[object] = set()
     for rule in sorted(component):
         for writer, read in needs[rule].items():
-            if not read.negated or writer not in members:
+            if not read.negated or writer not in members or (rules[rule].name, read.atom) in told:
                 continue
             cycle = _path(needs, writer, rule, members)
-            if frozenset(cycle) not in told:
-                told.add(frozenset(cycle))
+            # What a pattern denies may come about in many ways, and the parts of a rule are one rule to people.
+            names = frozenset(rules[each].name for each in cycle)
+            if names not in told:
                 error = RuleError(
                     "KG202",
                     _cycle_in_words(rules, needs, [rule, *cycle]),
@@ -236,6 +240,7 @@ def _negations(rules: Sequence[Rule], needs: list[dict[int, Read]], component: l
                     hint="Let the negated or counted pattern read something that this rule does not feed.",
                 )
                 yield Failure(error, rules[rule], tuple(rules[each] for each in cycle))
+            told |= {names, (rules[rule].name, read.atom)}
 
 
 def _path(needs: list[dict[int, Read]], start: int, goal: int, members: set[int]) -> list[int]:

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
@@ -9,7 +10,7 @@ import typer
 
 from kg.cli.diagnostics import colored, render, say
 from kg.cli.names import unknown
-from kg.cli.options import Families, Json, Rules, Store
+from kg.cli.options import Families, Json, Rules, Store, Timeout
 from kg.cli.output import json_lines, write
 from kg.cli.session import session
 from kg.errors import Exit, RuleError, StoreError, UsageError
@@ -28,7 +29,8 @@ __all__ = ["check"]
 _FORMATS: Final = ("text", "json", "sarif", "github")
 _SEVERITIES: Final = ("error", "warning", "note")
 
-Names = Annotated[list[str] | None, typer.Argument(metavar="[NAME]...", help="Rules, families or files; all of them.")]
+Names = Annotated[list[str] | None, typer.Argument(metavar="[NAME]...", help="Rules, families, files or folders.")]
+Every = Annotated[bool, typer.Option("--all", "-a", help="Check your rules, packs and those that kg ships.")]
 Form = Annotated[str, typer.Option("--format", "-f", metavar="FORMAT", help=f"One of {', '.join(_FORMATS)}.")]
 Level = Annotated[
     str, typer.Option("--level", metavar="SEVERITY", help="Leave out what is less than error, warning or note.")
@@ -39,17 +41,20 @@ def check(  # noqa: PLR0913 - the options of a command
     context: typer.Context,
     names: Names = None,
     *,
+    every: Every = False,
     form: Form = "text",
     level: Level = "note",
     json: Json = False,
     rules: Rules = None,
     rule_families: Families = None,
     store: Store = None,
+    timeout: Timeout = None,
 ) -> None:
     """Check rules: names, safety, strata, what never fires, documentation.
 
-    Terms are checked against the ontologies, and against the store where there is one. Exit code 1 when there are
-    errors or warnings. For example:
+    Without names your own rules and packs are checked where there are any, else the rules that kg ships. Terms are
+    checked against the ontologies, and against the store where there is one; it is asked whether each rule has a match
+    for 5 seconds, or for `--timeout`. Exit code 1 when there are errors or warnings. For example:
 
         kg rules check
         kg rules check mine/feeds --level warning
@@ -59,45 +64,53 @@ def check(  # noqa: PLR0913 - the options of a command
     for word, allowed, what in ((form, _FORMATS, "format"), (level, _SEVERITIES, "severity")):
         if word not in allowed:
             raise UsageError("KG003", f"`{word}` is no {what}", hint=f"One of {', '.join(allowed)}.")
-    settings = session(context).settings(store=store, rules=rules, rule_families=rule_families)
-    findings, checked = _found(settings, names or [])
+    from kg.rules.checks.finding import SECONDS  # noqa: PLC0415 - start-up time
+
+    settings = session(context).settings(store=store, rules=rules, rule_families=rule_families, timeout=timeout)
+    seconds = SECONDS if timeout is None else settings.timeout or None
+    findings, checked = _found(settings, names or [], seconds, every=every)
     shown = [one for one in findings if _SEVERITIES.index(one.severity) <= _SEVERITIES.index(level)]
     _write(shown, form, checked)
     if any(one.severity != "note" for one in shown):
         raise typer.Exit(Exit.FOUND)
 
 
-def _found(settings: "Settings", names: list[str]) -> "tuple[list[Finding], int]":
+def _found(
+    settings: "Settings", names: list[str], seconds: float | None, *, every: bool
+) -> "tuple[list[Finding], int]":
     from kg.pipeline.reasoning import check_context, rule_folders  # noqa: PLC0415 - start-up time
+    from kg.rules.checks.choosing import outside  # noqa: PLC0415 - start-up time
     from kg.rules.checks.run import check as run  # noqa: PLC0415 - start-up time
     from kg.rules.checks.run import read_all  # noqa: PLC0415 - start-up time
+    from kg.rules.folders import families_in_force  # noqa: PLC0415 - start-up time
     from kg.rules.reading import packs  # noqa: PLC0415 - start-up time
 
-    found = read_all(rule_folders(settings), packs(), settings.rule_families)
-    wanted = _wanted(found, names)
+    folders, installed = rule_folders(settings), packs()
+    families = families_in_force(settings)
+    found = read_all(folders, installed, families)
+    others = outside(found, names)
+    found = read_all([*folders, *others], installed, families) if others else found
+    wanted = _wanted(found, names, every=every)
     with ExitStack() as stack:
         try:
             snapshot = stack.enter_context(reading(settings))
         except StoreError:
             snapshot = None
-        findings = run(found, check_context(settings, snapshot), wanted)
-    return findings, len(found.rules.files) if wanted is None else len(wanted)
+        findings = run(found, replace(check_context(settings, snapshot), seconds=seconds), wanted)
+    return findings, len(wanted)
 
 
-def _wanted(found: "Read", names: list[str]) -> list[str] | None:
-    """Return the names of the rules that are meant by names, families and files; None for all of them."""
+def _wanted(found: "Read", names: list[str], *, every: bool) -> list[str]:
+    """Return the names of the rules that are meant by names, families and files."""
+    from kg.resources import folder  # noqa: PLC0415 - start-up time
+    from kg.rules.checks.choosing import named, others_than  # noqa: PLC0415 - start-up time
+
+    known = dict(found.paths)
     if not names:
-        return None
-    known = {file.name: file.path for file in found.rules.files}
-    known |= {one.rule: Path(one.place.path) for one in found.findings}
+        return (not every and list(dict.fromkeys(others_than(found, folder("rules"))))) or list(known)
     wanted: list[str] = []
     for name in names:
-        path = Path(name).absolute()
-        chosen = [
-            each
-            for each, file in known.items()
-            if each == name or each.startswith(f"{name.rstrip('/')}/") or file.absolute().is_relative_to(path)
-        ]
+        chosen = named(found, name)
         if not chosen:
             raise unknown("rule", name, known, otherwise="`kg rules list` lists the rules.")
         wanted += chosen

@@ -49,19 +49,25 @@ CHECKS: Final[tuple[Check, ...]] = (
 
 @dataclass(frozen=True, slots=True)
 class Read:
-    """The rules of some folders: those that could be read, and what is wrong with the others."""
+    """The rules of some folders: those that could be read, and what is wrong with the others.
+
+    `paths` has every file with the name of its rule, whether it could be read or not.
+    """
 
     rules: RuleSet
     findings: tuple[Finding, ...]
+    paths: tuple[tuple[str, Path], ...] = ()
 
 
 def read_all(folders: Iterable[Path], installed: Iterable[Pack] = (), families: Collection[str] = ()) -> Read:
     """Read every rule file below some folders and in some packs; `families` as for `kg.rules.reading.rule_files`."""
     files: dict[str, RuleFile] = {}
     findings: list[Finding] = []
+    paths: list[tuple[str, Path]] = []
     for folder, pack in [*((each.folder, each.name) for each in installed), *((folder, "") for folder in folders)]:
         for path, name in rule_files(folder, families):
             place = Place(str(path), 1, 1)
+            paths.append((name, path))
             if name in files:
                 twice = f"the rule `{name}` is in {files[name].path} already"
                 findings.append(Finding("KG207", "error", name, twice, place, TWICE))
@@ -70,7 +76,7 @@ def read_all(folders: Iterable[Path], installed: Iterable[Pack] = (), families: 
                 files[name] = read(path, name, pack=pack)
             except RuleError as error:
                 findings.append(from_error(error, name, place))
-    return Read(RuleSet(tuple(files[name] for name in sorted(files))), tuple(findings))
+    return Read(RuleSet(tuple(files[name] for name in sorted(files))), tuple(findings), tuple(paths))
 
 
 def check(found: Read, context: Context, names: Iterable[str] | None = None) -> list[Finding]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING
 
+from kg.rules.checks.choosing import named, others_than, outside
 from kg.rules.checks.finding import Context
 from kg.rules.checks.run import check, read_all
 from kg.rules.checks.sarif import as_object, sarif
@@ -73,6 +74,22 @@ def test_each_cycle_is_found_and_belongs_to_all_its_rules(tmp_path: Path) -> Non
 
     assert codes(None) == ["KG204", "KG202"]
     assert [codes([name]) for name in ("one", "two", "mints", "other")] == [["KG202"], ["KG202"], ["KG204"], []]
+
+
+def test_which_rules_are_meant(tmp_path: Path) -> None:
+    """Rules are named by name, family, file or folder, also those with errors; others are those not below a folder."""
+    rule = PREFIX + "CONSTRUCT { ?x :p ?y } WHERE { ?x :q ?y }"
+    for name, text in {"a/two.rq": rule, "a/two.srl": rule, "b/broken.srl": "RULE {"}.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text)
+    (tmp_path / "c.rq").write_text(rule)
+    read = read_all([tmp_path / "a", tmp_path / "b"])
+    assert named(read, str(tmp_path / "a" / "two.rq")) == named(read, str(tmp_path / "a" / "two.srl")) == ["two"]
+    assert named(read, str(tmp_path / "b")) == named(read, "broken") == ["broken"]
+    assert named(read_all([tmp_path]), "a") == ["a/two", "a/two"]
+    assert named(read, "none") == []
+    assert outside(read, [str(tmp_path / "c.rq"), str(tmp_path / "a" / "two.rq"), "a/b"]) == [tmp_path / "c.rq"]
+    assert others_than(read, tmp_path / "a") == ["broken"]
 
 
 def test_unbound_heads(tmp_path: Path) -> None:
