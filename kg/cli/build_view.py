@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from kg.cli.diagnostics import note
+from kg.cli.diagnostics import report as show
 from kg.render.text import count, printable
 
 if TYPE_CHECKING:
@@ -15,7 +17,7 @@ if TYPE_CHECKING:
     from kg.facts import Problem
     from kg.pipeline.report import BuildReport, Inferred, SourceReport
 
-__all__ = ["report_object", "summary"]
+__all__ = ["left_out", "report_object", "summary"]
 
 _FEW: Final = 10
 _FEW_REASONS: Final = 5
@@ -47,6 +49,8 @@ def _found(report: BuildReport) -> str:
 
 
 def _inferred(inferred: Inferred) -> str:
+    if inferred.mode == "none":
+        return "inferred nothing: the rules cannot run"
     changes = "" if inferred.mode == "full" else f" ({inferred.added:,} new, {inferred.removed:,} gone)"
     return f"inferred {count(inferred.triples, 'triple')}{changes} in {inferred.seconds:.2f} s"
 
@@ -92,6 +96,16 @@ def _near(path: Path) -> str:
     return str(path) if relative.startswith("..") else relative
 
 
+def left_out(inferred: Inferred | None) -> bool:
+    """Warn of the rules that were left out, and tell whether there were any."""
+    problems = inferred.problems if inferred else ()
+    for problem in problems:
+        show(problem, "warning")
+    if problems and inferred and inferred.mode != "none":
+        note("what is inferred follows from the other rules")
+    return bool(problems)
+
+
 def report_object(report: BuildReport) -> dict[str, Any]:
     """Return the report as plain values, ready for JSON."""
     keys = (
@@ -119,7 +133,10 @@ def report_object(report: BuildReport) -> dict[str, Any]:
 
 
 def _inferred_object(inferred: Inferred | None) -> dict[str, Any] | None:
-    return {**asdict(inferred), "seconds": round(inferred.seconds, 3)} if inferred else None
+    if inferred is None:
+        return None
+    problems = [{"code": one.code, "message": one.message, "place": str(one.place or "")} for one in inferred.problems]
+    return {**asdict(replace(inferred, problems=())), "seconds": round(inferred.seconds, 3), "problems": problems}
 
 
 def _source_object(source: SourceReport) -> dict[str, Any]:

@@ -76,11 +76,11 @@ def problem(code: str, message: str, place: str) -> None:
     say(f"{printable(place)}: {_paint('warning', code, on=on)} {printable(message)}")
 
 
-def report(error: KgError) -> None:
-    """Show an error."""
+def report(error: KgError, severity: str = "error") -> None:
+    """Show an error, or what the command could do without as a `warning`."""
     if MODE.get().traceback:
         say("".join(traceback.format_exception(error)).rstrip())
-    say(render(error, color=colored(sys.stderr)))
+    say(render(error, color=colored(sys.stderr), severity=severity))
 
 
 def defect(error: BaseException) -> None:

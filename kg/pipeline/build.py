@@ -60,11 +60,11 @@ def build(  # noqa: PLR0913 - each is a decision of the caller
     """Read the sources `named` (folders, git addresses, lists of them) into `store` and return what was done.
 
     Without names it reads what earlier builds read. Other sources in the store stay. `report` is told of the
-    progress; `command` is what another writer is told is running. The rules in force run in the same transaction;
-    without `rules` what they inferred stays as it is.
+    progress; `command` is what another writer is told is running. The rules in force run in the same transaction,
+    those that cannot be used are left out and told in the report; without `rules` what they inferred stays as it is.
 
     Raises:
-        RuleError: KG2xx for rules that cannot be read or run; the store is as it was.
+        RuleError: KG208 for a pack of rules that cannot be loaded, KG231 for a folder of rules that is closed.
         SourceError: KG101, KG102, KG103 when a source cannot be read at all.
         StoreError: KG302 while another process writes, KG304 when the disk is full; the store is as it was.
     """
@@ -121,6 +121,8 @@ class _Build:
         inferred = self._infer(changed=bool(changed or gone))
         generation = self._transaction.commit()
         self._inference.remember(generation)
+        if inferred is not None:
+            self._rules = self._inference.digest
         state = self._next_state(sources, plan, results, written, generation, named)
         state = replace(state, sources={name: one for name, one in state.sources.items() if name not in gone})
         if state != self._state:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from pyoxigraph import NamedNode
 
 from kg.graph.iris import Iris
-from kg.pipeline.inferring import Inference, digest
+from kg.pipeline.inferring import Inference
 from kg.pipeline.sharing import keep_shared
 from kg.pipeline.state import load, save
 from kg.pipeline.writing import shared_of
@@ -30,10 +30,11 @@ def forget(
 ) -> Inferred | None:
     """Take sources out of the store and out of what a build without names reads; names it does not know do nothing.
 
-    What rules inferred from them goes too; without `rules` it stays until the next build, and None is returned.
+    What rules inferred from them goes too, rules that cannot be used being left out; without `rules` it stays until the
+    next build, and None is returned.
 
     Raises:
-        RuleError: KG2xx for rules that cannot be read or run; the store is as it was.
+        RuleError: KG208 for a pack of rules that cannot be loaded, KG231 for a folder of rules that is closed.
         StoreError: KG301 without data, KG302 while another process writes, KG304 when the disk is full.
     """
     iris, inference = Iris(settings.base), Inference(store, settings)
@@ -51,7 +52,7 @@ def forget(
         current = generation if generation and state.generation + 1 == generation else state.generation
         with translated(str(store.layout.cache)):
             store.layout.cache.mkdir(parents=True, exist_ok=True)
-            save(store.layout.cache, replace(left, generation=current, rules=digest(settings) if rules else ""))
+            save(store.layout.cache, replace(left, generation=current, rules=inference.digest))
     return inferred
 
 

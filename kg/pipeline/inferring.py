@@ -1,14 +1,26 @@
-"""Rules inside the transactions of the pipeline: what is inferred changes together with what it is inferred from."""
+"""Rules inside the transactions of the pipeline: what is inferred changes together with what it is inferred from.
+
+What was read is never lost for the sake of a rule. A file that cannot be used is left out. Where the others cannot run
+together, those of the user's folders are left out too; where that does not help, nothing is inferred. So what stands
+in the graph of inferred triples follows from the rules that ran, and is never left from an earlier state of the data.
+"""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from hashlib import blake2b
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
+
+from pyoxigraph import NamedNode
 
 from kg import resources
+from kg.errors import RuleError
+from kg.graph.iris import Iris
 from kg.pipeline.report import Inferred
 from kg.rules.folders import families_in_force, user_folders
 from kg.rules.reading import packs, rule_files
+from kg.store.failure import translated
+from kg.store.layout import write_atomically
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -18,7 +30,9 @@ if TYPE_CHECKING:
     from kg.store.embedded import EmbeddedStore
     from kg.store.transaction import EmbeddedTransaction
 
-__all__ = ["Inference", "digest"]
+__all__ = ["Inference", "digest", "last_digest", "note_digest"]
+
+_LAST: Final = "rules"
 
 
 def digest(settings: Settings) -> str:
@@ -37,6 +51,21 @@ def digest(settings: Settings) -> str:
     return found.hexdigest()
 
 
+def last_digest(cache: Path) -> str | None:
+    """Return the digest of the rules that ran last; empty where some could not, None where it is not known."""
+    try:
+        return (cache / _LAST).read_text(encoding="ascii")
+    except (OSError, UnicodeDecodeError):
+        return None
+
+
+def note_digest(cache: Path, found: str) -> None:
+    """Keep the digest of the rules that ran, empty where some could not; StoreError KG304 when the disk is full."""
+    with translated(str(cache)):
+        cache.mkdir(parents=True, exist_ok=True)
+        write_atomically(cache / _LAST, found.encode(), durable=False)
+
+
 def _content(path: Path) -> bytes:
     try:
         return path.read_bytes()
@@ -45,30 +74,62 @@ def _content(path: Path) -> bytes:
 
 
 class Inference:
-    """The rules in force, run inside a transaction; `remember` when it is committed, so that the next run is short."""
+    """The rules in force, run inside a transaction; `remember` when it is committed, so that the next run is short.
+
+    `digest` is that of the rules that ran, empty before, and where some could not.
+    """
 
     def __init__(self, store: EmbeddedStore, settings: Settings) -> None:
+        self.digest = ""
         self._store = store
         self._settings = settings
         self._runner: Runner | None = None
+        self._ran = False
 
     def run(self, transaction: EmbeddedTransaction) -> Inferred:
-        """Make what is inferred follow from what the transaction has written by now.
+        """Make what is inferred follow from what the transaction has written by now; what cannot run is left out.
 
         Raises:
-            RuleError: KG2xx for rules that cannot be read, KG202 to KG204 for those that cannot run, KG205 at a limit.
+            RuleError: KG208 for a pack that cannot be loaded, KG231 for a folder of rules that is closed.
+            UsageError: KG002 for a folder or a family of the settings that is not there.
         """
+        found = digest(self._settings)
+        problems: list[RuleError] = []
+        inferred = self._attempt(transaction, problems, own=True)
+        if inferred is None:
+            inferred = self._attempt(transaction, [], own=False) or self._nothing(transaction)
+        self._ran = True
+        self.digest = "" if problems else found
+        return replace(inferred, problems=tuple(problems))
+
+    def _attempt(self, transaction: EmbeddedTransaction, problems: list[RuleError], *, own: bool) -> Inferred | None:
+        """Run the rules that can be read; None, and the error among `problems`, where they cannot run."""
         # Numbers are loaded here, not where a build without changes ends.
         from kg.graph.vocabulary import RNKG  # noqa: PLC0415 - see above
         from kg.pipeline.reasoning import rules_over  # noqa: PLC0415 - see above
         from kg.rules.recording import Names  # noqa: PLC0415 - see above
         from kg.rules.running import Runner  # noqa: PLC0415 - see above
 
-        self._runner = Runner(Names.of(self._settings.base, RNKG), self._store.layout.cache)
-        found = self._runner.run_within(transaction, rules_over(self._settings, transaction))
+        runner = Runner(Names.of(self._settings.base, RNKG), self._store.layout.cache)
+        try:
+            found = runner.run_within(transaction, rules_over(self._settings, transaction, problems, own=own))
+        except RuleError as error:
+            problems.append(error)
+            return None
+        self._runner = runner
         return Inferred(found.inferred, found.added, found.removed, found.seconds.total, found.mode)
+
+    def _nothing(self, transaction: EmbeddedTransaction) -> Inferred:
+        """Take out what was inferred."""
+        graph = NamedNode(Iris(self._settings.base).graph("inferred"))
+        removed = transaction.count(graph) if graph in transaction.graphs() else 0
+        if removed:
+            transaction.drop_graph(graph)
+        return Inferred(0, 0, removed, 0.0, "none")
 
     def remember(self, generation: int | None) -> None:
         """Keep what the run read and inferred, as of the generation that its transaction made."""
         if self._runner is not None:
             self._runner.remember(generation)
+        if self._ran:
+            note_digest(self._store.layout.cache, self.digest)

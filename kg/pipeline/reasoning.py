@@ -9,6 +9,7 @@ import pyoxigraph
 from pyoxigraph import NamedNode, RdfFormat, parse
 
 from kg import resources
+from kg.errors import RuleError
 from kg.graph.iris import Iris
 from kg.graph.ontology_files import ontology_triples
 from kg.graph.ontology_places import place_of
@@ -62,19 +63,39 @@ SELECT DISTINCT ?term WHERE {
 }"""
 
 
-def rules_in_force(settings: Settings) -> RuleSet:
+_Found = tuple[RuleSet, tuple[RuleError, ...]]
+"""Rules, and the errors of the files that cannot be used."""
+
+
+def rules_in_force(settings: Settings, broken: list[RuleError] | None = None) -> RuleSet:
     """Return the rules that `kg` ships, those of installed packs and those of the user's folders.
 
+    Files that cannot be used are left out and their errors added to `broken`, where it is given.
+
     Raises:
-        RuleError: KG201 and others of KG2xx for a file that cannot be used.
+        RuleError: KG201 and others of KG2xx for a file that cannot be used, without `broken`.
+        UsageError: KG002 for a folder or a family of the settings that is not there.
     """
-    return _read(rule_folders(settings), packs(), families_in_force(settings), digest(settings))
+    found = _read(rule_folders(settings), packs(), families_in_force(settings), digest(settings))
+    return _sound(found, broken)
+
+
+def _sound(found: _Found, broken: list[RuleError] | None) -> RuleSet:
+    rules, errors = found
+    if broken is None:
+        for error in errors:
+            raise error
+    else:
+        broken += errors
+    return rules
 
 
 @lru_cache(maxsize=2)
-def _read(folders: tuple[Path, ...], installed: tuple[Pack, ...], families: tuple[str, ...], _digest: str) -> RuleSet:
+def _read(folders: tuple[Path, ...], installed: tuple[Pack, ...], families: tuple[str, ...], _digest: str) -> _Found:
     """Return rules that were read before in this process, as long as no file changed."""
-    return discover(folders, installed, families)
+    broken: list[RuleError] = []
+    rules = discover(folders, installed, families, broken)
+    return rules, tuple(broken)
 
 
 def rule_folders(settings: Settings) -> tuple[Path, ...]:
@@ -111,24 +132,30 @@ def schema_of(graph: Any) -> tuple[Triple, ...]:
     return tuple(graph.query(schema_query()))
 
 
-def rules_over(settings: Settings, source: Tables) -> RuleSet:
-    """Return the rules in force, cut to the axioms of a snapshot or of a transaction; raises as `rules_in_force`."""
+def rules_over(
+    settings: Settings, source: Tables, broken: list[RuleError] | None = None, *, own: bool = True
+) -> RuleSet:
+    """Return the rules in force, cut to the axioms of a snapshot or of a transaction; `broken` as `rules_in_force`.
+
+    Without `own` they are those that `kg` and installed packs bring. Raises as `rules_in_force`.
+    """
     names = Names.of(settings.base, RNKG)
     named = f"GRAPH ?graph {schema_pattern()} FILTER(?graph NOT IN ({names.inferred}, {names.builds}))"
     query = f"SELECT ?s ?p ?o WHERE {{ {schema_pattern()} UNION {{ {named} }} }}"
     found = cells(source.table(query, None), 3)
     lines = {b"%s %s %s .\n" % row for row in zip(found[::3], found[1::3], found[2::3], strict=True)}
-    folders = rule_folders(settings)
-    return _cut(folders, packs(), families_in_force(settings), digest(settings), b"".join(sorted(lines)))
+    folders = rule_folders(settings) if own else rule_folders(settings)[:1]
+    axioms = b"".join(sorted(lines))
+    return _sound(_cut(folders, packs(), families_in_force(settings), digest(settings), axioms), broken)
 
 
 @lru_cache(maxsize=2)
 def _cut(
     folders: tuple[Path, ...], installed: tuple[Pack, ...], families: tuple[str, ...], mark: str, axioms: bytes
-) -> RuleSet:
+) -> _Found:
     """Return rules that were cut before in this process, as long as neither a file nor an axiom changed."""
-    rules = _read(folders, installed, families, mark)
-    return specialised(rules, [quad.triple for quad in parse(axioms, RdfFormat.N_TRIPLES)])
+    rules, broken = _read(folders, installed, families, mark)
+    return specialised(rules, [quad.triple for quad in parse(axioms, RdfFormat.N_TRIPLES)]), broken
 
 
 def term_uses(snapshot: EmbeddedSnapshot) -> dict[str, int]:

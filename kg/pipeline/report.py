@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from kg.errors import RuleError
     from kg.facts import Problem, Repository
 
 __all__ = ["BuildReport", "Inferred", "PackageResult", "Report", "Silent", "SourceReport"]
@@ -50,13 +51,18 @@ class SourceReport:
 
 @dataclass(frozen=True, slots=True)
 class Inferred:
-    """What rules did: how many triples are inferred now, how many came and went; `mode` is full or incremental."""
+    """What rules did: how many triples are inferred now, how many came and went.
+
+    `mode` is full or incremental, or none where the rules could not run, so that nothing is inferred. `problems` are
+    the errors of the rules that were left out.
+    """
 
     triples: int
     added: int
     removed: int
     seconds: float
     mode: str
+    problems: tuple[RuleError, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ from kg.rules.files import NOTATIONS, RuleFile, RuleSet
 from kg.rules.header import parse_header
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator
+    from collections.abc import Collection, Iterable, Iterator, Mapping
     from importlib.metadata import EntryPoint
 
     from kg.rules.files import Documentation
@@ -98,23 +98,37 @@ def _read_ttl(text: str, path: Path, name: str, documentation: Documentation) ->
     return RuleFile(name, path, text, documentation, shacl.rules(text, name, path))
 
 
-def discover(folders: Iterable[Path], installed: Iterable[Pack] = (), families: Collection[str] = ()) -> RuleSet:
+def discover(
+    folders: Iterable[Path],
+    installed: Iterable[Pack] = (),
+    families: Collection[str] = (),
+    broken: list[RuleError] | None = None,
+) -> RuleSet:
     """Return all rules below some folders and in some packs, sorted by name.
 
     The name of a file is its path below the folder without the ending. A folder may also be one file, whose name is
     that of its folder and its own. What several files import comes once. `families` are those in force, by default all
-    but the optional ones. Raises RuleError: KG207 for two files of one
-    name, and what `read` raises.
+    but the optional ones. Raises RuleError: KG207 for two files of one name, and what `read` raises; with `broken` such
+    files are left out, and the errors are added to it.
     """
     found: dict[str, RuleFile] = {}
     sources = [*((pack.folder, pack.name) for pack in installed), *((folder, "") for folder in folders)]
     for folder, pack in sources:
         for path, name in rule_files(folder, families):
-            if name in found:
-                message = f"the rule `{name}` is in {found[name].path} already"
-                raise RuleError("KG207", message, place=Place(str(path)), hint=TWICE)
-            found[name] = read(path, name, pack=pack)
+            try:
+                found[name] = _read_once(path, name, pack, found)
+            except RuleError as error:
+                if broken is None:
+                    raise
+                broken.append(error)
     return RuleSet(tuple(_once([found[name] for name in sorted(found)])))
+
+
+def _read_once(path: Path, name: str, pack: str, found: Mapping[str, RuleFile]) -> RuleFile:
+    if name in found:
+        message = f"the rule `{name}` is in {found[name].path} already"
+        raise RuleError("KG207", message, place=Place(str(path)), hint=TWICE)
+    return read(path, name, pack=pack)
 
 
 def rule_files(folder: Path, families: Collection[str] = (), *, every: bool = False) -> Iterator[tuple[Path, str]]:

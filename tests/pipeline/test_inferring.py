@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import pytest
 from pyoxigraph import NamedNode, RdfFormat
 
 from kg.errors import RuleError
 from kg.pipeline.build import build
 from kg.pipeline.forgetting import forget
-from kg.pipeline.inferring import digest
+from kg.pipeline.inferring import digest, last_digest
+from kg.rules.running import Runner
 from kg.settings import load
 from kg.store.embedded import EmbeddedStore
 
 if TYPE_CHECKING:
     from pathlib import Path
 
+    import pytest
     from pipeline.conftest import Bench
 
     from kg.pipeline.report import BuildReport
@@ -118,19 +119,66 @@ def test_without_rules_what_was_inferred_stays_until_the_next_build(bench: Bench
     assert "/murmur" in published(bench.store)
 
 
-def test_a_rule_that_cannot_be_read_leaves_the_store_as_it_was(bench: Bench, tmp_path: Path) -> None:
-    """The build ends with the place in the rule, and nothing of it is in force."""
-    built(bench)
-    before = bench.content()
-    (tmp_path / "rules" / "mine").mkdir(parents=True)
-    (tmp_path / "rules" / "mine" / "broken.rq").write_text(LOUD.replace("WHERE {", "WHERE"))
+NEGATING = """PREFIX rnkg: <https://w3id.org/rnkg/ns#>
+CONSTRUCT { ?node rnkg:nameWord "a" } WHERE { ?node rnkg:publishes [] FILTER NOT EXISTS { ?node rnkg:nameWord "a" } }
+"""
+
+
+def own_rule(folder: Path, name: str, text: str) -> Settings:
+    """Write a rule of the user's, and return the settings that have it."""
+    (folder / "mine").mkdir(parents=True, exist_ok=True)
+    (folder / "mine" / name).write_text(text)
+    return settings(rules=str(folder))
+
+
+def test_a_rule_that_cannot_be_read_is_left_out(bench: Bench, tmp_path: Path) -> None:
+    """What was read is stored, the other rules run, and every build tells it until the rule is mended."""
+    own_rule(tmp_path / "rules", "loud.rq", LOUD)
+    chosen = own_rule(tmp_path / "rules", "broken.rq", LOUD.replace("WHERE {", "WHERE"))
+    for _ in range(2):
+        report = built(bench, chosen)
+        assert report.inferred is not None
+        (problem,) = report.inferred.problems
+        assert (problem.code, problem.place and problem.place.path.endswith("broken.rq")) == ("KG201", True)
+        assert any('"loud"' in line for line in inferred(bench.store))
+    assert last_digest(bench.store.layout.cache) == ""
+    (tmp_path / "rules" / "mine" / "broken.rq").unlink()
+    report = built(bench, chosen)
+    assert report.inferred is not None
+    assert not report.inferred.problems
+    assert last_digest(bench.store.layout.cache) == digest(chosen)
+
+
+def test_rules_without_an_order_leave_those_that_kg_brings(bench: Bench, tmp_path: Path) -> None:
+    """One's own rules are left out together when they cannot run; what they inferred before goes."""
+    chosen = own_rule(tmp_path / "rules", "loud.rq", LOUD)
+    built(bench, chosen)
+    own_rule(tmp_path / "rules", "negating.rq", NEGATING)
     bench.package("one", "murmur")
-    with pytest.raises(RuleError) as caught:
-        built(bench, settings(rules=str(tmp_path / "rules")))
-    assert caught.value.code == "KG201"
-    assert caught.value.place is not None
-    assert caught.value.place.path.endswith("broken.rq")
-    assert bench.content() == before
+    report = built(bench, chosen)
+    assert report.inferred is not None
+    assert [problem.code for problem in report.inferred.problems] == ["KG202"]
+    assert not any('"loud"' in line for line in inferred(bench.store))
+    assert "/murmur" in published(bench.store)
+
+
+def test_nothing_is_inferred_where_no_rules_can_run(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What earlier rules inferred is not kept beside data that it may not follow from any more."""
+    built(bench)
+    bench.package("one", "murmur")
+    monkeypatch.setattr(Runner, "run_within", refuse)
+    report = built(bench)
+    assert report.inferred is not None
+    assert (report.inferred.mode, report.inferred.removed > 0) == ("none", True)
+    assert not inferred(bench.store)
+    monkeypatch.undo()
+    built(bench)
+    assert "/murmur" in published(bench.store)
+
+
+def refuse(*_: object, **__: object) -> None:
+    """Stand for rules that have no order."""
+    raise RuleError("KG202", "no order")
 
 
 def test_what_is_inferred_from_a_source_goes_with_it(bench: Bench) -> None:

@@ -8,6 +8,7 @@ from kg.cli.diagnostics import note, say
 from kg.cli.options import Base, Families, Jobs, Json, MaxFileBytes, NoRules, Rules, Store
 from kg.cli.output import Column, json_lines, listing, terminal
 from kg.cli.session import session
+from kg.errors import Exit
 from kg.render.text import count
 from kg.store.opening import layout_of, writable
 
@@ -58,13 +59,16 @@ def build(  # noqa: PLR0913 - the options of a command
     given = session(context).settings(
         store=store, jobs=jobs, max_file_bytes=max_file_bytes, base=base, rules=rules, rule_families=rule_families
     )
-    _build(list(sources or ()), given, problems=problems, infer=not no_rules, json=json)
+    sound = _build(list(sources or ()), given, problems=problems, infer=not no_rules, json=json)
     if watch:
         _watch(given, problems=problems, infer=not no_rules, json=json)
+    elif not sound:
+        raise typer.Exit(Exit.FOUND)
 
 
-def _build(named: list[str], given: "Settings", *, problems: bool, infer: bool, json: bool) -> None:
-    from kg.cli.build_view import report_object, summary  # noqa: PLC0415 - start-up time
+def _build(named: list[str], given: "Settings", *, problems: bool, infer: bool, json: bool) -> bool:
+    """Build, tell what was found, and return whether all rules could be used."""
+    from kg.cli.build_view import left_out, report_object, summary  # noqa: PLC0415 - start-up time
     from kg.cli.progress import for_this_stream  # noqa: PLC0415 - start-up time
     from kg.pipeline.build import build as run  # noqa: PLC0415 - start-up time
 
@@ -74,6 +78,7 @@ def _build(named: list[str], given: "Settings", *, problems: bool, infer: bool, 
         say(line)
     if json:
         json_lines([report_object(report)])
+    return not left_out(report.inferred)
 
 
 def _watch(given: "Settings", *, problems: bool, infer: bool, json: bool) -> None:

@@ -10,7 +10,7 @@ from kg.cli.names import unknown
 from kg.cli.options import Base, NoRules, Store
 from kg.cli.output import write_bytes
 from kg.cli.session import session
-from kg.errors import Place, QueryError, UsageError
+from kg.errors import Exit, Place, QueryError, UsageError
 from kg.query.similar import did_you_mean
 from kg.render.text import count
 from kg.store.opening import existing, reading, writable
@@ -18,6 +18,7 @@ from kg.store.opening import existing, reading, writable
 if TYPE_CHECKING:
     from pyoxigraph import NamedNode, RdfFormat
 
+    from kg.pipeline.report import Inferred
     from kg.store.snapshot import EmbeddedSnapshot
 
 __all__ = ["export", "forget", "import_files"]
@@ -110,11 +111,11 @@ def import_files(  # noqa: PLR0913 - the options of a command
             for file in map(Path, files):
                 into = (_iri(settings.base, graph) if graph else None) or iris.graph(f"imported-{file.name}")
                 transaction.load_file(file, rdf_format, graph=NamedNode(into))
-            if not no_rules:
-                inference.run(transaction)
+            inferred = None if no_rules else inference.run(transaction)
             inference.remember(transaction.commit())
         with target.read() as snapshot:
             say(f"the store now holds {count(snapshot.count(), 'quad')}")
+    _end(inferred)
 
 
 def forget(
@@ -140,8 +141,16 @@ def forget(
     with target.read() as snapshot:
         for name in sources:
             _graph(snapshot, settings.base, name, None)
-    drop(target, settings, sources, rules=not no_rules)
+    inferred = drop(target, settings, sources, rules=not no_rules)
     say(f"forgot {', '.join(sources)}")
+    _end(inferred)
+
+
+def _end(inferred: "Inferred | None") -> None:
+    from kg.cli.build_view import left_out  # noqa: PLC0415 - start-up time
+
+    if left_out(inferred):
+        raise typer.Exit(Exit.FOUND)
 
 
 def _format(name: str | None, output: Path | None) -> "RdfFormat | None":
