@@ -36,3 +36,19 @@ def test_a_build_says_how_much_it_inferred(kg: Program) -> None:
     run = kg("--store", "built", "build", str(folder("examples") / "workspace"), "--json")
     assert "inferred" in run.err
     assert json.loads(run.out)["inferred"]["triples"] > 0
+
+
+def test_a_broken_rule_is_a_warning(kg: Program, tmp_path: Path) -> None:
+    """What is read or imported is stored without the rule, and the exit code says that something is wrong."""
+    (tmp_path / "robot.ttl").write_text(DATA)
+    (tmp_path / "rules" / "mine").mkdir(parents=True)
+    (tmp_path / "rules" / "mine" / "broken.rq").write_text("CONSTRUCT {")
+    run = kg("import", "robot.ttl")
+    assert (run.code, "warning[KG201]" in run.err) == (1, True)
+    assert kg("query", PUBLISHES).out.strip() == "true"
+    run = kg("build", str(folder("examples") / "workspace"), "--json")
+    assert (run.code, json.loads(run.out)["inferred"]["problems"][0]["code"]) == (1, "KG201")
+    assert "broken.rq:1" in run.err
+    run = kg("why", "<urn:x:driver>", "rnkg:publishes", "<urn:x:scan>")
+    assert (run.code, "warning[KG201]" in run.err) == (0, True)
+    assert kg("forget", "local/workspace").code == 1

@@ -8,7 +8,7 @@ import typer
 
 from kg.cli.completion import rules as rule_names
 from kg.cli.diagnostics import note, report
-from kg.cli.options import Json, Rules
+from kg.cli.options import Families, Json, Rules
 from kg.cli.output import json_lines, listing, show, terminal, write
 from kg.cli.session import session
 from kg.errors import Exit, RuleError
@@ -45,7 +45,14 @@ NewName = Annotated[str, typer.Argument(metavar="FAMILY/NAME", help="What to cal
 Notation = Annotated[str, typer.Option("--notation", metavar="NOTATION", help="rq (SPARQL), ttl (SHACL) or srl.")]
 
 
-def new(context: typer.Context, name: NewName, *, notation: Notation = "rq", rules: Rules = None) -> None:
+def new(
+    context: typer.Context,
+    name: NewName,
+    *,
+    notation: Notation = "rq",
+    rules: Rules = None,
+    rule_families: Families = None,
+) -> None:
     """Begin a rule: a file that runs as it stands, and examples that pass.
 
     They are written to the first folder of the setting `rules`. For example:
@@ -57,7 +64,7 @@ def new(context: typer.Context, name: NewName, *, notation: Notation = "rq", rul
     from kg.rules.authoring.starting import start  # noqa: PLC0415 - start-up time
     from kg.rules.folders import own_folder  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(rules=rules)
+    settings = session(context).settings(rules=rules, rule_families=rule_families)
     for path in start(name, own_folder(settings), notation):
         write(here(path))
     option = f" --rules {shlex.quote(rules)}" if rules else ""
@@ -66,7 +73,14 @@ def new(context: typer.Context, name: NewName, *, notation: Notation = "rq", rul
         note(f"  kg rules {command} {name}{option}")
 
 
-def list_rules(context: typer.Context, chosen: Chosen = None, *, rules: Rules = None, json: Json = False) -> None:
+def list_rules(
+    context: typer.Context,
+    chosen: Chosen = None,
+    *,
+    rules: Rules = None,
+    rule_families: Families = None,
+    json: Json = False,
+) -> None:
     """List the rules in force: those of kg, of installed packs, and your own.
 
     For example:
@@ -79,7 +93,7 @@ def list_rules(context: typer.Context, chosen: Chosen = None, *, rules: Rules = 
     from kg.rules.authoring.manual import entry_object  # noqa: PLC0415 - start-up time
     from kg.rules.authoring.naming import choose  # noqa: PLC0415 - start-up time
 
-    library = Library.of(session(context).settings(rules=rules))
+    library = Library.of(session(context).settings(rules=rules, rule_families=rule_families))
     found = [(entry, *_read(library, entry)) for entry in choose(library, chosen or ())]
     errors = [*library.problems, *(error for _, _, error in found if error)]
     objects = (entry_object(*each) for each in found) if json else None
@@ -109,7 +123,9 @@ def _read(library: "Library", entry: "Entry") -> "tuple[Documentation, RuleError
         return Documentation(), error
 
 
-def show_rule(context: typer.Context, name: Name, *, rules: Rules = None, json: Json = False) -> None:
+def show_rule(
+    context: typer.Context, name: Name, *, rules: Rules = None, rule_families: Families = None, json: Json = False
+) -> None:
     """Show one rule: its documentation, its text, what it reads and derives, and its place among the rules."""
     from kg.cli.rules_view import manual_lines  # noqa: PLC0415 - start-up time
     from kg.pipeline.reasoning import ontology_schema  # noqa: PLC0415 - start-up time
@@ -117,7 +133,7 @@ def show_rule(context: typer.Context, name: Name, *, rules: Rules = None, json: 
     from kg.rules.authoring.manual import manual, manual_object  # noqa: PLC0415 - start-up time
     from kg.rules.authoring.naming import find_rule  # noqa: PLC0415 - start-up time
 
-    library = Library.of(session(context).settings(rules=rules))
+    library = Library.of(session(context).settings(rules=rules, rule_families=rule_families))
     entry = find_rule(library, name)
     known = manual(library, entry, ontology_schema())
     if json:

@@ -5,7 +5,7 @@ from typing import Annotated, Final
 import typer
 
 from kg.cli.completion import rules as rule_names
-from kg.cli.options import Rules
+from kg.cli.options import Families, Rules
 from kg.cli.output import write
 from kg.cli.session import session
 from kg.errors import UsageError
@@ -20,7 +20,9 @@ Name = Annotated[
 To = Annotated[str, typer.Option("--to", metavar="NOTATION", help="form, rq (SPARQL), srl or ttl (SHACL).")]
 
 
-def compile_rule(context: typer.Context, name: Name, *, to: To = "form", rules: Rules = None) -> None:
+def compile_rule(
+    context: typer.Context, name: Name, *, to: To = "form", rules: Rules = None, rule_families: Families = None
+) -> None:
     """Print a rule as it is evaluated, or in another notation.
 
     A rule becomes several where it has a choice in it (UNION, OPTIONAL, paths); all of them are printed, each of
@@ -39,7 +41,7 @@ def compile_rule(context: typer.Context, name: Name, *, to: To = "form", rules: 
 
     if to not in _FORMS:
         raise UsageError("KG003", f"`{to}` is no notation of rules", hint=f"Write one of {', '.join(_FORMS)}.")
-    library = Library.of(session(context).settings(rules=rules))
+    library = Library.of(session(context).settings(rules=rules, rule_families=rule_families))
     entry = find_rule(library, name)
     file = library.read(entry.name)
     prefixes = {**PREFIXES, **(file.prefixes or {})}

@@ -6,7 +6,7 @@ import typer
 
 from kg.cli.commands.rules import Chosen
 from kg.cli.diagnostics import note, say
-from kg.cli.options import Json, Limit, Rules, Store, Timeout
+from kg.cli.options import Families, Json, Limit, Rules, Store, Timeout
 from kg.cli.output import json_lines, show
 from kg.cli.session import session
 from kg.errors import Exit
@@ -23,6 +23,7 @@ def diff(  # noqa: PLR0913 - the options of a command
     chosen: Chosen = None,
     *,
     rules: Rules = None,
+    rule_families: Families = None,
     limit: Limit = None,
     timeout: Timeout = None,
     json: Json = False,
@@ -38,7 +39,9 @@ def diff(  # noqa: PLR0913 - the options of a command
     from kg.pipeline.authoring import attempt  # noqa: PLC0415 - start-up time
     from kg.rules.authoring.differences import difference, difference_objects  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(store=store, rules=rules, limit=limit, timeout=timeout)
+    settings = session(context).settings(
+        store=store, rules=rules, rule_families=rule_families, limit=limit, timeout=timeout
+    )
     with attempt(settings, chosen or ()) as trial:
         found = difference(trial.bench, trial.files, trial.chosen, trial.limits)
         if json:

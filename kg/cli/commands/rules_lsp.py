@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from kg.cli.options import Rules, Store
+from kg.cli.options import Families, Rules, Store
 from kg.cli.session import session
 from kg.errors import GraphError, StoreError
 from kg.store.opening import reading
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["lsp"]
 
 
-def lsp(context: typer.Context, *, rules: Rules = None, store: Store = None) -> None:
+def lsp(context: typer.Context, *, rules: Rules = None, rule_families: Families = None, store: Store = None) -> None:
     """Serve editors: errors as you type, completion, documentation, definitions.
 
     Speaks the Language Server Protocol on standard input and output; docs/editors.md has configurations for two
@@ -31,7 +31,7 @@ def lsp(context: typer.Context, *, rules: Rules = None, store: Store = None) -> 
         raise GraphError("KG605", f"{error.name} is not installed", hint="pip install 'kg-ros[lsp]'") from error
     from kg.pipeline.reasoning import rule_folders  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(store=store, rules=rules)
+    settings = session(context).settings(store=store, rules=rules, rule_families=rule_families)
     knowledge = Knowledge(rule_folders(settings), lambda: _context(settings), lambda: _terms(settings))
     # Copies: the server closes its streams when the editor leaves, and the command still has words to say.
     with os.fdopen(os.dup(sys.stdin.fileno()), "rb") as source, os.fdopen(os.dup(sys.stdout.fileno()), "wb") as target:
@@ -44,9 +44,10 @@ def _context(settings: "Settings") -> "Context":
 
     from kg.pipeline.reasoning import check_context, rule_folders  # noqa: PLC0415 - start-up time
     from kg.rules.checks.run import read_all  # noqa: PLC0415 - start-up time
+    from kg.rules.folders import families_in_force  # noqa: PLC0415 - start-up time
     from kg.rules.reading import packs  # noqa: PLC0415 - start-up time
 
-    found = read_all(rule_folders(settings), packs())
+    found = read_all(rule_folders(settings), packs(), families_in_force(settings))
     try:
         with reading(settings) as snapshot:
             known = replace(check_context(settings, snapshot), store=None)

@@ -8,7 +8,7 @@ import typer
 
 from kg.cli.commands.rules import Chosen
 from kg.cli.diagnostics import note, report, say
-from kg.cli.options import Json, Rules
+from kg.cli.options import Families, Json, Rules
 from kg.cli.output import json_lines, show
 from kg.cli.session import session
 from kg.errors import Exit
@@ -28,12 +28,13 @@ _FEW = 3
 Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Show every example, not only those that failed.")]
 
 
-def try_rules(
+def try_rules(  # noqa: PLR0913 - the options of a command
     context: typer.Context,
     chosen: Chosen = None,
     *,
     verbose: Verbose = False,
     rules: Rules = None,
+    rule_families: Families = None,
     json: Json = False,
 ) -> None:
     """Run the examples beside rules, and show what differs; exit code 1 when one fails.
@@ -50,7 +51,7 @@ def try_rules(
     from kg.rules.authoring.testing import parted, result_object, run_examples  # noqa: PLC0415 - start-up time
 
     begin = time.perf_counter()
-    library = Library.of(session(context).settings(rules=rules))
+    library = Library.of(session(context).settings(rules=rules, rule_families=rule_families))
     entries = choose(library, chosen or ())
     with_examples, without = parted(entries)
     results = run_examples(entries, library)

@@ -4,9 +4,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from kg.cli.diagnostics import note
+from kg.cli.diagnostics import note, report
 from kg.cli.numbers import whole
-from kg.cli.options import Json, Rules, Store
+from kg.cli.options import Families, Json, Rules, Store
 from kg.cli.output import json_lines, write
 from kg.cli.query_text import pairs, query_meant
 from kg.cli.session import session
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from pyoxigraph import Triple
 
+    from kg.errors import RuleError
     from kg.query.stored import StoredQuery
     from kg.rules.explain.proof import Proof
     from kg.rules.explain.view import View
@@ -66,6 +67,7 @@ def why(  # noqa: PLR0913 - the options of a command
     form: Form = "text",
     json: Json = False,
     rules: Rules = None,
+    rule_families: Families = None,
     store: Store = None,
 ) -> None:
     """Show why a fact holds: the rules that derive it, down to the line of code.
@@ -79,7 +81,7 @@ def why(  # noqa: PLR0913 - the options of a command
         kg why --query who-publishes --param topic=/chatter --row 2
     """
     form = _form("json" if json else form)
-    settings = session(context).settings(store=store, rules=rules)
+    settings = session(context).settings(store=store, rules=rules, rule_families=rule_families)
     with reading(settings) as snapshot:
         known, view = _known(snapshot, settings)
         if query is not None:
@@ -158,6 +160,7 @@ def why_not(  # noqa: PLR0913 - the options of a command
     ] = "3",
     json: Json = False,
     rules: Rules = None,
+    rule_families: Families = None,
     store: Store = None,
 ) -> None:
     """Show why a fact does not hold: what each rule that could derive it lacks.
@@ -171,7 +174,7 @@ def why_not(  # noqa: PLR0913 - the options of a command
     from kg.rules.explain.text import why_not_lines  # noqa: PLC0415 - start-up time
     from kg.rules.explain.why_not import why_not as explained  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(store=store, rules=rules)
+    settings = session(context).settings(store=store, rules=rules, rule_families=rule_families)
     with reading(settings) as snapshot:
         known, view = _known(snapshot, settings)
         found, held = facts(snapshot, *_three(words), prefixes=view.prefixes)
@@ -207,7 +210,10 @@ def _known(snapshot: "EmbeddedSnapshot", settings: "Settings") -> "tuple[tuple[R
     from kg.query.prefixes import PREFIXES  # noqa: PLC0415 - start-up time
     from kg.rules.explain.view import View  # noqa: PLC0415 - start-up time
 
-    rules = rules_in_force(settings)
+    broken: list[RuleError] = []  # why a fact holds does not wait until another rule is mended
+    rules = rules_in_force(settings, broken)
+    for error in broken:
+        report(error, "warning")
     prefixes = {name: iri for file in rules.files for name, iri in (file.prefixes or {}).items()} | PREFIXES
     return rules.rules, View(snapshot, explained_vocabulary(settings.base), rules.rules, prefixes=prefixes)
 
