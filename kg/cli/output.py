@@ -20,6 +20,7 @@ __all__ = [
     "Column",
     "Linked",
     "console",
+    "json_line",
     "json_lines",
     "line_width",
     "listing",
@@ -80,10 +81,15 @@ def write_bytes(data: bytes) -> None:
 
 def json_lines(records: Iterable[Any]) -> None:
     """Write one JSON object a line."""
+    for record in records:
+        sys.stdout.write(json_line(record))
+
+
+def json_line(record: Any) -> str:
+    """Return a value as a line of JSON."""
     import json  # noqa: PLC0415 - start-up time
 
-    for record in records:
-        sys.stdout.write(json.dumps(record, ensure_ascii=False, separators=(", ", ": ")) + "\n")
+    return json.dumps(record, ensure_ascii=False, separators=(", ", ": ")) + "\n"
 
 
 def console(stream: IO[str] | None = None) -> Console:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections import Counter
 from typing import TYPE_CHECKING, Final
 
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from kg.rules.authoring.library import Entry
     from kg.rules.authoring.manual import Manual
     from kg.rules.authoring.profiling import RuleProfile
+    from kg.rules.authoring.shares import Share
     from kg.rules.authoring.testing import Result
     from kg.rules.explain.view import View
     from kg.rules.files import Documentation
@@ -40,10 +42,14 @@ __all__ = [
     "here",
     "list_row",
     "manual_lines",
+    "paragraphs",
     "result_lines",
     "run_words",
+    "share_rows",
+    "work_words",
 ]
 
+_ITEM: Final = re.compile(r"(?:[-*]|\d+[.)]) ")
 COLUMNS: Final = (
     Column("rule", "name"),
     Column("title"),
@@ -85,12 +91,32 @@ def manual_lines(known: Manual) -> Iterator[RenderableType]:
     for heading, text in known.sections:
         yield Text()
         yield Text(heading, style="bold")
-        yield from (Padding(printable(line), (0, 0, 0, 2), expand=False) for line in text.splitlines())
+        yield from (Padding(printable(block), (0, 0, 0, 2), expand=False) for block in paragraphs(text))
     yield Text()
     yield _fields(known)
     yield Text()
     wide = len(str(known.lines[-1][0])) if known.lines else 1
     yield from (Text.assemble((f"{number:>{wide}} | ", "dim"), printable(line)) for number, line in known.lines)
+
+
+def paragraphs(text: str) -> Iterator[str]:
+    """Yield the paragraphs, items of lists and indented lines of a text, each as one line; empty lines between them.
+
+    A terminal folds them where it ends, whatever the width that they were written for.
+    """
+    lines: list[str] = []
+    for line in text.splitlines():
+        apart = not line.strip() or line[:1].isspace() or _ITEM.match(line)
+        continued = bool(lines) and line[:1].isspace() and bool(_ITEM.match(lines[0])) and not _ITEM.match(line.strip())
+        if lines and apart and not continued:
+            yield " ".join(lines)
+            lines = []
+        if not line.strip() or (line[:1].isspace() and not continued):
+            yield line.rstrip()
+        else:
+            lines.append(line.strip())
+    if lines:
+        yield " ".join(lines)
 
 
 def _notation(known: Manual) -> str:
@@ -261,7 +287,7 @@ def gap_words(rule: RuleCoverage) -> list[str]:
     stopped = {gap.part for gap in rule.gaps if gap.kind == "element"}
     for gap in rule.gaps:
         part = f"part {gap.part}: " if rule.rules > 1 else ""
-        line = f"line {gap.place.line}: " if gap.place.line else ""
+        line = f"{here(gap.place.path)}:{gap.place.line}: " if gap.place.line else ""
         if gap.kind == "element":
             words.append(printable(f"{part}{line}nothing passes {gap.text}"))
         elif gap.kind == "head" and gap.part not in stopped:
@@ -269,15 +295,26 @@ def gap_words(rule: RuleCoverage) -> list[str]:
     return words
 
 
-def run_words(report: RunReport, derived: int, rules: int) -> Iterator[str]:
-    """Yield what a run did, of which `derived` files of rules out of `rules` inferred something."""
-    if rules:
-        yield f"{derived:,} of {count(rules, 'rule')} derived something, in {count(report.strata, 'stratum', 'strata')}"
+def run_words(report: RunReport) -> str:
+    """Return in one line what a run did."""
     would = "would come" if report.dry_run else "came"
     going = "would go" if report.dry_run else "went"
-    yield (
+    return (
         f"{report.mode} run: {count(report.inferred, 'triple')} inferred from {report.asserted:,}; "
-        f"{report.added:,} {would}, {report.removed:,} {going}"
+        f"{report.added:,} {would}, {report.removed:,} {going}; in {report.seconds.total:.2f} s"
     )
+
+
+def share_rows(found: Iterable[Share]) -> Iterator[tuple[str, str, str]]:
+    """Yield rows of what came and went of which rules."""
+    for share in found:
+        name = " or ".join(share.rules) or "(no rule in force)"
+        yield name, f"+{share.added:,}", f"-{share.removed:,}"
+
+
+def work_words(report: RunReport, derived: int, rules: int) -> Iterator[str]:
+    """Yield how a run went, in which `derived` files of rules out of `rules` inferred something."""
+    strata = count(report.strata, "stratum", "strata")
+    yield f"{derived:,} of {count(rules, 'rule')} derived something, in {strata}" if rules else strata
     phases = report.seconds
     yield f"read in {phases.read:.2f} s, evaluated in {phases.evaluate:.2f} s, written in {phases.write:.2f} s"

@@ -50,7 +50,7 @@ class Placed:
 
 
 def arrange(items: Sequence[Item], links: Iterable[tuple[str, str]]) -> Placed:
-    """Return places for `items`; `links` lead to a later column, or back by one column and are left out of order."""
+    """Return places for `items`; `links` lead to a later column, those that lead back are left out of the order."""
     plan = _Plan(items)
     ways = {link: plan.join(*link) for link in links}
     plan.sort()

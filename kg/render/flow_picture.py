@@ -55,13 +55,22 @@ svg { background: #14191f; } .box { fill: #1f2933; stroke: #9fb3c8; } .passed { 
 
 @dataclass(frozen=True, slots=True)
 class Box:
-    """A box with its name, its group, and a sentence about it; boxes in even columns, names in odd ones."""
+    """A box with its name, its group, a sentence about it and a note beside its group.
+
+    Boxes stand in even columns, names in odd ones.
+    """
 
     key: str
     column: int
     name: str
     group: str = ""
     about: str = ""
+    note: str = ""
+
+    @property
+    def below(self) -> str:
+        """What stands below the name."""
+        return f"{self.group}, {self.note}" if self.note else self.group
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +83,7 @@ class Flow:
 
 
 def draw_flow(title: str, boxes: Sequence[Box], flows: Iterable[Flow]) -> str:
-    """Return the SVG of boxes and the lines between them, `title` above."""
+    """Return the SVG of boxes and the lines between them, `title` above; a line may lead back to an earlier column."""
     every = sorted(set(flows), key=lambda flow: (flow.source, flow.target, flow.absent))
     groups = {group: number % _COLORS for number, group in enumerate(sorted({box.group for box in boxes if box.group}))}
     placed = arrange([_item(box) for box in boxes], [(flow.source, flow.target) for flow in every])
@@ -115,7 +124,7 @@ def _item(box: Box) -> Item:
 def _wide(box: Box) -> float:
     if not box.group:
         return int(width(_short(box.name)) * 7.3) + 24
-    return int(max(width(_short(box.name)) * _CHARACTER, width(_short(box.group)) * _SMALL)) + 34
+    return int(max(width(_short(box.name)) * _CHARACTER, width(_short(box.below)) * _SMALL)) + 34
 
 
 def _draw_box(box: Box, where: tuple[float, float], groups: Mapping[str, int]) -> Iterable[str]:
@@ -130,7 +139,7 @@ def _draw_box(box: Box, where: tuple[float, float], groups: Mapping[str, int]) -
     yield f'<rect class="box" x="{x:g}" y="{top:g}" width="{wide:g}" height="{_BOX_HIGH}" rx="5"/>'
     yield f'<rect class="mark g{groups[box.group]}" x="{x:g}" y="{top:g}" width="8" height="{_BOX_HIGH}" rx="3"/>'
     yield _label("name", x + 18, y - 2, box.name)
-    yield _label("sub", x + 18, y + 14, box.group) + "</g>"
+    yield _label("sub", x + 18, y + 14, box.below) + "</g>"
 
 
 def _draw_flow(flow: Flow, boxes: Mapping[str, Box], placed: Placed) -> Iterable[str]:

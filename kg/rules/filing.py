@@ -75,7 +75,8 @@ def run_files(
     seconds = Seconds(read - begin, evaluated - read, time.perf_counter() - evaluated)
     change = Difference(dictionary, inferred, Facts())
     size = len(inferred)
-    return RunReport(len(asserted), size, size, 0, seconds, len(program.strata), "full", tuple(found.reports), change)
+    reports = tuple(found.reports)
+    return RunReport(len(asserted), size, size, 0, seconds, program.levels, "full", reports, change, program.rules)
 
 
 def _rows(file: Path, dictionary: Dictionary) -> NDArray[np.int64]:

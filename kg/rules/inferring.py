@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from kg.rules.columns import Tables, Wanted
     from kg.rules.engine.evaluate import Limits, RuleReport
     from kg.rules.files import RuleSet
+    from kg.rules.form import Rule
     from kg.rules.recording import Names
     from kg.store.changes import Changes
 
@@ -68,9 +69,14 @@ class Reasoner:
         self._maintained: Maintained | None = None
 
     @property
+    def rules(self) -> tuple[Rule, ...]:
+        """The rules taken."""
+        return self._program.rules
+
+    @property
     def strata(self) -> int:
         """How many strata the rules have."""
-        return len(self._program.strata)
+        return self._program.levels
 
     def take(self, rule_set: RuleSet) -> None:
         """Take the rules, and what a run of the same ones left; KG202, KG203 for rules that cannot run."""

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from kg.rules.engine.evaluate import RuleReport
     from kg.rules.engine.facts import Facts
     from kg.rules.engine.terms import Dictionary
+    from kg.rules.form import Rule
 
 __all__ = ["Difference", "RunReport", "Seconds"]
 
@@ -53,7 +54,8 @@ class Difference:
 class RunReport:
     """What a run did; `asserted` counts the triples that rules may read, `inferred` what the graph holds then.
 
-    `mode` is `full` or `incremental`; only a full run tells what each rule did. `generation` is the one that the run
+    `mode` is `full` or `incremental`; only a full run tells what each rule did. `applied` are the rules, cut to the
+    schema, `strata` is how many levels they have. `generation` is the one that the run
     made: None when it changed nothing, was a dry run, or is part of a transaction that goes on.
     """
 
@@ -66,5 +68,6 @@ class RunReport:
     mode: str
     rules: tuple[RuleReport, ...]
     change: Difference
+    applied: tuple[Rule, ...] = ()
     generation: int | None = None
     dry_run: bool = False

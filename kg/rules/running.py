@@ -89,7 +89,7 @@ class Runner:
         if dry_run:
             outcome, _ = self._infer(store, rule_set, limits, incremental=incremental)
             self._reasoner.forget()
-            return replace(_report(outcome, self._reasoner.strata), dry_run=True)
+            return replace(_report(outcome, self._reasoner), dry_run=True)
         with store.write(command) as transaction:
             outcome, base = self._infer(store, rule_set, limits, incremental=incremental)
             report = self._write(transaction, outcome)
@@ -139,7 +139,7 @@ class Runner:
     def _write(self, transaction: EmbeddedTransaction, outcome: Outcome) -> RunReport:
         """Write the difference, and the record of the run when there is any."""
         begin = time.perf_counter()
-        report = _report(outcome, self._reasoner.strata)
+        report = _report(outcome, self._reasoner)
         if report.added or report.removed:
             self._write_difference(transaction, outcome, report)
             self._record(transaction, outcome)
@@ -175,7 +175,7 @@ def _started(outcome: Outcome, ended: datetime) -> datetime:
     return datetime.fromtimestamp(ended.timestamp() - outcome.read - outcome.evaluate, UTC)
 
 
-def _report(outcome: Outcome, strata: int) -> RunReport:
+def _report(outcome: Outcome, reasoner: Reasoner) -> RunReport:
     change = Difference(outcome.dictionary, lacking(outcome.then, outcome.now), lacking(outcome.now, outcome.then))
     return RunReport(
         asserted=len(outcome.asserted),
@@ -183,8 +183,9 @@ def _report(outcome: Outcome, strata: int) -> RunReport:
         added=len(change.added),
         removed=len(change.removed),
         seconds=Seconds(outcome.read, outcome.evaluate),
-        strata=strata,
+        strata=reasoner.strata,
         mode=outcome.mode,
         rules=outcome.reports,
         change=change,
+        applied=reasoner.rules,
     )

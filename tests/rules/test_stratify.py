@@ -108,3 +108,13 @@ def test_a_long_cycle_is_told_by_its_first_rules() -> None:
     with pytest.raises(RuleError) as caught:
         stratify([*chain, minting, rule("?x ?q ?y", "?p :sub ?q", "?x ?p ?y", name="t/any")])
     assert "rule_families" in (caught.value.hint or "")
+
+
+def test_levels_rise_over_negation_alone() -> None:
+    """Rules that read share a level with what they read; those that negate or count stand one above."""
+    base = rule("?x :q ?x", "?x :given ?x", name="t/base")
+    reader = rule("?x :r ?x", "?x :q ?x", name="t/reader")
+    denier = rule("?x :s ?x", "?x :given ?x", NOT_Q, name="t/denier")
+    after = rule("?x :t ?x", "?x :s ?x", name="t/after")
+    found = {stratum.rules[0].name: stratum.level for stratum in stratify([after, denier, reader, base])}
+    assert found == {"t/base": 1, "t/reader": 1, "t/denier": 2, "t/after": 2}

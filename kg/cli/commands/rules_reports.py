@@ -8,8 +8,8 @@ import typer
 
 from kg.cli.commands.rules import Chosen
 from kg.cli.diagnostics import note, say
-from kg.cli.options import Json, Rules, Store, Timeout
-from kg.cli.output import Column, json_lines, listing, show, terminal
+from kg.cli.options import Families, Json, Rules, Store, Timeout
+from kg.cli.output import Column, json_line, json_lines, listing, show, terminal
 from kg.cli.session import session
 from kg.errors import UsageError
 from kg.query.similar import did_you_mean
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 __all__ = ["coverage", "graph", "profile"]
 
 _FORMATS: Final = ("svg", "mermaid", "json")
+_ENDINGS: Final = {".svg": "svg", ".mmd": "mermaid", ".mermaid": "mermaid", ".json": "json", ".jsonl": "json"}
 _PROFILE: Final = (
     Column("rule", "name"),
     Column("seconds", "number"),
@@ -44,12 +45,13 @@ def graph(  # noqa: PLR0913 - the options of a command
     output: Output = None,
     form: Form = None,
     rules: Rules = None,
+    rule_families: Families = None,
     json: Json = False,
 ) -> None:
     """Draw which rules feed which, as SVG, Mermaid or JSON.
 
-    Rules stand behind all that they read; a dashed line with a bar leads to a rule that asks for what is absent, or
-    counts. For example:
+    Rules stand behind what they read, each with its stratum; a dashed line with a bar leads to a rule that asks for
+    what is absent, or counts. Named rules are drawn with those that feed them and those that they feed. For example:
 
         kg rules graph -o rules.svg
         kg rules graph communication --format mermaid
@@ -60,31 +62,39 @@ def graph(  # noqa: PLR0913 - the options of a command
     from kg.rules.authoring.naming import choose  # noqa: PLC0415 - start-up time
 
     form = _form("json" if json else form, output)
-    library = Library.of(session(context).settings(rules=rules))
+    library = Library.of(session(context).settings(rules=rules, rule_families=rule_families))
     entries = choose(library, chosen or ())
-    files, errors = library.read_all(entries)
-    for error in errors:
-        raise error
-    found = rule_graph(files, ontology_schema())
+    found = rule_graph(library.with_those_in_force(entries), ontology_schema())
+    if chosen:
+        found = found.around({entry.name for entry in entries})
     if form == "json":
-        json_lines(graph_objects(found))
-        return
-    title = f"Rules: {', '.join(chosen)}" if chosen else "Rules"
-    text = mermaid(found) if form == "mermaid" else graph_picture(found, title)
+        text = "".join(json_line(each) for each in graph_objects(found))
+    elif form == "mermaid":
+        text = mermaid(found)
+    else:
+        text = graph_picture(found, f"Rules: {', '.join(chosen)}" if chosen else "Rules")
     if output and output != "-":
-        try:
-            Path(output).write_text(text, encoding="utf-8")
-        except OSError as error:
-            raise UsageError(
-                "KG003", f"{output} cannot be written: {error.strerror}", hint="Check the path."
-            ) from error
-        say(f"wrote {output}: {count(len(entries), 'rule')}")
+        _write(output, text)
+        say(f"wrote {output}: {count(len(found.rules), 'rule')}")
     else:
         sys.stdout.write(text)
 
 
+def _write(output: str, text: str) -> None:
+    try:
+        Path(output).write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise UsageError("KG003", f"{output} cannot be written: {error.strerror}", hint="Check the path.") from error
+
+
 def _form(form: str | None, output: str | None) -> str:
-    form = form or ("mermaid" if str(output).endswith((".mmd", ".mermaid")) else "svg")
+    """Return the format that is asked for, or that the ending of the file names; SVG without either."""
+    if form is None:
+        ending = Path(output or "").suffix
+        if ending and ending not in _ENDINGS:
+            hint = f"Write to {', '.join(f'*{known}' for known in _ENDINGS)}, or name one of them with --format."
+            raise UsageError("KG003", f"the graph of rules cannot be drawn as `{ending}`", hint=hint)
+        return _ENDINGS.get(ending, "svg")
     if form not in _FORMATS:
         hint = did_you_mean(form, _FORMATS) or f"One of {', '.join(_FORMATS)}."
         raise UsageError("KG003", f"`{form}` is no format of the graph of rules", hint=hint)
@@ -96,6 +106,7 @@ def profile(  # noqa: PLR0913 - the options of a command
     chosen: Chosen = None,
     *,
     rules: Rules = None,
+    rule_families: Families = None,
     timeout: Timeout = None,
     json: Json = False,
     store: Store = None,
@@ -112,7 +123,8 @@ def profile(  # noqa: PLR0913 - the options of a command
     from kg.rules.authoring.profiling import profile as profiled  # noqa: PLC0415 - start-up time
     from kg.rules.authoring.profiling import profile_objects  # noqa: PLC0415 - start-up time
 
-    with attempt(session(context).settings(store=store, rules=rules, timeout=timeout), chosen or ()) as trial:
+    settings = session(context).settings(store=store, rules=rules, rule_families=rule_families, timeout=timeout)
+    with attempt(settings, chosen or ()) as trial:
         found = profiled(trial.bench, trial.files, [file.name for file in trial.chosen], trial.limits)
     if json:
         json_lines(profile_objects(found))
@@ -151,6 +163,7 @@ def coverage(  # noqa: PLR0913 - the options of a command
     chosen: Chosen = None,
     *,
     rules: Rules = None,
+    rule_families: Families = None,
     timeout: Timeout = None,
     json: Json = False,
     store: Store = None,
@@ -166,7 +179,8 @@ def coverage(  # noqa: PLR0913 - the options of a command
     from kg.pipeline.authoring import attempt  # noqa: PLC0415 - start-up time
     from kg.rules.authoring.coverage import cover, coverage_objects  # noqa: PLC0415 - start-up time
 
-    with attempt(session(context).settings(store=store, rules=rules, timeout=timeout), chosen or ()) as trial:
+    settings = session(context).settings(store=store, rules=rules, rule_families=rule_families, timeout=timeout)
+    with attempt(settings, chosen or ()) as trial:
         found = cover(trial.bench, trial.files, trial.chosen, trial.limits)
     if json:
         json_lines(coverage_objects(found))

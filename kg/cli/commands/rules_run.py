@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["limits_of", "run"]
 
+_CHANGES: Final = (Column("rule", "name"), Column("came", "number"), Column("went", "number"))
 _COLUMNS: Final = (
     Column("rule", "name"),
     Column("derived", "number"),
@@ -41,6 +42,9 @@ DryRun = Annotated[bool, typer.Option("--dry-run", help="Write nothing.")]
 Remote = Annotated[str | None, typer.Option("--remote", metavar="URL", help="Run on this SPARQL 1.1 server.")]
 UpdateUrl = Annotated[
     str | None, typer.Option("--update-url", metavar="URL", help="Where that server takes updates, if elsewhere.")
+]
+Verbose = Annotated[
+    bool, typer.Option("--all", "--verbose", "-v", help="Show what every rule did, and how long each step took.")
 ]
 Data = Annotated[
     list[str] | None, typer.Option("--data", metavar="FILE", help="Infer from N-Triples instead; as often as needed.")
@@ -64,13 +68,15 @@ def run(  # noqa: PLR0913 - the options of a command
     rules: Rules = None,
     rule_families: Families = None,
     timeout: Timeout = None,
+    verbose: Verbose = False,
     json: Json = False,
     store: Store = None,
 ) -> None:
     """Run the rules in force, and write what they infer into the store.
 
     Only what follows from changes since the last run is evaluated, where that is less work. A run that is
-    interrupted, or reaches a limit, leaves the store as it was. For example:
+    interrupted, or reaches a limit, leaves the store as it was. It says of which rules triples came and went; of
+    several where their heads are alike. For example:
 
         kg rules run
         kg rules run --dry-run
@@ -93,7 +99,7 @@ def run(  # noqa: PLR0913 - the options of a command
     if remote:
         _show_remote(answer, json=json)
     else:
-        _show(report, json=json)
+        _show(report, verbose=verbose, json=json)
 
 
 def limits_of(settings: "Settings", max_triples: str | None = None) -> "Limits":
@@ -125,32 +131,46 @@ def _agree(
         raise UsageError("KG003", problem, hint="See `kg rules run --help`.")
 
 
-def _show(report: "RunReport", *, json: bool) -> None:
-    from kg.cli.rules_view import run_words  # noqa: PLC0415 - start-up time
-    from kg.rules.authoring.runs import rule_runs, run_objects  # noqa: PLC0415 - start-up time
+def _show(report: "RunReport", *, verbose: bool, json: bool) -> None:
+    from kg.cli.rules_view import run_words, share_rows  # noqa: PLC0415 - start-up time
+    from kg.rules.authoring.runs import run_objects  # noqa: PLC0415 - start-up time
+    from kg.rules.authoring.shares import shares  # noqa: PLC0415 - start-up time
 
+    changes = shares(report)
     if json:
-        json_lines(run_objects(report))
+        json_lines(run_objects(report, changes))
         return
-    did = rule_runs(report.rules)
-    rows = [(rule.name, rule.derived, f"{rule.seconds:.4f}", rule.rounds, rule.stratum) for rule in did if rule.derived]
-    if rows:
-        listing(_COLUMNS, rows)
-    for line in run_words(report, len(rows), len(did)):
-        say(line)
+    say(run_words(report))
+    if changes:
+        listing(_CHANGES, share_rows(changes))
+    if verbose:
+        _show_work(report)
     if terminal() and not report.dry_run and report.generation is not None:
         note("`kg why` explains a fact; `kg rules profile` shows what each rule costs")
 
 
+def _show_work(report: "RunReport") -> None:
+    from kg.cli.rules_view import work_words  # noqa: PLC0415 - start-up time
+    from kg.rules.authoring.runs import rule_runs  # noqa: PLC0415 - start-up time
+
+    did = rule_runs(report.rules)
+    if did:
+        listing(_COLUMNS, [(rule.name, rule.derived, f"{rule.seconds:.4f}", rule.rounds, rule.stratum) for rule in did])
+    else:
+        note("an incremental run does not evaluate rule by rule; --full does")
+    for line in work_words(report, sum(rule.derived > 0 for rule in did), len(did)):
+        say(line)
+
+
 def _show_remote(report: "RemoteReport", *, json: bool) -> None:
-    from kg.rules.authoring.runs import remote_objects  # noqa: PLC0415 - start-up time
+    from kg.rules.authoring.runs import remote_objects, remote_strata  # noqa: PLC0415 - start-up time
 
     if json:
         json_lines(remote_objects(report))
         return
     rows = [
         (one.number, one.derived, one.rounds, f"{one.seconds:.3f}", ", ".join(dict.fromkeys(one.rules)))
-        for one in report.strata
+        for one in remote_strata(report)
         if one.derived
     ]
     listing(_REMOTE_COLUMNS, rows)

@@ -8,7 +8,7 @@ import typer
 
 from kg.cli.commands.rules import Chosen
 from kg.cli.diagnostics import colored, render, report, say
-from kg.cli.options import Rules, Store
+from kg.cli.options import Families, Rules, Store
 from kg.cli.output import show, terminal, write
 from kg.cli.session import session
 from kg.errors import RuleError
@@ -19,12 +19,20 @@ if TYPE_CHECKING:
 
 __all__ = ["watch"]
 
-_CLEAR: Final = "\x1b[2J\x1b[3J\x1b[H"
+_CLEAR: Final = "\x1b[2J\x1b[H"
+"""Clears the screen; what was scrolled out of it stays."""
 _CHANGES: Final = 20
 """How many triples of a difference are shown."""
 
 
-def watch(context: typer.Context, chosen: Chosen = None, *, rules: Rules = None, store: Store = None) -> None:
+def watch(
+    context: typer.Context,
+    chosen: Chosen = None,
+    *,
+    rules: Rules = None,
+    rule_families: Families = None,
+    store: Store = None,
+) -> None:
     """Check and test rules whenever they are saved, and show what they would change in the store.
 
     Rules and their examples are looked at five times a second; without a store there is nothing to compare with.
@@ -35,7 +43,7 @@ def watch(context: typer.Context, chosen: Chosen = None, *, rules: Rules = None,
     """
     from kg.pipeline.watching import glances  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(store=store, rules=rules)
+    settings = session(context).settings(store=store, rules=rules, rule_families=rule_families)
     try:
         for glance in glances(settings, chosen or ()):
             _show(glance)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from graphlib import TopologicalSorter
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
@@ -18,7 +18,7 @@ from kg.rules.specialise import specialise
 from kg.rules.stratify import edges, stratify
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
     from pyoxigraph import Triple
 
@@ -35,9 +35,8 @@ _ANY_CLASS: Final = "any class"
 
 @dataclass(frozen=True, slots=True)
 class RuleNode:
-    """The rules of one file that stand in one column: the strata in which they run, and whether one feeds itself."""
+    """The rules of one file: the strata in which they run, and whether one feeds itself."""
 
-    key: str
     name: str
     title: str
     column: int
@@ -60,7 +59,8 @@ class RuleNode:
 class RuleGraph:
     """Rules, who derives a term that others read, and who reads it; True where its absence or number is asked for.
 
-    `terms` have a column too: rules stand in even ones, terms in odd ones, behind all that they depend on.
+    `terms` have a column too: rules stand in even ones, terms in odd ones. Terms stand behind what derives them, a rule
+    behind what it reads; one that is several, cut to a schema, stands where the first of them does.
     """
 
     rules: tuple[RuleNode, ...]
@@ -70,17 +70,31 @@ class RuleGraph:
 
     def fed_by(self, name: str) -> list[str]:
         """Return the other rules that derive what a rule reads."""
-        terms = {term for term, key in self.reads if self._names[key] == name}
-        return sorted({self._names[key] for key, term in self.derives if term in terms} - {name})
+        terms = {term for term, reader in self.reads if reader == name}
+        return sorted({writer for writer, term in self.derives if term in terms} - {name})
 
     def feeds(self, name: str) -> list[str]:
         """Return the other rules that read what a rule derives."""
-        terms = {term for key, term in self.derives if self._names[key] == name}
-        return sorted({self._names[key] for term, key in self.reads if term in terms} - {name})
+        terms = {term for writer, term in self.derives if writer == name}
+        return sorted({reader for term, reader in self.reads if term in terms} - {name})
 
-    @property
-    def _names(self) -> dict[str, str]:
-        return {node.key: node.name for node in self.rules}
+    def around(self, names: Collection[str]) -> RuleGraph:
+        """Return these rules with those that feed them and those that they feed, and what passes between them."""
+        read = {term for term, reader in self.reads if reader in names}
+        derived = {term for writer, term in self.derives if writer in names}
+        derives = {pair: None for pair in self.derives if pair[0] in names or pair[1] in read}
+        reads = {pair: absent for pair, absent in self.reads.items() if pair[1] in names or pair[0] in derived}
+        kept = {*names, *(writer for writer, _ in derives), *(reader for _, reader in reads)}
+        rules = [node for node in self.rules if node.name in kept]
+        terms = {term: self.terms[term] for term in self.terms if term in read | derived}
+        pairs = sorted({column // 2 for column in (*terms.values(), *(node.column for node in rules))})
+        place = {pair: rank for rank, pair in enumerate(pairs)}
+        return RuleGraph(
+            tuple(replace(node, column=2 * place[node.column // 2]) for node in rules),
+            {term: 2 * place[column // 2] + 1 for term, column in terms.items()},
+            derives,
+            reads,
+        )
 
 
 _Before: TypeAlias = "Mapping[int | str, set[int | str]]"
@@ -109,12 +123,11 @@ def rule_graph(files: Sequence[RuleFile], schema: Iterable[Triple] = ()) -> Rule
     for term, number in readers:
         before[number].add(term)
     columns = _columns(before)
-    keys = [f"{rule.name}@{columns[number]}" for number, rule in enumerate(rules)]
     return RuleGraph(
-        _nodes(files, rules, keys, columns),
+        _nodes(files, rules, columns),
         {term: columns[term] for term in sorted(term for term in columns if isinstance(term, str))},
-        {(keys[writer], term): None for writer, term in derives},
-        _merged(readers, keys),
+        {(rules[writer].name, term): None for writer, term in derives},
+        _merged(readers, rules),
     )
 
 
@@ -127,29 +140,29 @@ def _prefixes(files: Sequence[RuleFile]) -> dict[str, str]:
     return {**{name: next(iter(iris)) for name, iris in meant.items() if len(iris) == 1}, **PREFIXES}
 
 
-def _merged(readers: Mapping[tuple[str, int], bool], keys: Sequence[str]) -> dict[tuple[str, str], bool]:
+def _merged(readers: Mapping[tuple[str, int], bool], rules: Sequence[Rule]) -> dict[tuple[str, str], bool]:
     found: dict[tuple[str, str], bool] = {}
     for (term, number), negated in readers.items():
-        found[term, keys[number]] = found.get((term, keys[number]), False) or negated
+        name = rules[number].name
+        found[term, name] = found.get((term, name), False) or negated
     return found
 
 
-def _nodes(
-    files: Sequence[RuleFile], rules: Sequence[Rule], keys: Sequence[str], columns: Mapping[int | str, int]
-) -> tuple[RuleNode, ...]:
+def _nodes(files: Sequence[RuleFile], rules: Sequence[Rule], columns: Mapping[int | str, int]) -> tuple[RuleNode, ...]:
+    """Return a node for each file; it stands where the first of its rules does."""
     titles = {file.name: file.documentation.title for file in files}
     where = {id(rule): stratum for stratum in stratify(rules) for rule in stratum.rules}
     members: dict[str, list[int]] = defaultdict(list)
-    for number, key in enumerate(keys):
-        members[key].append(number)
+    for number, rule in enumerate(rules):
+        members[rule.name].append(number)
     nodes = []
-    for key, numbers in members.items():
+    for name, numbers in members.items():
         strata = [where[id(rules[number])] for number in numbers]
-        name = rules[numbers[0]].name
-        ran = tuple(sorted({stratum.number for stratum in strata}))
+        ran = tuple(sorted({stratum.level for stratum in strata}))
         recursive = any(stratum.recursive for stratum in strata)
-        nodes.append(RuleNode(key, name, titles[name], columns[numbers[0]], ran, recursive))
-    return tuple(sorted(nodes, key=lambda node: (node.name, node.column)))
+        column = min(columns[number] for number in numbers)
+        nodes.append(RuleNode(name, titles[name], column, ran, recursive))
+    return tuple(sorted(nodes, key=lambda node: node.name))
 
 
 def _joined(writer: Rule, reader: Rule) -> Iterator[tuple[Atom, Read]]:
@@ -185,7 +198,8 @@ def spell_atom(atom: Atom, prefixes: Mapping[str, str] = PREFIXES) -> str:
 def graph_picture(graph: RuleGraph, title: str) -> str:
     """Return the graph as SVG."""
     boxes = [
-        Box(node.key, node.column, node.name.rpartition("/")[2], node.family, _about(node)) for node in graph.rules
+        Box(node.name, node.column, node.name.rpartition("/")[2], node.family, _about(node), node.when)
+        for node in graph.rules
     ]
     boxes += [Box(f"={term}", column, term) for term, column in graph.terms.items()]
     flows = [Flow(key, f"={term}") for key, term in graph.derives]
@@ -242,12 +256,13 @@ def _reached(start: int | str, before: _Before) -> set[int | str]:
 
 def mermaid(graph: RuleGraph) -> str:
     """Return the graph as a Mermaid flowchart."""
-    keys = {node.key: f"r{number}" for number, node in enumerate(graph.rules)}
+    keys = {node.name: f"r{number}" for number, node in enumerate(graph.rules)}
     terms = {name: f"t{number}" for number, name in enumerate(graph.terms)}
     lines = ["flowchart LR"]
     for number, family in enumerate(sorted({node.family for node in graph.rules})):
         lines.append(f'  subgraph f{number} ["{_quoted(family)}"]')
-        lines += [f'    {keys[node.key]}["{_quoted(node.name)}"]' for node in graph.rules if node.family == family]
+        members = (node for node in graph.rules if node.family == family)
+        lines += [f'    {keys[node.name]}["{_quoted(node.name)}<br/>{node.when}"]' for node in members]
         lines.append("  end")
     lines += [f'  {key}(["{_quoted(name)}"])' for name, key in terms.items()]
     lines += [f"  {keys[rule]} --> {terms[term]}" for rule, term in sorted(graph.derives)]
@@ -264,23 +279,19 @@ def _quoted(text: str) -> str:
 
 def graph_objects(graph: RuleGraph) -> Iterator[dict[str, Any]]:
     """Yield a plain object for each rule: what it derives for others, and which rules it reads through which term."""
-    names = {node.key: node.name for node in graph.rules}
     writers: dict[str, set[str]] = defaultdict(set)
-    for key, term in graph.derives:
-        writers[term].add(names[key])
-    for name in dict.fromkeys(names.values()):
-        nodes = [node for node in graph.rules if node.name == name]
-        read: dict[str, bool] = {}
-        for (term, key), absent in sorted(graph.reads.items()):
-            if names[key] == name:
-                read[term] = read.get(term, False) or absent
+    for name, term in graph.derives:
+        writers[term].add(name)
+    for node in graph.rules:
         yield {
-            "rule": name,
-            "title": nodes[0].title,
-            "strata": sorted({number for node in nodes for number in node.strata}),
-            "recursive": any(node.recursive for node in nodes),
-            "derives": sorted({term for key, term in graph.derives if names[key] == name}),
+            "rule": node.name,
+            "title": node.title,
+            "strata": list(node.strata),
+            "recursive": node.recursive,
+            "derives": sorted(term for name, term in graph.derives if name == node.name),
             "reads": [
-                {"term": term, "negated": absent, "rules": sorted(writers[term])} for term, absent in read.items()
+                {"term": term, "negated": absent, "rules": sorted(writers[term])}
+                for (term, name), absent in sorted(graph.reads.items())
+                if name == node.name
             ],
         }

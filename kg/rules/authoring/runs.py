@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from kg.rules.authoring.graph import is_inner
@@ -10,11 +10,12 @@ from kg.rules.authoring.graph import is_inner
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
+    from kg.rules.authoring.shares import Share
     from kg.rules.engine.evaluate import RuleReport
-    from kg.rules.remote.running import RemoteReport
+    from kg.rules.remote.running import RemoteReport, StratumReport
     from kg.rules.reports import RunReport
 
-__all__ = ["RuleRun", "remote_objects", "rule_runs", "run_objects"]
+__all__ = ["RuleRun", "remote_objects", "remote_strata", "rule_runs", "run_objects"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,8 +46,8 @@ def rule_runs(reports: Iterable[RuleReport]) -> list[RuleRun]:
     return list(found.values())
 
 
-def run_objects(report: RunReport) -> Iterator[dict[str, Any]]:
-    """Yield a plain object for each rule and one for the run, as docs/formats.md has them."""
+def run_objects(report: RunReport, changes: Iterable[Share] = ()) -> Iterator[dict[str, Any]]:
+    """Yield a plain object for each rule and one for the run with its `changes`, as docs/formats.md has them."""
     for rule in rule_runs(report.rules):
         yield {
             "rule": rule.name,
@@ -65,6 +66,7 @@ def run_objects(report: RunReport) -> Iterator[dict[str, Any]]:
         "mode": report.mode,
         "added": report.added,
         "removed": report.removed,
+        "changes": [{"rules": list(share.rules), "added": share.added, "removed": share.removed} for share in changes],
         "dry_run": report.dry_run,
         "phases": {
             "read": round(phases.read, 6),
@@ -74,9 +76,29 @@ def run_objects(report: RunReport) -> Iterator[dict[str, Any]]:
     }
 
 
+def remote_strata(report: RemoteReport) -> list[StratumReport]:
+    """Return what came of each stratum of a run on a server: of all its rules, whichever ran together."""
+    found: dict[int, StratumReport] = {}
+    for part in report.strata:
+        before = found.get(part.number)
+        found[part.number] = part if before is None else _joined(before, part)
+    return [found[number] for number in sorted(found)]
+
+
+def _joined(one: StratumReport, other: StratumReport) -> StratumReport:
+    return replace(
+        one,
+        rules=tuple(dict.fromkeys((*one.rules, *other.rules))),
+        rounds=max(one.rounds, other.rounds),
+        derived=one.derived + other.derived,
+        seconds=one.seconds + other.seconds,
+    )
+
+
 def remote_objects(report: RemoteReport) -> Iterator[dict[str, Any]]:
     """Yield a plain object for each stratum of a run on a server and one for the run."""
-    for stratum in report.strata:
+    strata = remote_strata(report)
+    for stratum in strata:
         yield {
             "rules": sorted(set(stratum.rules)),
             "stratum": stratum.number,
@@ -88,6 +110,6 @@ def remote_objects(report: RemoteReport) -> Iterator[dict[str, Any]]:
         "run": True,
         "inferred": report.inferred,
         "seconds": round(report.seconds, 6),
-        "strata": len(report.strata),
+        "strata": len(strata),
         "mode": "full",
     }

@@ -38,7 +38,7 @@ __all__ = ["Limits", "Outcome", "Program", "RuleReport", "evaluate"]
 
 @dataclass(slots=True)
 class RuleReport:
-    """What a rule did: `derived` counts the triples that it was the first to derive."""
+    """What a rule did: `stratum` is its level, `derived` counts the triples that it was the first to derive."""
 
     rule: Rule
     stratum: int
@@ -65,6 +65,11 @@ class Program:
         self.rules = tuple(rules)
         self.strata: list[Stratum] = stratify(self.rules, bounded=True)
         self._bound: WeakKeyDictionary[Dictionary, _Bound] = WeakKeyDictionary()
+
+    @property
+    def levels(self) -> int:
+        """How many levels there are, each above what it negates and counts."""
+        return max((stratum.level for stratum in self.strata), default=0)
 
     def refuse_minting(self) -> None:
         """Raise `RuleError` KG204 when a rule makes terms from what it derives itself."""
@@ -146,7 +151,7 @@ class _Run:
         self._merge(delta)
 
     def _active(self, rule: Rule, stratum: Stratum) -> _Active:
-        report = RuleReport(rule, stratum.number, matched=(0,) * len(rule.body))
+        report = RuleReport(rule, stratum.level, matched=(0,) * len(rule.body))
         plan = self._plans[rule]
         pivots = _pivots(plan, stratum.rules, self._shop.dictionary) if stratum.recursive else ()
         return _Active(plan, report, tuple(pivots))

@@ -33,7 +33,10 @@ __all__ = ["RemoteReport", "StratumReport", "run"]
 
 @dataclass(frozen=True, slots=True)
 class StratumReport:
-    """What came of one stratum: the names of its rules, its rounds, the triples it added, auxiliary ones too."""
+    """What came of rules of a stratum that run together: their names, rounds, the triples they added.
+
+    `derived` counts auxiliary triples too; `number` is that of the stratum, which may have several such groups.
+    """
 
     number: int
     rules: tuple[str, ...]
@@ -128,7 +131,7 @@ class _Run:
             added = self._round(updates, channels, rounds)
             derived += added
         names = tuple(map(str, stratum.rules))
-        return StratumReport(stratum.number, names, rounds, derived, time.monotonic() - began)
+        return StratumReport(stratum.level, names, rounds, derived, time.monotonic() - began)
 
     def _round(self, updates: dict[str, str], channels: Sequence[Channel], number: int) -> int:
         """Apply rules and return how many triples are new; those are the delta now."""
