@@ -1,4 +1,4 @@
-"""What a build would read again, found out without reading it, fetching it or waiting for a writer."""
+"""What a build would read again, and whether rules changed: found out without reading, fetching or waiting."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from kg.corpus.sources import is_address
 from kg.errors import SourceError
+from kg.pipeline.inferring import digest, last_digest
 from kg.pipeline.plan import make_plan, version
 from kg.pipeline.recording import RecordingWorkspace
 from kg.pipeline.report import Silent
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.layout import Layout
 
-__all__ = ["pending"]
+__all__ = ["pending", "rules_changed"]
 
 
 def pending(layout: Layout, settings: Settings) -> dict[str, tuple[str, ...] | None]:
@@ -39,6 +40,15 @@ def pending(layout: Layout, settings: Settings) -> dict[str, tuple[str, ...] | N
         name = source.repository.name
         found[name] = tuple(package.name for one, package in plan.read if one.repository.name == name)
     return found
+
+
+def rules_changed(layout: Layout, settings: Settings) -> bool:
+    """Tell whether the rules in force are not those that ran last; False where none ran.
+
+    Raises as `kg.pipeline.inferring.digest`.
+    """
+    last = last_digest(layout.cache)
+    return last is not None and last != digest(settings)
 
 
 def _roots(state: State, layout: Layout) -> list[str]:

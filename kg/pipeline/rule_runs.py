@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING
 
 from pyoxigraph import RdfFormat, parse
 
-from kg.errors import Place, SourceError
+from kg.errors import Place, SourceError, UsageError
 from kg.graph.vocabulary import RNKG
+from kg.pipeline.inferring import digest, note_digest
 from kg.pipeline.reasoning import rules_in_force, rules_over, schema_of
 from kg.rules.recording import Names
 from kg.rules.remote.running import run as run_remotely
@@ -39,10 +41,13 @@ def run_on_store(
         RuleError: KG2xx for rules that cannot be read or run, KG205 at a limit; the store is as it was.
         StoreError: KG301 without a store, KG302 while another process writes.
     """
-    store = existing(settings)
+    store, mark = existing(settings), digest(settings)
     with store.read() as snapshot:
         rules = rules_over(settings, snapshot)
-    return run(store, rules, Names.of(settings.base, RNKG), limits=limits, incremental=not full, dry_run=dry_run)
+    report = run(store, rules, Names.of(settings.base, RNKG), limits=limits, incremental=not full, dry_run=dry_run)
+    if not dry_run:
+        note_digest(store.layout.cache, mark)
+    return report
 
 
 def run_on_server(
@@ -57,9 +62,27 @@ def run_on_server(
 def run_on_files(
     settings: Settings, files: Sequence[Path], output: Path | None, *, limits: Limits | None = None
 ) -> RunReport:
-    """Write what the rules infer from files of N-Triples to `output`, or nowhere; raises as `run_files`."""
+    """Write what the rules infer from files of N-Triples to `output`, or nowhere.
+
+    Raises as `run_files`, and UsageError KG003 before anything is inferred where `output` cannot be written.
+    """
+    if output is not None:
+        _check_output(output)
     schema = [triple for file in files for triple in _schema(file)]
     return run_files(files, output, specialised(rules_in_force(settings), schema), limits=limits)
+
+
+def _check_output(output: Path) -> None:
+    folder = output.absolute().parent
+    problem = None
+    if not os.path.isdir(folder):  # noqa: PTH112 - False for what is closed, where Path raises
+        problem = f"there is no folder {folder}"
+    elif os.path.isdir(output):  # noqa: PTH112 - the same
+        problem = "it is a folder"
+    elif not os.access(folder, os.W_OK | os.X_OK):
+        problem = f"the folder {folder} may not be written"
+    if problem:
+        raise UsageError("KG003", f"cannot be written: {problem}", place=Place(str(output)), hint="Name another file.")
 
 
 def _schema(file: Path) -> Iterator[Triple]:

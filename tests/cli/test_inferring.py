@@ -52,3 +52,14 @@ def test_a_broken_rule_is_a_warning(kg: Program, tmp_path: Path) -> None:
     run = kg("why", "<urn:x:driver>", "rnkg:publishes", "<urn:x:scan>")
     assert (run.code, "warning[KG201]" in run.err) == (0, True)
     assert kg("forget", "local/workspace").code == 1
+
+
+def test_the_status_tells_of_rules_that_changed(kg: Program, tmp_path: Path) -> None:
+    """From when a rule is written until the rules run again."""
+    kg("build", str(folder("examples") / "workspace"))
+    assert "the rules are not those" not in kg("status").err
+    (tmp_path / "rules" / "mine").mkdir(parents=True)
+    (tmp_path / "rules" / "mine" / "new.rq").write_text("CONSTRUCT { ?x <urn:p> ?y } WHERE { ?x <urn:q> ?y }")
+    assert "the rules are not those" in kg("status").err
+    assert kg("rules", "run").code == 0
+    assert "the rules are not those" not in kg("status").err

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Final
 import pytest
 from cli.rover import build
 
-from kg.errors import RuleError, SourceError
+from kg.errors import RuleError, SourceError, UsageError
+from kg.pipeline.inferring import digest, last_digest
 from kg.pipeline.rule_runs import run_on_files, run_on_store
 from kg.rules.authoring.runs import rule_runs, run_objects
 from kg.rules.engine.limits import Limits
@@ -72,3 +73,22 @@ def test_a_file_that_is_not_there_is_named(settings: Settings, tmp_path: Path) -
     with pytest.raises(SourceError, match="KG101") as caught:
         run_on_files(settings, [tmp_path / "none.nt"], None)
     assert str(caught.value.place).endswith("none.nt")
+
+
+def test_a_file_that_cannot_be_written_is_named(settings: Settings, tmp_path: Path) -> None:
+    """KG003 with the file and the reason, before anything is read."""
+    for output, reason in ((tmp_path / "no" / "x.nt", "there is no folder"), (tmp_path, "it is a folder")):
+        with pytest.raises(UsageError, match=f"KG003.*{reason}") as caught:
+            run_on_files(settings, [tmp_path / "none.nt"], output)
+        assert str(caught.value.place) == str(output)
+
+
+def test_a_run_is_remembered_by_its_rules(settings: Settings, tmp_path: Path) -> None:
+    """What changed since is told apart by the digest of the rules; a run that writes nothing leaves it."""
+    build(tmp_path / ".kg")
+    cache = tmp_path / ".kg" / "cache"
+    before = last_digest(cache)
+    run_on_store(settings, dry_run=True)
+    assert last_digest(cache) == before != digest(settings)
+    run_on_store(settings)
+    assert last_digest(cache) == digest(settings)

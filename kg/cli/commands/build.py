@@ -98,17 +98,24 @@ def _watch(given: "Settings", *, problems: bool, infer: bool, json: bool) -> Non
         say()
 
 
-def status(context: typer.Context, *, json: Json = False, store: Store = None) -> None:
+def status(
+    context: typer.Context,
+    *,
+    rules: Rules = None,
+    rule_families: Families = None,
+    json: Json = False,
+    store: Store = None,
+) -> None:
     """List the sources in the store, and what has changed since.
 
     Each with its commit, how many packages and nodes it has, how many names stayed unresolved, and how many
-    packages a build would read again.
+    packages a build would read again. It says so when rules were written, edited or removed since they ran.
     """
     from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
-    from kg.pipeline.pending import pending  # noqa: PLC0415 - start-up time
+    from kg.pipeline.pending import pending, rules_changed  # noqa: PLC0415 - start-up time
     from kg.store.embedded import EmbeddedStore  # noqa: PLC0415 - start-up time
 
-    settings = session(context).settings(store=store)
+    settings = session(context).settings(store=store, rules=rules, rule_families=rule_families)
     layout = layout_of(settings)
     with EmbeddedStore(layout).read() as snapshot:
         states, quads, generation = sources(snapshot), snapshot.count(), snapshot.generation
@@ -123,6 +130,8 @@ def status(context: typer.Context, *, json: Json = False, store: Store = None) -
     )
     rows = [_row(one, changed) for one in states]
     listing(columns, rows, objects=(_object(one, changed) for one in states) if json else None)
+    if not json and rules_changed(layout, settings):
+        note("the rules are not those that ran last, or some could not run; `kg rules run` runs them")
     if terminal() and not json:
         note(f"{count(quads, 'quad')} in generation {generation} of {layout.root}")
         if any(changed.values()):
