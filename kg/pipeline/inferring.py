@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from kg.store.embedded import EmbeddedStore
     from kg.store.transaction import EmbeddedTransaction
 
-__all__ = ["Inference", "digest", "last_digest", "note_digest"]
+__all__ = ["Inference", "add_ontologies", "digest", "last_digest", "note_digest"]
 
 _LAST: Final = "rules"
 
@@ -71,6 +71,15 @@ def _content(path: Path) -> bytes:
         return path.read_bytes()
     except OSError as error:  # told where the rule is read
         return str(error).encode()
+
+
+def add_ontologies(transaction: EmbeddedTransaction, settings: Settings) -> None:
+    """Give a store the ontologies that rules read, where it has none yet, as the first build does."""
+    from kg.graph.ontology_files import ontology_triples  # noqa: PLC0415 - only where they are missing
+
+    graph = NamedNode(Iris(settings.base).graph("ontology"))
+    if graph not in transaction.graphs():
+        transaction.load(graph, [ontology_triples()])
 
 
 class Inference:

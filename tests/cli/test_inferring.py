@@ -63,3 +63,14 @@ def test_the_status_tells_of_rules_that_changed(kg: Program, tmp_path: Path) -> 
     assert "the rules are not those" in kg("status").err
     assert kg("rules", "run").code == 0
     assert "the rules are not those" not in kg("status").err
+
+
+def test_an_import_brings_the_ontologies(kg: Program, tmp_path: Path) -> None:
+    """A store that no build has filled has them too; an ontology that is imported stays as it is."""
+    (tmp_path / "robot.ttl").write_text(DATA)
+    kg("import", "robot.ttl")
+    assert kg("query", "ASK { GRAPH <https://w3id.org/rnkg/graph/ontology> { ?c a owl:Class } }").out.strip() == "true"
+    own = ("--graph", "ontology", "--store", "own")
+    assert kg("import", "robot.ttl", *own).code == 0
+    held = "SELECT (COUNT(*) AS ?n) { GRAPH <https://w3id.org/rnkg/graph/ontology> { ?s ?p ?o } }"
+    assert kg("query", held, "--store", "own", "--format", "csv").out.split()[-1] == "4"

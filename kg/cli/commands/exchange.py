@@ -92,7 +92,8 @@ def import_files(  # noqa: PLR0913 - the options of a command
     """Add files of RDF to the store.
 
     When one of them is not valid none is added. Triples go into the graph named with --graph, by default one
-    with the name of the file; quads go where they say. Rules then infer what follows. For example:
+    with the name of the file; quads go where they say. The ontologies of kg come along where the store has none, and
+    rules then infer what follows. For example:
 
         kg import everything.nq
         kg import my-robot.ttl --graph https://example.org/my-robot
@@ -100,7 +101,7 @@ def import_files(  # noqa: PLR0913 - the options of a command
     from pyoxigraph import NamedNode  # noqa: PLC0415 - start-up time
 
     from kg.graph.iris import Iris  # noqa: PLC0415 - start-up time
-    from kg.pipeline.inferring import Inference  # noqa: PLC0415 - start-up time
+    from kg.pipeline.inferring import Inference, add_ontologies  # noqa: PLC0415 - start-up time
 
     settings = session(context).settings(store=store, base=base)
     iris = Iris(settings.base)
@@ -111,6 +112,7 @@ def import_files(  # noqa: PLR0913 - the options of a command
             for file in map(Path, files):
                 into = (_iri(settings.base, graph) if graph else None) or iris.graph(f"imported-{file.name}")
                 transaction.load_file(file, rdf_format, graph=NamedNode(into))
+            add_ontologies(transaction, settings)
             inferred = None if no_rules else inference.run(transaction)
             inference.remember(transaction.commit())
         with target.read() as snapshot:
