@@ -82,7 +82,7 @@ CODES: Final = {
     ),
     "KG216": CodeEntry(
         "duplicate or subsumed",
-        "Another rule derives everything that this one derives.",
+        "Another rule derives everything that this one derives, or it derives only what it reads.",
         "Remove one of the two.",
     ),
     "KG217": CodeEntry(

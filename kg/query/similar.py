@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["did_you_mean", "similar"]
+__all__ = ["asked", "did_you_mean", "similar"]
 
 _FEW = 3
 _ALIKE = 0.6
@@ -30,8 +30,13 @@ def similar(name: str, known: Iterable[str], limit: int = _FEW) -> list[str]:
 
 def did_you_mean(name: str, known: Iterable[str]) -> str | None:
     """Return the question to put behind an error about an unknown `name`; None when nothing is alike."""
-    found = similar(name, known)
+    return asked(similar(name, known))
+
+
+def asked(names: Iterable[str]) -> str | None:
+    """Return the question whether one of some names was meant, in their order; None when there are none."""
+    found = [f"`{name}`" for name in names]
     if not found:
         return None
-    *others, last = (f"`{candidate}`" for candidate in found)
+    *others, last = found
     return f"Did you mean {', '.join(others)} or {last}?" if others else f"Did you mean {last}?"

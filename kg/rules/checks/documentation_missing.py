@@ -1,4 +1,7 @@
-"""KG218: a rule without title, the headings every rule has, or the version it came with."""
+"""KG218: a rule without title, the headings every rule has, or the version it came with.
+
+What `kg rules new` wrote for the author to replace is missing too.
+"""
 
 from __future__ import annotations
 
@@ -14,20 +17,35 @@ if TYPE_CHECKING:
     from kg.rules.checks.finding import Context
     from kg.rules.files import RuleFile
 
-__all__ = ["CODE", "TITLE", "check"]
+__all__ = ["CODE", "SCAFFOLD", "TITLE", "check"]
 
 CODE: Final = "KG218"
 TITLE: Final = "documentation missing"
 
 
+SCAFFOLD: Final = "Say here which question can be answered with it."
+"""What the templates of new rules say below `## Why`."""
+
+_NOTHING: Final = ("", SCAFFOLD)
+_WORDS: Final = {
+    "a title": "`# What it derives, in a line`",
+    "`## What it infers`": "`# ## What it infers` and what triples from which",
+    "`## Why`": "`# ## Why` and which question can be answered with it",
+    "`since:`": "`# since: 0.1`, the version of yours that has it first",
+}
+
+
 def check(file: RuleFile, _context: Context) -> Iterator[Finding]:
     """Yield one finding that names all that the header of a file lacks."""
+    if not file.rules and not file.data:
+        return
     documentation = file.documentation
     sections = documentation.sections or {}
     lacking = [] if documentation.title else ["a title"]
-    lacking += [f"`## {heading}`" for heading in REQUIRED_HEADINGS if not sections.get(heading, "").strip()]
+    lacking += [f"`## {heading}`" for heading in REQUIRED_HEADINGS if sections.get(heading, "").strip() in _NOTHING]
     lacking += [] if documentation.since else ["`since:`"]
     if lacking:
         place = place_of(file.text, 1, 1, str(file.path))
         message = f"the header lacks {', '.join(lacking)}"
-        yield Finding(CODE, "warning", file.name, message, place, "`kg rules show` prints what stands there.")
+        hint = f"Write above the rule: {'; '.join(_WORDS[each] for each in lacking)}."
+        yield Finding(CODE, "warning", file.name, message, place, hint)

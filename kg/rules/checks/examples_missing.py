@@ -20,6 +20,6 @@ TITLE: Final = "examples missing"
 
 def check(file: RuleFile, _context: Context) -> Iterator[Finding]:
     """Yield one finding for a file without examples."""
-    if not file.examples.is_file():
+    if (file.rules or file.data) and not file.examples.is_file():
         hint = f"Write {file.examples.name} with a block `turtle given` and a block `turtle expect`."
         yield Finding(CODE, "warning", file.name, "the rule has no examples", at_rule(file), hint)

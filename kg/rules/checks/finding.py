@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from kg.errors import Place, RuleError
     from kg.rules.files import RuleFile, RuleSet
-    from kg.rules.form import Element, Term
+    from kg.rules.form import Element, Rule, Term
 
 __all__ = ["SECONDS", "SEVERITIES", "Context", "Finding", "Store", "at_offset", "at_rule", "from_error"]
 
@@ -53,10 +53,10 @@ class Store(Protocol):
 class Context:
     """What a file is checked against.
 
-    `rules` are all in force, the file itself among them; `terms` what ontologies and data define or use, as IRIs;
-    `read` the IRIs that stored queries mention; `schema` the axioms that rules about any schema are cut to;
-    `empty` is a store without data. `store` is None when there is none; what it is asked about one rule may take
-    `seconds`, None being without end.
+    `rules` are all in force, the file itself among them, and `cut` the same cut to the schema, where that was done;
+    `terms` what ontologies and data define or use, as IRIs; `read` the IRIs that stored queries mention; `schema` the
+    axioms that rules about any schema are cut to; `empty` is a store without data. `store` is None when there is none;
+    what it is asked about one rule may take `seconds`, None being without end.
     """
 
     rules: RuleSet
@@ -68,6 +68,7 @@ class Context:
     prefixes: Mapping[str, str] | None = None
     schema: tuple[Triple, ...] = ()
     seconds: float | None = SECONDS
+    cut: tuple[Rule, ...] = ()
 
 
 class Check(Protocol):

@@ -8,9 +8,10 @@ from pyoxigraph import NamedNode
 
 from kg.query.prefixes import PREFIXES, shorten
 from kg.rules.checks.finding import Finding
+from kg.rules.checks.standard import STANDARD
 from kg.rules.checks.tokens import place_of_name
 from kg.rules.dependencies import depends, reads
-from kg.rules.form import AUXILIARY
+from kg.rules.form import AUXILIARY, Variable
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -23,6 +24,9 @@ __all__ = ["CODE", "TITLE", "check"]
 
 CODE: Final = "KG215"
 TITLE: Final = "head never read"
+_OTHERS: Final = (AUXILIARY, *STANDARD)
+"""Namespaces of what only decomposition reads, and of what is read everywhere."""
+
 _TYPE: Final = NamedNode(PREFIXES["rdf"] + "type")
 
 
@@ -33,7 +37,7 @@ def check(file: RuleFile, context: Context) -> Iterator[Finding]:
     told: set[str] = set()
     for atom in (atom for rule in file.rules for atom in rule.head):
         what = atom.object if atom.predicate == _TYPE else atom.predicate
-        if not isinstance(what, NamedNode) or what.value in told or what.value.startswith(AUXILIARY):
+        if not isinstance(what, NamedNode) or what.value in told or what.value.startswith(_OTHERS):
             continue
         if what.value not in context.read and not _read_by_rules(atom, file, context):
             told.add(what.value)
@@ -43,5 +47,10 @@ def check(file: RuleFile, context: Context) -> Iterator[Finding]:
 
 
 def _read_by_rules(head: Atom, file: RuleFile, context: Context) -> bool:
-    others = (rule for rule in context.rules.rules if rule.name != file.name)
-    return any(depends(read.atom, head) for rule in others for read in reads(rule))
+    others = (rule for rule in context.cut or context.rules.rules if rule.name != file.name)
+    return any(depends(read.atom, head) for rule in others for read in reads(rule) if _chooses(read.atom))
+
+
+def _chooses(atom: Atom) -> bool:
+    """Tell whether an atom reads some triples, not each and every one as a copy under another name does."""
+    return any(not isinstance(position, Variable) for position in atom.positions)

@@ -10,15 +10,18 @@ from kg.rules.checks import (
     always_fires,
     cartesian_product,
     documentation_missing,
+    examples_malformed,
     examples_missing,
     head_never_read,
     never_fires,
+    no_rule,
     subsumed,
     unknown_terms,
     variable_used_once,
 )
+from kg.rules.checks.examples_malformed import orphan
 from kg.rules.checks.finding import SEVERITIES, Context, Finding, from_error
-from kg.rules.files import RuleSet
+from kg.rules.files import NOTATIONS, RuleSet
 from kg.rules.reading import TWICE, read, rule_files
 from kg.rules.specialise import specialise
 from kg.rules.stratify import failures
@@ -34,6 +37,7 @@ if TYPE_CHECKING:
 __all__ = ["CHECKS", "Read", "check", "check_file", "read_all"]
 
 CHECKS: Final[tuple[Check, ...]] = (
+    no_rule,
     unknown_terms,
     cartesian_product,
     never_fires,
@@ -43,6 +47,7 @@ CHECKS: Final[tuple[Check, ...]] = (
     variable_used_once,
     documentation_missing,
     examples_missing,
+    examples_malformed,
 )
 """Every check of a rule that could be read, in the order of their codes."""
 
@@ -76,7 +81,21 @@ def read_all(folders: Iterable[Path], installed: Iterable[Pack] = (), families: 
                 files[name] = read(path, name, pack=pack)
             except RuleError as error:
                 findings.append(from_error(error, name, place))
+        for path, name in _pages(folder):
+            note = orphan(path, name)
+            if note:
+                paths.append((name, path))
+                findings.append(note)
     return Read(RuleSet(tuple(files[name] for name in sorted(files))), tuple(findings), tuple(paths))
+
+
+def _pages(folder: Path) -> Iterator[tuple[Path, str]]:
+    """Yield the pages below a folder that no file of a rule stands beside."""
+    for path in sorted(folder.rglob("*.md")):
+        below = path.relative_to(folder)
+        rules = (path.with_suffix(ending) for ending in NOTATIONS)
+        if not any(part.startswith(".") for part in below.parts) and not any(rule.exists() for rule in rules):
+            yield path, below.with_suffix("").as_posix()
 
 
 def check(found: Read, context: Context, names: Iterable[str] | None = None) -> list[Finding]:
@@ -85,7 +104,8 @@ def check(found: Read, context: Context, names: Iterable[str] | None = None) -> 
     A cycle belongs to each of its rules, wherever its error stands. `context` tells what they are checked against; its
     rules are those that were read.
     """
-    context = replace(context, rules=found.rules)
+    cut = specialise(found.rules.rules, context.schema)
+    context = replace(context, rules=found.rules, cut=cut)
     wanted = None if names is None else set(names)
     findings = [finding for finding in found.findings if wanted is None or finding.rule in wanted]
     findings += _order(context, wanted)
@@ -103,7 +123,7 @@ def check_file(file: RuleFile, context: Context) -> Iterator[Finding]:
 
 def _order(context: Context, wanted: Collection[str] | None) -> Iterator[Finding]:
     """Yield why rules cannot be put in order: each cycle once, also where only one of its rules is wanted."""
-    for failure in failures(specialise(context.rules.rules, context.schema)):
+    for failure in failures(context.cut):
         if wanted is None or any(rule.name in wanted for rule in failure.cycle):
             yield from_error(failure.error, failure.rule.name, failure.rule.place)
 

@@ -21,7 +21,11 @@ TITLE: Final = "duplicate or subsumed"
 
 
 def check(file: RuleFile, context: Context) -> Iterator[Finding]:
-    """Yield one finding for a file whose every rule is subsumed by a rule of another file."""
+    """Yield one finding for a file whose every rule is subsumed by a rule of another file, or by what it reads."""
+    if file.rules and all(_idle(rule) for rule in file.rules):
+        message = "the rule derives only what it reads"
+        yield Finding(CODE, "warning", file.name, message, at_rule(file), "Change its head, or remove it.")
+        return
     others = [rule for rule in context.rules.rules if rule.name != file.name]
     wider = [next((other for other in others if subsumes(other, rule)), None) for rule in file.rules]
     found = [other for other in wider if other is not None]
@@ -34,6 +38,12 @@ def check(file: RuleFile, context: Context) -> Iterator[Finding]:
     words = "says the same as" if same else "derives only what this derives anyway:"
     hint = "Remove one of the two."
     yield Finding(CODE, "warning", file.name, f"the rule {words} {by.name} ({by.place})", at_rule(file), hint)
+
+
+def _idle(rule: Rule) -> bool:
+    """Tell whether each triple of the head stands in the body."""
+    read = [atom.positions for atom in rule.body if isinstance(atom, Atom)]
+    return all(atom.positions in read for atom in rule.head)
 
 
 def subsumes(general: Rule, special: Rule) -> bool:

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Final
 from pyoxigraph import NamedNode
 
 from kg.query.prefixes import PREFIXES, shorten
-from kg.query.similar import did_you_mean
+from kg.query.similar import asked, did_you_mean, similar
 from kg.rules.checks.finding import Finding
+from kg.rules.checks.standard import STANDARD, is_standard, namespace_of
 from kg.rules.checks.tokens import place_of_name
 from kg.rules.form import AUXILIARY, Atom, atoms_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from kg.rules.checks.finding import Context
     from kg.rules.files import RuleFile
@@ -24,33 +25,49 @@ __all__ = ["CODE", "TITLE", "check"]
 CODE: Final = "KG211"
 TITLE: Final = "unknown class or property"
 _TYPE: Final = PREFIXES["rdf"] + "type"
-_ELSEWHERE: Final = ("rdf", "rdfs", "owl", "xsd", "sh", "skos", "prov", "dcterms", "schema")
+_ELSEWHERE: Final = ("xsd", "sh", "skos", "prov", "dcterms", "schema")
 _BUILT_IN: Final = tuple(PREFIXES[name] for name in _ELSEWHERE)
 """Vocabularies that everyone uses and whose ontologies the store does not hold."""
 
 
 def check(file: RuleFile, context: Context) -> Iterator[Finding]:
     """Yield each class and property of a file that nothing defines, with the one that was probably meant."""
-    if not context.terms:
-        return
     heads = {iri for rule in context.rules.rules if rule.name != file.name for iri in _derived(rule)}
     own = {iri for rule in file.rules for iri in _derived(rule)}
     known = context.terms | heads
-    foreign = {_namespace(iri) for iri in context.terms}
+    foreign = {namespace_of(iri) for iri in context.terms}
     wanted = {iri: "property" if is_property else "class" for rule in file.rules for iri, is_property in _used(rule)}
     for iri, kind in wanted.items():
-        if iri in known or iri.startswith(_BUILT_IN):
+        namespace = namespace_of(iri)
+        if namespace in STANDARD:
+            if not is_standard(iri):
+                terms = (namespace + name for name in STANDARD[namespace])
+                yield _finding(file, iri, kind, f"there is no {kind} {shorten(iri)}", terms)
             continue
-        if iri in own and (_read_in(file, iri) or _namespace(iri) not in foreign):
+        if not context.terms or iri in known or iri.startswith(_BUILT_IN):
+            continue
+        if iri in own and (_read_in(file, iri) or namespace not in foreign):
             continue  # a term that the rule brings along
-        short = {shorten(term): term for term in known}
-        hint = did_you_mean(shorten(iri), short) or "Define it in an ontology, or correct the name."
         message = f"no ontology defines the {kind} {shorten(iri)}, and the store does not have it"
-        yield Finding(CODE, "warning", file.name, message, place_of_name(file, iri), hint)
+        yield _finding(file, iri, kind, message, known)
 
 
-def _namespace(iri: str) -> str:
-    return iri[: max(iri.rfind("#"), iri.rfind("/")) + 1]
+def _finding(file: RuleFile, iri: str, kind: str, message: str, known: Iterable[str]) -> Finding:
+    hint = _meant(iri, kind, known) or "Define it in an ontology, or correct the name."
+    return Finding(CODE, "warning", file.name, message, place_of_name(file, iri), hint)
+
+
+def _meant(iri: str, kind: str, known: Iterable[str]) -> str | None:
+    """Return the question for the terms that may be meant: those of its kind first, which its first letter tells."""
+    namespace = namespace_of(iri)
+    # Of terms of one name the one in the namespace that was written is meant.
+    ordered = sorted(known, key=lambda term: (namespace_of(term) == namespace, term))
+    names = {term.removeprefix(namespace_of(term)): term for term in ordered}
+    alike = [name for name in names if name[:1].isupper() == (kind == "class")]
+    found = similar(iri.removeprefix(namespace), alike)
+    if found:
+        return asked(shorten(names[name]) for name in found)
+    return did_you_mean(shorten(iri), map(shorten, ordered))
 
 
 def _read_in(file: RuleFile, iri: str) -> bool:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 from kg.query.similar import did_you_mean
 from kg.rules.checks.finding import Finding, at_offset
 from kg.rules.checks.tokens import variables
+from kg.rules.form import Variable, atoms_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -24,11 +25,25 @@ TITLE: Final = "variable used once"
 def check(file: RuleFile, _context: Context) -> Iterator[Finding]:
     """Yield each variable that a file has once; names that begin with `_` say that this is meant."""
     found = list(variables(file))
+    blank = _replaceable(file)
     uses = Counter(token.text[1:] for token in found)
     for token in found:
         name = token.text[1:]
         if uses[name] == 1 and not name.startswith("_"):
             others = [other for other in uses if other != name]
-            hint = did_you_mean(name, others) or f"Write `[]`, or ?_{name} if that is meant."
+            hint = did_you_mean(name, others) or _hint(name, blank)
             message = f"the variable ?{name} stands here only"
             yield Finding(CODE, "warning", file.name, message, at_offset(file, token.start), hint)
+
+
+def _hint(name: str, blank: set[Variable]) -> str:
+    return (
+        f"Write `[]`, or ?_{name} if that is meant." if Variable(name) in blank else f"Write ?_{name} if it is meant."
+    )
+
+
+def _replaceable(file: RuleFile) -> set[Variable]:
+    """Return the variables in whose place `[]` may stand: subjects and objects, and nothing else."""
+    atoms = [atom for rule in file.rules for atom, _ in atoms_of(rule.body)]
+    ends = {end for atom in atoms for end in (atom.subject, atom.object) if isinstance(end, Variable)}
+    return ends - {atom.predicate for atom in atoms if isinstance(atom.predicate, Variable)}

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 from pyoxigraph import NamedNode
 
 from kg.errors import RuleError
-from kg.query.lexer import normalise
+from kg.query.lexer import normalise, tokens
 from kg.query.position import place_at
 from kg.query.similar import did_you_mean
 from kg.rules.syntax.iris import is_absolute, resolve
@@ -145,10 +145,28 @@ class Cursor:
         prefix, _, local = token.text.partition(":")
         namespace = self.prefixes.get(prefix)
         if namespace is None:
-            near = did_you_mean(prefix, self.prefixes) if prefix else None
-            hint = near or f"Declare it: PREFIX {prefix}: <...>."
-            raise self.error(f"unknown prefix `{prefix}:`", token.start, hint=hint)
+            unknown = self._unknown_prefixes(token)
+            near = did_you_mean(prefix, self.prefixes) if prefix and len(unknown) == 1 else None
+            hint = near or f"Declare {'it' if len(unknown) == 1 else 'them'}: PREFIX {prefix}: <...>."
+            names = ", ".join(f"`{each}:`" for each in unknown)
+            raise self.error(f"unknown prefix{'es' * (len(unknown) > 1)} {names}", token.start, hint=hint)
         return namespace + unescape_local(local)
+
+    def _unknown_prefixes(self, first: Token) -> list[str]:
+        """Return the prefixes from a token on that nothing declares, so that they can be mended all at once."""
+        known = set(self.prefixes)
+        found = {first.text.partition(":")[0]: None}
+        declares = False
+        for token in tokens(self.text[first.start :]):
+            # The sign of an assignment in SPARQL 1.2 RL begins like a name with the empty prefix.
+            if token.kind is Kind.NAME and token.text != ":" and not token.text.startswith("_:"):
+                prefix = token.text.partition(":")[0]
+                if declares:
+                    known.add(prefix)
+                elif prefix not in known:
+                    found[prefix] = None
+            declares = token.kind is Kind.WORD and token.text.upper() == "PREFIX"
+        return list(found)
 
     def _absolute(self, token: Token) -> str:
         try:

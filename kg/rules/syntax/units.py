@@ -63,8 +63,10 @@ class _Construct(Patterns):
 
     def _rule(self) -> RuleText:
         start = self.token.start
+        hint = "A rule derives triples: CONSTRUCT { ... } WHERE { ... }."
+        if self.at(END):
+            raise self.error("there is no rule in this file", start, hint=hint)
         if self.token.kind is Kind.WORD and self.token.text.upper() in _OTHERS:
-            hint = "A rule derives triples: CONSTRUCT { ... } WHERE { ... }."
             raise self.error(f"a rule is a CONSTRUCT query, not {self.token.text.upper()}", start, hint=hint)
         if not self.at_word("CONSTRUCT"):
             raise self.expected("`CONSTRUCT`", ("CONSTRUCT", "PREFIX", "BASE"))

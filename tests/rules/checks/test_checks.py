@@ -15,6 +15,8 @@ import pytest
 from pyoxigraph import NamedNode
 from rules.explain.worlds import EX, World
 
+from kg.rules import authoring
+from kg.rules.checks.documentation_missing import SCAFFOLD
 from kg.rules.checks.finding import Context
 from kg.rules.checks.run import CHECKS, check_file
 from kg.rules.checks.stores import StoreOf, nothing
@@ -30,7 +32,7 @@ CASES = sorted(path for path in FOLDER.rglob("*") if path.suffix in {".rq", ".sr
 DATA = ":ann a :Person ; :knows :bo . :bo :likes :ann ; :met :ann ."
 TERMS = frozenset(EX + name for name in ("knows", "likes", "hates", "met", "Person"))
 OTHERS = f"PREFIX : <{EX}> CONSTRUCT {{ ?x :met ?y }} WHERE {{ ?y :met ?x }}"
-EXPECTATION = re.compile(r"# expect: (\w+) (\d+:\d+) (.*)")
+EXPECTATION = re.compile(r"# expect: (\w+) (\d+:\w+) (.*)")
 
 
 def context(path: Path) -> Context:
@@ -51,7 +53,7 @@ def test_case(path: Path) -> None:
     found = [finding for finding in check_file(given.rules.files[0], given) if finding.code == code]
     assert [(each.code, f"{each.place.line}:{each.place.column}") for each in found] == [(c, p) for c, p, _ in expected]
     for finding, (_, _, words) in zip(found, expected, strict=True):
-        assert words in finding.message
+        assert words in f"{finding.message} {finding.hint}"
 
 
 def test_every_check_has_cases_for_and_against() -> None:
@@ -74,6 +76,13 @@ class _Endless:
 
     def failing(self, _body: tuple[Element, ...]) -> None:
         """Return nothing."""
+
+
+def test_what_is_to_be_replaced_in_a_new_rule() -> None:
+    """Each template of new rules has the sentence that counts as missing documentation."""
+    templates = list((Path(authoring.__file__).parent / "templates").glob("rule.*"))
+    assert templates
+    assert all(SCAFFOLD in template.read_text() for template in templates)
 
 
 def test_a_store_that_does_not_answer() -> None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING
 
+from pyoxigraph import RdfFormat, parse
+
 from kg.rules.checks.choosing import named, others_than, outside
 from kg.rules.checks.finding import Context
 from kg.rules.checks.run import check, read_all
@@ -34,6 +36,42 @@ def test_a_file_that_does_not_parse_leaves_the_others(tmp_path: Path) -> None:
         tmp_path, bad_rq="CONSTRUCT { ?x :p ?y } WHERE { ?x :q }", good_rq="CONSTRUCT { ?x :p ?y } WHERE { ?x :q ?y }"
     )
     assert (found.code, found.rule, found.place.line) == ("KG201", "bad", 2)
+
+
+def test_every_unknown_prefix_is_named(tmp_path: Path) -> None:
+    """All prefixes that nothing declares are one finding, at the first."""
+    text = "CONSTRUCT { ?x foo:p ?y } WHERE { ?x bar:q ?y , 'baz:s' ; foo:r [] ; :t ?y }"
+    (found,) = findings(tmp_path, bad_rq=text)
+    assert (found.message, found.place.column) == ("unknown prefixes `foo:`, `bar:`", 16)
+
+
+def test_examples_without_a_rule(tmp_path: Path) -> None:
+    """A page of examples that no rule stands beside is a note; other pages are none of rules."""
+    examples = "# A\n\n## One\n\n```turtle given\n:a :p :b .\n```\n\n```turtle expect exactly\n```\n"
+    for name, text in {"a/lost.md": examples, "a/kept.md": examples, "README.md": "# Rules\n"}.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text)
+    (tmp_path / "a" / "kept.srl").write_text(PREFIX + "RULE { ?x :p ?y } WHERE { ?x :q ?y }")
+    found = [each for each in check(read_all([tmp_path]), Context(RuleSet(()))) if each.code == "KG221"]
+    assert [(each.rule, each.severity) for each in found] == [("a/lost", "note")]
+
+
+def test_a_rule_that_copies_everything_is_no_reader(tmp_path: Path) -> None:
+    """What only a rule for every triple reads is read by nothing; cut to a schema such a rule reads what it names."""
+    rules = {
+        "copies": "CONSTRUCT { ?y ?p ?x } WHERE { ?p a owl:SymmetricProperty . ?x ?p ?y }",
+        "made": "CONSTRUCT { ?x :p ?y } WHERE { ?x :q ?y }",
+    }
+    for name, text in rules.items():
+        (tmp_path / f"{name}.rq").write_text(PREFIX + text)
+
+    def unread(*schema: str) -> list[str]:
+        axioms = tuple(quad.triple for quad in parse("".join(schema), RdfFormat.TURTLE))
+        found = check(read_all([tmp_path]), Context(RuleSet(()), schema=axioms), ["made"])
+        return [each.rule for each in found if each.code == "KG215"]
+
+    symmetric = "<https://example.org/p> a <http://www.w3.org/2002/07/owl#SymmetricProperty> ."
+    assert (unread(), unread(symmetric)) == (["made"], [])
 
 
 def test_two_files_of_one_name(tmp_path: Path) -> None:

@@ -51,7 +51,7 @@ class ShapesGraph:
             name = triple.predicate.value.removeprefix(SH)
             if triple.predicate.value.startswith(SH) and name not in KNOWN:
                 offset = self.places.of_name(triple.predicate.value)
-                hint = did_you_mean(name, KNOWN)
+                hint = did_you_mean(f"sh:{name}", (f"sh:{known}" for known in KNOWN))
                 raise self.error(f"SHACL has no property `sh:{name}`", triple.subject, hint=hint, offset=offset)
 
     def predicates(self, node: Term) -> list[NamedNode]:
