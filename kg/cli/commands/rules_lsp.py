@@ -43,7 +43,7 @@ def _context(settings: "Settings") -> "Context":
     from dataclasses import replace  # noqa: PLC0415 - start-up time
 
     from kg.pipeline.reasoning import check_context, rule_folders  # noqa: PLC0415 - start-up time
-    from kg.rules.checks.run import read_all  # noqa: PLC0415 - start-up time
+    from kg.rules.checks.run import beside, read_all  # noqa: PLC0415 - start-up time
     from kg.rules.folders import families_in_force  # noqa: PLC0415 - start-up time
     from kg.rules.reading import packs  # noqa: PLC0415 - start-up time
 
@@ -53,7 +53,7 @@ def _context(settings: "Settings") -> "Context":
             known = replace(check_context(settings, snapshot), store=None)
     except StoreError:
         known = check_context(settings, None)
-    return replace(known, rules=found.rules)
+    return beside(found.rules, known)
 
 
 def _terms(settings: "Settings") -> "Terms":

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from kg.rules.files import RuleFile
     from kg.rules.reading import Pack
 
-__all__ = ["CHECKS", "Read", "check", "check_file", "read_all"]
+__all__ = ["CHECKS", "Read", "beside", "check", "check_file", "read_all"]
 
 CHECKS: Final[tuple[Check, ...]] = (
     no_rule,
@@ -104,8 +104,7 @@ def check(found: Read, context: Context, names: Iterable[str] | None = None) -> 
     A cycle belongs to each of its rules, wherever its error stands. `context` tells what they are checked against; its
     rules are those that were read.
     """
-    cut = specialise(found.rules.rules, context.schema)
-    context = replace(context, rules=found.rules, cut=cut)
+    context = beside(found.rules, context)
     wanted = None if names is None else set(names)
     findings = [finding for finding in found.findings if wanted is None or finding.rule in wanted]
     findings += _order(context, wanted)
@@ -113,6 +112,11 @@ def check(found: Read, context: Context, names: Iterable[str] | None = None) -> 
         if wanted is None or file.name in wanted:
             findings += check_file(file, context)
     return sorted(findings, key=_place)
+
+
+def beside(rules: RuleSet, context: Context) -> Context:
+    """Return a context in which files are checked as parts of a rule set."""
+    return replace(context, rules=rules, cut=specialise(rules.rules, context.schema))
 
 
 def check_file(file: RuleFile, context: Context) -> Iterator[Finding]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import Place, RuleError
-from kg.query.lexer import Kind, tokens
+from kg.query.lexer import Kind, normalise, tokens
 from kg.query.prefixes import PREFIXES
 from kg.rules.checks.finding import from_error
 from kg.rules.checks.run import check_file
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from kg.rules.checks.finding import Context, Finding
     from kg.rules.lsp.terms import DefinedTerm, Terms
 
-__all__ = ["Suggestion", "complete", "diagnose", "hover", "prefixes_of", "term_at"]
+__all__ = ["Suggestion", "complete", "diagnose", "hover", "prefixes_of", "term_at", "width"]
 
 _PREFIX: Final = re.compile(r"@?prefix\s+([\w.-]*):\s*<([^>]*)>", re.IGNORECASE)
 _WORD: Final = re.compile(r"[?$]?[\w.-]*(?::[\w.-]*)?$")
@@ -56,6 +56,18 @@ def diagnose(text: str, path: Path, name: str, context: Context) -> list[Finding
     except RuleError as error:
         return [from_error(error, name, Place(str(path), 1, 1))]
     return list(check_file(file, context))
+
+
+def width(text: str, place: Place) -> int:
+    """Return how many characters of its line belong to what stands at a place: a token, or a line of the header."""
+    lines = normalise(text).split("\n")
+    number, column = (place.line or 1) - 1, (place.column or 1) - 1
+    line = lines[number] if number < len(lines) else ""
+    if line.startswith("#"):
+        return max(len(line) - column, 1)
+    start = sum(len(each) + 1 for each in lines[:number]) + column
+    token = next((each for each in tokens(normalise(text)) if each.start == start), None)
+    return min(token.end - start, len(line) - column) if token else 1
 
 
 def complete(text: str, offset: int, suffix: str, terms: Terms) -> list[Suggestion]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -12,7 +12,7 @@ from pygls.lsp.server import LanguageServer
 from pygls.uris import from_fs_path, to_fs_path
 
 from kg.rules.files import NOTATIONS
-from kg.rules.lsp.language import complete, diagnose, hover, term_at
+from kg.rules.lsp.language import complete, diagnose, hover, term_at, width
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -73,15 +73,14 @@ class _Session:
             return None
         return self._server.workspace.get_text_document(uri), Path(path).resolve()
 
-    def publish(self, uri: str, *, asks: bool = True) -> None:
-        """Send what is wrong with a document as it is in the editor; `asks`: the store too, which may take seconds."""
+    def publish(self, uri: str) -> None:
+        """Send what is wrong with a document as it is in the editor."""
         found = self._document(uri)
         if found is None:
             return
         document, path = found
-        context = self._context if asks else replace(self._context, store=None)
-        findings = diagnose(document.source, path, self._knowledge.name_of(path), context)
-        here = [_diagnostic(each) for each in findings if Path(each.place.path).resolve() == path]
+        findings = diagnose(document.source, path, self._knowledge.name_of(path), self._context)
+        here = [_diagnostic(each, document.source) for each in findings if Path(each.place.path).resolve() == path]
         self._server.text_document_publish_diagnostics(
             types.PublishDiagnosticsParams(uri=uri, diagnostics=here, version=document.version)
         )
@@ -130,7 +129,7 @@ def language_server(knowledge: Knowledge) -> LanguageServer:
 
     @server.feature(types.TEXT_DOCUMENT_DID_CHANGE)
     def changed(params: types.DidChangeTextDocumentParams) -> None:
-        session.publish(params.text_document.uri, asks=False)
+        session.publish(params.text_document.uri)
 
     @server.feature(types.TEXT_DOCUMENT_DID_SAVE)
     def saved(params: types.DidSaveTextDocumentParams) -> None:
@@ -152,12 +151,12 @@ def language_server(knowledge: Knowledge) -> LanguageServer:
     return server
 
 
-def _diagnostic(finding: Finding) -> types.Diagnostic:
+def _diagnostic(finding: Finding, source: str) -> types.Diagnostic:
     line = (finding.place.line or 1) - 1
     column = (finding.place.column or 1) - 1
     text = f"{finding.message}\n{finding.hint}" if finding.hint else finding.message
     return types.Diagnostic(
-        range=types.Range(types.Position(line, column), types.Position(line, column + 1)),
+        range=types.Range(types.Position(line, column), types.Position(line, column + width(source, finding.place))),
         message=text,
         severity=_SEVERITIES[finding.severity],
         code=finding.code,

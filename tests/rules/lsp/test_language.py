@@ -8,9 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from kg.errors import Place
 from kg.rules.checks.finding import Context
 from kg.rules.files import RuleSet
-from kg.rules.lsp.language import complete, diagnose, hover, term_at
+from kg.rules.lsp.language import complete, diagnose, hover, term_at, width
 from kg.rules.lsp.terms import Terms
 
 TURTLE = """\
@@ -87,6 +88,14 @@ def test_definitions(terms: Terms) -> None:
     assert term.place is not None
     assert (Path(term.place.path).name, term.place.line) == ("small.ttl", 5)
     assert term_at(RULE, RULE.index("WHERE"), terms) is None
+
+
+def test_how_wide_a_diagnostic_is() -> None:
+    """A finding marks the token at its place, a line of the header, or one character where nothing begins."""
+    places = {(1, 1): 19, (3, 3): 17, (8, 20): 6, (8, 13): 6, (9, 27): 7, (9, 8): 1, (8, 2): 1, (90, 1): 1, (6, 1): 1}
+    for (line, column), expected in places.items():
+        assert width(RULE.replace("\n", "\r\n"), Place("a.rq", line, column)) == expected, (line, column)
+    assert width('"""long\nstring"""', Place("a.ttl", 1, 1)) == len('"""long')
 
 
 def test_diagnostics(terms: Terms) -> None:
