@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from shutil import get_terminal_size
 from typing import IO, TYPE_CHECKING, Any
 
-from kg.cli.diagnostics import colored
+from kg.cli.diagnostics import colored, note
 from kg.render.text import printable, width
 
 if TYPE_CHECKING:
@@ -139,8 +139,13 @@ def show(*parts: RenderableType) -> None:
 
 
 def print_table(columns: Sequence[Column], rows: Iterable[Sequence[object]], *, title: str | None = None) -> None:
-    """Write a table for people."""
-    show(make_table(columns, rows, title=title))
+    """Write a table for people, and say which columns there was no room for."""
+    every = list(rows)
+    show(make_table(columns, every, title=title))
+    kept = _fitting(columns, [[_cell(value) for value in row] for row in every])
+    absent = [column.title for index, column in enumerate(columns) if index not in kept]
+    if absent:
+        note(f"not shown on lines this short: {', '.join(absent)}")
 
 
 def make_table(columns: Sequence[Column], rows: Iterable[Sequence[object]], *, title: str | None = None) -> Table:

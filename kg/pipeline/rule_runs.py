@@ -9,8 +9,9 @@ from pyoxigraph import RdfFormat, parse
 
 from kg.errors import Place, SourceError, UsageError
 from kg.graph.vocabulary import RNKG
-from kg.pipeline.inferring import digest, note_digest
+from kg.pipeline.inferring import LastRun, digest, note_run
 from kg.pipeline.reasoning import rules_in_force, rules_over, schema_of
+from kg.rules.filing import rdf_format
 from kg.rules.recording import Names
 from kg.rules.remote.running import run as run_remotely
 from kg.rules.running import run, run_files
@@ -43,10 +44,12 @@ def run_on_store(
     """
     store, mark = existing(settings), digest(settings)
     with store.read() as snapshot:
-        rules = rules_over(settings, snapshot)
+        rules, generation = rules_over(settings, snapshot), snapshot.generation
     report = run(store, rules, Names.of(settings.base, RNKG), limits=limits, incremental=not full, dry_run=dry_run)
     if not dry_run:
-        note_digest(store.layout.cache, mark)
+        base = report.generation or generation
+        last = LastRun(mark, settings.base, base, report.asserted, report.inferred, report.strata)
+        note_run(store.layout.cache, last)
     return report
 
 
@@ -62,7 +65,7 @@ def run_on_server(
 def run_on_files(
     settings: Settings, files: Sequence[Path], output: Path | None, *, limits: Limits | None = None
 ) -> RunReport:
-    """Write what the rules infer from files of N-Triples to `output`, or nowhere.
+    """Write what the rules infer from files of RDF to `output`, or nowhere.
 
     Raises as `run_files`, and UsageError KG003 before anything is inferred where `output` cannot be written.
     """
@@ -86,14 +89,17 @@ def _check_output(output: Path) -> None:
 
 
 def _schema(file: Path) -> Iterator[Triple]:
-    """Yield the axioms of a file; only lines that can be one are parsed. What does not parse is told later."""
+    """Yield the axioms of a file; of N-Triples only lines that can be one are parsed. What does not is told later."""
+    kind = rdf_format(file)
+    plain = kind == RdfFormat.N_TRIPLES
     try:
         with file.open("rb") as lines:
-            found = [line for line in lines if b"/owl#" in line or b"/rdf-schema#" in line]
+            found = [line for line in lines if not plain or b"/owl#" in line or b"/rdf-schema#" in line]
     except OSError as error:
         raise SourceError("KG101", f"cannot be opened: {error.strerror}", place=Place(str(file))) from error
+    address = file.absolute().as_uri()
     try:
-        triples = [quad.triple for quad in parse(b"".join(found), RdfFormat.N_TRIPLES, lenient=True)]
+        triples = [quad.triple for quad in parse(b"".join(found), kind, base_iri=address, lenient=True)]
     except SyntaxError:
         return
     yield from (triple for triple in triples if is_schema(triple.predicate, triple.object))

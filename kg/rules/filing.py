@@ -1,4 +1,4 @@
-"""Runs rules from files of N-Triples to a file of N-Triples, without a store."""
+"""Runs rules from files of RDF to a file of N-Triples, without a store."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from pyoxigraph import RdfFormat, parse
 
-from kg.errors import GraphError, Place, SourceError
+from kg.errors import GraphError, Place, SourceError, UsageError
 from kg.rules.columns import by_predicate
 from kg.rules.engine.evaluate import Limits, Program, evaluate
 from kg.rules.engine.facts import Facts, distinct
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from kg.rules.files import RuleSet
 
-__all__ = ["run_files"]
+__all__ = ["rdf_format", "run_files"]
 
 _TERM: Final = re.compile(
     rb'<[^\x00-\x20<>"{}|^`\\]*>|_:[^\s<>"]+|"(?:[^"\\\n\r]|\\["\\nrtbf])*"(?:\^\^<[^\x00-\x20<>"{}|^`\\]*>|@[A-Za-z0-9-]+)?'
@@ -41,12 +41,15 @@ _STRANGE: Final = (b"\t", b"\r", b"\n\n", b"\n#", b"_:", b"<<", b"\\u", b"\\U")
 def run_files(
     files: Sequence[Path], output: Path | None, rule_set: RuleSet, *, limits: Limits | None = None
 ) -> RunReport:
-    """Write what the rules infer from files of N-Triples to `output`, sorted by predicate; None writes nothing.
+    """Write what the rules infer from files of RDF to `output`, sorted by predicate; None writes nothing.
+
+    The ending of a file names its format; N-Triples are read fastest. Of quads the graph is left out.
 
     Terms are compared as they are written: in a store `"01"^^xsd:integer` is `"1"^^xsd:integer`, here it is not.
 
     Raises:
         RuleError: KG202, KG203, KG204 for rules that cannot run, KG205 at a limit; `output` is as it was.
+        UsageError: KG003 for a file whose ending names no format.
         SourceError: KG101 when a file cannot be opened.
         GraphError: KG601 with the line when it is not valid.
     """
@@ -86,12 +89,13 @@ def _rows(file: Path, dictionary: Dictionary) -> NDArray[np.int64]:
     except OSError as error:
         raise SourceError("KG101", f"cannot be opened: {error.strerror}", place=Place(str(file))) from error
     known = len(dictionary)
-    cells = _cells(text)
+    kind = rdf_format(file)
+    cells = _cells(text) if kind == RdfFormat.N_TRIPLES else None
     if cells is not None:
         rows = dictionary.intern_all(cells).reshape(-1, 3)
         if all(map(_TERM.fullmatch, dictionary.spellings(range(known, len(dictionary))))):
             return rows
-    return dictionary.intern_all(_parsed(file, text)).reshape(-1, 3)
+    return dictionary.intern_all(_parsed(file, text, kind)).reshape(-1, 3)
 
 
 def _cells(text: bytes) -> list[bytes] | None:
@@ -108,10 +112,19 @@ def _cells(text: bytes) -> list[bytes] | None:
     return found if len(found) == 3 * number else None
 
 
-def _parsed(file: Path, text: bytes) -> Iterator[bytes]:
+def rdf_format(file: Path) -> RdfFormat:
+    """Return the format that the ending of a file names; UsageError KG003 for one that names none."""
+    found = RdfFormat.from_extension(file.suffix.removeprefix("."))
+    if found is None:
+        hint = "The endings are .nt, .ttl, .nq, .trig, .n3, .rdf, .xml and .jsonld."
+        raise UsageError("KG003", f"the ending of {file} names no format of RDF", hint=hint)
+    return found
+
+
+def _parsed(file: Path, text: bytes, kind: RdfFormat) -> Iterator[bytes]:
     """Yield the terms of a text as a store spells them."""
     try:
-        for triple in parse(text, RdfFormat.N_TRIPLES):
+        for triple in parse(text, kind, base_iri=file.absolute().as_uri()):
             yield from (spell(triple.subject), spell(triple.predicate), spell(triple.object))
     except SyntaxError as error:
         raise GraphError("KG601", error.msg, place=Place(str(file), error.lineno, error.offset)) from error

@@ -95,7 +95,8 @@ def _read_srl(text: str, path: Path, name: str, documentation: Documentation) ->
 def _read_ttl(text: str, path: Path, name: str, documentation: Documentation) -> RuleFile:
     from kg.rules.notations import shacl  # noqa: PLC0415 - a notation is loaded when a file has it
 
-    return RuleFile(name, path, text, documentation, shacl.rules(text, name, path))
+    found = shacl.rules(text, name, path)
+    return RuleFile(name, path, text, documentation, found, prefixes=shacl.prefixes(text))
 
 
 def discover(

@@ -11,6 +11,7 @@ requests), and a transaction is one request of several operations, which servers
 
 from __future__ import annotations
 
+import re
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Final, Self, cast
 from uuid import uuid4
@@ -41,6 +42,8 @@ if TYPE_CHECKING:
 
 __all__ = ["RemoteSnapshot", "RemoteStore"]
 
+_REFUSED: Final = r"answered (?:404|405|415|501) "
+"""What servers answer to an update where they take queries."""
 _ACCEPT: Final = "application/sparql-results+json, application/n-triples, text/turtle;q=0.5"
 
 
@@ -57,6 +60,7 @@ class RemoteStore:
     def __init__(self, query_url: str, update_url: str | None = None, *, timeout: float = 60.0) -> None:
         self._queries = Endpoint(query_url, timeout=timeout)
         self._updates = Endpoint(update_url or query_url, timeout=timeout)
+        self._one_address = update_url in {None, query_url}
 
     @property
     def address(self) -> str:
@@ -78,7 +82,13 @@ class RemoteStore:
     def update(self, text: str, *, timeout: float | None = None) -> None:
         """Run one request of SPARQL Update now; never sent twice."""
         media_type = "application/sparql-update"
-        self._updates.post(text.encode(), media_type, timeout=timeout)
+        try:
+            self._updates.post(text.encode(), media_type, timeout=timeout)
+        except StoreError as error:
+            if self._one_address and re.search(_REFUSED, error.message):
+                hint = "This address takes queries only; name the one for updates too, with --update-url."
+                raise StoreError(error.code, error.message, place=error.place, hint=hint) from error
+            raise
 
 
 class RemoteSnapshot:

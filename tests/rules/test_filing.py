@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from pyoxigraph import NamedNode
 
-from kg.errors import GraphError, Place, SourceError
+from kg.errors import GraphError, Place, SourceError, UsageError
 from kg.rules.files import Documentation, RuleFile, RuleSet
 from kg.rules.form import Atom, Rule, Variable
 from kg.rules.running import run_files
@@ -57,3 +57,14 @@ def test_files_that_cannot_be_opened_are_named(tmp_path: Path) -> None:
     with pytest.raises(SourceError) as caught:
         run_files([tmp_path / "missing.nt"], None, copies())
     assert caught.value.code == "KG101"
+
+
+def test_the_ending_names_the_format(tmp_path: Path) -> None:
+    """Turtle and TriG are read as such, relative names against the file; an unknown ending is refused."""
+    text = "@prefix u: <urn:> . u:a u:p u:b , <#here> ."
+    for name in ("in.ttl", "in.trig"):
+        (tmp_path / name).write_text(text)
+        assert run_files([tmp_path / name], None, copies()).inferred == 2
+    (tmp_path / "in.txt").write_text(text)
+    with pytest.raises(UsageError, match="names no format"):
+        run_files([tmp_path / "in.txt"], None, copies())

@@ -197,3 +197,10 @@ def test_a_query_is_sent_again_when_the_connection_breaks_and_an_update_is_not(t
     with pytest.raises(StoreError, match="no connection"):
         store.update("CLEAR ALL")
     assert len(_Told.seen) == 1
+
+
+def test_an_address_that_takes_queries_only_is_told(address: str) -> None:
+    """An update that is refused there leads to the option for the other address."""
+    with pytest.raises(StoreError, match="KG225") as caught:
+        RemoteStore(f"{address}/query").update("DROP ALL")
+    assert "--update-url" in (caught.value.hint or "")

@@ -47,7 +47,8 @@ Verbose = Annotated[
     bool, typer.Option("--all", "--verbose", "-v", help="Show what every rule did, and how long each step took.")
 ]
 Data = Annotated[
-    list[str] | None, typer.Option("--data", metavar="FILE", help="Infer from N-Triples instead; as often as needed.")
+    list[str] | None,
+    typer.Option("--data", metavar="FILE", help="Infer from this file of RDF instead; may be repeated."),
 ]
 Output = Annotated[str | None, typer.Option("--output", "-o", metavar="FILE", help="Where that goes, as N-Triples.")]
 MaxTriples = Annotated[
@@ -81,7 +82,7 @@ def run(  # noqa: PLR0913 - the options of a command
         kg rules run
         kg rules run --dry-run
         kg rules run --remote http://localhost:7878/query --update-url http://localhost:7878/update
-        kg rules run --data all.nt --output inferred.nt
+        kg rules run --data all.ttl --output inferred.nt
     """
     from kg.pipeline import rule_runs  # noqa: PLC0415 - start-up time
 
@@ -120,7 +121,7 @@ def _agree(
     """Raise KG003 for options that do not go together."""
     problem = None
     if remote and (data or output or dry_run):
-        problem = "--remote goes with none of --data, --output and --dry-run"
+        problem = "--remote goes with none of --data, --output and --dry-run: rules run on the server by writing there"
     elif update_url and not remote:
         problem = "--update-url says where the server of --remote takes updates"
     elif output and not data:

@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from pyoxigraph import NamedNode
 
-from kg.query.prefixes import PREFIXES
 from kg.rules.authoring.firing import fire
 from kg.rules.authoring.memory import triples_of
-from kg.rules.authoring.spelling import spell_term
+from kg.rules.authoring.spelling import common_prefixes, spell_term
 from kg.rules.columns import union_of
 from kg.rules.dependencies import depends
 from kg.rules.engine.facts import Facts, intersection
@@ -36,7 +35,7 @@ __all__ = ["Changed", "Difference", "difference", "difference_objects"]
 class Changed:
     """A triple that comes (`+`) or goes (`-`), with the rules that derive it now, or might have derived it.
 
-    `prefixes` are those that the rules know.
+    `prefixes` are those that the rules know, and those that mean the same in all files of rules that declare them.
     """
 
     sign: str
@@ -84,9 +83,10 @@ def difference(
     if names and len(come):
         others = bench.infer([file for file in files if file.name not in names], limits)
         come = lacking(come, others.outcome.inferred)
-    prefixes = {file.name: {**PREFIXES, **(file.prefixes or {})} for file in files}
+    common = common_prefixes(files)
+    prefixes = {file.name: {**common, **(file.prefixes or {})} for file in files}
     changes = [
-        Changed(sign, triple, rules, prefixes[rules[0]] if rules else PREFIXES)
+        Changed(sign, triple, rules, prefixes[rules[0]] if rules else common)
         for sign, triple, rules in (*_come(bench, tried, come), *_gone(bench, tried, gone))
         if sign == "+" or fed is None or fed.intersection(rules)
     ]

@@ -11,7 +11,7 @@ from pyoxigraph import NamedNode
 
 from kg.query.prefixes import PREFIXES
 from kg.render.flow_picture import Box, Flow, draw_flow
-from kg.rules.authoring.spelling import spell_term
+from kg.rules.authoring.spelling import common_prefixes, spell_term
 from kg.rules.dependencies import depends, reads, writes
 from kg.rules.form import AUXILIARY, Variable
 from kg.rules.specialise import specialise
@@ -107,7 +107,7 @@ def rule_graph(files: Sequence[RuleFile], schema: Iterable[Triple] = ()) -> Rule
     Raises:
         RuleError: KG202 and KG204 where they have no strata.
     """
-    prefixes = _prefixes(files)
+    prefixes = common_prefixes(files)
     rules = specialise((rule for file in files for rule in file.rules), schema)
     derives: dict[tuple[int, str], None] = {}
     readers: dict[tuple[str, int], bool] = {}
@@ -129,15 +129,6 @@ def rule_graph(files: Sequence[RuleFile], schema: Iterable[Triple] = ()) -> Rule
         {(rules[writer].name, term): None for writer, term in derives},
         _merged(readers, rules),
     )
-
-
-def _prefixes(files: Sequence[RuleFile]) -> dict[str, str]:
-    """Return the prefixes that everyone knows, and those that mean the same in all files that declare them."""
-    meant: dict[str, set[str]] = defaultdict(set)
-    for file in files:
-        for name, iri in (file.prefixes or {}).items():
-            meant[name].add(iri)
-    return {**{name: next(iter(iris)) for name, iris in meant.items() if len(iris) == 1}, **PREFIXES}
 
 
 def _merged(readers: Mapping[tuple[str, int], bool], rules: Sequence[Rule]) -> dict[tuple[str, str], bool]:

@@ -9,11 +9,21 @@ from pyoxigraph import Literal, NamedNode, Triple
 from kg.query.prefixes import PREFIXES
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
+    from kg.rules.files import RuleFile
     from kg.rules.form import Term
 
-__all__ = ["spell_term", "spell_triple"]
+__all__ = ["common_prefixes", "spell_term", "spell_triple"]
+
+
+def common_prefixes(files: Iterable[RuleFile]) -> dict[str, str]:
+    """Return the prefixes that everyone knows, and those that mean the same in all files that declare them."""
+    meant: dict[str, set[str]] = {}
+    for file in files:
+        for name, iri in (file.prefixes or {}).items():
+            meant.setdefault(name, set()).add(iri)
+    return {**{name: next(iter(iris)) for name, iris in meant.items() if len(iris) == 1}, **PREFIXES}
 
 
 def spell_term(term: Term, prefixes: Mapping[str, str] = PREFIXES) -> str:

@@ -81,3 +81,17 @@ def test_a_limit_ends_it(tmp_path: Path) -> None:
     rules = write_rules(tmp_path / "rules", knows=KNOWS)
     with pytest.raises(RuleError, match="KG205"):
         difference(bench(tmp_path, ":a :met :b , :c ."), files(rules), limits=Limits(max_triples=1))
+
+
+def test_what_no_rule_gives_is_spelt_as_the_rules_do(tmp_path: Path) -> None:
+    """Prefixes that all files mean alike are known where no rule derives a triple any more; those of Turtle too."""
+    rules = write_rules(tmp_path / "rules", knows=KNOWS)
+    (tmp_path / "rules" / "f" / "shape.ttl").write_text(
+        "@prefix own: <https://example.org/own/> .\n@prefix sh: <http://www.w3.org/ns/shacl#> .\n"
+        "own:S a sh:NodeShape ; sh:targetSubjectsOf own:p ;\n"
+        "  sh:rule [ a sh:TripleRule ; sh:subject sh:this ; sh:predicate own:q ; sh:object own:r ] .\n"
+    )
+    inferred = ":a <https://example.org/own/gone> :b ."
+    (gone,) = difference(bench(tmp_path, ":a :saw :b .", inferred), files(rules)).changes
+    assert gone.rules == ()
+    assert spell_triple(gone.triple, gone.prefixes) == ":a own:gone :b"
