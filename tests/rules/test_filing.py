@@ -65,6 +65,6 @@ def test_the_ending_names_the_format(tmp_path: Path) -> None:
     for name in ("in.ttl", "in.trig"):
         (tmp_path / name).write_text(text)
         assert run_files([tmp_path / name], None, copies()).inferred == 2
-    (tmp_path / "in.txt").write_text(text)
+    (tmp_path / "in.csv").write_text(text)
     with pytest.raises(UsageError, match="names no format"):
-        run_files([tmp_path / "in.txt"], None, copies())
+        run_files([tmp_path / "in.csv"], None, copies())
