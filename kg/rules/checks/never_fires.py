@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 from kg.query.prefixes import PREFIXES, shorten
 from kg.query.runner import DeadlineError, in_thread
 from kg.rules.checks.finding import Finding, at_rule
+from kg.rules.dependencies import depends
 from kg.rules.form import AUXILIARY, Aggregate, Assignment, Atom, Exists, Filter, atoms_of
 from kg.rules.sparql import group
 
@@ -46,7 +47,14 @@ def check(file: RuleFile, context: Context) -> Iterator[Finding]:
     if not fires:
         reason = f": nothing matches {_shown(element, file)}" if element else ""
         place = (_place(element) if element else None) or at_rule(file)
-        yield Finding(CODE, "note", file.name, f"on this store the rule derives nothing{reason}", place, _hint(element))
+        yield Finding(
+            CODE,
+            "note",
+            file.name,
+            f"on this store the rule derives nothing{reason}",
+            place,
+            _hint(element, file, context),
+        )
 
 
 def _ask(store: Store, rules: Sequence[Rule]) -> tuple[bool, Element | None]:
@@ -72,9 +80,13 @@ def _place(element: Element) -> Place | None:
     return getattr(element, "place", None)
 
 
-def _hint(element: Element | None) -> str:
+def _hint(element: Element | None, file: RuleFile, context: Context) -> str:
     """Return what can be done about a part that lets nothing through."""
     if isinstance(element, Atom):
+        heads = ((rule.name, head) for rule in context.cut or context.rules.rules for head in rule.head)
+        writer = next((name for name, head in heads if name != file.name and depends(element, head)), None)
+        if writer:
+            return f"{writer} derives such triples: see whether it fires; `kg rules run` applies it."
         return "Correct the names in it, or build the packages that would state it; `kg why-not` goes deeper."
     if isinstance(element, Filter | Assignment):
         return "All before it has matches: compare the values that it sees there with what it asks for."
