@@ -7,7 +7,8 @@ in the graph of inferred triples follows from the rules that ran, and is never l
 
 from __future__ import annotations
 
-from dataclasses import replace
+import json
+from dataclasses import asdict, dataclass, replace
 from hashlib import blake2b
 from typing import TYPE_CHECKING, Final
 
@@ -28,9 +29,10 @@ if TYPE_CHECKING:
     from kg.rules.running import Runner
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
+    from kg.store.layout import Layout
     from kg.store.transaction import EmbeddedTransaction
 
-__all__ = ["Inference", "add_ontologies", "digest", "last_digest", "note_digest"]
+__all__ = ["Inference", "LastRun", "add_ontologies", "digest", "last_run", "note_run", "unchanged"]
 
 _LAST: Final = "rules"
 
@@ -51,19 +53,45 @@ def digest(settings: Settings) -> str:
     return found.hexdigest()
 
 
-def last_digest(cache: Path) -> str | None:
-    """Return the digest of the rules that ran last; empty where some could not, None where it is not known."""
+@dataclass(frozen=True, slots=True)
+class LastRun:
+    """What is known of the last run: the digest of its rules, empty where some could not run, and what it counted.
+
+    What is inferred follows from the generation `generation` of the store and these rules, with this `base`.
+    """
+
+    digest: str
+    base: str = ""
+    generation: int | None = None
+    asserted: int = 0
+    inferred: int = 0
+    strata: int = 0
+
+
+def last_run(cache: Path) -> LastRun | None:
+    """Return what the last run left in the folder `cache`; None where it is not known."""
     try:
-        return (cache / _LAST).read_text(encoding="ascii")
-    except (OSError, UnicodeDecodeError):
+        return LastRun(**json.loads((cache / _LAST).read_bytes()))
+    except (OSError, ValueError, TypeError):
         return None
 
 
-def note_digest(cache: Path, found: str) -> None:
-    """Keep the digest of the rules that ran, empty where some could not; StoreError KG304 when the disk is full."""
+def note_run(cache: Path, run: LastRun) -> None:
+    """Keep what is known of a run for the next one; StoreError KG304 when the disk is full."""
     with translated(str(cache)):
         cache.mkdir(parents=True, exist_ok=True)
-        write_atomically(cache / _LAST, found.encode(), durable=False)
+        write_atomically(cache / _LAST, json.dumps(asdict(run)).encode(), durable=False)
+
+
+def unchanged(settings: Settings, layout: Layout) -> LastRun | None:
+    """Return the last run where neither the store nor a rule has changed since, so that another one would do nothing.
+
+    Raises as `digest`.
+    """
+    found = last_run(layout.cache)
+    if found is None or found.generation != layout.current() or found.base != settings.base:
+        return None
+    return found if found.digest == digest(settings) else None
 
 
 def _content(path: Path) -> bytes:
@@ -93,7 +121,7 @@ class Inference:
         self._store = store
         self._settings = settings
         self._runner: Runner | None = None
-        self._ran = False
+        self._last: LastRun | None = None
 
     def run(self, transaction: EmbeddedTransaction) -> Inferred:
         """Make what is inferred follow from what the transaction has written by now; what cannot run is left out.
@@ -104,11 +132,12 @@ class Inference:
         """
         found = digest(self._settings)
         problems: list[RuleError] = []
+        self._last = LastRun("")
         inferred = self._attempt(transaction, problems, own=True)
         if inferred is None:
             inferred = self._attempt(transaction, [], own=False) or self._nothing(transaction)
-        self._ran = True
         self.digest = "" if problems else found
+        self._last = replace(self._last, digest=self.digest)
         return replace(inferred, problems=tuple(problems))
 
     def _attempt(self, transaction: EmbeddedTransaction, problems: list[RuleError], *, own: bool) -> Inferred | None:
@@ -126,6 +155,7 @@ class Inference:
             problems.append(error)
             return None
         self._runner = runner
+        self._last = LastRun("", self._settings.base, None, found.asserted, found.inferred, found.strata)
         return Inferred(found.inferred, found.added, found.removed, found.seconds.total, found.mode)
 
     def _nothing(self, transaction: EmbeddedTransaction) -> Inferred:
@@ -140,5 +170,6 @@ class Inference:
         """Keep what the run read and inferred, as of the generation that its transaction made."""
         if self._runner is not None:
             self._runner.remember(generation)
-        if self._ran:
-            note_digest(self._store.layout.cache, self.digest)
+        if self._last is not None:
+            current = generation or self._store.layout.current()
+            note_run(self._store.layout.cache, replace(self._last, generation=current))

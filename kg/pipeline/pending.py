@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from kg.corpus.sources import is_address
 from kg.errors import SourceError
-from kg.pipeline.inferring import digest, last_digest
+from kg.pipeline.inferring import digest, last_run
 from kg.pipeline.plan import make_plan, version
 from kg.pipeline.recording import RecordingWorkspace
 from kg.pipeline.report import Silent
@@ -47,8 +47,8 @@ def rules_changed(layout: Layout, settings: Settings) -> bool:
 
     Raises as `kg.pipeline.inferring.digest`.
     """
-    last = last_digest(layout.cache)
-    return last is not None and last != digest(settings)
+    last = last_run(layout.cache)
+    return last is not None and last.digest != digest(settings)
 
 
 def _roots(state: State, layout: Layout) -> list[str]:

@@ -8,12 +8,12 @@ import pytest
 from cli.rover import build
 
 from kg.errors import RuleError, SourceError, UsageError
-from kg.pipeline.inferring import digest, last_digest
+from kg.pipeline.inferring import digest, last_run, unchanged
 from kg.pipeline.rule_runs import run_on_files, run_on_store
 from kg.rules.authoring.runs import rule_runs, run_objects
 from kg.rules.engine.limits import Limits
 from kg.settings import load
-from kg.store.opening import reading
+from kg.store.opening import existing, layout_of, reading
 
 if TYPE_CHECKING:
     from kg.settings import Settings
@@ -87,8 +87,27 @@ def test_a_run_is_remembered_by_its_rules(settings: Settings, tmp_path: Path) ->
     """What changed since is told apart by the digest of the rules; a run that writes nothing leaves it."""
     build(tmp_path / ".kg")
     cache = tmp_path / ".kg" / "cache"
-    before = last_digest(cache)
+    before = last_run(cache)
     run_on_store(settings, dry_run=True)
-    assert last_digest(cache) == before != digest(settings)
+    assert last_run(cache) == before
+    report = run_on_store(settings)
+    last = last_run(cache)
+    assert last is not None
+    assert (last.digest, last.inferred, last.asserted) == (digest(settings), report.inferred, report.asserted)
+
+
+def test_a_store_and_rules_that_are_as_they_were_are_known(settings: Settings, tmp_path: Path) -> None:
+    """Until a rule or a generation is new."""
+    build(tmp_path / ".kg")
     run_on_store(settings)
-    assert last_digest(cache) == digest(settings)
+    layout = layout_of(settings)
+    assert unchanged(settings, layout) == last_run(layout.cache)
+    rule = tmp_path / "rules" / "wiring" / "more.rq"
+    rule.write_text("CONSTRUCT { ?x <urn:p> ?y } WHERE { ?x <urn:q> ?y }")
+    assert unchanged(settings, layout) is None
+    rule.unlink()
+    assert unchanged(settings, layout) is not None
+    with existing(settings).write("test") as transaction:
+        transaction.drop_graph(transaction.graphs()[0])
+        transaction.commit()
+    assert unchanged(settings, layout) is None
