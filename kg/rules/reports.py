@@ -5,15 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from kg.rules.engine.facts import Facts
+from kg.rules.engine.terms import Dictionary
 from kg.rules.lines import lines
 
 if TYPE_CHECKING:
     from kg.rules.engine.evaluate import RuleReport
-    from kg.rules.engine.facts import Facts
-    from kg.rules.engine.terms import Dictionary
     from kg.rules.form import Rule
 
-__all__ = ["Difference", "RunReport", "Seconds"]
+__all__ = ["Difference", "RunReport", "Seconds", "nothing_changed"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,3 +71,9 @@ class RunReport:
     applied: tuple[Rule, ...] = ()
     generation: int | None = None
     dry_run: bool = False
+
+
+def nothing_changed(asserted: int, inferred: int, strata: int) -> RunReport:
+    """Return the report of a run that had nothing to do; the counts are those of the last run."""
+    change = Difference(Dictionary(), Facts(), Facts())
+    return RunReport(asserted, inferred, 0, 0, Seconds(), strata, "incremental", (), change)

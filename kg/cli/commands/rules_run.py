@@ -12,6 +12,7 @@ from kg.cli.progress import waiting
 from kg.cli.session import session
 from kg.errors import UsageError
 from kg.render.text import count
+from kg.store.opening import layout_of
 
 if TYPE_CHECKING:
     from kg.rules.engine.limits import Limits
@@ -84,11 +85,15 @@ def run(  # noqa: PLR0913 - the options of a command
         kg rules run --remote http://localhost:7878/query --update-url http://localhost:7878/update
         kg rules run --data all.ttl --output inferred.nt
     """
-    from kg.pipeline import rule_runs  # noqa: PLC0415 - start-up time
-
     _agree(remote=remote, update_url=update_url, data=data, output=output, dry_run=dry_run)
     settings = session(context).settings(store=store, rules=rules, rule_families=rule_families, timeout=timeout)
     limits = limits_of(settings, max_triples)
+    usual = not (full or dry_run or remote or data or max_triples)
+    if usual and (done := _nothing_to_do(settings)):
+        _show(done, verbose=verbose, json=json)
+        return
+    from kg.pipeline import rule_runs  # noqa: PLC0415 - start-up time
+
     with waiting("running the rules"):
         if remote:
             answer = rule_runs.run_on_server(settings, remote, update_url, limits=limits)
@@ -101,6 +106,18 @@ def run(  # noqa: PLR0913 - the options of a command
         _show_remote(answer, json=json)
     else:
         _show(report, verbose=verbose, json=json)
+
+
+def _nothing_to_do(settings: "Settings") -> "RunReport | None":
+    """Return the report of a run where nothing changed since the last one, without reading a rule."""
+    from kg.pipeline.inferring import unchanged  # noqa: PLC0415 - start-up time
+
+    last = unchanged(settings, layout_of(settings))
+    if last is None:
+        return None
+    from kg.rules.reports import nothing_changed  # noqa: PLC0415 - start-up time
+
+    return nothing_changed(last.asserted, last.inferred, last.strata)
 
 
 def limits_of(settings: "Settings", max_triples: str | None = None) -> "Limits":
