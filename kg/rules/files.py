@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
     from kg.rules.form import Rule
 
-__all__ = ["HEADINGS", "NOTATIONS", "REQUIRED_HEADINGS", "Documentation", "RuleFile", "RuleSet"]
+__all__ = ["HEADINGS", "NOTATIONS", "REQUIRED_HEADINGS", "Documentation", "RuleFile", "RuleSet", "family_of"]
 
 HEADINGS: Final = ("What it infers", "Why", "Known limits", "References")
 """The headings that documentation may have, in their order."""
@@ -53,9 +53,15 @@ class Documentation:
     severity: str | None = None
 
 
+def family_of(name: str) -> str:
+    """Return the family of a rule: the first part of its name, empty for a name without a slash."""
+    first, slash, _ = name.partition("/")
+    return first if slash else ""
+
+
 @dataclass(frozen=True, slots=True)
 class RuleFile:
-    """One file of rules, read; `name` is `family/name`."""
+    """One file of rules, read; `name` is `family/name`, with folders between where a family has some."""
 
     name: str
     path: Path
@@ -70,8 +76,8 @@ class RuleFile:
 
     @property
     def family(self) -> str:
-        """The part of the name before its last slash."""
-        return self.name.rpartition("/")[0]
+        """The first part of the name; empty for a file that stands in no folder of its own."""
+        return family_of(self.name)
 
     @property
     def notation(self) -> str:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Final
 from kg.errors import UsageError
 from kg.query.similar import did_you_mean
 from kg.resources import folder as shipped
+from kg.rules.files import family_of
 from kg.rules.reading import packs, rule_files
 from kg.settings import find_file
 
@@ -53,7 +54,7 @@ def families_in_force(settings: Settings) -> tuple[str, ...]:
     """
     if not settings.rule_families:
         return ()
-    known = sorted(set(_families(settings)))
+    known = sorted(set(_families(settings)) - {""})
     for name in settings.rule_families:
         plain = name.removeprefix("+")
         if plain not in known:
@@ -65,9 +66,9 @@ def families_in_force(settings: Settings) -> tuple[str, ...]:
 
 
 def _families(settings: Settings) -> Iterator[str]:
-    """Yield the family of each rule at hand: the first part of its name."""
+    """Yield the family of each rule at hand."""
     for folder in (shipped(_NAME), *(pack.folder for pack in packs()), *user_folders(settings)):
-        yield from (name.partition("/")[0] for _, name in rule_files(folder, every=True))
+        yield from (family_of(name) for _, name in rule_files(folder, every=True))
 
 
 def _setting(origin: Origin, name: str) -> str:

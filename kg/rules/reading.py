@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import Place, RuleError
-from kg.rules.files import NOTATIONS, RuleFile, RuleSet
+from kg.rules.files import NOTATIONS, RuleFile, RuleSet, family_of
 from kg.rules.header import parse_header
 
 if TYPE_CHECKING:
@@ -147,7 +147,7 @@ def rule_files(folder: Path, families: Collection[str] = (), *, every: bool = Fa
         raise RuleError("KG231", "there is no such folder of rules", place=Place(str(folder)), hint=hint)
     for path in sorted(_visible(folder)):
         name = path.relative_to(folder).with_suffix("").as_posix()
-        if path.suffix in NOTATIONS and (every or _in_force(path, name.partition("/")[0], families)):
+        if path.suffix in NOTATIONS and (every or _in_force(path, family_of(name), families)):
             yield path, name
 
 

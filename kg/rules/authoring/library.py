@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from kg import resources
 from kg.errors import Place, RuleError
+from kg.rules.files import family_of
 from kg.rules.folders import families_in_force, user_folders
 from kg.rules.reading import TWICE, packs, read, rule_files
 
@@ -37,8 +38,8 @@ class Entry:
 
     @property
     def family(self) -> str:
-        """The part of the name before its last slash."""
-        return self.name.rpartition("/")[0]
+        """The first part of the name; empty for a file that stands in no folder of its own."""
+        return family_of(self.name)
 
     @property
     def examples(self) -> Path:

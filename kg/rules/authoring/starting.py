@@ -28,7 +28,7 @@ def start(name: str, folder: Path, notation: str = "rq") -> tuple[Path, Path]:
     ending = _ending(notation)
     if not _NAME.fullmatch(name):
         hint = f"Did you mean `{near}`?" if _NAME.fullmatch(near := _mended(name)) else "For example wiring/listens-to."
-        message = f"`{name}` is no name of a rule: a family and a name, of a-z, 0-9 and -, joined by a slash"
+        message = f"`{name}` is no name of a rule: a family and a name, of a-z, 0-9, - and _, joined by slashes"
         raise UsageError("KG003", message, hint=hint)
     targets = folder / f"{name}{ending}", folder / f"{name}.md"
     existing = [path for path in (*(folder / f"{name}{each}" for each in NOTATIONS), targets[1]) if path.exists()]

@@ -163,3 +163,14 @@ def test_what_is_closed_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     with pytest.raises(RuleError, match=r"KG231.*Permission denied") as caught:
         list(rule_files(tmp_path))
     assert str(caught.value.place) == str(tmp_path)
+
+
+def test_a_family_is_the_first_part_of_a_name(tmp_path: Path) -> None:
+    """Folders may stand in a family; a file in none has no family, and is in force where none is named."""
+    for name in ("top", "f/one", "f/deep/two"):
+        path = tmp_path / f"{name}.rq"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(RULE)
+    entries = Library([tmp_path]).in_force
+    assert {entry.name: entry.family for entry in entries} == {"top": "", "f/one": "f", "f/deep/two": "f"}
+    assert [entry.name for entry in Library([tmp_path], families=["f"]).in_force] == ["f/deep/two", "f/one"]
