@@ -5,7 +5,9 @@ tests/test_docs.py compares the result with what is kept.
 
 from __future__ import annotations
 
+import os
 import shutil
+import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -28,6 +30,9 @@ if TYPE_CHECKING:
 __all__ = ["PAGES", "SESSIONS", "main", "session"]
 
 _FOLDER: Final = Path(__file__).resolve().parent
+_DATES: Final = {"GIT_AUTHOR_DATE": "2026-01-01T00:00:00Z", "GIT_COMMITTER_DATE": "2026-01-01T00:00:00Z"}
+"""The commit has one name, whenever it is made."""
+_AUTHOR: Final = ("-c", "user.name=kg", "-c", "user.email=kg@localhost", "-c", "commit.gpgsign=false")
 
 _ROOMS: Final = {
     "0": "Usage and settings",
@@ -223,9 +228,15 @@ def main() -> None:
 
 
 def session(page: Path, folder: Path) -> str:
-    """Return a page with what its commands print now; they run in `folder`, which gets a copy of `examples/`."""
-    shutil.copytree(_FOLDER.parent / "examples", folder / "examples")
-    return refreshed(page.read_text(encoding="utf-8"), folder)
+    """Return a page with what its commands print now; they run below `folder`, in a checkout that has `examples/`.
+
+    It is called `kg`, as a clone is, so that readers in a clone see the same names of sources and files.
+    """
+    clone = folder / "kg"
+    shutil.copytree(_FOLDER.parent / "examples", clone / "examples")
+    for arguments in (["init", "-q"], ["add", "examples"], [*_AUTHOR, "commit", "-q", "-m", "The example workspace"]):
+        subprocess.run(["git", "-C", str(clone), *arguments], check=True, env={**os.environ, **_DATES})  # noqa: S607 - the reader's git
+    return refreshed(page.read_text(encoding="utf-8"), clone)
 
 
 def _write(path: Path, text: str) -> None:

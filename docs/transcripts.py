@@ -27,6 +27,8 @@ _LEFT_OUT: Final = "..."
 _VARIES: Final = re.compile(r"\b\d+(?:\.\d+)? ?(?=m?s\b)|\b\d+\.\d{4}\b|\b\d+(?=%)")
 """Durations in sentences and in columns, and shares of them."""
 _SECONDS: Final = 120
+_DEFECT: Final = "error[KG900]"
+"""What `kg` says of a defect in itself: no page shows that as an example."""
 _CONTROL: Final = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]|\x1b\]8;[^\x1b]*\x1b\\")
 """Weights of letters, and links behind them."""
 _CHUNK_BYTES: Final = 65536
@@ -56,7 +58,10 @@ def refreshed(text: str, folder: Path) -> str:
 
 
 def run(command: str, folder: Path) -> str:
-    """Run a line of a shell as a reader with `kg` on the path would, and return what it prints."""
+    """Run a line of a shell as a reader with `kg` on the path would, and return what it prints.
+
+    Raises RuntimeError where that is a defect in `kg` (KG900).
+    """
     terminal, other_end = pty.openpty()
     surroundings = {name: value for name, value in os.environ.items() if not name.startswith("KG_")}
     search = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
@@ -73,7 +78,9 @@ def run(command: str, folder: Path) -> str:
         words = process.communicate(timeout=_SECONDS)[1]
     os.close(terminal)
     text = _CONTROL.sub("", (shown + words).decode())
-    return text.replace("\r\n", "\n").replace(_ROOT, _SHOWN_ROOT)
+    if _DEFECT in text:
+        raise RuntimeError(f"a page would show a defect; `{command}` printed:\n{text}")
+    return text.replace("\r\n", "\n").replace(f"{_ROOT}/", "").replace(_ROOT, _SHOWN_ROOT)
 
 
 def _read(terminal: int) -> Iterator[bytes]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections import Counter
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from kg.cli.output import Column, make_table
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
     from kg.rules.reports import RunReport
 
 __all__ = [
-    "COLUMNS",
     "change_lines",
     "changed_line",
     "coverage_lines",
@@ -40,6 +40,7 @@ __all__ = [
     "element_table",
     "gap_words",
     "here",
+    "list_columns",
     "list_row",
     "manual_lines",
     "paragraphs",
@@ -63,6 +64,12 @@ def here(path: str | Path) -> str:
     """Return a path as seen from the working folder, where it lies below it."""
     text = os.path.relpath(path)
     return str(path) if text.startswith("..") else text
+
+
+def list_columns(rows: Iterable[Sequence[str | None]]) -> list[Column]:
+    """Return the columns of the list of rules; a state that there is to tell is not left out on short lines."""
+    told = any(row[-1] for row in rows)
+    return [replace(column, spare=False) if told and column.title == "state" else column for column in COLUMNS]
 
 
 def list_row(entry: Entry, told: Documentation, error: RuleError | None = None) -> tuple[str | None, ...]:

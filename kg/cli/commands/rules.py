@@ -88,7 +88,7 @@ def list_rules(
         kg rules list
         kg rules list capability
     """
-    from kg.cli.rules_view import COLUMNS, list_row  # noqa: PLC0415 - start-up time
+    from kg.cli.rules_view import list_columns, list_row  # noqa: PLC0415 - start-up time
     from kg.rules.authoring.library import Library  # noqa: PLC0415 - start-up time
     from kg.rules.authoring.manual import entry_object  # noqa: PLC0415 - start-up time
     from kg.rules.authoring.naming import choose  # noqa: PLC0415 - start-up time
@@ -97,7 +97,8 @@ def list_rules(
     found = [(entry, *_read(library, entry)) for entry in choose(library, chosen or ())]
     errors = [*library.problems, *(error for _, _, error in found if error)]
     objects = (entry_object(*each) for each in found) if json else None
-    listing(COLUMNS, [list_row(*each) for each in found], objects=objects)
+    rows = [list_row(*each) for each in found]
+    listing(list_columns(rows), rows, objects=objects)
     for error in errors:
         report(error)
     if terminal() and not json:
