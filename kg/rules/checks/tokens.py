@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import re
+from typing import TYPE_CHECKING, Final
 
 from kg.query.lexer import Kind, normalise, tokens
 from kg.rules.checks.finding import at_offset, at_rule
@@ -17,19 +18,22 @@ if TYPE_CHECKING:
 __all__ = ["names", "place_of_name", "variables"]
 
 
-def _code(file: RuleFile) -> Iterator[Token]:
-    """Yield the tokens of a rule in one of the notations that are like SPARQL; of Turtle nothing is read."""
-    if file.notation != ".ttl":
-        yield from tokens(normalise(file.text))
+_DECLARING: Final = {"PREFIX": 2, "@PREFIX": 2, "BASE": 1, "@BASE": 1, "IMPORTS": 1, "VERSION": 1, "@VERSION": 1}
+"""How many tokens belong to a declaration that begins with these."""
+
+_PREFIX: Final = re.compile(r"^\s*@?prefix\s+([\w.-]*):\s*<([^>]*)>", re.MULTILINE | re.IGNORECASE)
 
 
 def names(file: RuleFile) -> Iterator[tuple[str, Token]]:
-    """Yield each name of a file as an IRI with its token; declarations of prefixes are left out."""
-    prefixes = file.prefixes or {}
+    """Yield each name of a file as an IRI with its token; declarations of prefixes are left out.
+
+    So are the names inside the queries of SHACL rules, which are strings to Turtle.
+    """
+    prefixes = file.prefixes or (dict(_PREFIX.findall(file.text)) if file.notation == ".ttl" else {})
     declaring = 0
-    for token in _code(file):
-        if token.kind is Kind.WORD and token.text.upper() in {"PREFIX", "BASE", "IMPORTS", "VERSION"}:
-            declaring = 2 if token.text.upper() == "PREFIX" else 1
+    for token in tokens(normalise(file.text)):
+        if token.kind in {Kind.WORD, Kind.TAG} and token.text.upper() in _DECLARING:
+            declaring = _DECLARING[token.text.upper()]
         elif declaring:
             declaring -= 1
         elif token.kind is Kind.IRI:
@@ -46,5 +50,6 @@ def place_of_name(file: RuleFile, iri: str) -> Place:
 
 
 def variables(file: RuleFile) -> Iterator[Token]:
-    """Yield the variables of a file in the order of the text."""
-    yield from (token for token in _code(file) if token.kind is Kind.VARIABLE)
+    """Yield the variables of a file in the order of the text; in Turtle there are none."""
+    if file.notation != ".ttl":
+        yield from (token for token in tokens(normalise(file.text)) if token.kind is Kind.VARIABLE)

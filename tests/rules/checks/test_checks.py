@@ -23,14 +23,14 @@ from kg.rules.checks.run import CHECKS, check_file
 from kg.rules.checks.stores import StoreOf, nothing
 from kg.rules.checks.subsumed import subsumes
 from kg.rules.explain.view import View, Vocabulary
-from kg.rules.files import RuleSet
+from kg.rules.files import NOTATIONS, RuleSet
 from kg.rules.reading import read, read_text
 
 if TYPE_CHECKING:
     from kg.rules.form import Element
 
 FOLDER = Path(__file__).parent / "cases"
-CASES = sorted(path for path in FOLDER.rglob("*") if path.suffix in {".rq", ".srl"})
+CASES = sorted(path for path in FOLDER.rglob("*") if path.suffix in NOTATIONS)
 DATA = ":ann a :Person ; :knows :bo . :bo :likes :ann ; :met :ann ."
 TERMS = frozenset(EX + name for name in ("knows", "likes", "hates", "met", "Person"))
 OTHERS = f"PREFIX : <{EX}> CONSTRUCT {{ ?x :met ?y }} WHERE {{ ?y :met ?x }}"
