@@ -16,13 +16,8 @@ from kg.graph.ontology_places import place_of
 from kg.graph.vocabulary import RNKG
 from kg.pipeline.inferring import digest
 from kg.query.prefixes import PREFIXES
-from kg.query.stored import discover as discover_queries
-from kg.query.terms import iris_of
 from kg.rules.cells import cells
-from kg.rules.checks.finding import Context
-from kg.rules.checks.stores import StoreOf, nothing
 from kg.rules.explain.proof import Evidence
-from kg.rules.explain.view import View, Vocabulary
 from kg.rules.files import RuleSet
 from kg.rules.folders import families_in_force, user_folders
 from kg.rules.reading import discover, packs
@@ -34,7 +29,9 @@ if TYPE_CHECKING:
 
     from pyoxigraph import Triple
 
+    from kg.rules.checks.finding import Context
     from kg.rules.columns import Tables
+    from kg.rules.explain.view import Vocabulary
     from kg.rules.reading import Pack
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
@@ -105,6 +102,13 @@ def rule_folders(settings: Settings) -> tuple[Path, ...]:
 
 def check_context(settings: Settings, snapshot: EmbeddedSnapshot | None) -> Context:
     """Return what rules are checked against: the ontologies, the stored queries, and a store where there is one."""
+    # Builds need none of this.
+    from kg.query.stored import discover as discover_queries  # noqa: PLC0415 - see above
+    from kg.query.terms import iris_of  # noqa: PLC0415 - see above
+    from kg.rules.checks.finding import Context  # noqa: PLC0415 - see above
+    from kg.rules.checks.stores import StoreOf, nothing  # noqa: PLC0415 - see above
+    from kg.rules.explain.view import View  # noqa: PLC0415 - see above
+
     vocabulary = explained_vocabulary(settings.base)
     ontologies = _ontologies()
     terms = _terms(ontologies.query(_VOCABULARY, prefixes=dict(PREFIXES)))
@@ -170,6 +174,8 @@ def _terms(rows: Any) -> frozenset[str]:
 
 def explained_vocabulary(base: str) -> Vocabulary:
     """Return what explanations need to know of a graph with this base."""
+    from kg.rules.explain.view import Vocabulary  # noqa: PLC0415 - builds explain nothing
+
     iris = Iris(base)
     path, line, repository = (NamedNode(RNKG + name) for name in ("path", "line", "repository"))
     inferred, builds = NamedNode(iris.graph("inferred")), NamedNode(iris.graph("builds"))

@@ -21,7 +21,7 @@ from kg.pipeline.sharing import keep_shared
 from kg.pipeline.state import discard
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
     from pathlib import Path
 
     from kg.corpus.workspace import Source
@@ -74,8 +74,12 @@ class Writing:
         if not anew and self._state.version == self._plan.version:
             return
         ontology = NamedNode(self._iris.graph("ontology"))
-        graphs = {self._graph(source.repository.name): () for source in anew}
-        self._transaction.replace_graphs({**graphs, ontology: [ontology_triples()]})
+        graphs: dict[NamedNode, Iterable[bytes]] = {self._graph(source.repository.name): () for source in anew}
+        if self._state.version != self._plan.version:
+            graphs[ontology] = [ontology_triples()]
+        self._transaction.replace_graphs(graphs)
+        if ontology not in self._transaction.graphs():
+            self._transaction.load(ontology, [ontology_triples()])
         for source in anew:
             name = source.repository.name
             for package in source.packages:
