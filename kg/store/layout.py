@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import json
 import os
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
@@ -24,7 +25,7 @@ from kg.store.failure import translated
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["FOLDER", "LAYOUT", "Layout", "create", "find", "write_atomically"]
+__all__ = ["FOLDER", "LAYOUT", "Layout", "create", "find", "folder_bytes", "write_atomically"]
 
 FOLDER: Final = ".kg"
 """Name of the folder of a store."""
@@ -160,3 +161,12 @@ def create(root: Path) -> Layout:
         if not ignore.exists():
             ignore.write_text("*\n")
     return layout
+
+
+def folder_bytes(folder: Path) -> int:
+    """Return how large the files in a folder are, while a database may be removing some of them."""
+    size = 0
+    for path in folder.iterdir():
+        with suppress(FileNotFoundError):
+            size += path.stat().st_size
+    return size
