@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import shutil
 import socket
 import subprocess
+import sys
 import time
 import urllib.request
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -29,12 +32,12 @@ def free_port() -> int:
 def oxigraph_server() -> Iterator[str]:
     """Run `oxigraph serve` in memory and yield its address; skip the test where the program is not installed."""
     address = f"127.0.0.1:{free_port()}"
-    try:
-        process = subprocess.Popen(
-            ["oxigraph", "serve", "--bind", address], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-        )
-    except FileNotFoundError:
+    # pip puts it beside the Python that runs the tests, which need not be on the path.
+    program = shutil.which("oxigraph", path=str(Path(sys.executable).parent)) or shutil.which("oxigraph")
+    if program is None:
         pytest.skip("oxigraph is not installed (pip install oxigraph)")
+    command = [program, "serve", "--bind", address]
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
         _wait(f"http://{address}/")
         yield f"http://{address}"
