@@ -12,7 +12,6 @@ from kg import resources
 from kg.errors import RuleError
 from kg.graph.iris import Iris
 from kg.graph.ontology_files import ontology_triples
-from kg.graph.ontology_places import place_of
 from kg.graph.vocabulary import RNKG
 from kg.pipeline.inferring import digest
 from kg.query.prefixes import PREFIXES
@@ -31,6 +30,7 @@ if TYPE_CHECKING:
 
     from kg.rules.checks.finding import Context
     from kg.rules.columns import Tables
+    from kg.rules.documents import Statement
     from kg.rules.explain.view import Vocabulary
     from kg.rules.reading import Pack
     from kg.settings import Settings
@@ -184,5 +184,15 @@ def explained_vocabulary(base: str) -> Vocabulary:
 
 def _ontology_line(fact: Triple) -> Evidence | None:
     """Return the line of an ontology that states a fact."""
-    found = place_of(fact)
+    from kg.rules.documents import place_of  # noqa: PLC0415 - only explanations need it
+
+    found = place_of(fact, _ontology_statements())
     return Evidence(*found) if found else None
+
+
+@lru_cache(maxsize=1)
+def _ontology_statements() -> dict[str, Statement]:
+    from kg.graph.ontology_files import default_ontologies  # noqa: PLC0415 - only explanations need it
+    from kg.rules.documents import statements  # noqa: PLC0415 - the same
+
+    return statements(default_ontologies())

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
@@ -11,6 +10,7 @@ from pyoxigraph import Literal, NamedNode, RdfFormat
 
 from kg.errors import Place
 from kg.query.prefixes import PREFIXES, shorten
+from kg.rules.documents import statements
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -31,8 +31,6 @@ _KINDS: Final = {
 _TYPE: Final = NamedNode(PREFIXES["rdf"] + "type")
 _LABEL: Final = NamedNode(PREFIXES["rdfs"] + "label")
 _COMMENTS: Final = (NamedNode(PREFIXES["rdfs"] + "comment"), NamedNode(PREFIXES["skos"] + "definition"))
-_SUBJECT: Final = re.compile(r"^(?:([\w.-]*):([\w.-]+)|<([^>\s]+)>)(?=\s)", re.MULTILINE)
-_PREFIX: Final = re.compile(r"^\s*@?prefix\s+([\w.-]*):\s*<([^>]*)>", re.MULTILINE | re.IGNORECASE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,12 +72,12 @@ class Terms:
         for path in files:
             store = pyoxigraph.Store()
             store.load(path=path, format=RdfFormat.TURTLE)
-            lines = _lines(path)
+            stated = statements([path])
             for quad in store.quads_for_pattern(None, _TYPE, None):
                 kind = _KINDS.get(quad.object.value) if isinstance(quad.object, NamedNode) else None
                 if kind and isinstance(quad.subject, NamedNode):
                     iri = quad.subject.value
-                    place = Place(str(path), lines[iri], 1) if iri in lines else None
+                    place = Place(str(path), stated[iri].line, 1) if iri in stated else None
                     found.setdefault(iri, _term(store, quad.subject, kind, place, counted.get(iri)))
         for iri, number in counted.items():
             found.setdefault(iri, DefinedTerm(iri, "property", uses=number))
@@ -101,14 +99,3 @@ def _term(store: pyoxigraph.Store, subject: NamedNode, kind: str, place: Place |
 def _text(store: pyoxigraph.Store, subject: NamedNode, predicate: NamedNode) -> str:
     texts = (quad.object for quad in store.quads_for_pattern(subject, predicate, None))
     return next((text.value for text in texts if isinstance(text, Literal)), "")
-
-
-def _lines(path: Path) -> dict[str, int]:
-    """Return the lines on which subjects begin a statement, by their IRI."""
-    text = path.read_text("utf-8")
-    prefixes = dict(_PREFIX.findall(text))
-    found: dict[str, int] = {}
-    for match in _SUBJECT.finditer(text):
-        iri = match[3] or (prefixes[match[1]] + match[2] if match[1] in prefixes else "")
-        found.setdefault(iri, text.count("\n", 0, match.start()) + 1)
-    return found

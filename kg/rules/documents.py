@@ -1,0 +1,74 @@
+"""On which lines files in Turtle state what they state, for explanations and for editors."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final
+
+from pyoxigraph import Literal, NamedNode
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+    from pathlib import Path
+
+    from pyoxigraph import Triple
+
+__all__ = ["Statement", "place_of", "statements"]
+
+_PREFIX: Final = re.compile(r"^\s*@?prefix\s+([\w.-]*):\s*<([^>]*)>", re.MULTILINE | re.IGNORECASE)
+_SUBJECT: Final = re.compile(r"^(?:([\w.-]*):([\w.-]+)|<([^>\s]+)>)(?=\s)")
+
+
+@dataclass(frozen=True, slots=True)
+class Statement:
+    """What a file says about one subject: its lines, numbered from one, and the prefixes of the file."""
+
+    path: Path
+    prefixes: Mapping[str, str]
+    lines: list[tuple[int, str]] = field(default_factory=list)
+
+    @property
+    def line(self) -> int:
+        """The line on which it begins."""
+        return self.lines[0][0]
+
+
+def statements(files: Iterable[Path]) -> dict[str, Statement]:
+    """Return the statements of files by the IRI of their subject; of two files that have one, those of the first."""
+    found: dict[str, Statement] = {}
+    for path in files:
+        text = path.read_text("utf-8")
+        prefixes = dict(_PREFIX.findall(text))
+        lines: list[tuple[int, str]] = []
+        for number, line in enumerate(text.splitlines(), 1):
+            match = _SUBJECT.match(line)
+            if match:
+                iri = match[3] or prefixes.get(match[1], "") + match[2]
+                lines = found.setdefault(iri, Statement(path, prefixes)).lines
+            lines.append((number, line))
+    return found
+
+
+def place_of(fact: Triple, known: Mapping[str, Statement]) -> tuple[str, int] | None:
+    """Return the file and line of the statement that has `fact`; None when its subject has none.
+
+    The line is that of the object where the statement has it on a line of its own.
+    """
+    statement = known.get(fact.subject.value) if isinstance(fact.subject, NamedNode) else None
+    if statement is None:
+        return None
+    named = list(_spellings(fact.object, statement.prefixes))
+    lines = (number for number, text in statement.lines if any(name in text for name in named))
+    return str(statement.path), next(lines, statement.line)
+
+
+def _spellings(term: object, prefixes: Mapping[str, str]) -> Iterator[str]:
+    """Yield how a file may write an object."""
+    if isinstance(term, Literal):
+        yield f'"{term.value}"'
+    elif isinstance(term, NamedNode):
+        yield f"<{term.value}>"
+        for prefix, namespace in prefixes.items():
+            if term.value.startswith(namespace):
+                yield f"{prefix}:{term.value.removeprefix(namespace)}"
