@@ -11,6 +11,7 @@ import stat
 from typing import TYPE_CHECKING, Final
 
 from kg.corpus.files import FilePath
+from kg.corpus.workspace import INSTALLED
 from kg.errors import CATALOGUE
 from kg.facts import Problem
 
@@ -91,10 +92,10 @@ class Reader:
 
     def _load(self, file: FilePath) -> bytes | None:
         source = self.workspace.source(file.repository)
-        if source is None:
+        if source is None and file.repository != INSTALLED:
             self.problem("KG110", f"{file.repository} is no source of this build", file.path)
             return None
-        path = self._inside(str(source.root), file)
+        path = self._inside(str(source.root), file) if source else self._installed(file)
         if path is None:
             self.problem("KG110", "the file is not inside of its source", file.path)
             return None
@@ -112,6 +113,9 @@ class Reader:
         real_root = os.path.realpath(root)
         real = os.path.realpath(path)
         return real if real.startswith(real_root + "/") else None
+
+    def _installed(self, file: FilePath) -> str | None:
+        return f"/{file.path}" if self.workspace.is_file(file) else None
 
     def _read_regular(self, path: str, file: FilePath) -> bytes | None:
         descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)

@@ -5,8 +5,10 @@ Every index is made when it is first asked for, so that a worker pays only for w
 
 from __future__ import annotations
 
+import os
 import posixpath
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from kg.corpus.files import FileEntry, FilePath, PackageFolder, Source
@@ -16,7 +18,10 @@ from kg.facts import FileKind
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["FileEntry", "FilePath", "PackageFolder", "Source", "Workspace", "scan", "scan_tree"]
+__all__ = ["INSTALLED", "FileEntry", "FilePath", "PackageFolder", "Source", "Workspace", "scan", "scan_tree"]
+
+INSTALLED: Final = "installed"
+"""Stands for the repository of files of installed packages; their paths are absolute ones without the first slash."""
 
 _MODULE_ROOTS: Final = ("", "src/", "scripts/", "nodes/", "python/", "script/")
 _INCLUDE_ROOTS: Final = ("include/", "src/", "")
@@ -25,8 +30,10 @@ _INCLUDE_ROOTS: Final = ("include/", "src/", "")
 class Workspace:
     """The sources of a build with their packages, headers, modules and interface definitions."""
 
-    def __init__(self, sources: Iterable[Source]) -> None:
+    def __init__(self, sources: Iterable[Source], installed: Iterable[Path] = ()) -> None:
+        """Take the sources, and the folders `installed` (`/opt/ros/jazzy/share`) that hold one folder a package."""
         self.sources = tuple(sources)
+        self.installed = tuple(installed)
         self._includes: dict[tuple[str, str, str], FilePath | None] = {}
         self._modules: dict[tuple[str, str, str], FilePath | None] = {}
 
@@ -37,6 +44,23 @@ class Workspace:
     def package(self, name: str) -> tuple[Source, PackageFolder] | None:
         """Return the package of that name and its source, the first if several sources have one."""
         return self._packages.get(name)
+
+    def installed_package(self, name: str) -> FilePath | None:
+        """Return the folder of an installed package; None when it is not installed."""
+        if not name or "/" in name or name.startswith("."):
+            return None
+        folders = (root / name for root in self.installed)
+        return next(
+            (FilePath(INSTALLED, str(one).lstrip("/")) for one in folders if (one / "package.xml").exists()), None
+        )
+
+    def is_file(self, file: FilePath) -> bool:
+        """Tell whether there is such a file, listed by the scan or not, inside the root of its source."""
+        source = self.source(file.repository)
+        if source is not None:
+            return self.entry(file) is not None or inside(source.root, source.root / file.path)
+        path = Path("/", file.path)
+        return file.repository == INSTALLED and any(inside(root, path) for root in self.installed)
 
     def entry(self, file: FilePath) -> FileEntry | None:
         """Return the entry of a file of the build; None when it is not in the build."""
@@ -188,6 +212,12 @@ class Workspace:
             if whole and FilePath(file.repository, posixpath.join(root, "__init__.py")) not in self._owners:
                 fits.append(file)
         return min(fits, key=lambda file: self._distance(file, near, home, ""), default=None)
+
+
+def inside(root: Path, path: Path) -> bool:
+    """Tell whether `path` is a regular file that stands, links followed, in the folder `root`."""
+    real = os.path.realpath(path)
+    return real.startswith(os.path.realpath(root).rstrip("/") + "/") and os.path.isfile(real)  # noqa: PTH113 - as above
 
 
 def _module_stem(path: str) -> str:

@@ -29,7 +29,7 @@ __all__ = ["Key", "Plan", "listing", "make_plan", "shape", "stamp", "version"]
 Key = tuple[str, str]
 """Name of the source and path of the package in it."""
 
-_CODE: Final = ("facts.py", "names.py", "corpus", "extract", "graph")
+_CODE: Final = ("facts", "names.py", "corpus", "extract", "wiring", "graph")
 """What of `kg` results depend on, besides its data."""
 
 _BYTES: Final = 16

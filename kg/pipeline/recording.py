@@ -8,6 +8,7 @@ from kg.corpus.workspace import FileEntry, FilePath, PackageFolder, Source, Work
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+    from pathlib import Path
 
 __all__ = ["Lookup", "RecordingWorkspace", "answer"]
 
@@ -18,8 +19,8 @@ Lookup: TypeAlias = tuple[str, ...]
 class RecordingWorkspace(Workspace):
     """A workspace whose `lookups` are those made since the last `forget`, with their answers as text."""
 
-    def __init__(self, sources: Iterable[Source]) -> None:
-        super().__init__(sources)
+    def __init__(self, sources: Iterable[Source], installed: Iterable[Path] = ()) -> None:
+        super().__init__(sources, installed)
         self.lookups: dict[Lookup, str] = {}
 
     def forget(self) -> None:
@@ -44,6 +45,18 @@ class RecordingWorkspace(Workspace):
         """Return the entry of a file of the build."""
         found = super().entry(file)
         self.lookups[("entry", *file)] = str(found is not None)
+        return found
+
+    def installed_package(self, name: str) -> FilePath | None:
+        """Return the folder of an installed package."""
+        found = super().installed_package(name)
+        self.lookups[("installed", name)] = _name(found)
+        return found
+
+    def is_file(self, file: FilePath) -> bool:
+        """Tell whether there is such a file."""
+        found = super().is_file(file)
+        self.lookups[("file", *file)] = str(found)
         return found
 
     def include(self, path: str, *, near: FilePath) -> FilePath | None:
@@ -72,6 +85,10 @@ def answer(workspace: Workspace, lookup: Lookup) -> str:
         return _place(workspace.package(asked[0]))
     if kind == "entry":
         return str(workspace.entry(FilePath(*asked)) is not None)
+    if kind == "installed":
+        return _name(workspace.installed_package(asked[0]))
+    if kind == "file":
+        return str(workspace.is_file(FilePath(*asked)))
     if kind == "definition":
         return _name(workspace.definition(*asked))
     find = workspace.include if kind == "include" else workspace.module

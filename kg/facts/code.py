@@ -1,16 +1,13 @@
-"""The facts that extractors yield; nothing else passes from reading to the graph.
-
-All are frozen and slotted. Paths are relative to the root of their source, with `/` between parts;
-lines count from one. A fact never holds an IRI: `kg.graph` makes those.
-
-Two levels are never mixed (see `docs/names.md`): a `NodeType` is what code declares, names as
-written; instances of nodes, with the names a launch configuration gives them, are facts of their own.
-"""
+"""Facts that code, build files and manifests give: RNKG's packages, node types, interfaces and parameters."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from kg.facts.launch import LaunchConfiguration
 
 __all__ = [
     "Access",
@@ -116,6 +113,14 @@ class Qos:
     durability: str | None = None
     history: str | None = None
     depth: int | None = None
+    deadline: float | None = None
+    """Longest time between two messages, in seconds; infinite where None."""
+    lifespan: float | None = None
+    """How long a message stays valid, in seconds."""
+    liveliness: str | None = None
+    """`automatic` or `manual_by_topic`."""
+    lease_duration: float | None = None
+    """How long a publisher may be silent before it is taken for dead, in seconds."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -302,6 +307,8 @@ class PackageFacts:
     package: Package
     nodes: tuple[NodeType, ...] = ()
     definitions: tuple[InterfaceDefinition, ...] = ()
+    launches: tuple[LaunchConfiguration, ...] = ()
+    """Each launch file of the package, evaluated as if it were the one that is started, with its default arguments."""
     files: tuple[SourceFile, ...] = ()
     problems: tuple[Problem, ...] = ()
     inputs: tuple[tuple[str, str], ...] = ()

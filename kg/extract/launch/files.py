@@ -1,0 +1,74 @@
+"""Files as launch files name them: `package://NAME/path`, found in the build, else among installed packages.
+
+Nothing outside of these can be named, so nothing else is ever read.
+"""
+
+from __future__ import annotations
+
+import posixpath
+from typing import TYPE_CHECKING, Final
+
+from kg.corpus.files import FilePath
+
+if TYPE_CHECKING:
+    from kg.corpus.reading import Reader
+
+__all__ = ["SCHEME", "Files"]
+
+SCHEME: Final = "package://"
+"""What the folder of a package begins with in texts; it stands for what `$(find NAME)` gives when it runs."""
+
+_LOOSE: Final = "source://"
+
+
+class Files:
+    """The files that launch files of one build may name, read through `reader`, which keeps the record."""
+
+    def __init__(self, reader: Reader) -> None:
+        self.reader = reader
+
+    def share(self, package: str) -> str | None:
+        """Return the text for the folder of a package; None when it is neither in the build nor installed."""
+        workspace = self.reader.workspace
+        known = workspace.package(package) or workspace.installed_package(package)
+        return f"{SCHEME}{package}" if known else None
+
+    def text(self, file: FilePath) -> str:
+        """Return the text that names a file of the build, by its package where one owns it."""
+        owner = self.reader.workspace.owner(file)
+        if owner is not None and (found := self.reader.workspace.package(owner.name)) and found[1] is owner:
+            inner = file.path if owner.path == "." else file.path.removeprefix(f"{owner.path}/")
+            return f"{SCHEME}{owner.name}/{inner}"
+        return f"{_LOOSE}{file.repository.replace('/', '!')}/{file.path}"
+
+    def folder(self, file: FilePath) -> str:
+        """Return the text that names the folder of a file."""
+        return self.text(file).rpartition("/")[0]
+
+    def at(self, text: str) -> FilePath | None:
+        """Return where a text points to, whether there is a file or not; None when it points to nothing known."""
+        scheme, _, rest = text.partition("//")
+        head, _, inner = rest.partition("/")
+        if f"{scheme}//" == _LOOSE:
+            return _below(head.replace("!", "/"), "", inner)
+        if f"{scheme}//" != SCHEME:
+            return None
+        found = self.reader.workspace.package(head)
+        if found is not None:
+            return _below(found[0].repository.name, "" if found[1].path == "." else found[1].path, inner)
+        installed = self.reader.workspace.installed_package(head)
+        return _below(installed.repository, installed.path, inner) if installed else None
+
+    def exists(self, file: FilePath) -> bool:
+        """Tell whether a file can be read."""
+        return self.reader.workspace.is_file(file)
+
+    def read(self, file: FilePath) -> bytes | None:
+        """Return the text of a file as UTF-8; None when there is none, or it is too large or binary."""
+        return self.reader.read(file) if self.exists(file) else None
+
+
+def _below(repository: str, folder: str, inner: str) -> FilePath | None:
+    """Return a file of a source; None for a path that leads out of it."""
+    path = posixpath.normpath(posixpath.join(folder, inner.lstrip("/")))
+    return None if path.startswith("..") else FilePath(repository, path)

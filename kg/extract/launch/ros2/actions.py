@@ -1,0 +1,226 @@
+"""The actions of ROS 2 launch as values: what the readers of XML, YAML and Python make, and what is executed.
+
+Source: the packages `launch`, `launch_ros` and `launch_xml` of ROS 2, whose names are kept. A `Text` is a sequence of parts
+that are joined when the action is executed, in the context of that moment, as launch's substitutions are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, TypeAlias
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from kg.extract.launch.ros2.context import Context
+    from kg.facts import Location
+
+__all__ = [
+    "Action",
+    "Condition",
+    "DeclareArgument",
+    "Executable",
+    "Group",
+    "Include",
+    "LoadComponents",
+    "NodeAction",
+    "Opaque",
+    "ParameterFile",
+    "ParameterSource",
+    "ParameterValue",
+    "Part",
+    "PushNamespace",
+    "SetConfiguration",
+    "SetEnvironment",
+    "SetParameter",
+    "SetParametersFromFile",
+    "SetRemap",
+    "Substitution",
+    "Text",
+    "UnsetConfiguration",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class Substitution:
+    """A part of a text that is known only when it is executed.
+
+    `kind` is that of the XML form: `var`, `env`, `find-pkg-share`, `find-pkg-prefix`, `find-exec`, `dirname`, `filename`,
+    `eval`, `command`, `anon`, `not`, `and`, `or`, `any`, `all`, `equals`, `not-equals`, `if`, `file-content`, `path-join`,
+    `local`, `unknown` (then `reason` tells why). `arguments` are its operands in order; a missing default is left out.
+    """
+
+    kind: str
+    arguments: tuple[Text, ...] = ()
+    reason: str | None = None
+
+
+Part: TypeAlias = str | Substitution
+Text: TypeAlias = tuple[Part, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Condition:
+    """`value` has to be true (`IfCondition`), or not with `negated` (`UnlessCondition`); None: it cannot be known."""
+
+    value: Text | None
+    negated: bool = False
+    written: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterValue:
+    """Parameters given by name; a value is a text (then YAML types apply unless `quoted`) or a value of Python known."""
+
+    name: Text
+    value: Text | bool | float | list[object] | None
+    location: Location
+    as_text: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterFile:
+    """A file of parameters."""
+
+    path: Text
+    location: Location
+
+
+ParameterSource: TypeAlias = ParameterValue | ParameterFile
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Action:
+    """What all actions have."""
+
+    location: Location
+    condition: Condition | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DeclareArgument(Action):
+    """`DeclareLaunchArgument`."""
+
+    name: str
+    default: Text | None = None
+    description: str | None = None
+    choices: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SetConfiguration(Action):
+    """`SetLaunchConfiguration`, `<let>`."""
+
+    name: Text
+    value: Text
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class UnsetConfiguration(Action):
+    """`UnsetLaunchConfiguration`."""
+
+    name: Text
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SetEnvironment(Action):
+    """`SetEnvironmentVariable`; without a value the variable is unset."""
+
+    name: Text
+    value: Text | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PushNamespace(Action):
+    """`PushRosNamespace`."""
+
+    namespace: Text
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SetRemap(Action):
+    """`SetRemap`: for all nodes of the scope that come after."""
+
+    source: Text
+    target: Text
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SetParameter(Action):
+    """`SetParameter`: for all nodes of the scope that come after; `use_sim_time` of `SetUseSimTime` too."""
+
+    parameter: ParameterValue
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SetParametersFromFile(Action):
+    """`SetParametersFromFile`."""
+
+    file: ParameterFile
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Group(Action):
+    """`GroupAction`; `scoped` restores configurations, namespace, remappings and parameters behind it.
+
+    Without `forwarding` nothing of the surroundings is seen inside but `configurations`. Timers and handlers of events
+    become groups too, that are not scoped and have a condition that cannot be known where that is so.
+    """
+
+    actions: Sequence[Action]
+    scoped: bool = True
+    forwarding: bool = True
+    configurations: tuple[tuple[Text, Text], ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Include(Action):
+    """`IncludeLaunchDescription`; `path` None: unknown, with the `reason`."""
+
+    path: Text | None
+    arguments: tuple[tuple[Text, Text], ...] = ()
+    reason: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Executable(Action):
+    """`ExecuteProcess`: matters only where the command starts a node (`ros2 run P E`, `--ros-args`)."""
+
+    command: tuple[Text, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NodeAction(Action):
+    """`Node`, `LifecycleNode`, `ComposableNodeContainer` (then `components` are loaded into it), `ComposableNode`.
+
+    For a `ComposableNode` `plugin` is its class and `executable` None.
+    """
+
+    kind: str = "node"
+    """`node`, `lifecycle-node`, `container` or `component`."""
+    package: Text | None = None
+    executable: Text | None = None
+    plugin: Text | None = None
+    name: Text | None = None
+    namespace: Text | None = None
+    remaps: tuple[tuple[Text, Text, Location], ...] = ()
+    parameters: tuple[ParameterSource, ...] = ()
+    arguments: tuple[Text, ...] = ()
+    ros_arguments: tuple[Text, ...] = ()
+    settings: tuple[tuple[str, Text], ...] = ()
+    components: Sequence[NodeAction] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LoadComponents(Action):
+    """`LoadComposableNodes` into the container `target`: its name, relative to the namespace of the moment."""
+
+    target: Text | None
+    components: Sequence[NodeAction] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Opaque(Action):
+    """`OpaqueFunction`: `run` gives the actions that its body returns, read in the context of the moment."""
+
+    run: Callable[[Context], Sequence[Action]] = field(repr=False, compare=False)

@@ -1,0 +1,84 @@
+"""The facts that pass from reading to the graph, and nothing else does; all are frozen and slotted.
+
+Paths are relative to the root of their source, with `/` between parts; lines count from one. A fact never holds an
+IRI: `kg.graph` makes those.
+
+Two levels are never mixed (see `docs/names.md`): a `NodeType` (`kg.facts.code`) is what code declares, names as
+written; a `NodeInstance` (`kg.facts.systems`) is one start of it by a launch configuration (`kg.facts.launch`), with
+the names that namespaces, remappings and parameters give it.
+"""
+
+from __future__ import annotations
+
+from kg.facts.code import (
+    Access,
+    Dependency,
+    Field,
+    FileKind,
+    Interface,
+    InterfaceDefinition,
+    Location,
+    NodeKind,
+    NodeType,
+    Package,
+    PackageFacts,
+    Parameter,
+    Person,
+    Problem,
+    Qos,
+    Repository,
+    Resolution,
+    Role,
+    SourceFile,
+)
+from kg.facts.launch import (
+    LaunchArgument,
+    LaunchConfiguration,
+    LaunchDialect,
+    LaunchInclude,
+    LaunchParameter,
+    LaunchProblem,
+    LaunchProblemKind,
+    Remap,
+    StartedNode,
+    StartKind,
+)
+from kg.facts.systems import InstanceInterface, InstanceParameter, InstanceRemap, NodeInstance, NodeReference, System
+
+__all__ = [
+    "Access",
+    "Dependency",
+    "Field",
+    "FileKind",
+    "InstanceInterface",
+    "InstanceParameter",
+    "InstanceRemap",
+    "Interface",
+    "InterfaceDefinition",
+    "LaunchArgument",
+    "LaunchConfiguration",
+    "LaunchDialect",
+    "LaunchInclude",
+    "LaunchParameter",
+    "LaunchProblem",
+    "LaunchProblemKind",
+    "Location",
+    "NodeInstance",
+    "NodeKind",
+    "NodeReference",
+    "NodeType",
+    "Package",
+    "PackageFacts",
+    "Parameter",
+    "Person",
+    "Problem",
+    "Qos",
+    "Remap",
+    "Repository",
+    "Resolution",
+    "Role",
+    "SourceFile",
+    "StartKind",
+    "StartedNode",
+    "System",
+]

@@ -1,0 +1,190 @@
+"""Facts that launch files give: what a configuration starts, with which names, remappings and parameters.
+
+A configuration is one launch file evaluated as the one that is started, with everything that it includes. Texts are
+those after substitution; a part that cannot be known without running anything stands as `{}`, as it does in names of
+interfaces, and a `LaunchProblem` of the kind `unresolved` tells the reason. The folder of a package in a text is
+`package://NAME`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from kg.facts.code import Location
+
+__all__ = [
+    "LaunchArgument",
+    "LaunchConfiguration",
+    "LaunchDialect",
+    "LaunchInclude",
+    "LaunchParameter",
+    "LaunchProblem",
+    "LaunchProblemKind",
+    "Remap",
+    "StartKind",
+    "StartedNode",
+]
+
+
+class LaunchDialect(StrEnum):
+    """The language of a launch file."""
+
+    ROSLAUNCH = "roslaunch"
+    ROS2_XML = "ros2-xml"
+    ROS2_YAML = "ros2-yaml"
+    ROS2_PYTHON = "ros2-python"
+
+
+class StartKind(StrEnum):
+    """How something is started."""
+
+    NODE = "node"
+    NODELET = "nodelet"
+    NODELET_MANAGER = "nodelet-manager"
+    COMPONENT = "component"
+    CONTAINER = "container"
+    LIFECYCLE_NODE = "lifecycle-node"
+    TEST = "test"
+
+
+class LaunchProblemKind(StrEnum):
+    """What is wrong, or not known, in a configuration."""
+
+    MISSING_FILE = "missing-file"
+    """A file is named that does not exist, in a package that does."""
+    UNKNOWN_PACKAGE = "unknown-package"
+    """A package is named that is neither in the build nor installed; nothing can be said about its files."""
+    UNDECLARED_ARGUMENT = "undeclared-argument"
+    """An argument is passed to a file that does not declare it, or read where none is declared."""
+    MISSING_ARGUMENT = "missing-argument"
+    """An argument without default is not given by an include."""
+    CYCLE = "cycle"
+    """A file includes itself, by way of others or not."""
+    MALFORMED = "malformed"
+    """What is written is no valid launch file."""
+    UNRESOLVED = "unresolved"
+    """Something depends on what is known only at run time."""
+    LIMIT = "limit"
+    """A limit of size, depth or number was reached; what lies behind was not read."""
+
+
+@dataclass(frozen=True, slots=True)
+class LaunchArgument:
+    """An argument that the file of a configuration declares itself; `value` is what it has after evaluation.
+
+    It is required where `default` is None and it is not `fixed` (`<arg value=...>`, which callers cannot set).
+    """
+
+    name: str
+    default: str | None
+    value: str | None
+    location: Location
+    description: str | None = None
+    fixed: bool = False
+    choices: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class LaunchParameter:
+    """A parameter that a configuration sets; `value` is written as YAML in one line, None where it is not known.
+
+    In ROS 1 `name` is absolute (`/move_base/controller_frequency`); in ROS 2 it is that of the node's parameter
+    (`controller_frequency`, `FollowPath.plugin`). `chain` are the lines of the includes that led to it, outermost
+    first.
+    """
+
+    name: str
+    value: str | None
+    location: Location
+    chain: tuple[Location, ...] = ()
+    type: str | None = None
+    """A ROS parameter type (`bool`, `int`, `double`, `string`, `string_array`, ...)."""
+    reason: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Remap:
+    """A remapping as written after substitution; of several that fit a name the first in the node's list counts."""
+
+    source: str
+    target: str
+    location: Location
+    chain: tuple[Location, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class StartedNode:
+    """A node that a configuration starts.
+
+    `name` is without namespace, None where the node's own name is kept (ROS 2); `namespace` is absolute. `executable`
+    is what `rosrun`/`ros2 run` start, `plugin` the class of a nodelet or component, `host` the absolute name of the
+    manager or container that it is loaded into. `parameters` are those given to this node (ROS 2; in ROS 1 they stand in
+    the configuration), the later of two of one name counts. `condition` says what has to hold, in the words of the file,
+    where that cannot be known; what surely is not started is left out.
+    """
+
+    name: str | None
+    namespace: str
+    kind: StartKind
+    location: Location
+    chain: tuple[Location, ...] = ()
+    package: str | None = None
+    executable: str | None = None
+    plugin: str | None = None
+    host: str | None = None
+    remaps: tuple[Remap, ...] = ()
+    parameters: tuple[LaunchParameter, ...] = ()
+    arguments: tuple[str, ...] = ()
+    condition: str | None = None
+    settings: tuple[tuple[str, str], ...] = ()
+    """Other attributes by name: `machine`, `respawn`, `required`, `output`, `launch-prefix`, `env NAME`, ..."""
+
+
+@dataclass(frozen=True, slots=True)
+class LaunchInclude:
+    """An include: `written` after substitution; the file as `repository` and `path`, None where it is not found."""
+
+    written: str
+    location: Location
+    chain: tuple[Location, ...] = ()
+    repository: str | None = None
+    path: str | None = None
+    condition: str | None = None
+    reason: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class LaunchProblem:
+    """Something wrong or not known in a configuration; `subject` is the name it is about (a file, an argument)."""
+
+    kind: LaunchProblemKind
+    message: str
+    location: Location
+    chain: tuple[Location, ...] = ()
+    subject: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class LaunchConfiguration:
+    """One launch file and everything it includes, evaluated; `given` are arguments that the caller set.
+
+    Locations without a repository stand in `repository`. `files` are all launch and parameter files that were read, as
+    pairs of repository and path.
+    """
+
+    repository: str
+    package: str
+    path: str
+    ros: int
+    dialect: LaunchDialect
+    given: tuple[tuple[str, str], ...] = ()
+    arguments: tuple[LaunchArgument, ...] = ()
+    nodes: tuple[StartedNode, ...] = ()
+    parameters: tuple[LaunchParameter, ...] = ()
+    """The parameter server of ROS 1 in the order of setting: all names absolute, the later of two counts."""
+    includes: tuple[LaunchInclude, ...] = ()
+    problems: tuple[LaunchProblem, ...] = ()
+    files: tuple[tuple[str, str], ...] = ()

@@ -1,0 +1,110 @@
+"""Facts about systems: the computation graph that a launch configuration makes, resolved without running it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from kg.facts.code import Interface, Parameter, Qos, Resolution
+    from kg.facts.launch import LaunchConfiguration, LaunchParameter, Remap, StartedNode
+
+__all__ = ["InstanceInterface", "InstanceParameter", "InstanceRemap", "NodeInstance", "NodeReference", "System"]
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class NodeReference:
+    """A node type: the source, the package and the name that it has there."""
+
+    repository: str
+    package: str
+    node: str
+
+    def __str__(self) -> str:
+        return f"{self.repository}:{self.package}/{self.node}"
+
+
+@dataclass(frozen=True, slots=True)
+class InstanceInterface:
+    """One end of a topic, service or action of an instance.
+
+    `declared` is what code says of it, `owner` the node type whose code that is: the one that the instance is of, or a
+    plugin that it loads. `resolved` is the absolute name after namespaces, parameters and remappings, with `{}` for a
+    part that is not known, None when nothing is; `resolution` says how it became known. `remap` is what changed the
+    name, `parameter` what set it. `qos` is what is in force after overrides.
+    """
+
+    declared: Interface
+    owner: NodeReference
+    resolved: str | None
+    resolution: Resolution
+    remap: Remap | None = None
+    parameter: LaunchParameter | None = None
+    qos: Qos | None = None
+    reason: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class InstanceParameter:
+    """A parameter set for an instance: `name` absolute in ROS 1 (`/node/x`) and `/node/x` in ROS 2 as well.
+
+    `declared` is the node's parameter that it sets, None where the node has none of that name as far as is known.
+    `similar` are names of parameters of the node that it is likely meant to be.
+    """
+
+    name: str
+    set: LaunchParameter
+    declared: Parameter | None = None
+    owner: NodeReference | None = None
+    similar: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class InstanceRemap:
+    """A remapping of an instance with both names resolved; `used` tells whether it changed the name of an interface.
+
+    `similar` are resolved names of the instance's interfaces that its left side is likely meant to be.
+    """
+
+    source: str
+    target: str
+    remap: Remap
+    used: bool
+    similar: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class NodeInstance:
+    """One start of a node: `name` is absolute.
+
+    `type` is the node type it is of; None with the `reason`, when the build has none. `plugins` are the node types
+    of what it loads by parameters; `host` is the name of the instance whose process it shares. `complete` tells whether
+    every interface of it is known: the type, all names and all plugins.
+    """
+
+    name: str
+    namespace: str
+    started: StartedNode
+    type: NodeReference | None = None
+    reason: str | None = None
+    plugins: tuple[NodeReference, ...] = ()
+    host: str | None = None
+    interfaces: tuple[InstanceInterface, ...] = ()
+    parameters: tuple[InstanceParameter, ...] = ()
+    remaps: tuple[InstanceRemap, ...] = ()
+    complete: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class System:
+    """A configuration with its instances.
+
+    `similar` are pairs of names of one kind (`topic`, `service`, `action`) that are likely meant to be one:
+    (kind, name, other name).
+    """
+
+    configuration: LaunchConfiguration
+    instances: tuple[NodeInstance, ...] = ()
+    similar: tuple[tuple[str, str, str], ...] = ()
+    shared_parameters: tuple[LaunchParameter, ...] = ()
+    """Parameters of ROS 1 that stand below the name of no instance."""
