@@ -16,7 +16,7 @@ from kg.extract.python.entities import (
     plain,
 )
 from kg.extract.python.flow import END
-from kg.extract.python.qos import changed
+from kg.extract.python.qos import FIELDS, changed, quality
 from kg.extract.python.syntax import code
 from kg.extract.values import HOLE, Number, Text, Unknown
 
@@ -40,9 +40,7 @@ class Containers(Conditions):
         """Return a value with what statements after its making add to it: elements of a list, policies of a profile."""
         if isinstance(value, Items) and not value.items:
             return Items(tuple(self.appended(binding, frame)))
-        if isinstance(value, QosValue):
-            return self.refined(value, binding, frame)
-        return value
+        return self.refined(value, binding, frame) if isinstance(value, QosValue | Dotted) else value
 
     def appended(self, binding: Binding, frame: Frame) -> Iterator[Thing]:
         """Yield what is appended to a list that was made empty, in its scope or, for attributes, in its class."""
@@ -55,14 +53,15 @@ class Containers(Conditions):
                     argument = read_arguments(call.node, where).get(0)
                     yield from (value for value, _ in self.thunk(argument, {})) if argument is not None else ()
 
-    def refined(self, value: QosValue, binding: Binding, frame: Frame) -> QosValue:
-        """Return a profile with the policies that are assigned to its attributes."""
-        changes = {}
-        for field in ("reliability", "durability", "history", "depth"):
+    def refined(self, value: QosValue | Dotted, binding: Binding, frame: Frame) -> Thing:
+        """Return a profile or preset with the policies that are assigned to its attributes; anything else as it is."""
+        start, changes = quality(value), {}
+        for field in FIELDS if start is not None else ():
             later = binding.scope.bindings.get(f"{binding.name}.{field}")
             if later:
                 changes[field] = self.bound(later, END, frame, {})[0][0][0]
-        return QosValue(changed(value.qos, changes)) if changes else value
+        after = changed(start, changes) if start is not None and changes else None
+        return QosValue(after) if after is not None else COMPUTED if changes else value
 
     def each_round(self, binding: Binding, value: Thing, frame: Frame, choice: Choice) -> Alternatives:
         """Return what a loop variable takes, round by round, or in the round that was chosen."""

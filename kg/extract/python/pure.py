@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 from kg.extract.python import formatting
 from kg.extract.python.core import COMPUTED
 from kg.extract.python.entities import Dotted, Items, Nothing, QosValue, Table, plain
-from kg.extract.python.qos import read_qos
+from kg.extract.python.qos import lasting, preset, read_qos
 from kg.extract.values import Number, Text, Unknown, concatenate
 from kg.facts import Resolution
 
@@ -205,7 +205,21 @@ def _command_line(receiver: Thing, values: list[Thing], named: dict[str, Thing])
 
 def _qos(receiver: Thing, values: list[Thing], named: dict[str, Thing]) -> Thing:
     del receiver
-    return QosValue(read_qos(values, named))
+    qos = read_qos(values, named)
+    return QosValue(qos) if qos is not None else COMPUTED
+
+
+def _preset(receiver: Thing, values: list[Thing], named: dict[str, Thing]) -> Thing:
+    """`QoSPresetProfiles.get_from_short_key("sensor_data")`."""
+    del receiver, named
+    name = plain(values[0]) if values else None
+    qos = preset(f"QoSPresetProfiles.{name}") if isinstance(name, str) else None
+    return QosValue(qos) if qos is not None else COMPUTED
+
+
+def _duration(receiver: Thing, values: list[Thing], named: dict[str, Thing]) -> Thing:
+    del receiver, values
+    return lasting(named) or COMPUTED
 
 
 PURE: Final[dict[str, Callable[[Thing, list[Thing], dict[str, Thing]], Thing]]] = {
@@ -240,5 +254,7 @@ PURE: Final[dict[str, Callable[[Thing, list[Thing], dict[str, Thing]], Thing]]] 
     "rospy.myargv": _command_line,
     "rospy.client.myargv": _command_line,
     "rclpy.qos.QoSProfile": _qos,
+    "rclpy.qos.QoSPresetProfiles.get_from_short_key": _preset,
+    **dict.fromkeys(("rclpy.duration.Duration", "rclpy.time.Duration", "rclpy.qos.Duration"), _duration),
 }  # fmt: skip
 """Functions that need nothing but their arguments, by full name; methods under `str`, `dict`, `list`."""

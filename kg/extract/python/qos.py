@@ -1,7 +1,8 @@
 """Quality of service of ROS 2 in Python: profiles, presets, a plain depth.
 
 Source: the presets of `rclpy.qos` (rmw/qos_profiles.h). What a profile leaves out is what rclpy's QoSProfile leaves
-to the default profile: reliable, volatile, keep last.
+to the default profile: reliable, volatile, keep last, no deadline. A duration of zero stands for the default, which is
+none (RMW_DURATION_UNSPECIFIED in rmw/types.h).
 """
 
 from __future__ import annotations
@@ -16,7 +17,10 @@ from kg.facts import Qos
 if TYPE_CHECKING:
     from kg.extract.python.entities import Thing
 
-__all__ = ["changed", "preset", "quality", "read_qos"]
+__all__ = ["FIELDS", "INFINITE", "changed", "lasting", "preset", "quality", "read_qos"]
+
+INFINITE: Final = 9_223_372_036.0
+"""Seconds from which on a duration stands for none: 64 bits of nanoseconds hold no more (RMW_DURATION_INFINITE)."""
 
 _DEFAULT: Final = Qos("reliable", "volatile", "keep_last", 10)
 
@@ -31,7 +35,16 @@ _PRESETS: Final[dict[str, Qos]] = {
     "default": _DEFAULT,
 }
 
-_FIELDS: Final = ("reliability", "durability", "history")
+_POLICIES: Final = ("reliability", "durability", "history")
+_DURATIONS: Final = {
+    "deadline": "deadline",
+    "lifespan": "lifespan",
+    "liveliness_lease_duration": "lease_duration",
+}
+"""Fields of a profile that are durations, with those of `Qos`."""
+_LIVELINESS: Final = frozenset({"automatic", "manual_by_topic"})
+FIELDS: Final = ("depth", *_POLICIES, "liveliness", *_DURATIONS)
+"""The fields of rclpy's QoSProfile that are read."""
 _PREFIXES: Final = ("rmw_qos_", "reliability_", "durability_", "history_", "policy_")
 
 
@@ -53,23 +66,53 @@ def quality(value: Thing | None) -> Qos | None:
     return preset(value.path) if isinstance(value, Dotted) else None
 
 
-def read_qos(values: list[Thing], named: dict[str, Thing]) -> Qos:
-    """Return the profile that `QoSProfile(...)` makes of its arguments."""
-    depth = named.get("depth", values[0] if values else None)
-    fields = {name: _policy(named[name], name) for name in _FIELDS if name in named}
-    return Qos(
-        reliability=fields.get("reliability", _DEFAULT.reliability),
-        durability=fields.get("durability", _DEFAULT.durability),
-        history=fields.get("history", _DEFAULT.history),
-        depth=int(depth.value) if isinstance(depth, Number) else None,
+def read_qos(values: list[Thing], named: dict[str, Thing]) -> Qos | None:
+    """Return the profile that `QoSProfile(...)` makes of its arguments; None where a duration of it is not known."""
+    given = {"depth": values[0], **named} if values else named
+    return changed(replace(_DEFAULT, depth=None), given)
+
+
+def changed(qos: Qos, values: dict[str, Thing]) -> Qos | None:
+    """Return a profile with some of its fields given other values; None where a duration of these is not known.
+
+    A deadline that is not known must not read as none: that would make ends incompatible that may well be compatible.
+    """
+    depth, liveliness = values.get("depth"), values.get("liveliness")
+    lasting = {own: _duration(values[name]) for name, own in _DURATIONS.items() if name in values}
+    kind = _policy(liveliness, "liveliness") if liveliness is not None else qos.liveliness
+    if None in lasting.values():
+        return None
+    seconds = {own: value if value and value < INFINITE else None for own, value in lasting.items()}
+    policies = {name: _policy(values[name], name) for name in _POLICIES if name in values}
+    return replace(
+        qos,
+        depth=int(depth.value) if isinstance(depth, Number) else qos.depth,
+        reliability=policies.get("reliability", qos.reliability),
+        durability=policies.get("durability", qos.durability),
+        history=policies.get("history", qos.history),
+        deadline=seconds.get("deadline", qos.deadline),
+        lifespan=seconds.get("lifespan", qos.lifespan),
+        lease_duration=seconds.get("lease_duration", qos.lease_duration),
+        liveliness=kind if kind in _LIVELINESS else None,
     )
 
 
-def changed(qos: Qos, values: dict[str, Thing]) -> Qos:
-    """Return a profile with some of its fields given other values."""
-    depth = values.get("depth")
-    policies = {name: _policy(value, name) for name, value in values.items() if name != "depth"}
-    return replace(qos, **policies, depth=int(depth.value) if isinstance(depth, Number) else qos.depth)
+def lasting(named: dict[str, Thing]) -> Number | None:
+    """Return the seconds that `Duration(seconds=..., nanoseconds=...)` stands for; None when they are not known."""
+    parts = [named[name] for name in ("seconds", "nanoseconds") if name in named]
+    scales = [scale for name, scale in (("seconds", 1.0), ("nanoseconds", 1e-9)) if name in named]
+    if not all(isinstance(part, Number) for part in parts):
+        return None
+    total = sum(part.value * scale for part, scale in zip(parts, scales, strict=True) if isinstance(part, Number))
+    return Number(total, f"{total:g}")
+
+
+def _duration(value: Thing) -> float | None:
+    """Return a duration in seconds, infinite for rclpy's own `Infinite`; None when it is not known."""
+    if isinstance(value, Number):
+        return value.value
+    name = value.path.rpartition(".")[2] if isinstance(value, Dotted) else ""
+    return INFINITE if name == "Infinite" else None
 
 
 def _policy(value: Thing, field: str) -> str | None:

@@ -6,7 +6,11 @@ from extract.python.programs import values_of
 from kg.extract.python.qos import quality
 from kg.facts import Qos
 
-HEAD = "import rclpy.qos\nfrom rclpy.qos import *\nfrom rclpy.qos import QoSProfile, DurabilityPolicy\n"
+HEAD = (
+    "import rclpy.qos\nfrom rclpy.qos import *\nfrom rclpy.qos import QoSProfile, DurabilityPolicy\n"
+    "from rclpy.qos import LivelinessPolicy\nfrom rclpy.duration import Duration, Infinite\n"
+    "MANUAL = LivelinessPolicy.MANUAL_BY_TOPIC\n"
+)
 
 
 @pytest.mark.parametrize(
@@ -21,6 +25,15 @@ HEAD = "import rclpy.qos\nfrom rclpy.qos import *\nfrom rclpy.qos import QoSProf
          Qos("reliable", "transient_local", "keep_last", 1)),
         ("QoSProfile(depth=1, reliability=rclpy.qos.QoSReliabilityPolicy.RMW_QOS_POLICY_RELIABILITY_BEST_EFFORT)",
          Qos("best_effort", "volatile", "keep_last", 1)),
+        ("rclpy.qos.QoSPresetProfiles.get_from_short_key('sensor_data')",
+         Qos("best_effort", "volatile", "keep_last", 5)),
+        ("QoSProfile(depth=1, deadline=Duration(seconds=1, nanoseconds=500000000), lifespan=Duration(seconds=2))",
+         Qos("reliable", "volatile", "keep_last", 1, deadline=1.5, lifespan=2.0)),
+        ("QoSProfile(depth=1, liveliness=MANUAL, liveliness_lease_duration=Duration(nanoseconds=250_000_000))",
+         Qos("reliable", "volatile", "keep_last", 1, liveliness="manual_by_topic", lease_duration=0.25)),
+        ("QoSProfile(depth=1, deadline=Duration(), lifespan=Infinite, liveliness=LivelinessPolicy.SYSTEM_DEFAULT)",
+         Qos("reliable", "volatile", "keep_last", 1)),
+        ("QoSProfile(depth=1, deadline=Duration(seconds=PERIOD))", None),
         ("unknown()", None),
     ],
 )  # fmt: skip
@@ -33,3 +46,16 @@ def test_a_profile_can_be_refined() -> None:
     """Policies that are assigned to a profile later belong to it."""
     text = "p = QoSProfile(depth=1)\np.durability = DurabilityPolicy.TRANSIENT_LOCAL\np.depth = 4\nx = p\n"
     assert [quality(value) for value in values_of(HEAD + text)] == [Qos("reliable", "transient_local", "keep_last", 4)]
+
+
+def test_a_preset_can_be_refined() -> None:
+    """Policies that are assigned to a preset of rclpy belong to it, durations too."""
+    text = "p = rclpy.qos.qos_profile_sensor_data\np.deadline = Duration(seconds=3)\nx = p\n"
+    wanted = Qos("best_effort", "volatile", "keep_last", 5, deadline=3.0)
+    assert [quality(value) for value in values_of(HEAD + text)] == [wanted]
+
+
+def test_a_profile_refined_by_what_is_not_known() -> None:
+    """A deadline that is not known leaves the whole profile unknown, since none would mean something else."""
+    text = "p = QoSProfile(depth=1)\np.deadline = period()\nx = p\n"
+    assert [quality(value) for value in values_of(HEAD + text)] == [None]
