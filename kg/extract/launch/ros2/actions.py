@@ -1,7 +1,7 @@
 """The actions of ROS 2 launch as values: what the readers of XML, YAML and Python make, and what is executed.
 
-Source: the packages `launch`, `launch_ros` and `launch_xml` of ROS 2, whose names are kept. A `Text` is a sequence of parts
-that are joined when the action is executed, in the context of that moment, as launch's substitutions are.
+Source: the packages `launch`, `launch_ros` and `launch_xml` of ROS 2, whose names are kept. A `Text` is a sequence of
+parts that are joined when the action is executed, in the context of that moment, as launch's substitutions are.
 """
 
 from __future__ import annotations
@@ -45,9 +45,10 @@ __all__ = [
 class Substitution:
     """A part of a text that is known only when it is executed.
 
-    `kind` is that of the XML form: `var`, `env`, `find-pkg-share`, `find-pkg-prefix`, `find-exec`, `dirname`, `filename`,
-    `eval`, `command`, `anon`, `not`, `and`, `or`, `any`, `all`, `equals`, `not-equals`, `if`, `file-content`, `path-join`,
-    `local`, `unknown` (then `reason` tells why). `arguments` are its operands in order; a missing default is left out.
+    `kind` is that of the XML form: `var`, `env`, `find-pkg-share`, `find-pkg-prefix`, `find-exec`, `dirname`,
+    `filename`, `eval`, `command`, `anon`, `not`, `and`, `or`, `any`, `all`, `equals`, `not-equals`, `if`,
+    `file-content`, `path-join`, `local`, `unknown` (then `reason` tells why). `arguments` are its operands in order; a
+    missing default is left out.
     """
 
     kind: str
@@ -70,7 +71,10 @@ class Condition:
 
 @dataclass(frozen=True, slots=True)
 class ParameterValue:
-    """Parameters given by name; a value is a text (then YAML types apply unless `quoted`) or a value of Python known."""
+    """Parameters given by name; a value is a text (YAML types apply unless `as_text`) or a value of Python known.
+
+    The items of a list are values of Python, or texts (tuples) for those that are substituted.
+    """
 
     name: Text
     value: Text | bool | float | list[object] | None
@@ -80,10 +84,19 @@ class ParameterValue:
 
 @dataclass(frozen=True, slots=True)
 class ParameterFile:
-    """A file of parameters."""
+    """A file of parameters; with `substitutions` texts like `$(var x)` in it are substituted.
+
+    `rewrites` are nav2's `RewrittenYaml`: pairs of a key and its new value, put wherever the file has a parameter of
+    that name or dotted path, for any node; with `root` all nodes of the file stand below that namespace; `keys` are
+    pairs of a key of the file and what it is called instead.
+    """
 
     path: Text
     location: Location
+    substitutions: bool = False
+    rewrites: tuple[tuple[Text, Text], ...] = ()
+    root: Text | None = None
+    keys: tuple[tuple[Text, Text], ...] = ()
 
 
 ParameterSource: TypeAlias = ParameterValue | ParameterFile
