@@ -73,13 +73,16 @@ class Condition:
 class ParameterValue:
     """Parameters given by name; a value is a text (YAML types apply unless `as_text`) or a value of Python known.
 
-    The items of a list are values of Python, or texts (tuples) for those that are substituted.
+    The items of a list are values of Python, or texts (tuples) for those that are substituted. None: it cannot be
+    known, for the `reason`. `type` is the ROS parameter type that the file asks for (`int`, `double`, `string_array`).
     """
 
     name: Text
     value: Text | bool | float | list[object] | None
     location: Location
     as_text: bool = False
+    type: str | None = None
+    reason: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,6 +100,8 @@ class ParameterFile:
     rewrites: tuple[tuple[Text, Text], ...] = ()
     root: Text | None = None
     keys: tuple[tuple[Text, Text], ...] = ()
+    reason: str | None = None
+    """Why what the file says in the end cannot be known, where something else is done to it."""
 
 
 ParameterSource: TypeAlias = ParameterValue | ParameterFile

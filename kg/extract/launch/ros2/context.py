@@ -1,0 +1,141 @@
+"""What is known at a moment of the execution of a ROS 2 launch file, and what was found so far.
+
+Source: `launch.LaunchContext`. There the namespace, the global remappings and the global parameters are launch
+configurations of reserved names; here they have fields of their own, and are saved and restored together with them.
+"""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Final
+
+from kg.facts import LaunchProblem, LaunchProblemKind, Location
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from kg.corpus.files import FilePath
+    from kg.extract.launch.files import Files
+    from kg.extract.launch.ros2.actions import Text
+    from kg.facts import LaunchArgument, LaunchInclude, LaunchParameter, Remap, StartedNode
+
+__all__ = ["HOLE", "Context", "Found", "GlobalFile", "Scope", "place"]
+
+HOLE: Final = "{}"
+"""Stands in a text for a part that cannot be known."""
+
+
+@dataclass(frozen=True, slots=True)
+class GlobalFile:
+    """A parameter file that `SetParametersFromFile` names for all nodes that come after; `path` is performed."""
+
+    path: str
+    location: Location
+    chain: tuple[Location, ...] = ()
+
+
+@dataclass(slots=True)
+class Scope:
+    """What a scoped group restores when it ends; a text with `{}` is not wholly known."""
+
+    configurations: dict[str, str] = field(default_factory=dict)
+    environment: dict[str, str | None] = field(default_factory=dict)
+    """Variables set; None for those that were unset. All others are unknown."""
+    namespace: str | None = None
+    remaps: tuple[Remap, ...] = ()
+    parameters: tuple[LaunchParameter | GlobalFile, ...] = ()
+
+    def copy(self) -> Scope:
+        """Return a scope that can change without this one."""
+        return replace(self, configurations=dict(self.configurations), environment=dict(self.environment))
+
+
+@dataclass(slots=True)
+class Found:
+    """What the execution of a configuration gives; problems, arguments and files each once, in the order found."""
+
+    nodes: list[StartedNode] = field(default_factory=list)
+    includes: list[LaunchInclude] = field(default_factory=list)
+    arguments: dict[str, LaunchArgument] = field(default_factory=dict)
+    problems: dict[LaunchProblem, None] = field(default_factory=dict)
+    files: dict[FilePath, None] = field(default_factory=dict)
+    actions: int = 0
+    """How many actions were executed, for the limit of them."""
+
+
+class Context:
+    """The state of the execution: `scope` is what is set now, `found` what has come of it.
+
+    `file` is the launch file that is executed, `chain` the lines of the includes that led to it, outermost first,
+    `location` the place of the action that is executed, `conditions` the words of the conditions around it that
+    cannot be known.
+    """
+
+    def __init__(self, files: Files, file: FilePath, given: Mapping[str, str], environment: Mapping[str, str]) -> None:
+        """Begin with the root file, the arguments `given` to it and the variables of the environment that are known."""
+        self.files = files
+        self.file = file
+        self.given = dict(given)
+        self.scope = Scope(dict(given), dict(environment))
+        self.found = Found()
+        self.chain: tuple[Location, ...] = ()
+        self.stack: tuple[FilePath, ...] = (file,)
+        self.location = place(files, file, 1)
+        self.conditions: tuple[str, ...] = ()
+
+    def perform(self, text: Text) -> str:
+        """Return a text with its substitutions performed now; what cannot be known is `{}`, with a problem."""
+        from kg.extract.launch.ros2.substitute import perform  # noqa: PLC0415  (which needs this module)
+
+        return perform(self, text)
+
+    def configuration(self, name: str) -> str | None:
+        """Return the value of a launch configuration, with `{}` for parts not known; None where nothing sets it."""
+        return self.scope.configurations.get(name)
+
+    def environment(self, name: str) -> str | None:
+        """Return the value of a variable of the environment; None where it is not known or unset."""
+        return self.scope.environment.get(name)
+
+    @property
+    def namespace(self) -> str:
+        """The namespace that is pushed, absolute."""
+        return self.scope.namespace or "/"
+
+    def problem(
+        self, kind: LaunchProblemKind, message: str, subject: str | None = None, location: Location | None = None
+    ) -> None:
+        """Note what is wrong or not known, at the action that is executed unless a `location` is given."""
+        self.found.problems.setdefault(LaunchProblem(kind, message, location or self.location, self.chain, subject))
+
+    def unresolved(self, message: str, subject: str | None = None) -> str:
+        """Note that something cannot be known, and return what stands for it."""
+        self.problem(LaunchProblemKind.UNRESOLVED, message, subject)
+        return HOLE
+
+    @contextmanager
+    def at(self, location: Location) -> Iterator[None]:
+        """Let `location` be the place of what is executed."""
+        before, self.location = self.location, location
+        try:
+            yield
+        finally:
+            self.location = before
+
+    @contextmanager
+    def inside(self, file: FilePath) -> Iterator[None]:
+        """Let `file`, which the action executed now includes, be executed; settings that it makes stay."""
+        before = self.file, self.chain, self.stack, self.location
+        self.chain, self.file, self.stack = (*self.chain, self.location), file, (*self.stack, file)
+        self.location = place(self.files, file, 1)
+        try:
+            yield
+        finally:
+            self.file, self.chain, self.stack, self.location = before
+
+
+def place(files: Files, file: FilePath, line: int) -> Location:
+    """Return a line of a file as a location: without repository in the configuration's own source."""
+    own = file.repository == files.reader.source.repository.name
+    return Location(file.path, line, None if own else file.repository)
