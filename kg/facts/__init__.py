@@ -43,7 +43,15 @@ from kg.facts.launch import (
     StartedNode,
     StartKind,
 )
-from kg.facts.systems import InstanceInterface, InstanceParameter, InstanceRemap, NodeInstance, NodeReference, System
+from kg.facts.systems import (
+    InstanceInterface,
+    InstanceParameter,
+    InstanceRemap,
+    MissingType,
+    NodeInstance,
+    NodeReference,
+    System,
+)
 
 __all__ = [
     "Access",
@@ -63,6 +71,7 @@ __all__ = [
     "LaunchProblem",
     "LaunchProblemKind",
     "Location",
+    "MissingType",
     "NodeInstance",
     "NodeKind",
     "NodeReference",

@@ -3,13 +3,35 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from kg.facts.code import Interface, Parameter, Qos, Resolution
     from kg.facts.launch import LaunchConfiguration, LaunchParameter, Remap, StartedNode
 
-__all__ = ["InstanceInterface", "InstanceParameter", "InstanceRemap", "NodeInstance", "NodeReference", "System"]
+__all__ = [
+    "InstanceInterface",
+    "InstanceParameter",
+    "InstanceRemap",
+    "MissingType",
+    "NodeInstance",
+    "NodeReference",
+    "System",
+]
+
+
+class MissingType(StrEnum):
+    """Why an instance is of no node type of the build."""
+
+    UNKNOWN_PACKAGE = "unknown-package"
+    """Its package is not in the build: nothing can be said."""
+    UNKNOWN_NODE = "unknown-node"
+    """Its package is in the build and has nothing of that name."""
+    NO_NODE = "no-node"
+    """Its package has a program of that name in which no node was found."""
+    NOT_SAID = "not-said"
+    """Which package, program or class it starts is not known before run time."""
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -77,8 +99,8 @@ class InstanceRemap:
 class NodeInstance:
     """One start of a node: `name` is absolute.
 
-    `type` is the node type it is of; None with the `reason`, when the build has none. `plugins` are the node types
-    of what it loads by parameters; `host` is the name of the instance whose process it shares. `complete` tells whether
+    `type` is the node type it is of; None with the `reason` (in words) and `missing`, when the build has
+    none. `plugins` are the node types of what it loads by parameters; `host` is the name of the instance whose process it shares. `complete` tells whether
     every interface of it is known: the type, all names and all plugins.
     """
 
@@ -93,6 +115,7 @@ class NodeInstance:
     parameters: tuple[InstanceParameter, ...] = ()
     remaps: tuple[InstanceRemap, ...] = ()
     complete: bool = False
+    missing: MissingType | None = None
 
 
 @dataclass(frozen=True, slots=True)
