@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from rich.text import Text
 
     from kg.cli.links import Links
-    from kg.facts import Interface, NodeType, Parameter
+    from kg.facts import Interface, NodeType, Parameter, Qos
     from kg.graph.reading import NodeRecord
 
 __all__ = ["left_out", "node_view"]
@@ -124,7 +124,14 @@ def _how(fact: Interface) -> str:
     if fact.qos:
         depth = None if fact.qos.depth is None else f"depth {fact.qos.depth}"
         words += [fact.qos.reliability or "", fact.qos.durability or "", fact.qos.history or "", depth or ""]
+        words += _rarer(fact.qos)
     return ", ".join(word for word in words if word)
+
+
+def _rarer(qos: Qos) -> list[str]:
+    """Return the policies that most interfaces leave alone."""
+    lasting = {"deadline": qos.deadline, "lifespan": qos.lifespan, "lease": qos.lease_duration}
+    return [qos.liveliness or "", *(f"{name} {value:g} s" for name, value in lasting.items() if value is not None)]
 
 
 def _parameters(facts: Iterable[Parameter], *, every: bool) -> list[Row]:

@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Final
 
 from kg.facts import Resolution, Role
 from kg.graph import vocabulary as v
-from kg.graph.ntriples import boolean
+from kg.graph.ntriples import boolean, plain
 
 if TYPE_CHECKING:
     from kg.facts import Interface, Qos
     from kg.graph.scope import Scope
 
-__all__ = ["interface", "interface_type"]
+__all__ = ["interface", "interface_type", "quality"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,18 +104,30 @@ def _details(scope: Scope, part: str, fact: Interface) -> None:
     writer.text(part, v.ORIGIN, fact.origin)
     writer.text(part, v.REASON, fact.reason)
     if fact.qos is not None:
-        writer.add(part, v.HAS_QOS, _qos(scope, fact.qos))
+        writer.add(part, v.HAS_QOS, quality(scope, fact.qos))
 
 
-def _qos(scope: Scope, qos: Qos) -> str:
+def quality(scope: Scope, qos: Qos) -> str:
+    """Return the spelled IRI of a combination of policies, described once."""
     depth = None if qos.depth is None else str(qos.depth)
     words = [word if word is not None else "-" for word in (qos.reliability, qos.durability, qos.history, depth)]
-    iri, writer = f"<{scope.iris.qos(*words)}>", scope.writer
-    if writer.described(iri, " ".join(words), v.QOS):
+    rarer = {
+        "deadline": qos.deadline,
+        "lifespan": qos.lifespan,
+        "liveliness": qos.liveliness,
+        "lease": qos.lease_duration,
+    }
+    more = [f"{name}:{value if isinstance(value, str) else plain(value)}" for name, value in rarer.items() if value]
+    iri, writer = f"<{scope.iris.qos(*words, *more)}>", scope.writer
+    if writer.described(iri, " ".join([*words, *more]), v.QOS):
         writer.text(iri, v.RELIABILITY, qos.reliability)
         writer.text(iri, v.DURABILITY, qos.durability)
         writer.text(iri, v.HISTORY, qos.history)
         writer.number(iri, v.DEPTH, qos.depth)
+        writer.measure(iri, v.DEADLINE, qos.deadline)
+        writer.measure(iri, v.LIFESPAN, qos.lifespan)
+        writer.text(iri, v.LIVELINESS, qos.liveliness)
+        writer.measure(iri, v.LEASE_DURATION, qos.lease_duration)
     return iri
 
 

@@ -40,10 +40,10 @@ _SHAPES: Final[dict[str, str]] = {
     "action-type": "p",
     "package-name": "s",
     "person": "ps",
-    "qos": "ssss",
+    "qos": "ssss*",
     "software": "ss",
 }
-"""For each kind its parts in order: `p` a path, `s` one segment, `-` the segment between two paths."""
+"""For each kind its parts in order: `p` a path, `s` one segment, `-` the segment between two paths, `*` any more."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,7 +135,10 @@ class Iris:
         return f"{self.base}person/{_path(place)}/{_segment(name)}"
 
     def qos(self, *policies: str) -> str:
-        """Return the IRI of a combination of reliability, durability, history and depth, `-` for one not known."""
+        """Return the IRI of a combination of reliability, durability, history and depth, `-` for one not known.
+
+        Rarer policies that are set follow as `deadline:0.1`, `lifespan:`, `liveliness:` and `lease:`, in this order.
+        """
         return f"{self.base}qos/{'/'.join(map(_segment, policies))}"
 
     def software(self, name: str, version: str) -> str:
@@ -173,6 +176,8 @@ def _split_paths(segments: list[str]) -> tuple[str, ...] | None:
 
 
 def _split(segments: list[str], shape: str) -> tuple[str, ...] | None:
+    if shape.endswith("*"):
+        shape = shape[:-1] + "s" * (len(segments) - len(shape) + 1)
     tail = len(shape) - 1 if shape[0] == "p" else len(shape)
     if len(segments) < len(shape) or (shape[0] == "s" and len(segments) != tail):
         return None

@@ -5,7 +5,9 @@ IRIs come from `kg.graph.iris` and `kg.graph.vocabulary`, which give only valid 
 
 from __future__ import annotations
 
+import math
 import re
+from decimal import Decimal
 from typing import TYPE_CHECKING, Final
 
 from kg.graph.vocabulary import LABEL, TYPE, XSD
@@ -13,7 +15,7 @@ from kg.graph.vocabulary import LABEL, TYPE, XSD
 if TYPE_CHECKING:
     from datetime import datetime
 
-__all__ = ["Writer", "boolean", "integer", "literal", "moment"]
+__all__ = ["Writer", "boolean", "double", "integer", "literal", "moment", "plain"]
 
 _SPECIAL: Final = re.compile(r'["\\\x00-\x1f\x7f\ud800-\udfff]')
 _ESCAPES: Final = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\r": "\\r", "\t": "\\t", "\b": "\\b", "\f": "\\f"}
@@ -35,6 +37,18 @@ def literal(text: str) -> str:
 def integer(number: int) -> str:
     """Return the `xsd:integer` literal of `number`."""
     return f'"{number}"^^<{XSD}integer>'
+
+
+def plain(number: float) -> str:
+    """Return a number in decimal digits without exponent, as the store writes `xsd:double`: 0.1, 1, 0.000001, INF."""
+    if not math.isfinite(number):
+        return "NaN" if math.isnan(number) else "INF" if number > 0 else "-INF"
+    return f"{Decimal(repr(float(number))).normalize():f}"
+
+
+def double(number: float) -> str:
+    """Return the `xsd:double` literal of `number`."""
+    return f'"{plain(number)}"^^<{XSD}double>'
 
 
 def boolean(value: bool) -> str:  # noqa: FBT001 - the value is the argument, not a mode
@@ -94,6 +108,11 @@ class Writer:
         """Add an integer literal unless `value` is None."""
         if value is not None:
             self.lines.append(f"{subject} {predicate} {integer(value)} .\n")
+
+    def measure(self, subject: str, predicate: str, value: float | None) -> None:
+        """Add an `xsd:double` literal unless `value` is None."""
+        if value is not None:
+            self.lines.append(f"{subject} {predicate} {double(value)} .\n")
 
     def encoded(self) -> bytes:
         """Return all triples as N-Triples."""

@@ -233,7 +233,17 @@ def _qos(properties: _Properties) -> Qos:
     reliability, durability, history, depth = (
         _one(properties, term) for term in (v.RELIABILITY, v.DURABILITY, v.HISTORY, v.DEPTH)
     )
-    return Qos(reliability, durability, history, None if depth is None else int(depth))
+    deadline, lifespan, lease = (_one(properties, term) for term in (v.DEADLINE, v.LIFESPAN, v.LEASE_DURATION))
+    return Qos(
+        reliability,
+        durability,
+        history,
+        None if depth is None else int(depth),
+        deadline=None if deadline is None else float(deadline),
+        lifespan=None if lifespan is None else float(lifespan),
+        liveliness=_one(properties, v.LIVELINESS),
+        lease_duration=None if lease is None else float(lease),
+    )
 
 
 def _parameter(properties: _Properties) -> Parameter:

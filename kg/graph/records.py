@@ -72,11 +72,18 @@ def _interface(fact: Interface) -> dict[str, Any]:
 
 
 def _qos(qos: Qos) -> dict[str, Any]:
+    rarer = {
+        "deadline": qos.deadline,
+        "lifespan": qos.lifespan,
+        "liveliness": qos.liveliness,
+        "lease_duration": qos.lease_duration,
+    }
     return {
         "reliability": qos.reliability,
         "durability": qos.durability,
         "history": qos.history,
         "depth": qos.depth,
+        **{name: value for name, value in rarer.items() if value is not None},
     }
 
 

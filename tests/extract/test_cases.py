@@ -20,7 +20,7 @@ from kg.extract.package import extract_package
 from kg.facts import Repository
 
 if TYPE_CHECKING:
-    from kg.facts import Interface, NodeType, PackageFacts, Parameter
+    from kg.facts import Interface, NodeType, PackageFacts, Parameter, Qos
 
 LANGUAGES = ("cpp", "python")
 CASES = [
@@ -62,7 +62,15 @@ def interface_record(item: Interface) -> Record:
     """Return an interface as `kg nodes --json` prints it, with the fields of the fact that it leaves out."""
     record = asdict(item)
     del record["role"], record["location"]
+    if item.qos is not None:
+        record["qos"] = quality(item.qos)
     return {**record, "resolution": item.resolution.value, "file": item.location.path, "line": item.location.line}
+
+
+def quality(qos: Qos) -> Record:
+    """Return a quality of service as `kg nodes --json` prints it: the rarer policies only where they are known."""
+    usual = {"reliability", "durability", "history", "depth"}
+    return {name: value for name, value in asdict(qos).items() if name in usual or value is not None}
 
 
 def parameter_record(item: Parameter) -> Record:

@@ -1,9 +1,11 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from graph.samples import IRIS, REPOSITORY, ROVER, end, loaded, rows, sample, true
 
-from kg.facts import Location, NodeKind, NodeType, Package, PackageFacts, Resolution, Role
+from kg.facts import Location, NodeKind, NodeType, Package, PackageFacts, Qos, Resolution, Role
 from kg.graph import source_triples
 
 NODE = f"<node/{ROVER}/rover_base/driver>"
@@ -117,3 +119,22 @@ def test_every_resolution_is_an_individual_of_the_ontology(resolution: Resolutio
     )
     facts = PackageFacts(ROVER, Package("p", "p", 1, Location("p/package.xml", 1)), (node,))
     assert true(loaded(source_triples(REPOSITORY, [facts], IRIS)), f"?c rnkg:resolution rnkg:{resolution}")
+
+
+def test_rarer_policies_have_a_resource_of_their_own() -> None:
+    """Deadlines, lifespans and liveliness that code sets are written in seconds, and tell two qualities apart."""
+    usual = Qos("reliable", "volatile", "keep_last", 1)
+    rarer = replace(usual, deadline=0.000001, lifespan=2.0, liveliness="manual_by_topic", lease_duration=1.5)
+    ends = tuple(end(Role.PUBLISHES, name, qos=qos) for name, qos in (("a", usual), ("b", rarer)))
+    node = NodeType("n", NodeKind.EXECUTABLE, "cpp", 2, Location("a.cpp", 1), interfaces=ends)
+    facts = PackageFacts(ROVER, Package("p", "p", 2, Location("p/package.xml", 1)), (node,))
+    store = loaded(source_triples(REPOSITORY, [facts], IRIS))
+    query = """SELECT ?q ?deadline ?lifespan ?liveliness ?lease WHERE { ?q a rnkg:Qos
+      OPTIONAL { ?q rnkg:deadline ?deadline ; rnkg:lifespan ?lifespan ; rnkg:liveliness ?liveliness ;
+                    rnkg:leaseDuration ?lease } }"""
+    spelled = "qos/reliable/volatile/keep_last/1"
+    more = "/deadline:0.000001/lifespan:2/liveliness:manual_by_topic/lease:1.5"
+    assert rows(store, query) == [
+        (spelled, None, None, None, None),
+        (spelled + more, "0.000001", "2", "manual_by_topic", "1.5"),
+    ]

@@ -28,6 +28,7 @@ MAKERS: list[tuple[str, int, Callable[..., str]]] = [
     ("package-name", 1, IRIS.package_name),
     ("person", 2, IRIS.person),
     ("qos", 4, IRIS.qos),
+    ("qos", 7, IRIS.qos),
     ("software", 2, IRIS.software),
     ("message", 1, lambda name: IRIS.interface_type("message", name)),
     ("service-type", 1, lambda name: IRIS.interface_type("service-type", name)),
@@ -38,7 +39,7 @@ MAKERS: list[tuple[str, int, Callable[..., str]]] = [
 ]
 
 
-@pytest.mark.parametrize(("kind", "arity", "make"), MAKERS, ids=[maker[0] for maker in MAKERS])
+@pytest.mark.parametrize(("kind", "arity", "make"), MAKERS, ids=[f"{maker[0]}-{maker[1]}" for maker in MAKERS])
 @given(data=st.data())
 def test_any_text_makes_a_valid_iri_that_gives_the_text_back(
     kind: str, arity: int, make: Callable[..., str], data: st.DataObject

@@ -50,7 +50,7 @@ ROVER: Final = NodeType(
             resolved="/rover/odom",
             written='node->get("odom")',
             parameter="odom_topic",
-            qos=Qos("reliable", None, "keep_last", 10),
+            qos=Qos("reliable", None, "keep_last", 10, 0.1, 2.0, "automatic", 3600.0),
         ),
         Interface(Role.PUBLISHES, None, None, Resolution.UNRESOLVED, HERE, reason="the argument is not known"),
         Interface(Role.SERVICES, "x/{}", "std_srvs/Empty", Resolution.PARTIAL, HERE, implicit=True, origin="lifecycle"),

@@ -6,12 +6,13 @@ A profile starts from a number, a named profile or `QoS(...)`, and methods chang
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.cpp import syntax
+from kg.extract.cpp.durations import INFINITE, definition, read_duration
 from kg.extract.cpp.unit import Expr
-from kg.extract.cpp.variables import WriteKind, writes
+from kg.extract.cpp.variables import WriteKind
 from kg.extract.values import Number
 from kg.facts import Qos
 
@@ -59,8 +60,17 @@ _SETTERS: Final[dict[str, Callable[[Qos], Qos]]] = {
 _POLICIES: Final = {
     "reliability": {"reliable", "best_effort"},
     "durability": {"volatile", "transient_local"},
+    "liveliness": {"automatic", "manual_by_topic"},
+    "history": {"keep_last", "keep_all"},
 }
-_SAME: Final = frozenset({"get_rmw_qos_profile", "from_rmw", "from_qos", "deadline", "lifespan", "liveliness", "QoS"})
+_DURATIONS: Final = {
+    "deadline": "deadline",
+    "lifespan": "lifespan",
+    "liveliness_lease_duration": "lease_duration",
+}
+"""Methods of rclcpp::QoS and fields of rmw_qos_profile_t that take a duration, with the fields of `Qos`."""
+_SAME: Final = frozenset({"get_rmw_qos_profile", "from_rmw", "from_qos", "QoS"})
+_IGNORED: Final = frozenset({"avoid_ros_namespace_conventions"})
 _MAKING: Final = frozenset({"QoS", "KeepLast", "QoSInitialization"})
 _DEEPEST: Final = 20
 
@@ -125,11 +135,28 @@ def _changed(evaluator: Evaluator, qos: Qos, name: str, given: list[Expr], conte
     if name == "keep_last" and given:
         counted = _with_depth(evaluator, given[0], context)
         return replace(qos, history="keep_last", depth=counted.depth if counted is not None else None)
+    if name in _DURATIONS and given:
+        return _lasting(qos, name, read_duration(evaluator, given[-1], context), len(given))
     if name in _POLICIES and given:
-        chosen = syntax.text(given[0].node).rpartition("::")[2].lower().replace("_", "")
-        value = next((policy for policy in _POLICIES[name] if chosen.endswith(policy.replace("_", ""))), None)
-        return replace(qos, reliability=value) if name == "reliability" else replace(qos, durability=value)
-    return qos if name in _SAME else None
+        return _with_policy(qos, name, given[0])
+    return qos if name in _SAME or name in _IGNORED else None
+
+
+def _with_policy(qos: Qos, name: str, chosen: Expr) -> Qos:
+    """Return a profile with a policy that is named by an enumerator; None of it where that is none of those known."""
+    word = syntax.text(chosen.node).rpartition("::")[2].lower().replace("_", "")
+    value = next((policy for policy in _POLICIES[name] if word.endswith(policy.replace("_", ""))), None)
+    return Qos(**{**asdict(qos), name: value})
+
+
+def _lasting(qos: Qos, name: str, seconds: float | None, given: int) -> Qos | None:
+    """Return a profile with a duration; None when that is not known, since no deadline would mean something else.
+
+    Zero stands for the default, which is none (RMW_DURATION_UNSPECIFIED in rmw/types.h).
+    """
+    if seconds is None or given > 1:
+        return None
+    return Qos(**{**asdict(qos), _DURATIONS[name]: seconds if 0 < seconds < INFINITE else None})
 
 
 def _named(evaluator: Evaluator, where: Expr, context: Context, depth: int) -> Qos | None:
@@ -138,15 +165,11 @@ def _named(evaluator: Evaluator, where: Expr, context: Context, depth: int) -> Q
     name = syntax.text(field) if field is not None else syntax.simple_name(where.node)
     if name in _PROFILES:
         return _PROFILES[name]
-    function = where.unit.function_at(where.at)
-    for write in writes(where.unit, name, function.start, where.at) if function is not None else ():
-        if write.kind in (WriteKind.VALUE, WriteKind.CONSTRUCT) and write.owner is None:
-            start = _written(evaluator, write.value, write.kind, write.type, context, depth)
-            return start and _after(evaluator, start, name, (write.end, where), context)
-    declared = evaluator.types.declaration(name, where)
-    if declared is not None and declared[1] is not None:
-        kind = WriteKind.CONSTRUCT if declared[1].node.type == "initializer_list" else WriteKind.VALUE
-        return _written(evaluator, declared[1], kind, declared[0].node, context, depth)
+    found = definition(evaluator, where, name)
+    if found is not None:
+        kind, value, declared, end = found
+        start = _written(evaluator, value, kind, declared, context, depth)
+        return _after(evaluator, start, name, (end, where), context) if start and end is not None else start
     return _with_depth(evaluator, where, context)
 
 
@@ -169,7 +192,41 @@ def _after(evaluator: Evaluator, qos: Qos, name: str, span: tuple[int, Expr], co
     for use in where.unit.occurrences(name):
         if start <= use.start_byte < where.at:
             result = result and _chained(evaluator, result, use, where, context)
+            result = result and _assigned(evaluator, result, use, where, context)
     return result
+
+
+def _assigned(evaluator: Evaluator, qos: Qos, use: Node, where: Expr, context: Context) -> Qos | None:
+    """Return a profile of rmw after a field of it was assigned, `profile.depth = 5` or `profile.deadline.sec = 1`."""
+    path: list[str] = []
+    inner = use
+    for outer in syntax.outward(use, 3):
+        field, right = outer.child_by_field_name("field"), outer.child_by_field_name("right")
+        left = outer.child_by_field_name("left")
+        if outer.type == "field_expression" and field is not None:
+            path.append(syntax.text(field))
+        elif outer.type == "assignment_expression" and left is not None and left.id == inner.id and right is not None:
+            return _with_field(evaluator, qos, path, Expr.of(where.unit, right), context)
+        inner = outer
+    return qos
+
+
+def _with_field(evaluator: Evaluator, qos: Qos, path: list[str], value: Expr, context: Context) -> Qos | None:
+    match path:
+        case ["depth"]:
+            counted = _with_depth(evaluator, value, context)
+            return replace(qos, depth=counted.depth if counted is not None else None)
+        case [name] if name in _POLICIES:
+            return _with_policy(qos, name, value)
+        case [name] if name in _DURATIONS:
+            return _lasting(qos, name, read_duration(evaluator, value, context), 1)
+        case [name, "sec" | "nsec" as unit] if name in _DURATIONS:
+            counted = _with_depth(evaluator, value, context)
+            before: float = getattr(qos, _DURATIONS[name]) or 0.0
+            scale = 1.0 if unit == "sec" else 1e-9
+            return counted and _lasting(qos, name, before + (counted.depth or 0) * scale, 1)
+        case _:
+            return qos
 
 
 def _chained(evaluator: Evaluator, qos: Qos, use: Node, where: Expr, context: Context) -> Qos | None:

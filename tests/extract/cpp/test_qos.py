@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import pytest
@@ -11,6 +12,11 @@ from kg.facts import Qos, Role
 if TYPE_CHECKING:
     from pathlib import Path
 
+FIELDS = (
+    "rmw_qos_profile_t p = rmw_qos_profile_sensor_data; p.depth = 1; p.deadline.sec = 2;"
+    " p.history = RMW_QOS_POLICY_HISTORY_KEEP_ALL; p.reliability = RMW_QOS_POLICY_RELIABILITY_RELIABLE;"
+)
+LAST = Qos("reliable", "volatile", "keep_last", 1)
 USUAL = Qos("reliable", "volatile", "keep_last", 10)
 
 
@@ -78,10 +84,28 @@ def qos_of(root: Path, before: str, expression: str) -> Qos | None:
         ("", "rclcpp::QoS(depth_)", Qos("reliable", "volatile", "keep_last", 12)),
         ("", "member_", Qos("reliable", "volatile", "keep_last", 6)),
         ("", "shared_qos", Qos("reliable", "volatile", "keep_last", 4)),
+        ("", "rclcpp::QoS(1).deadline(100ms)", replace(LAST, deadline=0.1)),
+        ("", "rclcpp::QoS(1).deadline(2 * 500ms).lifespan(std::chrono::seconds(3))",
+         replace(LAST, deadline=1.0, lifespan=3.0)),
+        ("", "rclcpp::QoS(1).deadline(rclcpp::Duration::from_seconds(0.5))", replace(LAST, deadline=0.5)),
+        ("", "rclcpp::QoS(1).deadline(rclcpp::Duration(1, 250000000))", replace(LAST, deadline=1.25)),
+        ("", "rclcpp::QoS(1).deadline(rclcpp::Duration(std::chrono::milliseconds(20)))", replace(LAST, deadline=0.02)),
+        ("", "rclcpp::QoS(1).deadline(rmw_time_t{2, 0})", replace(LAST, deadline=2.0)),
+        ("", "rclcpp::QoS(1).deadline(RMW_DURATION_INFINITE).lifespan(rclcpp::Duration(0, 0))", LAST),
+        ("const std::chrono::milliseconds period{50}; auto later = 2s;",
+         "rclcpp::QoS(1).deadline(period).lifespan(later)", replace(LAST, deadline=0.05, lifespan=2.0)),
+        ("const auto frame = std::chrono::duration<double>(0.04);", "rclcpp::QoS(1).deadline(frame)",
+         replace(LAST, deadline=0.04)),
+        ("", "rclcpp::QoS(1).liveliness(rclcpp::LivelinessPolicy::ManualByTopic).liveliness_lease_duration(1s)",
+         replace(LAST, liveliness="manual_by_topic", lease_duration=1.0)),
+        ("", "rclcpp::QoS(1).liveliness(RMW_QOS_POLICY_LIVELINESS_AUTOMATIC)", replace(LAST, liveliness="automatic")),
+        (FIELDS, "rclcpp::QoS(rclcpp::QoSInitialization::from_rmw(p), p)",
+         Qos("reliable", "volatile", "keep_all", 1, deadline=2.0)),
+        ("", "rclcpp::QoS(1).deadline(deadline_of(this))", None),
         ("", "make_qos()", None),
         ("", "rclcpp::QoS(1).unheard_of()", None),
     ],
-)
+)  # fmt: skip
 def test_profiles(tmp_path: Path, before: str, expression: str, wanted: Qos | None) -> None:
     """A profile is what it starts from and what its methods make of it; what is not understood is not known."""
     assert qos_of(tmp_path, before, expression) == wanted
