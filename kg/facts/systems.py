@@ -99,9 +99,9 @@ class InstanceRemap:
 class NodeInstance:
     """One start of a node: `name` is absolute.
 
-    `type` is the node type it is of; None with the `reason` (in words) and `missing`, when the build has
-    none. `plugins` are the node types of what it loads by parameters; `host` is the name of the instance whose process it shares. `complete` tells whether
-    every interface of it is known: the type, all names and all plugins.
+    `type` is the node type it is of; None with the `reason` (in words) and `missing`, when the build has none.
+    `plugins` are the node types of what it loads by parameters; `host` is the name of the instance whose process it
+    shares. `complete` tells whether every interface of it is known: the type, all names and all plugins.
     """
 
     name: str
