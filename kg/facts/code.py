@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from kg.facts.launch import LaunchConfiguration
+from kg.facts.launch import LaunchConfiguration  # noqa: TC001 - property tests make facts from their annotations
 
 __all__ = [
     "Access",
@@ -307,8 +305,8 @@ class PackageFacts:
     package: Package
     nodes: tuple[NodeType, ...] = ()
     definitions: tuple[InterfaceDefinition, ...] = ()
-    launches: tuple[LaunchConfiguration, ...] = ()
-    """Each launch file of the package, evaluated as if it were the one that is started, with its default arguments."""
     files: tuple[SourceFile, ...] = ()
     problems: tuple[Problem, ...] = ()
     inputs: tuple[tuple[str, str], ...] = ()
+    launches: tuple[LaunchConfiguration, ...] = ()
+    """Each launch file of the package, evaluated as if it were the one that is started, with its default arguments."""

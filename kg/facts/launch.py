@@ -121,9 +121,9 @@ class StartedNode:
 
     `name` is without namespace, None where the node's own name is kept (ROS 2); `namespace` is absolute. `executable`
     is what `rosrun`/`ros2 run` start, `plugin` the class of a nodelet or component, `host` the absolute name of the
-    manager or container that it is loaded into. `parameters` are those given to this node (ROS 2; in ROS 1 they stand in
-    the configuration), the later of two of one name counts. `condition` says what has to hold, in the words of the file,
-    where that cannot be known; what surely is not started is left out.
+    manager or container that it is loaded into. `parameters` are those given to this node (ROS 2; in ROS 1 they stand
+    in the configuration), the later of two of one name counts. `condition` says what has to hold, in the words of the
+    file, where that cannot be known; what surely is not started is left out.
     """
 
     name: str | None
@@ -188,3 +188,10 @@ class LaunchConfiguration:
     includes: tuple[LaunchInclude, ...] = ()
     problems: tuple[LaunchProblem, ...] = ()
     files: tuple[tuple[str, str], ...] = ()
+    folder: str = "."
+    """The folder of the package, relative to the source."""
+
+    @property
+    def name(self) -> str:
+        """The name that people know it by: its package, and its path in that."""
+        return f"{self.package}/{self.path if self.folder == '.' else self.path.removeprefix(f'{self.folder}/')}"

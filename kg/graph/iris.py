@@ -31,6 +31,7 @@ _SHAPES: Final[dict[str, str]] = {
     "executable": "pss",
     "definition": "psss",
     "file": "p-p",
+    "configuration": "p-p",
     "build": "ps",
     "topic": "p",
     "service": "p",
@@ -63,6 +64,11 @@ def _segment(text: str) -> str:
 @lru_cache(maxsize=1 << 16)
 def _path(text: str) -> str:
     return "/".join(map(_segment, text.split("/")))
+
+
+def _placed(repository: str, path: str) -> str:
+    segments = ("%2D" if part == _BETWEEN else _segment(part) for part in repository.split("/"))
+    return f"{'/'.join(segments)}/{_BETWEEN}/{_path(path)}"
 
 
 def _decode(text: str) -> str:
@@ -111,8 +117,11 @@ class Iris:
 
     def file(self, repository: str, path: str) -> str:
         """Return the IRI of a file of a source; `path` is relative to the root of the source."""
-        segments = ("%2D" if part == _BETWEEN else _segment(part) for part in repository.split("/"))
-        return f"{self.base}file/{'/'.join(segments)}/{_BETWEEN}/{_path(path)}"
+        return f"{self.base}file/{_placed(repository, path)}"
+
+    def configuration(self, repository: str, path: str) -> str:
+        """Return the IRI of what the launch file at `path` of a source starts."""
+        return f"{self.base}configuration/{_placed(repository, path)}"
 
     def build(self, repository: str, started: str) -> str:
         """Return the IRI of the reading of a source that began at `started` (ISO 8601)."""
@@ -152,6 +161,14 @@ class Iris:
     def source_graph(self, repository: str) -> str:
         """Return the IRI of the named graph of what was read from a source."""
         return f"{self.base}graph/source/{_path(repository)}"
+
+    def launch_graph(self, repository: str, path: str) -> str:
+        """Return the IRI of the named graph of what one launch file starts."""
+        return f"{self.base}graph/launch/{_placed(repository, path)}"
+
+    def launch_graphs(self, repository: str) -> str:
+        """Return what the IRIs of the graphs of all launch files of a source begin with."""
+        return self.launch_graph(repository, "")
 
     def parse(self, iri: str) -> Thing | None:
         """Return what `iri` (without fragment) was made of; None when it is none of the kinds of this base."""

@@ -6,19 +6,42 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias
 
-from kg.facts import Access, Interface, Location, NodeKind, NodeType, Parameter, Qos, Resolution, Role
+from kg.facts import (
+    Access,
+    Interface,
+    Location,
+    NodeKind,
+    NodeReference,
+    NodeType,
+    Parameter,
+    Qos,
+    Resolution,
+    Role,
+)
 from kg.graph import vocabulary as v
 from kg.graph.ntriples import literal
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-__all__ = ["NodeRecord", "Queryable", "node_names", "node_records"]
+__all__ = [
+    "NodeRecord",
+    "Properties",
+    "Queryable",
+    "grouped",
+    "node_names",
+    "node_records",
+    "one",
+    "qualities",
+    "word",
+]
 
-_Properties: TypeAlias = "Mapping[str, list[str]]"
+Properties: TypeAlias = "Mapping[str, list[str]]"
+_Ends: TypeAlias = "list[tuple[Interface, str]]"
+_Settable: TypeAlias = "list[tuple[Parameter, str]]"
 
 _PREFIXES: Final = {"ros": v.ROS, "rnkg": v.RNKG, "rdf": v.RDF, "rdfs": v.RDFS}
 _ROLES: Final = {
@@ -71,6 +94,16 @@ class NodeRecord:
     commit: str | None
     package: str
     node: NodeType
+    iri: str = field(default="", compare=False)
+    ends: Mapping[Interface, str] = field(default_factory=dict, repr=False, compare=False)
+    """The IRIs of its interfaces."""
+    settable: Mapping[Parameter, str] = field(default_factory=dict, repr=False, compare=False)
+    """The IRIs of its parameters."""
+
+    @property
+    def reference(self) -> NodeReference:
+        """What stands for the node type in facts about instances."""
+        return NodeReference(self.repository, self.package, self.node.name)
 
     @property
     def full_name(self) -> str:
@@ -78,19 +111,34 @@ class NodeRecord:
         return f"{self.repository}:{self.package}/{self.node.name}"
 
 
-def node_records(graph: Queryable, *, package: str | None = None, node: str | None = None) -> list[NodeRecord]:
-    """Return the node types of the store, or those of a package or of a name, sorted by source, package and name."""
-    which = _which(package, node)
+def node_records(
+    graph: Queryable,
+    *,
+    package: str | None = None,
+    node: str | None = None,
+    packages: Iterable[str] | None = None,
+) -> list[NodeRecord]:
+    """Return the node types of the store, sorted by source, package and name.
+
+    They may be limited to those of a package, of any of several `packages` (their names), or of a name.
+    """
+    which = _which(package, node, packages)
     owners = {_text(row["node"]): row for row in _rows(graph, _OWNERS % which)}
-    properties = _grouped(_rows(graph, _NODES % which))
+    properties = grouped(_rows(graph, _NODES % which))
     sources = _listed(_rows(graph, _SOURCES % which))
     executables = _listed(_rows(graph, _EXECUTABLES % which))
     parts = _parts(graph, which, owners)
     found = []
     for iri, owner in owners.items():
-        fact = _node(properties[iri], sources.get(iri, []), executables.get(iri, []), parts.get(iri, ([], [])))
-        commit = owner["commit"]
-        found.append(NodeRecord(_text(owner["repository"]), commit and _text(commit), _text(owner["package"]), fact))
+        ends, settable = parts.get(iri, ([], []))
+        fact = _node(
+            properties[iri],
+            sources.get(iri, []),
+            executables.get(iri, []),
+            ([end for end, _ in ends], [parameter for parameter, _ in settable]),
+        )
+        commit, place = owner["commit"], (_text(owner["repository"]), _text(owner["package"]))
+        found.append(NodeRecord(place[0], commit and _text(commit), place[1], fact, iri, dict(ends), dict(settable)))
     return sorted(found, key=lambda one: (one.repository, one.package, one.node.name, str(one.node.location)))
 
 
@@ -101,9 +149,12 @@ def node_names(graph: Queryable) -> list[str]:
     )
 
 
-def _which(package: str | None, node: str | None) -> str:
+def _which(package: str | None, node: str | None, packages: Iterable[str] | None) -> str:
     """Return the pattern that binds ?node; `package` may have its repository in front, with a colon."""
     lines = ["?node a rnkg:NodeType ."]
+    if packages is not None:
+        names = " ".join(sorted(literal(name) for name in packages))
+        lines.append(f"VALUES ?oneOf {{ {names} }} ?oneOfThese rnkg:contains ?node ; rnkg:name ?oneOf .")
     if node is not None:
         lines.append(f"?node rnkg:name {literal(node)} .")
     if package is not None:
@@ -124,7 +175,7 @@ def _text(term: Any) -> str:
     return value
 
 
-def _grouped(rows: Iterable[Any]) -> dict[str, dict[str, list[str]]]:
+def grouped(rows: Iterable[Any]) -> dict[str, dict[str, list[str]]]:
     """Return the properties of each subject; the keys of properties are IRIs."""
     found: defaultdict[str, defaultdict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
     for subject, predicate, value in rows:
@@ -139,21 +190,26 @@ def _listed(rows: Iterable[Any]) -> dict[str, list[str]]:
     return {subject: sorted(set(values)) for subject, values in found.items()}
 
 
-def _parts(graph: Queryable, which: str, owners: Iterable[str]) -> dict[str, tuple[list[Interface], list[Parameter]]]:
+def _parts(graph: Queryable, which: str, owners: Iterable[str]) -> dict[str, tuple[_Ends, _Settable]]:
     nodes: defaultdict[str, list[str]] = defaultdict(list)
     for owner in owners:
         nodes[owner.partition("#")[0]].append(owner)
     types = {row["type"].value: row["label"].value for row in _rows(graph, _TYPES)}
-    qualities = {iri: _qos(properties) for iri, properties in _grouped(_rows(graph, _QOS)).items()}
-    found: defaultdict[str, tuple[list[Interface], list[Parameter]]] = defaultdict(lambda: ([], []))
-    for iri, properties in _grouped(_rows(graph, _PARTS % which)).items():
+    known = qualities(graph)
+    found: defaultdict[str, tuple[_Ends, _Settable]] = defaultdict(lambda: ([], []))
+    for iri, properties in grouped(_rows(graph, _PARTS % which)).items():
         interfaces, parameters = found[_owner(iri, nodes)]
         roles = [_ROLES[kind] for kind in properties[v.bare(v.TYPE)] if kind in _ROLES]
         if roles:
-            interfaces.append(_interface(roles[0], properties, types, qualities))
+            interfaces.append((_interface(roles[0], properties, types, known), iri))
         else:
-            parameters.append(_parameter(properties))
+            parameters.append((_parameter(properties), iri))
     return found
+
+
+def qualities(graph: Queryable) -> dict[str, Qos]:
+    """Return the combinations of policies of the store by their IRIs."""
+    return {iri: _qos(properties) for iri, properties in grouped(_rows(graph, _QOS)).items()}
 
 
 def _owner(part: str, nodes: Mapping[str, list[str]]) -> str:
@@ -165,37 +221,38 @@ def _owner(part: str, nodes: Mapping[str, list[str]]) -> str:
     return max((one for one in nodes.get(whole, ()) if part.startswith(one)), key=len, default=whole)
 
 
-def _one(properties: _Properties, term: str) -> str | None:
+def one(properties: Properties, term: str) -> str | None:
+    """Return the value of a term that has one; the least where it has several."""
     values = properties.get(v.bare(term))
     return min(values) if values else None
 
 
-def _word(properties: _Properties, term: str) -> str:
+def word(properties: Properties, term: str) -> str:
     """Return the local name of a term of RNKG."""
-    return (_one(properties, term) or "").removeprefix(v.RNKG)
+    return (one(properties, term) or "").removeprefix(v.RNKG)
 
 
-def _location(properties: _Properties) -> Location:
-    path, line, repository = (_one(properties, term) for term in (v.PATH, v.LINE, v.IN_REPOSITORY))
+def _location(properties: Properties) -> Location:
+    path, line, repository = (one(properties, term) for term in (v.PATH, v.LINE, v.IN_REPOSITORY))
     return Location(path or "", int(line or 0), repository)
 
 
 def _node(
-    properties: _Properties,
+    properties: Properties,
     sources: list[str],
     executables: list[str],
     parts: tuple[list[Interface], list[Parameter]],
 ) -> NodeType:
     return NodeType(
-        name=_one(properties, v.NAME) or "",
-        kind=NodeKind(_word(properties, v.KIND)),
-        language=_one(properties, v.LANGUAGE) or "",
-        ros=int(_one(properties, v.ROS_VERSION) or 0),
+        name=one(properties, v.NAME) or "",
+        kind=NodeKind(word(properties, v.KIND)),
+        language=one(properties, v.LANGUAGE) or "",
+        ros=int(one(properties, v.ROS_VERSION) or 0),
         location=_location(properties),
         executable=executables[0] if executables else None,
-        plugin=_one(properties, v.PLUGIN_NAME),
-        node_name=_one(properties, v.NODE_NAME),
-        base_class=_one(properties, v.BASE_CLASS),
+        plugin=one(properties, v.PLUGIN_NAME),
+        node_name=one(properties, v.NODE_NAME),
+        base_class=one(properties, v.BASE_CLASS),
         aliases=tuple(sorted(properties.get(v.bare(v.ALIAS), ()))),
         sources=tuple(sources),
         interfaces=tuple(sorted(parts[0], key=_order)),
@@ -208,32 +265,30 @@ def _order(fact: Interface | Parameter) -> tuple[str, str, str, int, str]:
     return role, fact.name or "~~", fact.location.path, fact.location.line, fact.type or ""
 
 
-def _interface(
-    role: Role, properties: _Properties, types: Mapping[str, str], qualities: Mapping[str, Qos]
-) -> Interface:
+def _interface(role: Role, properties: Properties, types: Mapping[str, str], qualities: Mapping[str, Qos]) -> Interface:
     terms = (v.ROS_HAS_MESSAGE, v.HAS_SERVICE_TYPE, v.HAS_ACTION_TYPE)
-    type_iri = next((iri for term in terms if (iri := _one(properties, term))), None)
+    type_iri = next((iri for term in terms if (iri := one(properties, term))), None)
     return Interface(
         role=role,
-        name=_one(properties, v.NAME),
+        name=one(properties, v.NAME),
         type=types.get(type_iri) if type_iri else None,
-        resolution=Resolution(_word(properties, v.RESOLUTION)),
+        resolution=Resolution(word(properties, v.RESOLUTION)),
         location=_location(properties),
-        resolved=_one(properties, v.RESOLVED_NAME),
-        written=_one(properties, v.WRITTEN),
-        parameter=_one(properties, v.PARAMETER_NAME),
-        implicit=_one(properties, v.IMPLICIT) == "true",
-        origin=_one(properties, v.ORIGIN),
-        qos=qualities.get(_one(properties, v.HAS_QOS) or ""),
-        reason=_one(properties, v.REASON),
+        resolved=one(properties, v.RESOLVED_NAME),
+        written=one(properties, v.WRITTEN),
+        parameter=one(properties, v.PARAMETER_NAME),
+        implicit=one(properties, v.IMPLICIT) == "true",
+        origin=one(properties, v.ORIGIN),
+        qos=qualities.get(one(properties, v.HAS_QOS) or ""),
+        reason=one(properties, v.REASON),
     )
 
 
-def _qos(properties: _Properties) -> Qos:
+def _qos(properties: Properties) -> Qos:
     reliability, durability, history, depth = (
-        _one(properties, term) for term in (v.RELIABILITY, v.DURABILITY, v.HISTORY, v.DEPTH)
+        one(properties, term) for term in (v.RELIABILITY, v.DURABILITY, v.HISTORY, v.DEPTH)
     )
-    deadline, lifespan, lease = (_one(properties, term) for term in (v.DEADLINE, v.LIFESPAN, v.LEASE_DURATION))
+    deadline, lifespan, lease = (one(properties, term) for term in (v.DEADLINE, v.LIFESPAN, v.LEASE_DURATION))
     return Qos(
         reliability,
         durability,
@@ -241,21 +296,21 @@ def _qos(properties: _Properties) -> Qos:
         None if depth is None else int(depth),
         deadline=None if deadline is None else float(deadline),
         lifespan=None if lifespan is None else float(lifespan),
-        liveliness=_one(properties, v.LIVELINESS),
+        liveliness=one(properties, v.LIVELINESS),
         lease_duration=None if lease is None else float(lease),
     )
 
 
-def _parameter(properties: _Properties) -> Parameter:
+def _parameter(properties: Properties) -> Parameter:
     return Parameter(
-        name=_one(properties, v.NAME),
-        type=_one(properties, v.PARAMETER_TYPE),
-        default=_one(properties, v.DEFAULT_VALUE),
-        access=Access(_word(properties, v.ACCESS)),
+        name=one(properties, v.NAME),
+        type=one(properties, v.PARAMETER_TYPE),
+        default=one(properties, v.DEFAULT_VALUE),
+        access=Access(word(properties, v.ACCESS)),
         location=_location(properties),
-        resolution=Resolution(_word(properties, v.RESOLUTION)),
-        implicit=_one(properties, v.IMPLICIT) == "true",
-        origin=_one(properties, v.ORIGIN),
-        reason=_one(properties, v.REASON),
-        description=_one(properties, v.DESCRIPTION),
+        resolution=Resolution(word(properties, v.RESOLUTION)),
+        implicit=one(properties, v.IMPLICIT) == "true",
+        origin=one(properties, v.ORIGIN),
+        reason=one(properties, v.REASON),
+        description=one(properties, v.DESCRIPTION),
     )

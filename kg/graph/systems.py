@@ -1,0 +1,259 @@
+"""Systems become triples: what a launch configuration starts, under which names, and how it is wired.
+
+The topics, services and actions of a system are its own, and so are its instances; the evidence in code stays with the
+node types, to whose ends those of instances point.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from kg.facts import Role
+from kg.graph import vocabulary as v
+from kg.graph.interfaces import interface_type, quality
+from kg.graph.iris import fragment
+from kg.graph.ntriples import boolean, integer, literal
+from kg.graph.scope import Scope
+from kg.graph.shared import split
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kg.facts import (
+        InstanceInterface,
+        InstanceParameter,
+        InstanceRemap,
+        LaunchArgument,
+        LaunchConfiguration,
+        LaunchParameter,
+        LaunchProblem,
+        Location,
+        NodeInstance,
+        NodeReference,
+        Remap,
+        System,
+    )
+    from kg.graph.iris import Iris
+    from kg.graph.reading import NodeRecord
+
+__all__ = ["chain_text", "system_triples"]
+
+_KINDS: Final = {
+    Role.PUBLISHES: ("publisher", v.PUBLISHER, "topic"),
+    Role.SUBSCRIBES: ("subscriber", v.SUBSCRIBER, "topic"),
+    Role.SERVICES: ("service-server", v.SERVICE_SERVER, "service"),
+    Role.CLIENTS: ("service-client", v.SERVICE_CLIENT, "service"),
+    Role.ACTION_SERVERS: ("action-server", v.ACTION_SERVER, "action"),
+    Role.ACTION_CLIENTS: ("action-client", v.ACTION_CLIENT, "action"),
+}
+_CHANNELS: Final = {
+    "topic": (v.TOPIC, "msg", v.ROS_HAS_MESSAGE, v.HAS_MESSAGE),
+    "service": (v.SERVICE, "srv", v.HAS_SERVICE_TYPE, v.HAS_SERVICE_TYPE),
+    "action": (v.ACTION, "action", v.HAS_ACTION_TYPE, v.HAS_ACTION_TYPE),
+}
+
+
+def system_triples(system: System, records: Mapping[NodeReference, NodeRecord], iris: Iris) -> bytes:
+    """Return the N-Triples of a system; `records` are the node types that its instances are of, or load."""
+    return _Writing(system, records, iris).run()
+
+
+def chain_text(chain: tuple[Location, ...]) -> str:
+    """Return the lines of a chain of includes as one text; a line of another source has its repository in front."""
+    return " > ".join(f"{one.repository}//{one}" if one.repository else str(one) for one in chain)
+
+
+class _Writing:
+    """One system on its way into its graph."""
+
+    def __init__(self, system: System, records: Mapping[NodeReference, NodeRecord], iris: Iris) -> None:
+        self._system = system
+        self._records = records
+        self._scope = Scope(iris, system.configuration.repository, system.configuration.package)
+        self._writer = self._scope.writer
+        self._iri = iris.configuration(system.configuration.repository, system.configuration.path)
+        self._subject = f"<{self._iri}>"
+        self._remaps: dict[tuple[str, Remap], str] = {}
+        self._settings: dict[tuple[str, LaunchParameter], str] = {}
+        self._overrides: set[str] = set()
+
+    def run(self) -> bytes:
+        self._configuration(self._system.configuration)
+        for order, parameter in enumerate(self._system.shared_parameters):
+            self._setting(self._iri, parameter.name, parameter, order)
+        names: dict[str, str] = {}
+        iris = [self._scope.part(self._iri, "instance", one.name.lstrip("/"))[1:-1] for one in self._system.instances]
+        for iri, instance in zip(iris, self._system.instances, strict=True):
+            names.setdefault(instance.name, iri)
+        for order, (iri, instance) in enumerate(zip(iris, self._system.instances, strict=True)):
+            self._instance(iri, instance, names, order)
+        for kind, one, other in self._system.similar:
+            self._writer.add(self._channel(kind, one), v.RESEMBLES, self._channel(kind, other))
+            self._writer.add(self._channel(kind, other), v.RESEMBLES, self._channel(kind, one))
+        return self._own(self._writer.encoded())
+
+    def _own(self, content: bytes) -> bytes:
+        """Leave out what the graph of what sources share has already, by way of the node types."""
+        own, shared = split(content, self._scope.iris)
+        anew = tuple(f"{iri} ".encode() for iri in sorted(self._overrides))
+        return b"".join([*own, *(line for line in shared if anew and line.startswith(anew))])
+
+    def _configuration(self, fact: LaunchConfiguration) -> None:
+        writer, subject, iris = self._writer, self._subject, self._scope.iris
+        writer.described(subject, f"{fact.package}: {fact.path}", v.CONFIGURATION)
+        writer.add(subject, v.ROS_VERSION, integer(fact.ros))
+        writer.add(subject, v.LAUNCH_DIALECT, literal(fact.dialect))
+        writer.add(subject, v.OF_PACKAGE, f"<{iris.package(fact.repository, fact.package)}>")
+        writer.add(subject, v.PATH, literal(fact.path))
+        writer.add(subject, v.DECLARED_IN, f"<{iris.file(fact.repository, fact.path)}>")
+        writer.add(subject, v.NAME, literal(fact.name))
+        for include in fact.includes:
+            if include.path is not None and include.repository is not None:
+                writer.once(subject, v.INCLUDES, f"<{iris.configuration(include.repository, include.path)}>")
+        for argument in fact.arguments:
+            self._argument(argument)
+        for problem in fact.problems:
+            self._problem(problem)
+
+    def _argument(self, fact: LaunchArgument) -> None:
+        part, writer = self._scope.part(self._iri, "argument", fact.name), self._writer
+        writer.add(self._subject, v.HAS_ARGUMENT, part)
+        writer.add(part, v.TYPE, v.ARGUMENT)
+        writer.text(part, v.NAME, fact.name)
+        writer.text(part, v.DEFAULT_VALUE, fact.default)
+        writer.text(part, v.VALUE, fact.value)
+        writer.text(part, v.DESCRIPTION, fact.description)
+        writer.add(part, v.FIXED, boolean(fact.fixed))
+        for choice in dict.fromkeys(fact.choices):
+            writer.text(part, v.CHOICE, choice)
+        self._evidence(part, fact.location)
+
+    def _problem(self, fact: LaunchProblem) -> None:
+        part, writer = self._scope.part(self._iri, "problem", fact.subject or fact.kind), self._writer
+        writer.add(self._subject, v.HAS_LAUNCH_PROBLEM, part)
+        writer.add(part, v.TYPE, v.LAUNCH_PROBLEM)
+        writer.text(part, v.PROBLEM_KIND, fact.kind)
+        writer.text(part, v.TEXT, fact.message)
+        writer.text(part, v.SUBJECT, fact.subject)
+        self._evidence(part, fact.location, fact.chain)
+
+    def _instance(self, iri: str, fact: NodeInstance, names: Mapping[str, str], order: int) -> None:
+        subject, writer, started = f"<{iri}>", self._writer, fact.started
+        writer.add(self._subject, v.HAS_INSTANCE, subject)
+        writer.described(subject, fact.name, v.NODE, v.INSTANCE)
+        writer.add(subject, v.NAME, literal(fact.name))
+        writer.add(subject, v.NAMESPACE, literal(fact.namespace))
+        writer.add(subject, v.ROS_VERSION, integer(self._system.configuration.ros))
+        writer.add(subject, v.ORDER, integer(order))
+        writer.add(subject, v.START_KIND, literal(started.kind))
+        writer.text(subject, v.STARTS_PACKAGE, started.package)
+        writer.text(subject, v.STARTS_EXECUTABLE, started.executable)
+        writer.text(subject, v.STARTS_PLUGIN, started.plugin)
+        writer.text(subject, v.START_ARGUMENT, " ".join(started.arguments) or None)
+        for name, value in started.settings:
+            writer.once(subject, v.START_SETTING, literal(f"{name}={value}"))
+        writer.text(subject, v.CONDITION, started.condition)
+        writer.text(subject, v.REASON, fact.reason)
+        writer.add(subject, v.COMPLETE, boolean(fact.complete))
+        if fact.host is not None and fact.host in names:
+            writer.add(subject, v.HOST, f"<{names[fact.host]}>")
+        for relation, reference in ((v.INSTANCE_OF, fact.type), *((v.LOADS_PLUGIN, one) for one in fact.plugins)):
+            if reference is not None and reference in self._records:
+                writer.once(subject, relation, f"<{self._records[reference].iri}>")
+        self._evidence(subject, started.location, started.chain)
+        for place, remap in enumerate(fact.remaps):
+            self._remap(iri, remap, place)
+        for place, parameter in enumerate(fact.parameters):
+            self._parameter(iri, parameter, place)
+        for end in fact.interfaces:
+            self._end(iri, end)
+
+    def _remap(self, owner: str, fact: InstanceRemap, order: int) -> None:
+        part, writer = self._scope.part(owner, "remap", fact.source.lstrip("/")), self._writer
+        self._remaps.setdefault((owner, fact.remap), part)
+        writer.add(f"<{owner}>", v.HAS_REMAP, part)
+        writer.add(part, v.TYPE, v.REMAP)
+        writer.add(part, v.FROM, literal(fact.source))
+        writer.add(part, v.TO, literal(fact.target))
+        writer.add(part, v.ORDER, integer(order))
+        for name in fact.similar:
+            writer.text(part, v.RESEMBLES_NAME, name)
+        self._evidence(part, fact.remap.location, fact.remap.chain)
+
+    def _parameter(self, owner: str, fact: InstanceParameter, order: int) -> None:
+        part = self._setting(owner, fact.name, fact.set, order)
+        record = self._records.get(fact.owner) if fact.owner else None
+        if record is not None and fact.declared is not None and fact.declared in record.settable:
+            self._writer.add(part, v.SETS, f"<{record.settable[fact.declared]}>")
+        for name in fact.similar:
+            self._writer.text(part, v.RESEMBLES_NAME, name)
+
+    def _setting(self, owner: str, name: str, fact: LaunchParameter, order: int) -> str:
+        part, writer = self._scope.part(owner, "setting", name.lstrip("/")), self._writer
+        self._settings.setdefault((owner, fact), part)
+        writer.add(f"<{owner}>", v.HAS_SETTING, part)
+        writer.add(part, v.TYPE, v.SETTING)
+        writer.add(part, v.NAME, literal(name))
+        writer.add(part, v.ORDER, integer(order))
+        writer.text(part, v.VALUE, fact.value)
+        writer.text(part, v.PARAMETER_TYPE, fact.type)
+        writer.text(part, v.REASON, fact.reason)
+        self._evidence(part, fact.location, fact.chain)
+        return part
+
+    def _end(self, owner: str, fact: InstanceInterface) -> None:
+        name, component, kind = _KINDS[fact.declared.role]
+        part, writer = self._scope.part(owner, name, (fact.resolved or "").lstrip("/") or None), self._writer
+        writer.add(f"<{owner}>", v.HAS_COMPONENT, part)
+        writer.add(part, v.TYPE, component)
+        writer.add(part, v.TYPE, v.INSTANCE_END)
+        writer.text(part, v.RESOLVED_NAME, fact.resolved)
+        writer.add(part, v.RESOLUTION, v.rnkg(fact.resolution))
+        writer.add(part, v.IMPLICIT, boolean(fact.declared.implicit))
+        record = self._records.get(fact.owner)
+        if record is not None and fact.declared in record.ends:
+            writer.add(part, v.DECLARED_BY, f"<{record.ends[fact.declared]}>")
+        writer.text(part, v.PARAMETER_NAME, fact.declared.parameter)
+        writer.text(part, v.REASON, fact.reason)
+        self._causes(owner, part, fact)
+        _, type_kind, has_type, channel_has_type = _CHANNELS[kind]
+        message = fact.declared.type and interface_type(self._scope, type_kind, fact.declared.type)
+        if message:
+            writer.add(part, has_type, message)
+        if fact.qos is not None:
+            policies = quality(self._scope, fact.qos)
+            writer.add(part, v.HAS_QOS, policies)
+            if fact.qos != fact.declared.qos:
+                self._overrides.add(policies)
+        if fact.resolved and "{}" not in fact.resolved:
+            channel = self._channel(kind, fact.resolved)
+            writer.add(part, v.CONNECTS_TO, channel)
+            if message:
+                writer.once(channel, channel_has_type, message)
+
+    def _causes(self, owner: str, part: str, fact: InstanceInterface) -> None:
+        remap = fact.remap and self._remaps.get((owner, fact.remap))
+        if remap:
+            self._writer.add(part, v.REMAPPED_BY, remap)
+        settings = ((place, fact.parameter) for place in (owner, self._iri)) if fact.parameter else ()
+        found = next((self._settings[key] for key in settings if key in self._settings), None)
+        if found:
+            self._writer.add(part, v.NAMED_BY, found)
+
+    def _channel(self, kind: str, name: str) -> str:
+        iri, writer = f"<{fragment(self._iri, kind, name.lstrip('/'))}>", self._writer
+        if writer.described(iri, name, _CHANNELS[kind][0], v.CHANNEL):
+            writer.add(iri, v.NAME, literal(name))
+            writer.add(iri, v.IN_CONFIGURATION, self._subject)
+            writer.add(iri, v.IS_NAMED, f"<{self._scope.iris.channel(kind, name)}>")
+        return iri
+
+    def _evidence(self, subject: str, location: Location, chain: tuple[Location, ...] = ()) -> None:
+        """Add where something stands. Files are described in the graph of their source, and only there."""
+        writer, repository = self._writer, location.repository or self._scope.repository
+        writer.add(subject, v.PATH, literal(location.path))
+        writer.add(subject, v.LINE, integer(location.line))
+        writer.add(subject, v.DECLARED_IN, f"<{self._scope.iris.file(repository, location.path)}>")
+        if repository != self._scope.repository:
+            writer.text(subject, v.IN_REPOSITORY, repository)
+        writer.text(subject, v.INCLUDE_CHAIN, chain_text(chain) or None)

@@ -1,0 +1,308 @@
+"""The way back: systems are read from the store as the facts they were written from.
+
+`kg.graph.systems` writes what this module reads; a test holds the two together. Not kept are what a configuration was
+given, the files that it read, and which line an include stands in.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from kg.facts import (
+    InstanceInterface,
+    InstanceParameter,
+    InstanceRemap,
+    LaunchArgument,
+    LaunchConfiguration,
+    LaunchDialect,
+    LaunchInclude,
+    LaunchParameter,
+    LaunchProblem,
+    LaunchProblemKind,
+    Location,
+    NodeInstance,
+    NodeReference,
+    Remap,
+    Resolution,
+    StartedNode,
+    StartKind,
+    System,
+)
+from kg.graph import vocabulary as v
+from kg.graph.iris import Iris
+from kg.graph.reading import Queryable, grouped, node_records, one, qualities, word
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from kg.facts import Interface, Parameter, Qos
+    from kg.graph.reading import NodeRecord, Properties
+
+__all__ = ["SystemName", "system_names", "systems"]
+
+_PREFIXES: Final = {"ros": v.ROS, "rnkg": v.RNKG}
+_NAMES: Final = """
+SELECT ?configuration ?name ?path ?repository ?ros WHERE {
+  ?configuration a rnkg:LaunchConfiguration ; rnkg:name ?name ; rnkg:path ?path ; rnkg:rosVersion ?ros ;
+                 rnkg:ofPackage ?package .
+  ?owner rnkg:contains ?package ; rnkg:name ?repository .
+}"""
+_GRAPH: Final = "SELECT ?s ?p ?o WHERE { GRAPH <%s> { ?s ?p ?o } }"
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class SystemName:
+    """What names a configuration: its source and path, and the `name` that people use."""
+
+    repository: str
+    path: str
+    name: str
+    ros: int
+
+
+def system_names(graph: Queryable) -> list[SystemName]:
+    """Return the configurations of the store, sorted by source and path."""
+    rows = graph.query(_NAMES, prefixes=_PREFIXES)
+    return sorted(
+        SystemName(row["repository"].value, row["path"].value, row["name"].value, int(row["ros"].value)) for row in rows
+    )
+
+
+def systems(graph: Queryable, names: Iterable[SystemName], base: str) -> list[System]:
+    """Return the systems of these names, in their order; `base` is that of the IRIs of the store."""
+    iris = Iris(base)
+    contents = [(name, _content(graph, iris.launch_graph(name.repository, name.path))) for name in names]
+    records = _Records(graph, [content for _, content in contents], iris)
+    return [_Reading(name, content, records, iris).run() for name, content in contents]
+
+
+def _content(graph: Queryable, name: str) -> dict[str, dict[str, list[str]]]:
+    return grouped(graph.query(_GRAPH % name, prefixes=_PREFIXES))
+
+
+class _Records:
+    """The node types that instances are of, with what their IRIs stand for."""
+
+    def __init__(self, graph: Queryable, contents: Iterable[Mapping[str, Properties]], iris: Iris) -> None:
+        types = {
+            iri
+            for content in contents
+            for properties in content.values()
+            for term in (v.INSTANCE_OF, v.LOADS_PLUGIN)
+            for iri in properties.get(v.bare(term), ())
+        }
+        things = (iris.parse(iri.partition("#")[0]) for iri in types)
+        found = node_records(graph, packages={thing.parts[1] for thing in things if thing}) if types else []
+        self.by_iri: dict[str, NodeRecord] = {record.iri: record for record in found}
+        self.ends: dict[str, tuple[NodeReference, Interface]] = {}
+        self.settable: dict[str, tuple[NodeReference, Parameter]] = {}
+        for record in found:
+            self.ends.update((iri, (record.reference, end)) for end, iri in record.ends.items())
+            self.settable.update((iri, (record.reference, one)) for one, iri in record.settable.items())
+        self.qualities: Mapping[str, Qos] = qualities(graph) if types else {}
+
+    def reference(self, iri: str | None) -> NodeReference | None:
+        """Return what stands for the node type of an IRI."""
+        record = self.by_iri.get(iri) if iri else None
+        return record.reference if record else None
+
+
+class _Reading:
+    """One system on its way back."""
+
+    def __init__(self, name: SystemName, content: Mapping[str, Properties], records: _Records, iris: Iris) -> None:
+        self._name = name
+        self._content = content
+        self._records = records
+        self._iris = iris
+        self._iri = iris.configuration(name.repository, name.path)
+
+    def run(self) -> System:
+        own = self._content[self._iri]
+        instances = sorted(own.get(v.bare(v.HAS_INSTANCE), ()), key=self._order)
+        shared = tuple(self._setting(iri) for iri in self._listed(own, v.HAS_SETTING))
+        return System(
+            configuration=self._configuration(own),
+            instances=tuple(map(self._instance, instances)),
+            similar=self._similar(),
+            shared_parameters=shared,
+        )
+
+    def _order(self, iri: str) -> tuple[int, str]:
+        return int(one(self._content[iri], v.ORDER) or 0), iri
+
+    def _listed(self, properties: Properties, term: str) -> list[str]:
+        return sorted(properties.get(v.bare(term), ()), key=self._order)
+
+    def _configuration(self, own: Properties) -> LaunchConfiguration:
+        path, name = self._name.path, self._name.name
+        package, _, inner = name.partition("/")
+        folder = path.removesuffix(inner).rstrip("/") if path.endswith(inner) else ""
+        problems = sorted(map(self._problem, own.get(v.bare(v.HAS_LAUNCH_PROBLEM), ())), key=repr)
+        arguments = sorted(map(self._argument, own.get(v.bare(v.HAS_ARGUMENT), ())), key=_argument_order)
+        return LaunchConfiguration(
+            repository=self._name.repository,
+            package=package,
+            path=path,
+            ros=self._name.ros,
+            dialect=LaunchDialect(one(own, v.LAUNCH_DIALECT) or ""),
+            arguments=tuple(arguments),
+            nodes=(),
+            includes=tuple(map(self._include, sorted(own.get(v.bare(v.INCLUDES), ())))),
+            problems=tuple(problems),
+            folder=folder or ".",
+        )
+
+    def _include(self, iri: str) -> LaunchInclude:
+        thing = self._iris.parse(iri)
+        repository, path = thing.parts if thing else ("", iri)
+        return LaunchInclude(path, Location(self._name.path, 0), (), repository, path)
+
+    def _problem(self, iri: str) -> LaunchProblem:
+        properties = self._content[iri]
+        return LaunchProblem(
+            LaunchProblemKind(one(properties, v.PROBLEM_KIND) or ""),
+            one(properties, v.TEXT) or "",
+            *_place(properties),
+            one(properties, v.SUBJECT),
+        )
+
+    def _argument(self, iri: str) -> LaunchArgument:
+        properties = self._content[iri]
+        return LaunchArgument(
+            name=one(properties, v.NAME) or "",
+            default=one(properties, v.DEFAULT_VALUE),
+            value=one(properties, v.VALUE),
+            location=_place(properties)[0],
+            description=one(properties, v.DESCRIPTION),
+            fixed=one(properties, v.FIXED) == "true",
+            choices=tuple(sorted(properties.get(v.bare(v.CHOICE), ()))),
+        )
+
+    def _setting(self, iri: str) -> LaunchParameter:
+        properties = self._content[iri]
+        location, chain = _place(properties)
+        return LaunchParameter(
+            name=one(properties, v.NAME) or "",
+            value=one(properties, v.VALUE),
+            location=location,
+            chain=chain,
+            type=one(properties, v.PARAMETER_TYPE),
+            reason=one(properties, v.REASON),
+        )
+
+    def _instance(self, iri: str) -> NodeInstance:
+        own, records = self._content[iri], self._records
+        settings = {part: self._setting(part) for part in self._listed(own, v.HAS_SETTING)}
+        remaps = {part: self._remap(part) for part in self._listed(own, v.HAS_REMAP)}
+        parts = own.get(v.bare(v.HAS_COMPONENT), ())
+        ends = [end for part in parts if (end := self._end(part, settings, remaps))]
+        used = {end.remap for end in ends}
+        host = one(own, v.HOST)
+        plugins = (records.reference(plugin) for plugin in sorted(own.get(v.bare(v.LOADS_PLUGIN), ())))
+        kind = records.reference(one(own, v.INSTANCE_OF))
+        return NodeInstance(
+            name=one(own, v.NAME) or "",
+            namespace=one(own, v.NAMESPACE) or "/",
+            started=self._started(own, tuple(fact.remap for fact in remaps.values())),
+            type=kind,
+            reason=one(own, v.REASON),
+            plugins=tuple(plugin for plugin in plugins if plugin),
+            host=one(self._content[host], v.NAME) if host else None,
+            interfaces=tuple(sorted(ends, key=_end_order)),
+            parameters=tuple(self._parameter(part, fact) for part, fact in settings.items()),
+            remaps=tuple(
+                InstanceRemap(fact.source, fact.target, fact.remap, fact.remap in used, fact.similar)
+                for fact in remaps.values()
+            ),
+            complete=one(own, v.COMPLETE) == "true",
+        )
+
+    def _started(self, own: Properties, remaps: tuple[Remap, ...]) -> StartedNode:
+        location, chain = _place(own)
+        pairs = (setting.partition("=") for setting in sorted(own.get(v.bare(v.START_SETTING), ())))
+        return StartedNode(
+            name=(one(own, v.NAME) or "").rpartition("/")[2],
+            namespace=one(own, v.NAMESPACE) or "/",
+            kind=StartKind(one(own, v.START_KIND) or ""),
+            location=location,
+            chain=chain,
+            package=one(own, v.STARTS_PACKAGE),
+            executable=one(own, v.STARTS_EXECUTABLE),
+            plugin=one(own, v.STARTS_PLUGIN),
+            remaps=remaps,
+            arguments=tuple((one(own, v.START_ARGUMENT) or "").split()),
+            condition=one(own, v.CONDITION),
+            settings=tuple((name, value) for name, _, value in pairs),
+        )
+
+    def _remap(self, iri: str) -> InstanceRemap:
+        own = self._content[iri]
+        source, target = one(own, v.FROM) or "", one(own, v.TO) or ""
+        similar = tuple(sorted(own.get(v.bare(v.RESEMBLES_NAME), ())))
+        return InstanceRemap(source, target, Remap(source, target, *_place(own)), used=False, similar=similar)
+
+    def _parameter(self, iri: str, setting: LaunchParameter) -> InstanceParameter:
+        own = self._content[iri]
+        owner, declared = self._records.settable.get(one(own, v.SETS) or "", (None, None))
+        similar = tuple(sorted(own.get(v.bare(v.RESEMBLES_NAME), ())))
+        return InstanceParameter(setting.name, setting, declared, owner, similar)
+
+    def _end(
+        self, iri: str, settings: Mapping[str, LaunchParameter], remaps: Mapping[str, InstanceRemap]
+    ) -> InstanceInterface | None:
+        """Return an end; None when the node type that declares it is not in the store any more."""
+        own = self._content[iri]
+        owner, declared = self._records.ends.get(one(own, v.DECLARED_BY) or "", (None, None))
+        if owner is None or declared is None:
+            return None
+        remap, setting = remaps.get(one(own, v.REMAPPED_BY) or ""), one(own, v.NAMED_BY)
+        return InstanceInterface(
+            declared=declared,
+            owner=owner,
+            resolved=one(own, v.RESOLVED_NAME),
+            resolution=Resolution(word(own, v.RESOLUTION)),
+            remap=remap.remap if remap else None,
+            parameter=(settings.get(setting) or self._setting(setting)) if setting else None,
+            qos=self._records.qualities.get(one(own, v.HAS_QOS) or ""),
+            reason=one(own, v.REASON),
+        )
+
+    def _similar(self) -> tuple[tuple[str, str, str], ...]:
+        found = set()
+        for iri, properties in self._content.items():
+            for other in properties.get(v.bare(v.RESEMBLES), ()):
+                kind = iri.partition("#")[2].partition("/")[0]
+                first, second = sorted(one(self._content[each], v.NAME) or "" for each in (iri, other))
+                found.add((kind, first, second))
+        return tuple(sorted(found))
+
+
+def _place(properties: Properties) -> tuple[Location, tuple[Location, ...]]:
+    path, line, repository = (one(properties, term) for term in (v.PATH, v.LINE, v.IN_REPOSITORY))
+    chain = one(properties, v.INCLUDE_CHAIN)
+    steps = tuple(map(_step, chain.split(" > "))) if chain else ()
+    return Location(path or "", int(line or 0), repository), steps
+
+
+def _step(text: str) -> Location:
+    place, _, line = text.rpartition(":")
+    repository, mark, path = place.partition("//")
+    return Location(path if mark else place, int(line), repository if mark else None)
+
+
+def _argument_order(argument: LaunchArgument) -> tuple[str, int, str]:
+    return argument.location.path, argument.location.line, argument.name
+
+
+def _end_order(end: InstanceInterface) -> tuple[str, str, str, str, int, str]:
+    location = end.declared.location
+    return (
+        str(end.owner),
+        end.declared.role,
+        end.resolved or "~~",
+        location.path,
+        location.line,
+        end.declared.type or "",
+    )
