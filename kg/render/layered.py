@@ -1,0 +1,97 @@
+"""Places for boxes, and ways between them, from left to right: few crossings, ways around boxes, boxes within boxes.
+
+The layout is the work of graphlay (layers, crossing reduction, network simplex, orthogonal routing); the same input
+gives the same places on every run.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+__all__ = ["Node", "Places", "Rectangle", "lay_out"]
+
+_OPTIONS: Final = {
+    "direction": "leftright",
+    "routing": {"style": "orthogonal"},
+    "spacing": {
+        "layer_gap": 34.0,
+        "node_gap": 18.0,
+        "dummy_gap": 12.0,
+        "port_gap": 9.0,
+        "isolated_gap": 20.0,
+        "compound_padding": 16.0,
+        "compound_header": 26.0,
+    },
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """A box to be placed, with its size; `within` is the key of the box that it lies in, which grows around it."""
+
+    key: str
+    wide: float
+    high: float
+    within: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Rectangle:
+    """A place: left and upper edge, width and height."""
+
+    x: float
+    y: float
+    wide: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True)
+class Places:
+    """Where boxes stand, the corners of each way from its source to its target, and the size of all."""
+
+    boxes: Mapping[str, Rectangle]
+    ways: tuple[tuple[tuple[float, float], ...], ...]
+    wide: float
+    high: float
+
+
+def lay_out(nodes: Sequence[Node], links: Sequence[tuple[str, str]]) -> Places:
+    """Return places for `nodes`; `links` are pairs of their keys, from source to target, and may form cycles."""
+    import graphlay  # noqa: PLC0415 - start-up time
+
+    numbers = {node.key: number for number, node in enumerate(nodes)}
+    graph = {
+        "nodes": [_described(node, numbers) for node in nodes],
+        "edges": [{"source": numbers[source], "target": numbers[target], "weight": 1.0} for source, target in links],
+    }
+    drawn: dict[str, Any] = graphlay.layout(graph, options=_OPTIONS).to_dict()
+    rectangles = [_rectangle(one) for one in drawn["nodes"]]
+    ways = [[(point["x"], point["y"]) for point in edge["points"]] for edge in drawn["edges"]]
+    xs = [x for one in rectangles for x in (one.x, one.x + one.wide)] + [x for way in ways for x, _ in way]
+    ys = [y for one in rectangles for y in (one.y, one.y + one.high)] + [y for way in ways for _, y in way]
+    left, top = min(xs, default=0.0), min(ys, default=0.0)
+    return Places(
+        {node.key: _moved(one, left, top) for node, one in zip(nodes, rectangles, strict=True)},
+        tuple(tuple((round(x - left, 1), round(y - top, 1)) for x, y in way) for way in ways),
+        round(max(xs, default=0.0) - left, 1),
+        round(max(ys, default=0.0) - top, 1),
+    )
+
+
+def _described(node: Node, numbers: Mapping[str, int]) -> dict[str, Any]:
+    size = {"width": float(node.wide), "height": float(node.high)}
+    described: dict[str, Any] = {"size": size, "shape": "box", "key": node.key}
+    return described if node.within is None else {**described, "parent": numbers[node.within]}
+
+
+def _rectangle(drawn: Mapping[str, Any]) -> Rectangle:
+    wide, high = drawn["size"]["width"], drawn["size"]["height"]
+    return Rectangle(drawn["center"]["x"] - wide / 2, drawn["center"]["y"] - high / 2, wide, high)
+
+
+def _moved(one: Rectangle, left: float, top: float) -> Rectangle:
+    return Rectangle(round(one.x - left, 1), round(one.y - top, 1), round(one.wide, 1), round(one.high, 1))

@@ -1,0 +1,234 @@
+"""What a picture of a system shows: nodes, the channels between them, and which ends lead nowhere.
+
+A channel is a topic, service or action by its full name. `system_graph` makes the graph of a `kg.facts.System`;
+the modules beside write it as SVG, DOT, Mermaid, JSON and text. Everything is in one order, so that one system always
+gives the same bytes.
+"""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from kg.facts import Role, StartKind
+from kg.render.text import count
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from kg.facts import InstanceInterface, NodeInstance, System
+
+__all__ = ["FRAMEWORK", "Bundle", "Channel", "Link", "Member", "State", "SystemGraph", "bundles", "system_graph"]
+
+FRAMEWORK: Final = frozenset(
+    {"/rosout", "/rosout_agg", "/tf", "/tf_static", "/clock", "/diagnostics", "/diagnostics_agg", "/parameter_events"}
+)
+"""Names that nearly every node has for the sake of its framework."""
+_OUTWARD: Final = {
+    Role.PUBLISHES: True,
+    Role.SUBSCRIBES: False,
+    Role.CLIENTS: True,
+    Role.SERVICES: False,
+    Role.ACTION_CLIENTS: True,
+    Role.ACTION_SERVERS: False,
+}
+_KINDS: Final = {
+    Role.PUBLISHES: "topic",
+    Role.SUBSCRIBES: "topic",
+    Role.CLIENTS: "service",
+    Role.SERVICES: "service",
+    Role.ACTION_CLIENTS: "action",
+    Role.ACTION_SERVERS: "action",
+}
+_PLAIN: Final = frozenset({StartKind.NODE, StartKind.LIFECYCLE_NODE, StartKind.TEST})
+
+
+class State:
+    """What became of a thing between two systems; empty where only one is drawn, or nothing changed."""
+
+    SAME: Final = ""
+    NEW: Final = "new"
+    GONE: Final = "gone"
+    CHANGED: Final = "changed"
+
+
+@dataclass(frozen=True, slots=True)
+class Member:
+    """A box: an instance, or a namespace with `count` of them. `about` is the type in words, `place` the launch line.
+
+    `host` is the key of the member whose process it shares. `reason` says why its interface is not known.
+    """
+
+    key: str
+    name: str
+    kind: str
+    about: str = ""
+    host: str | None = None
+    reason: str | None = None
+    condition: str | None = None
+    place: str = ""
+    count: int = 1
+    state: str = State.SAME
+
+
+@dataclass(frozen=True, slots=True)
+class Channel:
+    """A topic, service or action; `name` has `{}` for a part that is not known, and is written code without any name.
+
+    It is `open` where its name is not known in full: then nothing can be said of its other ends.
+    """
+
+    key: str
+    kind: str
+    name: str
+    types: tuple[str, ...] = ()
+    open: bool = False
+    state: str = State.SAME
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """A member at a channel: `outward` where it publishes or calls, else it subscribes or offers."""
+
+    member: str
+    channel: str
+    outward: bool
+    state: str = State.SAME
+
+
+@dataclass(frozen=True, slots=True)
+class SystemGraph:
+    """A system to be drawn, all in order; `hidden` tells in words what is left out."""
+
+    title: str
+    members: tuple[Member, ...]
+    channels: tuple[Channel, ...]
+    links: tuple[Link, ...]
+    hidden: tuple[str, ...] = ()
+
+    def states(self) -> frozenset[str]:
+        """Return what became of anything in it; empty where one system alone is drawn, or nothing changed."""
+        found = {member.state for member in self.members} | {channel.state for channel in self.channels}
+        return frozenset((found | {link.state for link in self.links}) - {State.SAME})
+
+    def ends(self) -> dict[str, tuple[tuple[str, ...], tuple[str, ...]]]:
+        """Return for each channel the members that publish or call, and those that subscribe or offer."""
+        found: dict[str, tuple[list[str], list[str]]] = {channel.key: ([], []) for channel in self.channels}
+        for link in self.links:
+            found[link.channel][0 if link.outward else 1].append(link.member)
+        return {key: (tuple(sources), tuple(targets)) for key, (sources, targets) in found.items()}
+
+
+@dataclass(frozen=True, slots=True)
+class Bundle:
+    """Channels of one kind between the same members, drawn as one; `dangling` where one of the sides is empty."""
+
+    key: str
+    kind: str
+    channels: tuple[Channel, ...]
+    sources: tuple[str, ...]
+    targets: tuple[str, ...]
+
+    @property
+    def dangling(self) -> bool:
+        """Tell whether nothing passes: nobody at one side, or only the one member at both."""
+        return not (self.sources and self.targets) or (len({*self.sources, *self.targets}) == 1)
+
+
+def system_graph(system: System, *, every: bool = False, title: str | None = None) -> SystemGraph:
+    """Return the graph of a system; without `every` what frameworks make by themselves is left out, and counted."""
+    keys = _keys(system.instances)
+    named = {instance.name: key for key, instance in reversed(list(keys.items()))}
+    channels: dict[str, Channel] = {}
+    links: dict[tuple[str, str, bool], Link] = {}
+    left_out = 0
+    for key, instance in keys.items():
+        for end in instance.interfaces:
+            if not every and _of_framework(end):
+                left_out += 1
+                continue
+            channel = _channel(key, end)
+            channels[channel.key] = _joined(channels.get(channel.key), channel)
+            link = Link(key, channel.key, _OUTWARD[end.declared.role])
+            links[link.member, link.channel, link.outward] = link
+    hidden = (f"{count(left_out, 'end')} that frameworks make",) if left_out else ()
+    return SystemGraph(
+        title or f"{system.configuration.package}/{system.configuration.path.rpartition('/')[2]}",
+        tuple(_member(key, instance, named) for key, instance in keys.items()) + tuple(_foreign_hosts(keys, named)),
+        tuple(channels[key] for key in sorted(channels)),
+        tuple(links[key] for key in sorted(links)),
+        hidden,
+    )
+
+
+def bundles(graph: SystemGraph) -> tuple[Bundle, ...]:
+    """Return the channels of a graph, those of one kind, state and with the same ends together."""
+    ends = graph.ends()
+    links = {(link.member, link.channel, link.outward): link.state for link in graph.links}
+    found: defaultdict[tuple[object, ...], list[Channel]] = defaultdict(list)
+    for channel in graph.channels:
+        sources, targets = ends[channel.key]
+        states = tuple(
+            links[one, channel.key, outward] for outward in (True, False) for one in ends[channel.key][not outward]
+        )
+        found[channel.kind, sources, targets, channel.state, states, channel.open].append(channel)
+    return tuple(Bundle(every[0].key, every[0].kind, tuple(every), *ends[every[0].key]) for every in found.values())
+
+
+def _keys(instances: Iterable[NodeInstance]) -> Mapping[str, NodeInstance]:
+    """Return the instances by their names, the second of a name with a number behind it."""
+    found: dict[str, NodeInstance] = {}
+    seen: Counter[str] = Counter()
+    for instance in sorted(instances, key=lambda one: (one.name, str(one.started.location))):
+        seen[instance.name] += 1
+        found[instance.name if seen[instance.name] == 1 else f"{instance.name}#{seen[instance.name]}"] = instance
+    return found
+
+
+def _of_framework(end: InstanceInterface) -> bool:
+    name = end.resolved or ""
+    return end.declared.implicit or name in FRAMEWORK or name.endswith(("/bond", "/parameter_updates"))
+
+
+def _channel(member: str, end: InstanceInterface) -> Channel:
+    kind = _KINDS[end.declared.role]
+    types = (end.declared.type,) if end.declared.type else ()
+    if end.resolved is None or "{}" in end.resolved:
+        name = end.resolved or end.declared.written or "?"
+        return Channel(f"{kind} {name} {member}", kind, name, types, open=True)
+    return Channel(f"{kind} {end.resolved}", kind, end.resolved, types)
+
+
+def _joined(one: Channel | None, other: Channel) -> Channel:
+    types = tuple(sorted({*(one.types if one else ()), *other.types}))
+    return Channel(other.key, other.kind, other.name, types, other.open)
+
+
+def _member(key: str, instance: NodeInstance, named: Mapping[str, str]) -> Member:
+    started = instance.started
+    host = None if instance.host is None else named.get(instance.host, instance.host)
+    return Member(
+        key=key,
+        name=key,
+        kind="node" if started.kind in _PLAIN else str(started.kind),
+        about=_about(instance),
+        host=None if host == key else host,
+        reason=instance.reason,
+        condition=started.condition,
+        place=str(started.location),
+    )
+
+
+def _about(instance: NodeInstance) -> str:
+    started = instance.started
+    what = started.plugin or started.executable or (instance.type.node if instance.type else "")
+    package = started.package or (instance.type.package if instance.type else "")
+    return what if not package or what.startswith((f"{package}/", f"{package}::")) else f"{package}/{what or '?'}"
+
+
+def _foreign_hosts(keys: Mapping[str, NodeInstance], named: Mapping[str, str]) -> Iterable[Member]:
+    """Yield hosts that the configuration does not start itself."""
+    hosts = {instance.host for instance in keys.values() if instance.host} - set(named)
+    for host in sorted(hosts):
+        yield Member(host, host, "host", reason="this configuration does not start it")

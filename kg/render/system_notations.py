@@ -1,0 +1,188 @@
+"""A system's graph for other programs: DOT of Graphviz, Mermaid, and plain values for JSON.
+
+Both drawings have a node for each instance and each channel that has both sides or several; nothing in a name can leave
+its place in the notation.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.render.system_graph import State
+from kg.render.system_style import SIGNS
+from kg.render.text import printable
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from kg.render.system_graph import Channel, Link, Member, SystemGraph
+
+__all__ = ["system_dot", "system_mermaid", "system_object"]
+
+_DOT_STYLES: Final = {"topic": "shape=box, style=rounded", "service": "shape=box", "action": "shape=hexagon"}
+_DOT_LINES: Final = {"topic": "", "service": ", style=dashed", "action": ", penwidth=2"}
+_DOT_COLORS: Final = {State.NEW: "#14743c", State.GONE: "#b3261e", State.CHANGED: "#8a5a00"}
+_MERMAID_SHAPES: Final = {"topic": ("([", "])"), "service": ("[", "]"), "action": ("{{", "}}")}
+_MERMAID_LINES: Final = {"topic": "-->", "service": "-.->", "action": "==>"}
+_MERMAID_STYLES: Final = (
+    "classDef new stroke:#14743c,stroke-width:3px",
+    "classDef gone stroke:#b3261e,stroke-width:3px,stroke-dasharray:4",
+    "classDef changed stroke:#8a5a00,stroke-width:3px",
+    "classDef unknown stroke-dasharray:5 4",
+)
+
+
+def system_dot(graph: SystemGraph) -> str:
+    """Return the graph in the language of Graphviz; hosts are clusters, with themselves as a node inside."""
+    ids = _ids(graph)
+    kinds = {channel.key: channel for channel in graph.channels}
+    lines = [
+        f"digraph {_dot(graph.title)} {{",
+        "  rankdir=LR;",
+        '  node [fontname="monospace", fontsize=11];',
+        f"  label={_dot(graph.title)};",
+    ]
+    for host, inside in _by_host(graph).items():
+        if host is None:
+            lines += [f"  {_dot_member(member, ids)}" for member in inside]
+            continue
+        lines += [f"  subgraph cluster_{ids[host]} {{", f"    label={_dot(host)};"]
+        lines += [*(f"    {_dot_member(member, ids)}" for member in inside), "  }"]
+    for channel in graph.channels:
+        text = _dot(SIGNS[channel.state] + _channel_text(channel))
+        lines.append(f"  {ids[channel.key]} [label={text}, {_DOT_STYLES[channel.kind]}{_dot_color(channel.state)}];")
+    for link in graph.links:
+        source, target = _ends(link)
+        style = f"{_DOT_LINES[kinds[link.channel].kind]}{_dot_color(link.state)}".lstrip(", ")
+        lines.append(f"  {ids[source]} -> {ids[target]}{f' [{style}]' if style else ''};")
+    return "\n".join([*lines, "}", ""])
+
+
+def system_mermaid(graph: SystemGraph) -> str:
+    """Return the graph as a flow chart of Mermaid; hosts are subgraphs, with themselves as a node inside."""
+    ids = _ids(graph)
+    kinds = {channel.key: channel.kind for channel in graph.channels}
+    lines = ["flowchart LR"]
+    for host, inside in _by_host(graph).items():
+        nodes = [f"{ids[one.key]}[{_mermaid(SIGNS[one.state] + _member_text(one, '<br>'))}]" for one in inside]
+        if host is None:
+            lines += [f"  {node}" for node in nodes]
+        else:
+            lines += [f"  subgraph {ids[host]}_host[{_mermaid(host)}]", *(f"    {node}" for node in nodes), "  end"]
+    for channel in graph.channels:
+        before, behind = _MERMAID_SHAPES[channel.kind]
+        text = _mermaid(SIGNS[channel.state] + _channel_text(channel))
+        lines.append(f"  {ids[channel.key]}{before}{text}{behind}")
+    for link in graph.links:
+        source, target = _ends(link)
+        lines.append(f"  {ids[source]} {_MERMAID_LINES[kinds[link.channel]]} {ids[target]}")
+    marked = [f"  class {ids[one.key]} {one.state}" for one in graph.members if one.state]
+    marked += [f"  class {ids[one.key]} {one.state}" for one in graph.channels if one.state]
+    marked += [f"  class {ids[one.key]} unknown" for one in graph.members if _unknown(one) and not one.state]
+    marked += [f"  class {ids[one.key]} unknown" for one in graph.channels if one.open and not one.state]
+    return "\n".join([*lines, *(f"  {style}" for style in _MERMAID_STYLES if marked), *marked, ""])
+
+
+def system_object(graph: SystemGraph) -> dict[str, Any]:
+    """Return the graph as plain values, ready for JSON; the fields of docs/formats.md."""
+    ends = graph.ends()
+    return {
+        "title": graph.title,
+        "nodes": [_member_object(member) for member in graph.members],
+        "channels": [_channel_object(channel, *ends[channel.key]) for channel in graph.channels],
+        "edges": [_edge_object(link) for link in graph.links],
+        "hidden": list(graph.hidden),
+    }
+
+
+def _member_object(member: Member) -> dict[str, Any]:
+    return {
+        "id": member.key,
+        "name": member.name,
+        "kind": member.kind,
+        "type": member.about or None,
+        "host": member.host,
+        "count": member.count,
+        "condition": member.condition,
+        "reason": member.reason,
+        "place": member.place or None,
+        **_state(member.state),
+    }
+
+
+def _channel_object(channel: Channel, sources: tuple[str, ...], targets: tuple[str, ...]) -> dict[str, Any]:
+    return {
+        "id": channel.key,
+        "kind": channel.kind,
+        "name": channel.name,
+        "types": list(channel.types),
+        "known": not channel.open,
+        "dangling": not channel.open and not (sources and targets),
+        **_state(channel.state),
+    }
+
+
+def _edge_object(link: Link) -> dict[str, Any]:
+    source, target = _ends(link)
+    return {"source": source, "target": target, **_state(link.state)}
+
+
+def _state(state: str) -> dict[str, str]:
+    return {"state": state} if state else {}
+
+
+def _ends(link: Link) -> tuple[str, str]:
+    return (link.member, link.channel) if link.outward else (link.channel, link.member)
+
+
+def _ids(graph: SystemGraph) -> dict[str, str]:
+    """Return short names for everything that is drawn, the same for the same graph."""
+    members = {member.key: f"n{number}" for number, member in enumerate(graph.members)}
+    return {**members, **{channel.key: f"c{number}" for number, channel in enumerate(graph.channels)}}
+
+
+def _by_host(graph: SystemGraph) -> Mapping[str | None, list[Member]]:
+    """Return the members by the host that they share, hosts among those inside of them."""
+    hosts = {member.host for member in graph.members if member.host}
+    found: dict[str | None, list[Member]] = {None: []}
+    for member in graph.members:
+        found.setdefault(member.key if member.key in hosts else member.host, []).append(member)
+    return found
+
+
+def _unknown(member: Member) -> bool:
+    return bool(member.reason or member.condition)
+
+
+def _member_text(member: Member, new_line: str) -> str:
+    return f"{member.name}{new_line}{member.about}" if member.about else member.name
+
+
+def _channel_text(channel: Channel) -> str:
+    return f"? {channel.name}" if channel.open else channel.name
+
+
+def _dot_member(member: Member, ids: Mapping[str, str]) -> str:
+    style = '"filled,dashed"' if _unknown(member) else "filled"
+    text = _dot(SIGNS[member.state] + _member_text(member, "\n"))
+    return f'{ids[member.key]} [label={text}, shape=box, style={style}, fillcolor="#eef3f8"{_dot_color(member.state)}];'
+
+
+def _dot_color(state: str) -> str:
+    return f', color="{_DOT_COLORS[state]}"' if state else ""
+
+
+def _dot(text: str) -> str:
+    """Return a quoted string of DOT; a line break becomes one of the label."""
+    lines = [printable(line).replace("\\", "\\\\").replace('"', '\\"') for line in text.split("\n")]
+    return '"' + "\\n".join(lines) + '"'
+
+
+def _mermaid(text: str) -> str:
+    """Return a quoted label of Mermaid; signs with a meaning in it are written as their numbers."""
+    return '"' + "<br>".join("".join(_mermaid_signs(part)) for part in text.split("<br>")) + '"'
+
+
+def _mermaid_signs(text: str) -> Iterable[str]:
+    for sign in printable(text):
+        yield sign if sign.isalnum() or sign in " /_.,:-+~?" else f"#{ord(sign)};"

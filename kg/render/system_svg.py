@@ -1,0 +1,314 @@
+"""The picture of a system as SVG: nodes and the channels between them, from those that give to those that take.
+
+Channels between the same nodes share one box. An end that leads nowhere stands as a line in its node, with an arrow:
+out of the node where nobody listens, into it where nobody gives. Nodelets and components lie in the box of their host.
+`title` and `desc` say the same in words. The same graph always gives the same bytes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final
+
+from kg.render.layered import Node, lay_out
+from kg.render.system_graph import State, bundles
+from kg.render.system_style import NAME, SIGNS, SMALL, STYLE, TERM, escaped, label, outline, wide
+from kg.render.text import width
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+    from kg.render.layered import Rectangle
+    from kg.render.system_graph import Bundle, Channel, Member, SystemGraph
+
+__all__ = ["system_svg"]
+
+_MARGIN: Final = 24
+_HEAD: Final = 82
+_LINE: Final = 15
+_ROUND: Final = 7.0
+_PORT: Final = 8
+"""Height between two lines that end at one side of a box."""
+_TIP: Final = 7.0
+"""How far before its target a line ends, where its head begins."""
+_MOST_LINES: Final = 6
+_MOST_LOOSE: Final = ((12, 8), (30, 5), (10_000, 3))
+"""How many ends that lead nowhere a node shows, by the number of nodes in the picture."""
+_ROLE: Final = 'role="img" aria-labelledby="title desc"'
+_WORDS: Final = {"topic": "topic", "service": "service, from who calls it", "action": "action, from who calls it"}
+
+
+@dataclass(frozen=True, slots=True)
+class _Loose:
+    """An end that leads nowhere, as a line in its node."""
+
+    kind: str
+    text: str
+    about: str
+    state: str
+
+
+@dataclass(slots=True)
+class _Drawing:
+    """What stands where: the members with their lines, and the bundles that have both sides."""
+
+    graph: SystemGraph
+    loose: dict[str, list[_Loose]] = field(init=False)
+    joining: list[Bundle] = field(init=False)
+    most: int = field(init=False)
+    hosts: set[str] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.loose = {member.key: [] for member in self.graph.members}
+        self.joining = []
+        self.hosts = {member.host for member in self.graph.members if member.host}
+        self.most = next(most for size, most in _MOST_LOOSE if len(self.graph.members) <= size)
+        for bundle in bundles(self.graph):
+            if not bundle.dangling:
+                self.joining.append(bundle)
+                continue
+            for member in sorted({*bundle.sources, *bundle.targets}):
+                self.loose[member] += [_loose(bundle, channel, member) for channel in bundle.channels]
+
+    def lines(self, member: Member) -> list[_Loose]:
+        """Return the lines of a member, what changed first, cut where they are many."""
+        every = sorted(self.loose[member.key], key=lambda one: (one.state == State.SAME, one.text[0] == "?"))
+        if len(every) <= self.most:
+            return every
+        rest = every[self.most - 1 :]
+        more = _Loose("", f"+ {len(rest)} more that lead nowhere", "; ".join(one.about for one in rest), State.SAME)
+        return [*every[: self.most - 1], more]
+
+    def nodes(self) -> list[Node]:
+        """Return the boxes to be placed: hosts, what lies in them, and channels."""
+        found = []
+        for member in self.graph.members:
+            across, down = (60.0, 40.0) if member.key in self.hosts else self.size(member)
+            found.append(Node(member.key, across, down, member.host))
+        hosts = {member.key: member.host for member in self.graph.members}
+        for bundle in self.joining:
+            across, down = _bundle_size(bundle)
+            found.append(Node(bundle.key, across, down, _within(bundle, hosts)))
+        return found
+
+    def size(self, member: Member) -> tuple[float, float]:
+        """Return the width and height of a member's box."""
+        lines = self.lines(member)
+        texts = [(_title(member), NAME), *((one, SMALL) for one in _under(member))]
+        texts += [(one.text, SMALL) for one in lines]
+        room = max(wide(text, letter) for text, letter in texts)
+        return round(room) + 28, 26 + _LINE * (len(_under(member)) + len(lines)) + (4 if lines else 0)
+
+    def links(self) -> list[tuple[Bundle, str, bool]]:
+        """Return the ways to be drawn: a bundle, a member at it, and whether the member gives."""
+        return [
+            (bundle, member, gives)
+            for bundle in self.joining
+            for gives, side in ((True, bundle.sources), (False, bundle.targets))
+            for member in side
+        ]
+
+
+def system_svg(graph: SystemGraph) -> str:
+    """Return the SVG of a system's graph."""
+    drawing = _Drawing(graph)
+    links = drawing.links()
+    places = lay_out(drawing.nodes(), [(m, b.key) if gives else (b.key, m) for b, m, gives in links])
+    ways = sorted(zip(links, places.ways, strict=True), key=lambda one: (one[0][0].key, one[0][1], one[0][2]))
+    states = {(link.member, link.channel, link.outward): link.state for link in graph.links}
+    legend, legend_wide = _legend(graph)
+    notes = f"Not shown: {', '.join(graph.hidden)}." if graph.hidden else ""
+    across = max(places.wide, legend_wide, wide(graph.title, 10.3), width(notes) * SMALL)
+    size_x, size_y = int(across + 2 * _MARGIN), int(_HEAD + places.high + _MARGIN + (22 if notes else 0))
+    compared = bool(graph.states())
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" {_size(size_x, size_y)} {_ROLE}>',
+        f'<title id="title">{escaped(graph.title)}</title>',
+        f'<desc id="desc">{escaped(_description(graph))}</desc>',
+        f"<style>{STYLE}</style>",
+        label("title", _MARGIN, 34, graph.title),
+        *legend,
+        f'<g transform="translate({_MARGIN} {_HEAD})">',
+        *(_host(one, places.boxes[one.key]) for one in graph.members if one.key in drawing.hosts),
+        *(
+            _way(b, m, points, states[m, b.channels[0].key, gives], gives=gives, compared=compared)
+            for (b, m, gives), points in ways
+        ),
+        *(line for b in drawing.joining for line in _bundle(b, places.boxes[b.key])),
+        *(
+            line
+            for one in graph.members
+            if one.key not in drawing.hosts
+            for line in _member(one, places.boxes[one.key], drawing.lines(one))
+        ),
+        "</g>",
+        *([f'<text class="key" x="{_MARGIN}" y="{size_y - 14}">{escaped(notes)}</text>'] if notes else []),
+    ]
+    return "\n".join([*parts, "</svg>", ""])
+
+
+def _size(x: int, y: int) -> str:
+    return f'width="{x}" height="{y}" viewBox="0 0 {x} {y}"'
+
+
+def _within(bundle: Bundle, hosts: Mapping[str, str | None]) -> str | None:
+    """Return the host that all ends of a bundle lie in."""
+    found = {hosts[member] for member in (*bundle.sources, *bundle.targets)}
+    return found.pop() if len(found) == 1 else None
+
+
+def _loose(bundle: Bundle, channel: Channel, member: str) -> _Loose:
+    gives, takes = member in bundle.sources, member in bundle.targets
+    arrow = "↺" if gives and takes else "→" if gives else "←"
+    if channel.open:
+        return _Loose(bundle.kind, f"{arrow} ? {channel.name}", f"the name {channel.name} is not known", channel.state)
+    about = {
+        "↺": f"only the node itself uses {channel.name}",
+        "→": f"nobody takes {channel.name}",
+        "←": f"nobody gives {channel.name}",
+    }
+    return _Loose(bundle.kind, f"{SIGNS[channel.state]}{arrow} {channel.name}", about[arrow], channel.state)
+
+
+def _title(member: Member) -> str:
+    return SIGNS[member.state] + (f"{member.name.removesuffix('*')} …" if member.kind == "namespace" else member.name)
+
+
+def _under(member: Member) -> list[str]:
+    """Return the lines below the name: type and kind, and the condition."""
+    what = [member.about or "?"] + ([member.kind] if member.kind not in {"node", "namespace"} else [])
+    return [", ".join(what), *([f"if {member.condition}"] if member.condition else [])]
+
+
+def _member(member: Member, where: Rectangle, lines: Sequence[_Loose]) -> Iterable[str]:
+    style = " ".join(filter(None, ["many" if member.kind == "namespace" else "box", member.state]))
+    unknown = " unknown" if member.reason or member.condition else ""
+    x, y = where.x, where.y
+    about = ". ".join(filter(None, [member.name, member.about, member.place, member.reason]))
+    yield f"<g><title>{escaped(about)}</title>"
+    yield f'<rect class="{style}{unknown}" x="{x:g}" y="{y:g}" width="{where.wide:g}" height="{where.high:g}" rx="5"/>'
+    yield label("name", x + 12, y + 19, _title(member))
+    base = y + 19
+    for text in _under(member):
+        base += _LINE
+        yield label("sub", x + 12, base, text)
+    base += 4
+    for line in lines:
+        base += _LINE
+        yield f"<g><title>{escaped(line.about)}</title>{label('loose', x + 12, base, line.text)}</g>"
+    yield "</g>"
+
+
+def _host(member: Member, where: Rectangle) -> str:
+    style = " ".join(filter(None, ["host", member.state, "unknown" if member.kind == "host" else ""]))
+    about = ". ".join(filter(None, [member.name, member.about, member.place, member.reason]))
+    return (
+        f"<g><title>{escaped(about)}</title>"
+        f'<rect class="{style}" x="{where.x:g}" y="{where.y:g}" width="{where.wide:g}" height="{where.high:g}" rx="8"/>'
+        f"{label('sub', where.x + 12, where.y + 18, _title(member))}</g>"
+    )
+
+
+def _bundle_lines(bundle: Bundle) -> list[str]:
+    names = [f"{SIGNS[one.state]}{one.name}{_clash(one)}" for one in bundle.channels]
+    return names if len(names) <= _MOST_LINES else [*names[: _MOST_LINES - 1], f"+ {len(names) - _MOST_LINES + 1} more"]
+
+
+def _clash(channel: Channel) -> str:
+    return f" ({len(channel.types)} types!)" if len(channel.types) > 1 else ""
+
+
+def _bundle_size(bundle: Bundle) -> tuple[float, float]:
+    lines = _bundle_lines(bundle)
+    room = _PORT * max(len(bundle.sources), len(bundle.targets)) + 8
+    return round(max(wide(line, TERM) for line in lines)) + 26, max(9 + _LINE * len(lines), room)
+
+
+def _bundle(bundle: Bundle, where: Rectangle) -> Iterable[str]:
+    state = bundle.channels[0].state
+    told = "; ".join(f"{bundle.kind} {one.name} ({' and '.join(one.types) or '?'})" for one in bundle.channels)
+    yield f"<g><title>{escaped(told)}</title>"
+    path = outline(bundle.kind, where.x, where.y, where.wide, where.high)
+    yield f'<path class="{" ".join(filter(None, ["sign", bundle.kind, state]))}" d="{path}"/>'
+    lines = _bundle_lines(bundle)
+    top = where.y + (where.high - _LINE * len(lines)) / 2 + 11.5
+    for number, line in enumerate(lines):
+        yield label("term", where.x + where.wide / 2, top + _LINE * number, line, "middle")
+    yield "</g>"
+
+
+def _way(  # noqa: PLR0913 - what a line says
+    bundle: Bundle, member: str, points: Sequence[tuple[float, float]], state: str, *, gives: bool, compared: bool
+) -> str:
+    """Return a line with rounded corners and a head at its end."""
+    names = ", ".join(one.name for one in bundle.channels)
+    about = f"{member} to {names}" if gives else f"{names} to {member}"
+    style = " ".join(filter(None, [bundle.kind, state or ("still" if compared else "")]))
+    return (
+        f"<g><title>{escaped(about)}</title>"
+        f'<path class="way {style}" d="{_rounded(_before_tip(points))}"/>'
+        f'<path class="head {style}" d="{_arrow(points)}"/></g>'
+    )
+
+
+def _before_tip(points: Sequence[tuple[float, float]]) -> Sequence[tuple[float, float]]:
+    (ax, ay), (bx, by) = points[-2:]
+    far = abs(bx - ax) + abs(by - ay)
+    if far <= _TIP:
+        return points
+    return [*points[:-1], (bx - (bx - ax) * _TIP / far, by - (by - ay) * _TIP / far)]
+
+
+def _rounded(points: Sequence[tuple[float, float]]) -> str:
+    path = f"M{points[0][0]:g} {points[0][1]:g}"
+    for (ax, ay), (bx, by), (cx, cy) in zip(points, points[1:], points[2:], strict=False):
+        before, after = abs(bx - ax) + abs(by - ay), abs(cx - bx) + abs(cy - by)
+        if not before or not after:
+            continue
+        start, end = min(_ROUND, before / 2) / before, min(_ROUND, after / 2) / after
+        path += f"L{bx + (ax - bx) * start:g} {by + (ay - by) * start:g}"
+        path += f"Q{bx:g} {by:g} {bx + (cx - bx) * end:g} {by + (cy - by) * end:g}"
+    return f"{path}L{points[-1][0]:g} {points[-1][1]:g}"
+
+
+def _arrow(points: Sequence[tuple[float, float]]) -> str:
+    x, y = points[-1]
+    back = next((one for one in reversed(points[:-1]) if one != points[-1]), (x - 1, y))
+    across, down = x - back[0], y - back[1]
+    if abs(across) >= abs(down):
+        return f"M{x:g} {y:g}l{-8 if across > 0 else 8} -4.5v9z"
+    return f"M{x:g} {y:g}l-4.5 {-8 if down > 0 else 8}h9z"
+
+
+def _legend(graph: SystemGraph) -> tuple[list[str], float]:
+    """Return the key of signs, and where it ends."""
+    kinds = [kind for kind in _WORDS if any(channel.kind == kind for channel in graph.channels)]
+    drawn, x = [], float(_MARGIN)
+    for kind in kinds:
+        drawn.append(f'<path class="sign {kind}" d="{outline(kind, x, 48, 34, 18)}"/>')
+        drawn.append(
+            f'<path class="way {kind}" d="M{x + 34:g} 57h22"/><path class="head {kind}" d="M{x + 62:g} 57l-8 -4.5v9z"/>'
+        )
+        drawn.append(label("key", x + 68, 61, _WORDS[kind]))
+        x += 68 + wide(_WORDS[kind], SMALL) + 22
+    states = graph.states()
+    words = ["→ nobody takes it  ← nobody gives it"]
+    if any(channel.open for channel in graph.channels):
+        words.append("? name not known")
+    words += [f"{SIGNS[state]}{state}" for state in (State.NEW, State.GONE, State.CHANGED) if state in states]
+    text = "  ".join(words)
+    drawn.append(f'<text class="key" x="{x:g}" y="61">{escaped(text)}</text>')
+    return drawn, x + len(text) * SMALL
+
+
+def _description(graph: SystemGraph) -> str:
+    """Return in words, member by member, what it gives and takes."""
+    names = {channel.key: f"{channel.kind} {channel.name}" for channel in graph.channels}
+    sentences = []
+    for member in graph.members:
+        gives = [names[link.channel] for link in graph.links if link.member == member.key and link.outward]
+        takes = [names[link.channel] for link in graph.links if link.member == member.key and not link.outward]
+        told = [f"{verb} {', '.join(which)}" for verb, which in (("sends to", gives), ("serves", takes)) if which]
+        state = f" ({member.state})" if member.state else ""
+        sentences.append(f"{member.name}{state}{' ' if told else ''}{' and '.join(told)}.")
+    return " ".join([*sentences, *(f"Not shown: {one}." for one in graph.hidden)])

@@ -1,0 +1,153 @@
+"""Parts of a system's graph: around a member, namespaces as one box each; and two systems laid over each other."""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from dataclasses import replace
+from typing import TYPE_CHECKING, TypeVar
+
+from kg.render.system_graph import Channel, Link, Member, State, SystemGraph
+from kg.render.text import count
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Hashable, Mapping
+
+__all__ = ["around", "collapsed", "overlaid"]
+
+_Key = TypeVar("_Key", bound="Hashable")
+_Thing = TypeVar("_Thing")
+
+
+def around(graph: SystemGraph, focus: Collection[str], depth: int = 1) -> SystemGraph:
+    """Return what is at most `depth` channels away from the members `focus`, with all channels of those in focus."""
+    ends = graph.ends()
+    at: defaultdict[str, set[str]] = defaultdict(set)
+    for link in graph.links:
+        at[link.member].add(link.channel)
+    near, edge = set(focus), set(focus)
+    channels = {channel for member in focus for channel in at[member]}
+    for _ in range(depth):
+        passed = {channel for member in edge for channel in at[member]}
+        channels |= passed
+        edge = {member for channel in passed for side in ends[channel] for member in side} - near
+        near |= edge
+    hosts = {member.host for member in graph.members if member.key in near and member.host}
+    kept = tuple(member for member in graph.members if member.key in near | hosts)
+    links = tuple(link for link in graph.links if link.member in near and link.channel in channels)
+    joined = {link.channel for link in links}
+    left_out = len(graph.members) - len(kept)
+    return SystemGraph(
+        graph.title,
+        kept,
+        tuple(channel for channel in graph.channels if channel.key in joined),
+        links,
+        (*graph.hidden, f"{count(left_out, 'node')} farther away") if left_out else graph.hidden,
+    )
+
+
+def collapsed(graph: SystemGraph, expand: Collection[str] = (), most: int = 60) -> SystemGraph:
+    """Return the graph with namespaces as one box each where it has more than `most` boxes.
+
+    As few levels of namespaces as are needed go into one box; those in `expand`, and what is in them, never.
+    """
+    deepest = max((member.name.count("/") - 1 for member in graph.members), default=0)
+    found = graph
+    for level in range(deepest, 0, -1):
+        if len(found.members) <= most:
+            break
+        found = _at_level(found, level, [name.rstrip("/") + "/" for name in expand])
+    inside = len(graph.channels) - len(found.channels)
+    return (
+        replace(found, hidden=(*found.hidden, f"{count(inside, 'channel')} inside of namespaces")) if inside else found
+    )
+
+
+def _at_level(graph: SystemGraph, level: int, expand: Collection[str]) -> SystemGraph:
+    """Return the graph with one box for the members of each namespace of `level` names."""
+    groups = {member.key: _group(member, level) for member in graph.members}
+    sizes = Counter(group for group in groups.values() if group)
+    into = {
+        key: f"{group}/*" if group and sizes[group] > 1 and not _kept(group + "/", expand) else key
+        for key, group in groups.items()
+    }
+    members: dict[str, Member] = {}
+    for member in graph.members:
+        key = into[member.key]
+        host = into.get(member.host or "", member.host)
+        single = replace(member, host=None if host == key else host)
+        members[key] = single if key == member.key else _grown(members.get(key), key, member)
+    inner = _inner(graph, into)
+    links = {
+        (into[link.member], link.channel, link.outward): replace(link, member=into[link.member])
+        for link in graph.links
+        if link.channel not in inner
+    }
+    return SystemGraph(
+        graph.title,
+        tuple(members[key] for key in sorted(members)),
+        tuple(channel for channel in graph.channels if channel.key not in inner),
+        tuple(links[key] for key in sorted(links)),
+        graph.hidden,
+    )
+
+
+def _group(member: Member, level: int) -> str | None:
+    """Return the namespace of at most `level` names that a member is in, None for the root."""
+    parts = member.name.split("/")[1:-1]
+    return "/" + "/".join(parts[:level]) if len(parts) >= level else None
+
+
+def _kept(namespace: str, expand: Collection[str]) -> bool:
+    return any(namespace.startswith(one) or one.startswith(namespace) for one in expand)
+
+
+def _grown(group: Member | None, key: str, member: Member) -> Member:
+    size = (group.count if group else 0) + member.count
+    state = member.state if group is None or group.state == member.state else State.CHANGED
+    return Member(key, key, "namespace", count(size, "node"), count=size, state=state)
+
+
+def _inner(graph: SystemGraph, into: Mapping[str, str]) -> set[str]:
+    """Return the channels whose ends are all in one group."""
+    found: defaultdict[str, set[str]] = defaultdict(set)
+    for link in graph.links:
+        found[link.channel].add(into[link.member])
+    return {channel for channel, groups in found.items() if len(groups) == 1 and next(iter(groups)).endswith("/*")}
+
+
+def overlaid(before: SystemGraph, after: SystemGraph, changed: Collection[str] = ()) -> SystemGraph:
+    """Return both graphs as one, each thing with what became of it; members and channels `changed` are named by key."""
+    members = _states({one.key: one for one in before.members}, {one.key: one for one in after.members})
+    channels = _states({one.key: one for one in before.channels}, {one.key: one for one in after.channels})
+    links = _states({_ends(one): one for one in before.links}, {_ends(one): one for one in after.links})
+    return SystemGraph(
+        after.title,
+        tuple(_member_changed(one, state, changed) for one, state in members.values()),
+        tuple(_channel_changed(one, state, changed) for one, state in channels.values()),
+        tuple(replace(one, state=state) for one, state in links.values()),
+        after.hidden,
+    )
+
+
+def _states(before: Mapping[_Key, _Thing], after: Mapping[_Key, _Thing]) -> dict[_Key, tuple[_Thing, str]]:
+    found: dict[_Key, tuple[_Thing, str]] = {}
+    for key in sorted({*before, *after}, key=str):
+        if key not in before:
+            found[key] = after[key], State.NEW
+        elif key not in after:
+            found[key] = before[key], State.GONE
+        else:
+            found[key] = after[key], State.SAME
+    return found
+
+
+def _ends(link: Link) -> tuple[str, str, bool]:
+    return link.member, link.channel, link.outward
+
+
+def _member_changed(member: Member, state: str, changed: Collection[str]) -> Member:
+    return replace(member, state=State.CHANGED if state == State.SAME and member.key in changed else state)
+
+
+def _channel_changed(channel: Channel, state: str, changed: Collection[str]) -> Channel:
+    return replace(channel, state=State.CHANGED if state == State.SAME and channel.key in changed else state)
