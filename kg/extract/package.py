@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final, TypeVar
 
 from kg.corpus.reading import DEFAULT_LIMIT_BYTES, Reader
 from kg.extract import cpp, definitions, implicit, manifests, parameters, python
-from kg.extract.buildmodel import BuildModel
+from kg.extract.buildmodel import BuildModel, TargetKind
 from kg.extract.merging import merge, settled
 from kg.facts import Location, Package, PackageFacts, SourceFile
 
@@ -61,7 +61,17 @@ def extract_package(
         files=tuple(_files(reader, package)),
         problems=tuple(sorted(reader.problems, key=lambda found: (found.path, found.line or 0, found.code))),
         inputs=reader.inputs,
+        programs=_programs(package, build),
     )
+
+
+def _programs(package: PackageFolder, build: BuildModel) -> tuple[str, ...]:
+    """Return what can be started by name: what is built or installed, and files that may be executed where they are."""
+    built = (one.output_name or one.name for one in build.targets if one.kind is not TargetKind.LIBRARY)
+    alone = (one.executable for one in build.plugins if one.executable)
+    installed = (one.name for one in (*build.scripts, *build.entry_points))
+    files = (PurePosixPath(entry.path).name for entry in package.files if entry.executable)
+    return tuple(sorted({*built, *alone, *installed, *files}))
 
 
 def _nodes(reader: Reader, package: PackageFolder, build: BuildModel) -> tuple[NodeType, ...]:

@@ -17,7 +17,6 @@ from kg.facts.code import (
     FileKind,
     Interface,
     InterfaceDefinition,
-    Location,
     NodeKind,
     NodeType,
     Package,
@@ -43,6 +42,7 @@ from kg.facts.launch import (
     StartedNode,
     StartKind,
 )
+from kg.facts.places import Location
 from kg.facts.systems import (
     InstanceInterface,
     InstanceParameter,

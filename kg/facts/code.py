@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
-from kg.facts.launch import LaunchConfiguration  # noqa: TC001 - property tests make facts from their annotations
+# Imported when the module is, for the caches and property tests make facts from their annotations.
+from kg.facts.launch import LaunchConfiguration  # noqa: TC001 - see above
+from kg.facts.places import Location  # noqa: TC001 - see above
 
 __all__ = [
     "Access",
@@ -14,7 +16,6 @@ __all__ = [
     "FileKind",
     "Interface",
     "InterfaceDefinition",
-    "Location",
     "NodeKind",
     "NodeType",
     "Package",
@@ -85,22 +86,6 @@ class FileKind(StrEnum):
     PLUGIN = "plugin"
     CONFIG = "config"
     TEXT = "text"
-
-
-@dataclass(frozen=True, slots=True)
-class Location:
-    """A line of a file, relative to the root of its source.
-
-    `repository` is None for the source that the fact belongs to, else the name of the other source of the
-    build that the file stands in (a base class, say).
-    """
-
-    path: str
-    line: int
-    repository: str | None = None
-
-    def __str__(self) -> str:
-        return f"{self.path}:{self.line}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -310,3 +295,5 @@ class PackageFacts:
     inputs: tuple[tuple[str, str], ...] = ()
     launches: tuple[LaunchConfiguration, ...] = ()
     """Each launch file of the package, evaluated as if it were the one that is started, with its default arguments."""
+    programs: tuple[str, ...] = ()
+    """What `rosrun` or `ros2 run` can start of the package, in which a node was found or not."""

@@ -10,10 +10,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from kg.facts.code import Location
+# Imported when the module is, for the caches make facts from their annotations.
+from kg.facts.places import Location  # noqa: TC001 - see above
 
 __all__ = [
     "LaunchArgument",

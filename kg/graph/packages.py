@@ -36,6 +36,8 @@ def package_triples(facts: PackageFacts, iris: Iris) -> bytes:
         _file(scope, subject, file)
     for each in facts.definitions:
         definition(scope, subject, each)
+    for program in facts.programs:
+        scope.writer.text(subject, v.INSTALLS, program)
     for each_node in facts.nodes:
         node(scope, subject, each_node)
     for each_problem in facts.problems:

@@ -153,6 +153,7 @@ class _Writing:
         for name, value in started.settings:
             writer.once(subject, v.START_SETTING, literal(f"{name}={value}"))
         writer.text(subject, v.CONDITION, started.condition)
+        writer.text(subject, v.MISSING, fact.missing)
         writer.text(subject, v.REASON, fact.reason)
         writer.add(subject, v.COMPLETE, boolean(fact.complete))
         if fact.host is not None and fact.host in names:

@@ -21,6 +21,7 @@ from kg.facts import (
     LaunchProblem,
     LaunchProblemKind,
     Location,
+    MissingType,
     NodeInstance,
     NodeReference,
     Remap,
@@ -199,7 +200,7 @@ class _Reading:
         parts = own.get(v.bare(v.HAS_COMPONENT), ())
         ends = [end for part in parts if (end := self._end(part, settings, remaps))]
         used = {end.remap for end in ends}
-        host = one(own, v.HOST)
+        host, missing = one(own, v.HOST), one(own, v.MISSING)
         plugins = (records.reference(plugin) for plugin in sorted(own.get(v.bare(v.LOADS_PLUGIN), ())))
         kind = records.reference(one(own, v.INSTANCE_OF))
         return NodeInstance(
@@ -207,6 +208,7 @@ class _Reading:
             namespace=one(own, v.NAMESPACE) or "/",
             started=self._started(own, tuple(fact.remap for fact in remaps.values())),
             type=kind,
+            missing=MissingType(missing) if missing else None,
             reason=one(own, v.REASON),
             plugins=tuple(plugin for plugin in plugins if plugin),
             host=one(self._content[host], v.NAME) if host else None,

@@ -1,6 +1,6 @@
 """Results of extraction on disk: the N-Triples of a package, its own and those that sources share, compressed.
 
-The look-ups that they depend on stand before them.
+The look-ups that they depend on, and what its launch files start, stand before them.
 
 A file is named by the digest of its content, so a damaged or foreign one is noticed, and two builds cannot disturb
 each other.
@@ -13,6 +13,9 @@ import json
 import zlib
 from typing import TYPE_CHECKING, Final
 
+import msgspec
+
+from kg.facts import LaunchConfiguration
 from kg.store.layout import write_atomically
 
 if TYPE_CHECKING:
@@ -21,18 +24,29 @@ if TYPE_CHECKING:
 
     from kg.pipeline.recording import Lookup
 
-__all__ = ["exists", "keep_only", "lookups", "pack", "shared", "store", "triples"]
+__all__ = ["exists", "keep_only", "launches", "lookups", "pack", "shared", "store", "triples"]
 
 _LEVEL: Final = 1
 _ENDING: Final = ".z"
 _LENGTH_BYTES: Final = 8
-_LOOKUPS, _SHARED, _CONTENT = range(3)
+_LOOKUPS, _SHARED, _LAUNCHES, _CONTENT = range(4)
 
 
-def pack(content: bytes, found: Mapping[Lookup, str], common: bytes = b"") -> bytes:
-    """Return the packed form of N-Triples, of the look-ups (with their answers) that they depend on, of shared ones."""
+def pack(
+    content: bytes,
+    found: Mapping[Lookup, str],
+    common: bytes = b"",
+    configurations: tuple[LaunchConfiguration, ...] = (),
+) -> bytes:
+    """Return the packed form of N-Triples, of the look-ups (with their answers) that they depend on, of shared ones.
+
+    With them go the configurations of the package's launch files.
+    """
     listed = json.dumps([[*lookup, answer] for lookup, answer in found.items()], separators=(",", ":"))
-    parts = [zlib.compress(part, _LEVEL) for part in (listed.encode(), common, content)]
+    parts = [
+        zlib.compress(part, _LEVEL)
+        for part in (listed.encode(), common, msgspec.msgpack.encode(configurations), content)
+    ]
     return b"".join(len(part).to_bytes(_LENGTH_BYTES) + part for part in parts)
 
 
@@ -57,6 +71,12 @@ def lookups(folder: Path, name: str) -> dict[Lookup, str] | None:
     """Return the look-ups that a result depends on, with their answers; None when it is not there or damaged."""
     part = _part(folder, name, _LOOKUPS)
     return None if part is None else {tuple(lookup): answer for *lookup, answer in json.loads(part)}
+
+
+def launches(folder: Path, name: str) -> tuple[LaunchConfiguration, ...] | None:
+    """Return the configurations of a package's launch files; None when the result is not there or damaged."""
+    part = _part(folder, name, _LAUNCHES)
+    return None if part is None else msgspec.msgpack.decode(part, type=tuple[LaunchConfiguration, ...])
 
 
 def exists(folder: Path, name: str) -> bool:

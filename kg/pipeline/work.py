@@ -54,16 +54,22 @@ def work(job: Job, source: str, path: str) -> Outcome:
     facts = extract_package(job.workspace, found, package, ExtractSettings(job.max_file_bytes))
     iris = Iris(job.base)
     own, shared = split(package_triples(facts, iris), iris)
+    loadable = sum(node.plugin is not None for node in facts.nodes)
+    counts = asdict(count([facts], triples=len(own) + len(shared)))
     result = PackageResult(
         source=source,
         name=package.name,
         path=path,
-        counts=asdict(count([facts], triples=len(own) + len(shared))),
+        counts=counts | {"launches": len(facts.launches), "loadable": loadable},
         unresolved=_reasons(facts),
         problems=facts.problems,
         seconds=time.perf_counter() - began,
     )
-    return Outcome(result, dict(facts.inputs), cache.pack(b"".join(own), job.workspace.lookups, b"".join(shared)))
+    return Outcome(result, dict(facts.inputs), _packed(job, facts, own, shared))
+
+
+def _packed(job: Job, facts: PackageFacts, own: list[bytes], shared: list[bytes]) -> bytes:
+    return cache.pack(b"".join(own), job.workspace.lookups, b"".join(shared), facts.launches)
 
 
 def failed(source: str, name: str, path: str, message: str) -> Outcome:

@@ -19,6 +19,7 @@ from kg.facts import (
     LaunchProblem,
     LaunchProblemKind,
     Location,
+    MissingType,
     NodeInstance,
     NodeReference,
     Remap,
@@ -108,6 +109,7 @@ SYSTEM: Final = System(
             StartedNode(
                 "camera", "/rover", StartKind.NODELET, LINE, package="nodelet", executable="nodelet", plugin="x/Y"
             ),
+            missing=MissingType.UNKNOWN_PACKAGE,
             reason="the build has no package x",
             host="/rover/driver",
         ),

@@ -1,0 +1,23 @@
+"""Where a fact was read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["Location"]
+
+
+@dataclass(frozen=True, slots=True)
+class Location:
+    """A line of a file, relative to the root of its source.
+
+    `repository` is None for the source that the fact belongs to, else the name of the other source of the
+    build that the file stands in (a base class, say).
+    """
+
+    path: str
+    line: int
+    repository: str | None = None
+
+    def __str__(self) -> str:
+        return f"{self.path}:{self.line}"
