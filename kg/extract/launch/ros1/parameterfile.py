@@ -1,0 +1,215 @@
+"""YAML of `<rosparam>`: one parameter for each leaf, with the line that it stands on.
+
+Source: wiki.ros.org/rosparam, "YAML Format" with its `deg(180)` and `rad(2*pi)`. Aliases can mean far more than they
+say; what a document means in all is bounded.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
+
+import yaml
+
+from kg.extract.launch.ros1.expression import ExpressionError, NotKnownError, UnsupportedError, evaluate_expression
+from kg.extract.launch.ros1.texts import HOLE, shown
+from kg.extract.launch.ros1.values import one_line, type_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = ["MOST_TEXT", "Leaf", "ParameterTree", "leaf_of", "read_scalar", "read_tree"]
+
+MOST_TEXT: Final = 1 << 20
+"""Characters of a parameter file; far beyond what people write."""
+_MOST_DEPTH: Final = 60
+_MOST_VISITS: Final = 50_000
+_MOST_CHARACTERS: Final = 4 << 20
+_MOST_VALUE: Final = 4096
+"""Characters of one value; robot descriptions are of no use in a graph."""
+_CACHED: Final = 1 << 18
+_MERGE: Final = "tag:yaml.org,2002:merge"
+_STRING: Final = "tag:yaml.org,2002:str"
+_Base: TypeAlias = Any
+
+
+@dataclass(frozen=True, slots=True)
+class Leaf:
+    """A value in a tree of parameters; `keys` lead to it from the top, `line` is that of its key, counted from 1."""
+
+    keys: tuple[str, ...]
+    line: int
+    value: str | None
+    type: str | None
+    reason: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterTree:
+    """The leaves of a document, and problems as message and line."""
+
+    leaves: tuple[Leaf, ...] = ()
+    problems: tuple[tuple[str, int], ...] = ()
+    is_mapping: bool = True
+    too_large: bool = False
+
+
+class _TooMuchError(Exception):
+    """The document is nested too deep, or its aliases mean too much."""
+
+
+_BASE: _Base = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+
+class _Loader(_BASE):  # type: ignore[misc]  # one of two classes, by what the YAML package was built with
+    """YAML as rosparam takes it."""
+
+
+for _unit in ("deg", "rad"):
+    _Loader.add_implicit_resolver(f"!{_unit}", re.compile(rf"^{_unit}\([^)]*\)$"), list(f"{_unit}("))
+
+
+def read_tree(text: str) -> ParameterTree:
+    """Return the parameters of a YAML document; what stands before an error of its meaning is kept."""
+    if len(text) > MOST_TEXT:
+        return ParameterTree(problems=((f"the file is longer than {MOST_TEXT} characters", 1),), too_large=True)
+    return _cached(text) if len(text) <= _CACHED else _read(text)
+
+
+def read_scalar(text: str) -> object:
+    """Return the value of a YAML text in one line; the text itself when it is none."""
+    if len(text) > _MOST_VALUE:
+        return text
+    try:
+        return _Walk().value(yaml.compose(text, Loader=_Loader), 0)
+    except (yaml.YAMLError, _TooMuchError, ValueError, RecursionError):
+        return text
+
+
+def leaf_of(value: object, line: int = 1, keys: tuple[str, ...] = ()) -> Leaf:
+    """Return the leaf for a value; None with the reason when it is not known or too long."""
+    kind = type_of(value)
+    if isinstance(value, bytes):
+        return Leaf(keys, line, None, kind, "it is binary")
+    if value == HOLE:
+        return Leaf(keys, line, None, None, "it depends on what is not known")
+    written = shown(one_line(value))
+    if len(written) > _MOST_VALUE:
+        return Leaf(keys, line, None, kind, f"it has more than {_MOST_VALUE} characters")
+    return Leaf(keys, line, written, kind)
+
+
+def _read(text: str) -> ParameterTree:
+    walk, leaves = _Walk(), []
+    try:
+        root = yaml.compose(text, Loader=_Loader)
+        if root is None:
+            return ParameterTree()
+        for leaf in walk.leaves(root, (), root.start_mark.line + 1, 0):
+            leaves.append(leaf)  # noqa: PERF402 - what came before an error is kept
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        message = str(getattr(error, "problem", None) or error).partition("\n")[0]
+        problem = (f"the text is no YAML: {message}", mark.line + 1 if mark else 1)
+        return ParameterTree(tuple(leaves), (*walk.problems, problem))
+    except (_TooMuchError, RecursionError, MemoryError) as error:
+        problem = (f"{error}; the parameters before that were read", walk.line)
+        return ParameterTree(tuple(leaves), (*walk.problems, problem), too_large=True)
+    return ParameterTree(tuple(leaves), tuple(walk.problems), is_mapping=isinstance(root, yaml.MappingNode))
+
+
+@lru_cache(maxsize=512)
+def _cached(text: str) -> ParameterTree:
+    return _read(text)
+
+
+class _Walk:
+    """One walk over a composed document, which bounds what aliases can make of it."""
+
+    def __init__(self) -> None:
+        self.problems: list[tuple[str, int]] = []
+        self.line = 1
+        self._visits = 0
+        self._characters = 0
+        self._constructor = yaml.constructor.SafeConstructor()
+
+    def leaves(self, node: yaml.Node, keys: tuple[str, ...], line: int, depth: int) -> Iterator[Leaf]:
+        """Yield the leaves of a node that `keys` lead to."""
+        self._count(depth)
+        if isinstance(node, yaml.MappingNode):
+            for key, (inner, where) in self._mapping(node, depth).items():
+                if isinstance(key, str):
+                    yield from self.leaves(inner, (*keys, key), where, depth + 1)
+                else:
+                    self.problems.append((f"the key {one_line(key)} is no text; roslaunch refuses it", where))
+            return
+        self.line = line
+        try:
+            yield leaf_of(self.value(node, depth), line, keys)
+        except ValueError as error:
+            self.problems.append((f"the value is wrong: {error}", line))
+
+    def value(self, node: yaml.Node | None, depth: int) -> object:
+        """Return the value of a node; ValueError when it is none of its tag."""
+        self._count(depth)
+        if isinstance(node, yaml.MappingNode):
+            pairs = self._mapping(node, depth)
+            return {key: self.value(inner, depth + 1) for key, (inner, _) in pairs.items()}
+        if isinstance(node, yaml.SequenceNode):
+            return [self.value(item, depth + 1) for item in node.value]
+        if not isinstance(node, yaml.ScalarNode):
+            return None
+        self._characters += len(node.value)
+        if node.tag in {"!deg", "!rad", "!degrees", "!radians"}:
+            return _angle(node.value, node.tag)
+        if node.tag == _STRING:
+            return str(node.value)
+        self._constructor.constructed_objects.clear()
+        value: object = self._constructor.construct_object(node)  # type: ignore[no-untyped-call]  # has no types
+        return value
+
+    def _mapping(self, node: yaml.MappingNode, depth: int) -> dict[object, tuple[yaml.Node, int]]:
+        """Return the pairs of a mapping with the lines of their keys; of two alike the later, merged ones first."""
+        merged: dict[object, tuple[yaml.Node, int]] = {}
+        own: dict[object, tuple[yaml.Node, int]] = {}
+        for key, inner in node.value:
+            self._count(depth)
+            if key.tag == _MERGE:
+                for one in reversed(inner.value if isinstance(inner, yaml.SequenceNode) else [inner]):
+                    if isinstance(one, yaml.MappingNode):
+                        merged.update(self._mapping(one, depth + 1))
+            else:
+                name = self.value(key, depth + 1)
+                own[name if isinstance(name, str | int | float | None) else str(name)] = (
+                    inner,
+                    key.start_mark.line + 1,
+                )
+        return {**merged, **own}
+
+    def _count(self, depth: int) -> None:
+        self._visits += 1
+        if depth > _MOST_DEPTH:
+            raise _TooMuchError(f"the text is nested deeper than {_MOST_DEPTH} levels")
+        if self._visits > _MOST_VISITS or self._characters > _MOST_CHARACTERS:
+            raise _TooMuchError(f"the text means more than {_MOST_VISITS} values or is expanded endlessly")
+
+
+def _angle(text: str, tag: str) -> float:
+    """Return an angle in radians."""
+    inner = re.sub(r"^(?:deg|rad)\((.*)\)$", r"\1", text.strip())
+    if tag.startswith("!deg"):
+        return float(inner) * math.pi / 180.0
+    try:
+        value = evaluate_expression(inner, _no_name, {})
+    except (ExpressionError, UnsupportedError, NotKnownError) as error:
+        raise ValueError(f"{text} is no angle ({error})") from None
+    if not isinstance(value, int | float):
+        raise ValueError(f"{text} is no angle")  # noqa: TRY004 - all that is wrong with a value is told alike
+    return float(value)
+
+
+def _no_name(name: str) -> object:
+    raise ExpressionError(f"name '{name}' is not defined")

@@ -1,0 +1,172 @@
+"""A configuration while it is evaluated: what was found so far, where, and how much of it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final
+
+from kg.extract.launch.files import SCHEME
+from kg.extract.launch.ros1.substitute import Substituter
+from kg.extract.launch.ros1.texts import HOLE, canonical, join, shown
+from kg.extract.launch.ros1.values import truth
+from kg.facts import LaunchInclude, LaunchParameter, LaunchProblem, LaunchProblemKind, Location, StartedNode
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kg.corpus.files import FilePath
+    from kg.extract.launch.files import Files
+    from kg.extract.launch.ros1.document import Element
+    from kg.extract.launch.ros1.parameterfile import Leaf
+    from kg.extract.launch.ros1.scope import Scope
+
+__all__ = ["State"]
+
+_MOST_NODES: Final = 20_000
+_MOST_PARAMETERS: Final = 200_000
+_MOST_PROBLEMS: Final = 2000
+_MOST_ELEMENTS: Final = 200_000
+
+
+class State:
+    """Collects what a configuration consists of; nothing is collected beyond the limits, and that is a problem."""
+
+    def __init__(self, files: Files, root: FilePath, environment: Mapping[str, str]) -> None:
+        self.files = files
+        self.root = root
+        self.nodes: list[StartedNode] = []
+        self.parameters: list[LaunchParameter] = []
+        self.late: list[LaunchParameter] = []
+        """Parameters that nodes set when they start, from their command lines."""
+        self.includes: list[LaunchInclude] = []
+        self.problems: dict[LaunchProblem, None] = {}
+        self.read: dict[FilePath, None] = {}
+        self.machine: str | None = None
+        """The default machine; a later one is in force to the end, whatever scope it stands in."""
+        self._substituter = Substituter(files, environment)
+        self._elements = 0
+
+    def location(self, scope: Scope, line: int, file: FilePath | None = None) -> Location:
+        """Return the location of a line of the file that is evaluated, or of another one."""
+        repository, path = file or scope.place.file
+        return Location(path, line, None if repository == self.root.repository else repository)
+
+    def problem(
+        self, scope: Scope, at: int | Location, kind: LaunchProblemKind, message: str, subject: str | None = None
+    ) -> None:
+        """Record a problem at a line of the file that is evaluated, or at another place."""
+        location = self.location(scope, at) if isinstance(at, int) else at
+        if len(self.problems) < _MOST_PROBLEMS:
+            about = shown(subject) if subject is not None else None
+            self.problems[LaunchProblem(kind, shown(message), location, scope.place.chain, about)] = None
+
+    def refused(self, scope: Scope, element: Element, message: str) -> None:
+        """Record that roslaunch takes no such element."""
+        self.problem(scope, element.line, LaunchProblemKind.MALFORMED, f"<{element.tag}>: {message}")
+
+    def text(self, scope: Scope, element: Element, attribute: str) -> str | None:
+        """Return an attribute after substitution; None when the element has none of that name."""
+        written = element.attributes.get(attribute)
+        return written if written is None or "$" not in written else self.resolved(scope, element.line, written)
+
+    def resolved(self, scope: Scope, line: int, written: str, most: int | None = None) -> str:
+        """Return a text that stands on a line after substitution."""
+
+        def note(kind: LaunchProblemKind, message: str, subject: str | None = None) -> None:
+            if kind is LaunchProblemKind.MISSING_ARGUMENT:
+                place = replace(scope.place, chain=scope.place.chain[:-1])
+                self.problem(replace(scope, place=place), scope.place.chain[-1], kind, message, subject)
+            else:
+                self.problem(scope, line, kind, message, subject)
+
+        if most is None:
+            return self._substituter.resolve(written, scope, note)
+        return self._substituter.resolve(written, scope, note, most)
+
+    def condition(self, scope: Scope, element: Element) -> tuple[bool, str | None]:
+        """Tell whether an element counts, and on what that depends, in the words of the file, when it is not known."""
+        attributes = element.attributes
+        if "if" not in attributes and "unless" not in attributes:
+            return True, None
+        if "if" in attributes and "unless" in attributes:
+            self.refused(scope, element, "it has both 'if' and 'unless'")
+        name = "if" if "if" in attributes else "unless"
+        words = attributes[name] if name == "if" else f"not {attributes[name]}"
+        text = self.text(scope, element, name) or ""
+        if HOLE in text:
+            return True, words
+        try:
+            return truth(text) is (name == "if"), None
+        except ValueError as error:
+            self.refused(scope, element, f"'{name}': {error}")
+            return True, words
+
+    def boolean(self, scope: Scope, element: Element, attribute: str) -> bool:
+        """Return an attribute that is true or false; false when it is neither, which is a problem."""
+        text = self.text(scope, element, attribute)
+        if text is None or HOLE in text or (attribute == "clear_params" and not text):
+            return False
+        if text.lower() not in {"true", "false"}:
+            self.refused(scope, element, f"'{attribute}' is neither true nor false: '{text}'")
+        return text.lower() == "true"
+
+    def count(self, scope: Scope, element: Element) -> bool:
+        """Tell whether one more element may be evaluated; includes can repeat each other endlessly."""
+        self._elements += 1
+        if self._elements == _MOST_ELEMENTS + 1:
+            self.limit(scope, element.line, f"the configuration has more than {_MOST_ELEMENTS} elements")
+        return self._elements <= _MOST_ELEMENTS
+
+    def limit(self, scope: Scope, line: int, message: str) -> None:
+        """Record that something is not read on."""
+        self.problem(scope, line, LaunchProblemKind.LIMIT, message)
+
+    def add_node(self, scope: Scope, node: StartedNode) -> None:
+        """Add a node."""
+        if len(self.nodes) < _MOST_NODES:
+            self.nodes.append(node)
+        else:
+            self.limit(scope, node.location.line, f"the configuration has more than {_MOST_NODES} nodes")
+
+    def add_leaf(
+        self, name: str, leaf: Leaf, location: Location, chain: tuple[Location, ...], reason: str | None = None
+    ) -> None:
+        """Add a parameter below `name`, which is absolute or private to roslaunch."""
+        for key in leaf.keys:
+            name = join(name, key)
+        if len(self.parameters) < _MOST_PARAMETERS:
+            absolute = shown(canonical(name))
+            self.parameters.append(
+                LaunchParameter(absolute, leaf.value, location, chain, leaf.type, leaf.reason or reason)
+            )
+        else:
+            message = f"the configuration has more than {_MOST_PARAMETERS} parameters"
+            self.problems[LaunchProblem(LaunchProblemKind.LIMIT, message, location, chain)] = None
+
+    def locate(self, scope: Scope, line: int, text: str) -> tuple[FilePath | None, str | None]:
+        """Return the file that a text names, or None and why there is none, which is a problem."""
+        kind, reason, subject = LaunchProblemKind.UNRESOLVED, "", text
+        if HOLE in text:
+            reason = f"the file {text} depends on what is not known"
+        elif (file := self.files.at(text)) is None:
+            package = text.removeprefix(SCHEME).partition("/")[0]
+            if text.startswith(SCHEME) and self.files.share(package) is None:
+                kind, subject = LaunchProblemKind.UNKNOWN_PACKAGE, package
+                reason = f"the package '{package}' is neither in the build nor installed"
+            else:
+                reason = f"the file {text} stands outside of the build"
+        elif not self.files.exists(file):
+            kind, reason = LaunchProblemKind.MISSING_FILE, f"there is no file {text}"
+        else:
+            return file, None
+        self.problem(scope, line, kind, reason, subject)
+        return None, shown(reason)
+
+    def open(self, scope: Scope, line: int, file: FilePath) -> bytes | None:
+        """Return the text of a file, which is recorded as read; None, and a problem, when it cannot be read."""
+        data = self.files.read(file)
+        if data is None:
+            self.limit(scope, line, f"the file {file.path} is not read: it is binary or too large")
+        else:
+            self.read[file] = None
+        return data
