@@ -68,6 +68,12 @@ class Condition:
     negated: bool = False
     written: str = ""
 
+    @property
+    def words(self) -> str:
+        """What has to hold, in the words of the file."""
+        text = self.written or "what is known only when it runs"
+        return f"not {text}" if self.negated else text
+
 
 @dataclass(frozen=True, slots=True)
 class ParameterValue:
@@ -231,10 +237,14 @@ class NodeAction(Action):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LoadComponents(Action):
-    """`LoadComposableNodes` into the container `target`: its name, relative to the namespace of the moment."""
+    """`LoadComposableNodes` into the container `target`: its name, as seen from the root namespace.
+
+    `container` is the action that starts it, where the file says that instead of a name.
+    """
 
     target: Text | None
     components: Sequence[NodeAction] = ()
+    container: NodeAction | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
