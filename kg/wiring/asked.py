@@ -1,0 +1,110 @@
+"""Which parameters of a node those that a configuration sets are, and which they may have been meant to be."""
+
+from __future__ import annotations
+
+import re
+from functools import lru_cache
+from typing import TYPE_CHECKING, TypeAlias
+
+from kg.facts import Access, InstanceParameter
+from kg.names import normalise
+from kg.wiring.ends import ids_of
+from kg.wiring.similar import Alike
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from kg.facts import LaunchParameter, NodeReference, NodeType, Parameter
+    from kg.wiring.place import Place
+    from kg.wiring.plugins import Loaded
+    from kg.wiring.remapping import Remapping
+    from kg.wiring.values import Settings
+
+__all__ = ["Asked"]
+
+_Owned: TypeAlias = "tuple[Parameter, NodeReference]"
+
+
+class Asked:
+    """The parameters that the code of one instance asks for, by absolute name (`/node/x`, also in ROS 2)."""
+
+    def __init__(self, place: Place, ros: int, remapping: Remapping) -> None:
+        self._place = place
+        self._ros = ros
+        self._remapping = remapping
+        self._exact: dict[str, _Owned] = {}
+        self._patterns: dict[str, _Owned] = {}
+
+    def add_node(self, owner: NodeReference, node: NodeType) -> None:
+        """Add what a node type asks for."""
+        for parameter in _read_first(node):
+            if parameter.name is not None:
+                self._add(self._absolute(parameter.name, self._place), parameter, owner)
+
+    def add_plugin(self, plugin: Loaded, settings: Settings) -> None:
+        """Add what a loaded plugin asks for."""
+        if plugin.found is None:
+            return
+        owner, node = plugin.found
+        place = plugin.place(self._place)
+        ids = ids_of(plugin.framework, settings, place)
+        for parameter in _read_first(node):
+            name = parameter.name
+            if name is None:
+                continue
+            self._add(self._of_plugin(name, plugin, place), parameter, owner)
+            if not name.startswith(("/", "~")):
+                for identifier in ids:
+                    below = plugin.framework.below.replace("{id}", identifier)
+                    self._add(self._of_plugin(f"~/{below}/{name}", plugin, place), parameter, owner)
+
+    def _of_plugin(self, name: str, plugin: Loaded, place: Place) -> str:
+        if self._ros == 1:
+            return self._absolute(name, place)
+        own = name.removeprefix("~/").replace("/", ".")
+        if own.startswith("{}."):
+            return f"{self._place.full}/{plugin.id}{own.removeprefix('{}')}"
+        return f"{self._place.full}/{own}" if not name.startswith("~/") else f"{self._place.full}/{plugin.id}.{own}"
+
+    def _absolute(self, name: str, place: Place) -> str:
+        if self._ros == 1:
+            return self._remapping.parameter(place.resolve(name))
+        return f"{self._place.full}/{name.removeprefix('~/').lstrip('/')}"
+
+    def _add(self, name: str, parameter: Parameter, owner: NodeReference) -> None:
+        (self._patterns if "{}" in name else self._exact).setdefault(name, (parameter, owner))
+
+    def settled(self, set_for: Iterable[tuple[str, LaunchParameter]]) -> Iterator[InstanceParameter]:
+        """Yield the parameters set for the instance, given by absolute name, with what they set."""
+        pairs = list(set_for)
+        names = {name for name, _ in pairs}
+        unset: Alike | None = None
+        for name, parameter in pairs:
+            found = self._find(name)
+            if found is not None:
+                yield InstanceParameter(name, parameter, *found)
+                continue
+            if unset is None:
+                unset = Alike(known for known in self._exact if known not in names)
+            yield InstanceParameter(name, parameter, similar=tuple(unset.find(name)))
+
+    def _find(self, name: str) -> _Owned | None:
+        if name in self._exact:
+            return self._exact[name]
+        above = name
+        separator = "/" if self._ros == 1 else "."
+        while separator in above[1:]:
+            above = above.rpartition(separator)[0]
+            if above in self._exact and len(above) > len(self._place.full):
+                return self._exact[above]
+        return next((owned for known, owned in self._patterns.items() if _pattern(known).fullmatch(name)), None)
+
+
+def _read_first(node: NodeType) -> list[Parameter]:
+    return sorted(node.parameters, key=lambda parameter: parameter.access is Access.WRITE)
+
+
+@lru_cache(maxsize=8192)
+def _pattern(name: str) -> re.Pattern[str]:
+    """Return what a name with unknown parts fits; an unknown part may have segments of its own."""
+    return re.compile(".+".join(re.escape(part) for part in normalise(name).split("{}")))

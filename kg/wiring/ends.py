@@ -1,0 +1,129 @@
+"""The interfaces of an instance: what its node type and its plugins declare, with the names that they have in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from kg.facts import InstanceInterface, Resolution
+from kg.names import join
+from kg.wiring.naming import Named, defaults_of, named
+from kg.wiring.values import parsed, shown
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kg.facts import Interface, NodeReference, NodeType
+    from kg.wiring.place import Place
+    from kg.wiring.plugins import Framework, Loaded
+    from kg.wiring.qos import Overrides
+    from kg.wiring.remapping import Remapping
+    from kg.wiring.values import Settings
+
+__all__ = ["Ends", "ids_of"]
+
+_OF_NODES: Final = ("ros1.node", "ros2.node")
+"""What every node has, and a plugin has not: it stands in a node."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ends:
+    """Makes the interfaces of one instance; `place` is that of the node."""
+
+    place: Place
+    settings: Settings
+    remapping: Remapping
+    overrides: Overrides
+
+    def of_node(self, owner: NodeReference, node: NodeType) -> Iterator[InstanceInterface]:
+        """Yield what the node type declares."""
+        defaults = defaults_of(node)
+        for declared in node.interfaces:
+            handle = _handle(declared, node)
+            name = self._named(declared, declared.parameter, defaults, self.place)
+            yield self._placed(declared, owner, name, self.place, handle)
+
+    def of_plugin(self, plugin: Loaded) -> Iterator[InstanceInterface]:
+        """Yield what a loaded plugin declares."""
+        if plugin.found is None:
+            return
+        owner, node = plugin.found
+        framework, place = plugin.framework, plugin.place(self.place)
+        defaults = defaults_of(node)
+        for declared in node.interfaces:
+            if declared.implicit and (declared.origin or "").startswith(_OF_NODES):
+                continue
+            if declared.location.path.endswith(framework.foreign or ("\0",)):
+                continue
+            if framework.each is not None and declared.name is None and _relative(declared.parameter):
+                yield from self._for_each(declared, owner, framework, place)
+                continue
+            own = self.place if declared.name in framework.shared else place
+            yield self._placed(declared, owner, self._named(declared, declared.parameter, defaults, place), own)
+
+    def _for_each(
+        self, declared: Interface, owner: NodeReference, framework: Framework, place: Place
+    ) -> Iterator[InstanceInterface]:
+        for identifier in ids_of(framework, self.settings, place):
+            below = join("~", framework.below.replace("{id}", identifier))
+            if framework.chosen is not None and declared.type is not None:
+                setting = self.settings.get(f"{below}/{framework.chosen}", place)
+                chosen = shown(setting.value) if setting is not None else framework.otherwise
+                if chosen is not None and declared.type.rpartition("/")[2] != chosen:
+                    continue
+            name = self._named(declared, f"{below}/{declared.parameter}", {}, place)
+            if name.parameter is None:
+                name = Named(identifier, Resolution.PARAMETER_DEFAULT)
+            elif name.resolution is Resolution.PARTIAL and name.name is not None and "{}" not in name.name:
+                name = Named(name.name, Resolution.LAUNCH_ARGUMENT, name.parameter)
+            yield self._placed(declared, owner, name, place)
+
+    def _named(self, declared: Interface, parameter: str | None, defaults: dict[str, list[str]], place: Place) -> Named:
+        if parameter is None or "{}" in parameter:
+            return Named(declared.name, declared.resolution, None, declared.reason)
+        return named(declared, self.settings.get(parameter, place), defaults.get(parameter, ()))
+
+    def _placed(
+        self, declared: Interface, owner: NodeReference, name: Named, place: Place, handle: str | None = None
+    ) -> InstanceInterface:
+        if name.name is None:
+            return InstanceInterface(
+                declared, owner, None, Resolution.UNRESOLVED, None, name.parameter, declared.qos, name.reason
+            )
+        resolved, remap = place.resolve(name.name), None
+        if "{}" not in resolved:
+            above = place.resolve(handle) if handle is not None and name.parameter is None else None
+            resolved, remap = self.remapping.apply(resolved, declared.role, above)
+        partial = "{}" in resolved
+        return InstanceInterface(
+            declared=declared,
+            owner=owner,
+            resolved=resolved,
+            resolution=Resolution.PARTIAL if partial else name.resolution,
+            remap=remap,
+            parameter=name.parameter,
+            qos=self.overrides.applied(declared.qos, resolved, declared.role),
+            reason=name.reason or ("a part of it is known only at run time" if partial else None),
+        )
+
+
+def ids_of(framework: Framework, settings: Settings, place: Place) -> list[str]:
+    """Return the ids that the list parameter of a plugin names (`observation_sources`)."""
+    setting = settings.get(f"~/{framework.each}", place) if framework.each else None
+    value = parsed(setting.value) if setting is not None else None
+    if isinstance(value, str):
+        return value.split()
+    return [str(item) for item in value] if isinstance(value, list) else []
+
+
+def _relative(name: str | None) -> bool:
+    return name is not None and not name.startswith(("/", "~"))
+
+
+def _handle(declared: Interface, node: NodeType) -> str | None:
+    """Return the namespace of the node handle that a literal was given to, as names are written (roscpp)."""
+    name, literal = declared.name, (declared.written or "").strip()
+    if node.ros != 1 or node.language != "cpp" or name is None or not literal.startswith('"'):
+        return None
+    handle = name.removesuffix(f"/{literal.strip(chr(34)).strip('/')}")
+    return handle if handle not in {name, "", "~"} else None

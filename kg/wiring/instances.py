@@ -1,0 +1,166 @@
+"""One started node as an instance: its type, what it loads, and its interfaces, parameters and remappings resolved."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final
+
+from kg.facts import Access, InstanceRemap, NodeInstance, Resolution, StartKind
+from kg.wiring.asked import Asked
+from kg.wiring.ends import Ends
+from kg.wiring.place import Place, place_of
+from kg.wiring.plugins import Loaded, loaded_plugins
+from kg.wiring.qos import Overrides
+from kg.wiring.remapping import Remapping, Rule, rules_of
+from kg.wiring.similar import Alike
+from kg.wiring.values import Server, Settings, parsed
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from kg.facts import InstanceInterface, LaunchParameter, MissingType, NodeType, Remap, StartedNode
+    from kg.wiring.types import NodeTypes, Typed
+
+__all__ = ["Draft", "draft_of", "finished", "loads"]
+
+_HOSTS: Final = (StartKind.NODELET_MANAGER, StartKind.CONTAINER)
+_HOST_PACKAGES: Final = ("nodelet", "rclcpp_components")
+"""Whose programs load others and have no topics of their own."""
+_PLUGIN_PARAMETER: Final = re.compile(r"(^|.*[./_])(plugin|plugins|type)")
+
+
+@dataclass(slots=True)
+class Draft:
+    """An instance while it is made: what is found of one node before all nodes of the configuration are known."""
+
+    started: StartedNode
+    place: Place
+    ros: int
+    typed: Typed | None
+    missing: MissingType | None
+    reason: str | None
+    rules: tuple[Rule, ...]
+    plugins: list[Loaded] = field(default_factory=list)
+    set_here: list[tuple[str, LaunchParameter]] = field(default_factory=list)
+    """Parameters set for it, by absolute name."""
+    used: set[Remap] = field(default_factory=set)
+    """Its remappings that changed a name, here or in a nodelet that it manages."""
+
+
+def draft_of(started: StartedNode, types: NodeTypes, repository: str, ros: int) -> Draft:
+    """Return what is known of a node by itself: its type, its place and its rules."""
+    typed, missing, reason = types.of(started, repository)
+    place = place_of(started, typed[1] if typed is not None else None)
+    draft = Draft(started, place, ros, typed, missing, reason, rules_of(started.remaps, place, ros))
+    if ros != 1:
+        draft.set_here = [
+            (f"{place.full}/{given.name.lstrip('~/')}", given) for given in _last_each(started.parameters)
+        ]
+    return draft
+
+
+def _last_each(parameters: Iterable[LaunchParameter]) -> list[LaunchParameter]:
+    return list({parameter.name: parameter for parameter in parameters}.values())
+
+
+def loads(draft: Draft, types: NodeTypes, repository: str) -> None:
+    """Add the plugins that the parameters of an instance name, those that it declares by default among them."""
+    values: dict[str, str | None] = {}
+    if draft.typed is not None:
+        values.update(_defaults(draft.typed[1]))
+    below = f"{draft.place.full}/"
+    values.update({name.removeprefix(below): given.value for name, given in draft.set_here})
+    if values:
+        package = draft.started.package
+        draft.plugins += loaded_plugins(values, types, repository, draft.ros, package)
+
+
+def _defaults(node: NodeType) -> dict[str, str | None]:
+    """Return the defaults of a node's own parameters, those of the node that code asks for without `~` left out."""
+    return {
+        name.removeprefix("~/"): parameter.default
+        for parameter in node.parameters
+        if (name := parameter.name) is not None and parameter.default is not None
+        if parameter.access is not Access.WRITE and "{}" not in name and (node.ros != 1 or name.startswith("~/"))
+    }
+
+
+def finished(draft: Draft, server: Server | None, host: Draft | None) -> NodeInstance:
+    """Return the instance; `server` is that of ROS 1, `host` what it is loaded into, if the configuration has that."""
+    above = host.rules if host is not None and draft.ros == 1 and draft.started.kind is StartKind.NODELET else ()
+    remapping = Remapping((*draft.rules, *above), draft.ros)
+    settings = Settings(server if draft.ros == 1 else None, draft.started.parameters, remapping)
+    interfaces = _interfaces(draft, Ends(draft.place, settings, remapping, Overrides(settings.own)))
+    asked = Asked(draft.place, draft.ros, remapping)
+    if draft.typed is not None:
+        asked.add_node(*draft.typed)
+    for plugin in draft.plugins:
+        asked.add_plugin(plugin, settings)
+    parameters = tuple(asked.settled(draft.set_here))
+    draft.used |= remapping.used
+    if host is not None:
+        host.used |= remapping.used
+    return NodeInstance(
+        name=draft.place.full,
+        namespace=draft.place.namespace,
+        started=draft.started,
+        type=draft.typed[0] if draft.typed is not None else None,
+        reason=draft.reason,
+        plugins=tuple(dict.fromkeys(plugin.found[0] for plugin in draft.plugins if plugin.found is not None)),
+        host=draft.started.host,
+        interfaces=interfaces,
+        parameters=parameters,
+        remaps=_remaps(draft, interfaces),
+        complete=_complete(draft, interfaces),
+        missing=draft.missing,
+    )
+
+
+def _interfaces(draft: Draft, ends: Ends) -> tuple[InstanceInterface, ...]:
+    found = list(ends.of_node(*draft.typed)) if draft.typed is not None else []
+    for plugin in draft.plugins:
+        found += ends.of_plugin(plugin)
+    return tuple(dict.fromkeys(found))
+
+
+def _remaps(draft: Draft, interfaces: Sequence[InstanceInterface]) -> tuple[InstanceRemap, ...]:
+    """Return the remappings; those that changed nothing with the names of the node that they are likely meant for."""
+    own: Alike | None = None
+    found = []
+    for rule in draft.rules:
+        used = rule.remap in draft.used
+        similar: tuple[str, ...] = ()
+        if not used:
+            if own is None:
+                own = Alike(_unmapped(interfaces, draft.place))
+            similar = tuple(own.find(rule.source))
+        found.append(InstanceRemap(rule.source, rule.target, rule.remap, used, similar))
+    return tuple(found)
+
+
+def _unmapped(interfaces: Iterable[InstanceInterface], place: Place) -> set[str]:
+    """Return the absolute names that interfaces have without remappings."""
+    return {
+        end.resolved if end.remap is None or end.declared.name is None else place.resolve(end.declared.name)
+        for end in interfaces
+        if end.resolved is not None and not end.declared.implicit
+    }
+
+
+def _complete(draft: Draft, interfaces: Iterable[InstanceInterface]) -> bool:
+    if draft.typed is None:
+        return draft.started.kind in _HOSTS and draft.started.package in _HOST_PACKAGES
+    if any(plugin.found is None for plugin in draft.plugins):
+        return False
+    if any(_names_plugins(name, given) for name, given in draft.set_here):
+        return False
+    return all(
+        end.resolved is not None and "{}" not in end.resolved and end.resolution is not Resolution.PARTIAL
+        for end in interfaces
+    )
+
+
+def _names_plugins(name: str, given: LaunchParameter) -> bool:
+    """Tell whether a parameter says what is loaded, in a way that is not known."""
+    return _PLUGIN_PARAMETER.fullmatch(name) is not None and (given.value is None or "{}" in str(parsed(given.value)))

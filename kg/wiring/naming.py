@@ -1,0 +1,106 @@
+"""Names of interfaces whose text comes from a parameter: which part of it the parameter is, and what becomes of that.
+
+A fact has the name with the parameter's default in it (`~/front/scan`, of the parameter `~/topic` with the default
+`scan`), or a `{}` where it has none. Where the default stands in the name tells which part is the parameter's.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from kg.facts import Resolution
+from kg.names import join, normalise
+from kg.wiring.values import shown
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from kg.facts import Interface, LaunchParameter, NodeType
+
+__all__ = ["Named", "defaults_of", "named"]
+
+_HOLE: Final = "{}"
+_HANDLE_UNKNOWN: Final = "the namespace of the node handle is not known"
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    """A name before namespaces and remappings; None when nothing of it is known."""
+
+    name: str | None
+    resolution: Resolution
+    parameter: LaunchParameter | None = None
+    reason: str | None = None
+
+
+def defaults_of(node: NodeType) -> dict[str, list[str]]:
+    """Return the texts that the parameters of a node type have by default."""
+    found: dict[str, list[str]] = {}
+    for parameter in node.parameters:
+        if parameter.name is not None and parameter.default is not None:
+            text = shown(parameter.default)
+            if text is not None:
+                found.setdefault(parameter.name, []).append(text)
+    return found
+
+
+def named(declared: Interface, setting: LaunchParameter | None, defaults: Iterable[str]) -> Named:
+    """Return the name that an interface has with `setting` for its parameter; `defaults` are those of the parameter."""
+    if setting is None:
+        return Named(declared.name, declared.resolution, None, declared.reason)
+    before, after, sure = _around(declared, defaults)
+    value = shown(setting.value)
+    if value is None:
+        unknown = setting.reason or f"the value of the parameter {setting.name} is not known before run time"
+        return Named(_put(before, _HOLE, after), Resolution.PARTIAL, setting, unknown)
+    if not value.strip():
+        empty = f"the parameter {setting.name} is empty"
+        return Named(None, Resolution.UNRESOLVED, setting, empty)
+    name = _put(before, value.strip(), after)
+    if _HOLE in name:
+        return Named(name, Resolution.PARTIAL, setting, setting.reason or declared.reason)
+    if not sure and not name.startswith(("/", "~")):
+        return Named(name, Resolution.PARTIAL, setting, _HANDLE_UNKNOWN)
+    return Named(name, Resolution.LAUNCH_ARGUMENT, setting)
+
+
+def _around(declared: Interface, defaults: Iterable[str]) -> tuple[str, str, bool]:
+    """Return what stands before and after the parameter's part of a name, and whether that is sure."""
+    name = declared.name
+    if name is None:
+        return "", "", not (declared.written or "").strip() or _plain(declared.written)
+    if name.count(_HOLE) == 1 and (declared.parameter or "") in (declared.reason or ""):
+        before, _, after = name.partition(_HOLE)
+        return before, after, True
+    texts = sorted({normalise(text) for text in defaults if text}, key=len, reverse=True)
+    for text in texts:
+        if name == text:
+            return "", "", True
+        if name.endswith(f"/{text}"):
+            return name.removesuffix(text), "", True
+        if name.startswith(text):
+            return "", name.removeprefix(text), True
+    for text in texts:
+        if name.count(text) == 1:
+            before, _, after = name.partition(text)
+            return before, after, True
+    if name.startswith("~/") and _plain(declared.written):
+        return f"{name.rpartition('/')[0]}/", "", True
+    return "", "", _plain(declared.written)
+
+
+def _plain(written: str | None) -> bool:
+    """Tell whether an expression is no more than a variable: nothing is joined to its value."""
+    return written is None or all(char.isalnum() or char in "_.:->()" for char in written.strip())
+
+
+def _put(before: str, value: str, after: str) -> str:
+    """Return the name with a value in its part; an absolute or private value leaves what a handle puts in front."""
+    if value.startswith(("/", "~")) and (not before or before.endswith("/")):
+        return normalise(value + after)
+    if not before.strip("/~") and not before.startswith(("/", "~")):
+        return normalise(value + after)
+    if before.endswith("/"):
+        return join(before, normalise(value + after))
+    return normalise(before + value + after)

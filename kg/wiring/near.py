@@ -1,0 +1,78 @@
+"""Names of a system that are likely meant to be one: one of them has no other end, and the other name has."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from typing import TYPE_CHECKING, Final
+
+from kg.facts import Role
+from kg.wiring.similar import Alike
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from kg.facts import InstanceInterface, NodeInstance
+
+__all__ = ["near_misses"]
+
+_ENDS: Final = {
+    Role.PUBLISHES: ("topic", 0),
+    Role.SUBSCRIBES: ("topic", 1),
+    Role.SERVICES: ("service", 0),
+    Role.CLIENTS: ("service", 1),
+    Role.ACTION_SERVERS: ("action", 0),
+    Role.ACTION_CLIENTS: ("action", 1),
+}
+"""What kind of name a role has, and whether it gives (0) or takes (1)."""
+_ACTION_TOPICS: Final = {"goal": 1, "cancel": 1, "status": 0, "feedback": 0, "result": 0}
+"""The topics of an action of ROS 1, and which end of them its server has."""
+_FRAMEWORK: Final = frozenset(
+    {"/tf", "/tf_static", "/rosout", "/rosout_agg", "/clock", "/parameter_events", "/diagnostics", "/diagnostics_agg"}
+)
+
+
+class _Channels:
+    """The names of one kind: which ends each has, with which types."""
+
+    def __init__(self) -> None:
+        self.ends: defaultdict[str, set[int]] = defaultdict(set)
+        self.types: defaultdict[str, set[str]] = defaultdict(set)
+        self.named: set[str] = set()
+        """Those that code of a node names; frameworks make the others."""
+
+    def pairs(self) -> Iterator[tuple[str, str]]:
+        """Yield names of which only one end is there, with alike names that have the other."""
+        for lacking in (0, 1):
+            lonely = sorted(name for name in self.named if self.ends[name] == {1 - lacking})
+            known = Alike(name for name in self.named if lacking in self.ends[name]) if lonely else None
+            for name in lonely:
+                for other in known.find(name) if known is not None else ():
+                    if self._fit(name, other):
+                        yield min(name, other), max(name, other)
+
+    def _fit(self, one: str, other: str) -> bool:
+        types, others = self.types[one], self.types[other]
+        return not types or not others or not types.isdisjoint(others)
+
+
+def near_misses(instances: Iterable[NodeInstance], ros: int) -> tuple[tuple[str, str, str], ...]:
+    """Return pairs of names of one kind (kind, name, other name), sorted, each once, the smaller name first."""
+    kinds: defaultdict[str, _Channels] = defaultdict(_Channels)
+    for instance in instances:
+        for end in instance.interfaces:
+            if end.resolved is not None and "{}" not in end.resolved and end.resolved not in _FRAMEWORK:
+                _enter(kinds, end, end.resolved, ros)
+    return tuple(sorted({(kind, *pair) for kind, channels in kinds.items() for pair in channels.pairs()}))
+
+
+def _enter(kinds: defaultdict[str, _Channels], end: InstanceInterface, name: str, ros: int) -> None:
+    kind, side = _ENDS[end.declared.role]
+    channels = kinds[kind]
+    channels.ends[name].add(side)
+    if end.declared.type is not None:
+        channels.types[name].add(end.declared.type)
+    if not end.declared.implicit:
+        channels.named.add(name)
+    if kind == "action" and ros == 1:
+        for part, of_server in _ACTION_TOPICS.items():
+            kinds["topic"].ends[f"{name}/{part}"].add(of_server if side == 0 else 1 - of_server)

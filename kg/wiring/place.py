@@ -1,0 +1,73 @@
+"""Where an instance stands: its own name and namespace, against which names that it uses are resolved.
+
+Sources: wiki.ros.org/Names, and `rcl_expand_topic_name` of ROS 2. Parts that are not known stay `{}`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from kg.names import join, normalise
+from kg.wiring.types import own_name
+
+if TYPE_CHECKING:
+    from kg.facts import NodeType, StartedNode
+
+__all__ = ["Place", "place_of"]
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """What relative and private names are resolved against.
+
+    `namespace` and `name` are those of the node, `name` without namespace. `private` is what `~` stands for where that
+    is not the node's name: plugins have a place of their own below it.
+    """
+
+    namespace: str
+    name: str
+    private: str | None = None
+
+    @property
+    def full(self) -> str:
+        """The absolute name of the node."""
+        return normalise(f"/{self.namespace}/{self.name}")
+
+    def resolve(self, name: str) -> str:
+        """Return the absolute name of a relative, private or absolute one."""
+        written = normalise(name)
+        if written.startswith("/"):
+            return written
+        if written.startswith("~"):
+            return normalise(f"{self.private or self.full}/{written[1:]}")
+        return normalise(f"/{join(self.namespace, written)}")
+
+    def expand(self, name: str) -> str:
+        """Return what `resolve` does of a name with the substitutions of ROS 2: `{node}`, `{ns}`, `{namespace}`."""
+        if "{" in name:
+            name = name.replace("{node}", self.name)
+            name = name.replace("{ns}", self.namespace).replace("{namespace}", self.namespace)
+        return self.resolve(name)
+
+
+def place_of(started: StartedNode, node: NodeType | None) -> Place:
+    """Return the place of a started node.
+
+    In ROS 2 a node without a name keeps its own, which is that of the program where the type is not known; rules for
+    `__node`, `__name` and `__ns` count where the launch file gives nothing else.
+    """
+    rules = {rule.source: rule.target for rule in reversed(started.remaps) if rule.source.startswith("__")}
+    name = started.name or rules.get("__node") or rules.get("__name")
+    if not name:
+        name = own_name(node) if node is not None else _program(started)
+    namespace = normalise(f"/{started.namespace}")
+    if namespace == "/" and "__ns" in rules:
+        namespace = normalise(f"/{rules['__ns']}")
+    inner, _, last = normalise(name).strip("~/").rpartition("/")
+    return Place(normalise(f"{namespace}/{inner}"), last or "{}")
+
+
+def _program(started: StartedNode) -> str:
+    program = (started.executable or started.plugin or "{}").replace("::", "/").rpartition("/")[2]
+    return program.removesuffix(".py") or "{}"

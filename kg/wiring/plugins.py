@@ -1,0 +1,167 @@
+"""Which plugins a node loads by its parameters, and where what they declare stands.
+
+The table is `ontology/plugins.toml`; its head explains it.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from dataclasses import dataclass, field
+from functools import cache
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.errors import Place as ErrorPlace
+from kg.errors import UsageError
+from kg.facts import NodeKind
+from kg.names import normalise
+from kg.resources import folder
+from kg.wiring.place import Place
+from kg.wiring.types import class_name
+from kg.wiring.values import parsed
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+    from pathlib import Path
+
+    from kg.wiring.types import NodeTypes, Typed
+
+__all__ = ["Framework", "Loaded", "framework_of", "load_table", "loaded_plugins", "table"]
+
+_TABLE_FILE: Final = "plugins.toml"
+_CLASS: Final = re.compile(r"[A-Za-z]\w*(?:(?:::|/)[A-Za-z]\w*)+")
+_CLASS_KEYS: Final = ("type", "plugin")
+_LISTS: Final = ("plugins", "_ids")
+
+
+@dataclass(frozen=True, slots=True)
+class Framework:
+    """A row of the table; its head says what the fields mean."""
+
+    base: str
+    ros: int
+    source: str
+    private: str = "~/{id}"
+    relative: str | None = None
+    shared: tuple[str, ...] = ()
+    foreign: tuple[str, ...] = ()
+    each: str | None = None
+    below: str = "{id}"
+    chosen: str | None = None
+    otherwise: str | None = None
+    loader: tuple[str, ...] = ()
+    starter: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Loaded:
+    """A plugin that an instance loads under the name `id`; `scope` stands before the parameter that says so.
+
+    `found` is None for a class that the build does not have.
+    """
+
+    id: str
+    class_name: str
+    scope: str
+    found: Typed | None
+    framework: Framework = field(default=Framework("", 0, ""))
+
+    def place(self, node: Place) -> Place:
+        """Return what the plugin's names are resolved against."""
+        private = node.resolve(self._filled(self.framework.private))
+        relative = self.framework.relative
+        namespace = node.resolve(self._filled(relative)) if relative is not None else node.namespace
+        return Place(namespace, node.name, private)
+
+    def _filled(self, pattern: str) -> str:
+        return normalise(pattern.replace("{scope}", self.scope).replace("{id}", self.id))
+
+
+def framework_of(base: str | None, ros: int) -> Framework:
+    """Return the row for plugins of a base class, a plain one where the table has none."""
+    return table().get((base or "", ros)) or Framework(base or "", ros, "")
+
+
+def loaded_plugins(
+    values: Mapping[str, str | None], types: NodeTypes, repository: str, ros: int, package: str | None
+) -> Iterator[Loaded]:
+    """Yield what a node with these parameters loads; their names are relative to the node, the values YAML.
+
+    Each plugin comes once for each name under which it is loaded, in the order of the parameters.
+    """
+    separator = "/" if ros == 1 else "."
+    known: set[tuple[str, str]] = set()
+    listed = _listed(values) if ros != 1 else None
+    for name, value in values.items():
+        if value is None or not _may_hold_classes(value):
+            continue
+        scope, _, last = name.rpartition(separator)
+        for told, kind in _classes(parsed(value)):
+            found = types.plugin(kind, repository, package)
+            if found is not None and found[1].kind is not NodeKind.PLUGIN:
+                continue
+            if told is None and last in _CLASS_KEYS:
+                outer, _, identifier = scope.rpartition(separator)
+                if not identifier or (listed is not None and identifier not in listed):
+                    continue
+                if found is None and last != "plugin":  # many things have a type
+                    continue
+                plugin = _loaded(identifier, kind, outer, found, ros)
+            elif found is None and told is None:
+                continue
+            else:
+                plugin = _loaded(told or _last(kind), kind, scope, found, ros)
+            if (plugin.scope, plugin.id) not in known:
+                known.add((plugin.scope, plugin.id))
+                yield plugin
+
+
+def _loaded(identifier: str, kind: str, scope: str, found: Typed | None, ros: int) -> Loaded:
+    framework = framework_of(found[1].base_class if found is not None else None, ros)
+    return Loaded(identifier, kind, scope, found, framework)
+
+
+def _may_hold_classes(value: str) -> bool:
+    return "/" in value or "::" in value or value.lstrip().startswith("[")
+
+
+def _classes(value: Any) -> Iterator[tuple[str | None, str]]:
+    """Yield pairs of the name that a value gives to a plugin, if it gives one, and its class."""
+    for item in value if isinstance(value, list) else [value]:
+        if isinstance(item, str) and _CLASS.fullmatch(item):
+            yield None, item
+        elif isinstance(item, dict):
+            kind = next((item[key] for key in _CLASS_KEYS if isinstance(item.get(key), str)), None)
+            if kind is not None and _CLASS.fullmatch(kind) and isinstance(item.get("name"), str):
+                yield item["name"], kind
+
+
+def _listed(values: Mapping[str, str | None]) -> set[str] | None:
+    """Return the ids that lists of plugins name; None where there is no list that could be meant."""
+    lists = [parsed(value) for name, value in values.items() if name.endswith(_LISTS) and value is not None]
+    known = [entry for entry in lists if isinstance(entry, list)]
+    return {str(item) for entry in known for item in entry} if known else None
+
+
+def _last(kind: str) -> str:
+    return class_name(kind).rpartition("/")[2]
+
+
+@cache
+def table() -> dict[tuple[str, int], Framework]:
+    """Return the rows of the table by base class and version of ROS."""
+    return {(row.base, row.ros): row for row in load_table(folder("ontology") / _TABLE_FILE)}
+
+
+def load_table(path: Path) -> tuple[Framework, ...]:
+    """Return the rows of a table file; a `UsageError` KG002 names what is wrong with one that cannot be used."""
+    try:
+        return tuple(_row(row) for row in tomllib.loads(path.read_text("utf-8"))["plugin"])
+    except (OSError, KeyError, TypeError, ValueError) as error:
+        message = f"the table of plugins cannot be used: {error}"
+        raise UsageError("KG002", message, place=ErrorPlace(str(path))) from error
+
+
+def _row(row: dict[str, Any]) -> Framework:
+    fields: dict[str, Any] = {key: tuple(value) if isinstance(value, list) else value for key, value in row.items()}
+    return Framework(**fields)

@@ -1,0 +1,162 @@
+"""Names that are likely meant to be one: typing errors, a namespace too many or too few, plurals, case, separators.
+
+What differs on purpose is told apart: numbers (`camera1`, `camera2`), short words (`min_x`, `max_x`), and words that
+differ in their first letter (`increase`, `decrease`). A misspelt name differs in one word only. Candidates are found by
+keys that alike names share, so that a system of thousands of names costs in proportion to their number.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from functools import lru_cache
+from typing import TYPE_CHECKING, Final, TypeAlias
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+__all__ = ["Alike", "alike"]
+
+_Words: TypeAlias = "tuple[tuple[str, ...], ...]"
+
+_SEPARATORS: Final = re.compile(r"[_\-.]+|(?<=[a-z0-9])(?=[A-Z])")
+_SHORT: Final = 4
+"""Words with fewer letters are not taken for misspelt ones."""
+_LONG: Final = 7
+"""From this length on a word can have two errors."""
+_LONGEST: Final = 24
+_COMMON: Final = 64
+"""A key that so many names share tells nothing about them."""
+
+
+def alike(one: str, other: str) -> bool:
+    """Tell whether two different names are likely meant to be the same; holds in both directions, never of itself."""
+    if one == other or "{}" in one or "{}" in other:
+        return False
+    if _form(one) == _form(other):
+        return True
+    return _tail(one, other) or _tail(other, one) or _misspelt(_words(one), _words(other))
+
+
+class Alike:
+    """An index of names by what alike names have in common."""
+
+    def __init__(self, names: Iterable[str]) -> None:
+        self._names: defaultdict[object, list[str]] = defaultdict(list)
+        for name in sorted(set(names)):
+            if "{}" not in name:
+                for key in _own_keys(name):
+                    self._names[key].append(name)
+
+    def find(self, name: str) -> list[str]:
+        """Return the names of the index that `name` is likely meant to be, sorted; never itself."""
+        if "{}" in name:
+            return []
+        found: set[str] = set()
+        for key in _asked_keys(name):
+            candidates = self._names.get(key, ())
+            if len(candidates) <= _COMMON:
+                found.update(candidate for candidate in candidates if candidate not in found and alike(name, candidate))
+        return sorted(found)
+
+
+@lru_cache(maxsize=65_536)
+def _words(name: str) -> _Words:
+    """Return the words of each segment of a name, in small letters."""
+    return tuple(
+        tuple(word.lower() for word in _SEPARATORS.split(segment) if word) for segment in name.split("/") if segment
+    )
+
+
+@lru_cache(maxsize=65_536)
+def _form(name: str) -> tuple[object, ...]:
+    """Return what stays of a name without case, separators and plurals; whether it is absolute stays, too."""
+    root = name[:1] if name[:1] in {"/", "~"} else ""
+    return (root, *("".join(_singular(word) for word in words) for words in _words(name)))
+
+
+def _singular(word: str) -> str:
+    if len(word) > _SHORT - 1 and word.endswith("s") and not word.endswith(("ss", "us", "is")):
+        return word[:-1]
+    return word
+
+
+def _tail(longer: str, shorter: str) -> bool:
+    """Tell whether a name is another without its first namespaces."""
+    rest = shorter.removeprefix("~").lstrip("/")
+    return bool(rest) and longer != rest and longer.endswith(f"/{rest}")
+
+
+def _misspelt(one: _Words, other: _Words) -> bool:
+    if len(one) != len(other):
+        return False
+    pairs = [(a, b) for a, b in zip(one, other, strict=True) if a != b]
+    if len(pairs) != 1 or len(pairs[0][0]) != len(pairs[0][1]):
+        return False
+    words = [(a, b) for a, b in zip(*pairs[0], strict=True) if a != b]
+    return len(words) == 1 and _slip(*words[0])
+
+
+def _slip(one: str, other: str) -> bool:
+    """Tell whether one word is the other with one typing error, or two where both are long."""
+    shorter = min(len(one), len(other))
+    if shorter < _SHORT or one[0] != other[0] or not one.isalpha() or not other.isalpha():
+        return False
+    return _distance(one, other) <= (2 if shorter >= _LONG else 1)
+
+
+def _distance(one: str, other: str) -> int:
+    """Return how many letters are to be put in, taken out, replaced or swapped with their neighbour."""
+    before: list[int] = []
+    row = list(range(len(other) + 1))
+    for i, a in enumerate(one, 1):
+        older, before, row = before, row, [i]
+        for j, b in enumerate(other, 1):
+            best = min(before[j] + 1, row[j - 1] + 1, before[j - 1] + (a != b))
+            if i > 1 and j > 1 and a == other[j - 2] and one[i - 2] == b:
+                best = min(best, older[j - 2] + 1)
+            row.append(best)
+    return row[-1]
+
+
+def _own_keys(name: str) -> Iterator[object]:
+    yield "form", _form(name)
+    tails = _tails(name)
+    yield "whole", tails[0]
+    for tail in tails[1:]:
+        yield "tail", tail
+    yield from _misspelt_keys(name)
+
+
+def _asked_keys(name: str) -> Iterator[object]:
+    yield "form", _form(name)
+    tails = _tails(name)
+    yield "tail", tails[0]
+    for tail in tails:
+        yield "whole", tail
+    yield from _misspelt_keys(name)
+
+
+def _tails(name: str) -> list[str]:
+    parts = name.removeprefix("~").strip("/").split("/")
+    return ["/".join(parts[start:]) for start in range(len(parts))]
+
+
+def _misspelt_keys(name: str) -> Iterator[object]:
+    """Yield a key for each word that can be misspelt: all the others, and what is left of it without some letters."""
+    words = _words(name)
+    for i, segment in enumerate(words):
+        for j, word in enumerate(segment):
+            if _SHORT <= len(word) <= _LONGEST and word.isalpha():
+                rest = hash((words[:i], segment[:j], segment[j + 1 :], words[i + 1 :]))
+                for variant in _without_letters(word):
+                    yield rest, i, j, variant
+
+
+@lru_cache(maxsize=16_384)
+def _without_letters(word: str) -> tuple[str, ...]:
+    """Return a word without one letter and, where it is long, without two; the first letter stays."""
+    found = {word}
+    for _ in range(2 if len(word) >= _LONG else 1):
+        found |= {left[:at] + left[at + 1 :] for left in found for at in range(1, len(left))}
+    return tuple(found)

@@ -1,0 +1,50 @@
+"""The computation graph that a launch configuration makes, resolved from facts alone."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kg.facts import System
+from kg.wiring.controllers import attach
+from kg.wiring.instances import draft_of, finished, loads
+from kg.wiring.near import near_misses
+from kg.wiring.values import Server
+
+if TYPE_CHECKING:
+    from kg.facts import LaunchConfiguration, NodeInstance
+    from kg.wiring.types import NodeTypes
+
+__all__ = ["wire"]
+
+
+def wire(configuration: LaunchConfiguration, types: NodeTypes) -> System:
+    """Return the instances that a configuration starts, with resolved names, in the order of its nodes.
+
+    A pure function: the same facts give the same system. Names are resolved as the client libraries of the
+    configuration's version of ROS do; what cannot be known stays unknown, with the reason.
+    """
+    repository, ros = configuration.repository, configuration.ros
+    drafts = [draft_of(started, types, repository, ros) for started in configuration.nodes]
+    server = Server(configuration.parameters) if ros == 1 else None
+    shared: list[str] = []
+    if server is not None:
+        of, shared = server.shared_out(draft.place.full for draft in drafts)
+        for draft in drafts:
+            draft.set_here = [(name, server.all[name]) for name in of.get(draft.place.full, ())]
+    for draft in drafts:
+        loads(draft, types, repository)
+    if server is not None:
+        attach(drafts, server, types, repository)
+    by_name = {draft.place.full: draft for draft in reversed(drafts)}
+    made: dict[int, NodeInstance] = {}
+    # Guests first: what they use of the rules of their manager counts as used by it.
+    for index in sorted(range(len(drafts)), key=lambda at: drafts[at].started.host is None):
+        draft = drafts[index]
+        made[index] = finished(draft, server, by_name.get(draft.started.host or ""))
+    instances = tuple(made[index] for index in range(len(drafts)))
+    return System(
+        configuration=configuration,
+        instances=instances,
+        similar=near_misses(instances, ros),
+        shared_parameters=tuple(server.all[name] for name in shared) if server is not None else (),
+    )

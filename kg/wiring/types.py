@@ -1,0 +1,129 @@
+"""Which node type a started node is of: by package and executable, or by the class of a plugin."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from typing import TYPE_CHECKING, Final, TypeAlias
+
+from kg.facts import MissingType, NodeKind
+from kg.names import normalise
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from kg.facts import NodeReference, NodeType, StartedNode
+
+__all__ = ["NodeTypes", "Typed", "class_name", "own_name"]
+
+Typed: TypeAlias = "tuple[NodeReference, NodeType]"
+
+_SCRIPT_ENDS: Final = (".py", ".sh", ".pl", ".rb")
+_LOADED: Final = (NodeKind.NODELET, NodeKind.COMPONENT, NodeKind.PLUGIN)
+_STARTED: Final = (NodeKind.EXECUTABLE, NodeKind.SCRIPT)
+_SHOWN: Final = 12
+
+
+class NodeTypes:
+    """The node types of a build, found by what launch files say.
+
+    `pairs` are all node types with their references. `packages` names further packages of the build, which have no node
+    types; `programs` what else packages install to be started, in which no node was found.
+    """
+
+    def __init__(
+        self,
+        pairs: Iterable[Typed],
+        *,
+        packages: Iterable[str] = (),
+        programs: Mapping[str, Iterable[str]] | None = None,
+    ) -> None:
+        self.packages = set(packages) | set(programs or ())
+        self._programs = {package: set(names) for package, names in (programs or {}).items()}
+        self._started: defaultdict[tuple[str, str], list[Typed]] = defaultdict(list)
+        self._loaded: defaultdict[str, list[Typed]] = defaultdict(list)
+        self._names: defaultdict[str, set[str]] = defaultdict(set)
+        self._sources: defaultdict[str, set[str]] = defaultdict(set)
+        for reference, node in pairs:
+            self._add(reference, node)
+
+    def _add(self, reference: NodeReference, node: NodeType) -> None:
+        package = reference.package
+        self.packages.add(package)
+        self._sources[package].add(reference.repository)
+        if node.plugin or node.kind in _LOADED:
+            for name in {class_name(node.plugin or node.name), class_name(node.name)}:
+                self._loaded[name].append((reference, node))
+        if node.executable or node.kind in _STARTED:
+            names = [node.executable or "", node.name, *node.aliases]
+            self._names[package].add(node.executable or node.name)
+            for name in dict.fromkeys(part for known in names if known for part in (known, _without_end(known))):
+                self._started[package, name].append((reference, node))
+
+    def of(self, started: StartedNode, repository: str) -> tuple[Typed | None, MissingType | None, str | None]:
+        """Return the node type that a node of a configuration in `repository` is of.
+
+        Of several sources that have it, the configuration's own counts before the first. Without any, what is missing
+        and the reason in words come in its place.
+        """
+        if started.plugin is not None:
+            return self._class(started, repository)
+        package, executable = started.package, started.executable
+        if not package or not executable or "{}" in package or "{}" in executable:
+            return None, MissingType.NOT_SAID, "which program is started is not known before run time"
+        if package not in self.packages:
+            return None, MissingType.UNKNOWN_PACKAGE, f"package {package} is not in the build"
+        program = executable.rpartition("/")[2]
+        for name in dict.fromkeys((program, _without_end(program))):
+            found = _nearest(self._started.get((package, name), ()), repository)
+            if found is not None:
+                return found, None, None
+        if {program, _without_end(program)} & self._programs.get(package, set()):
+            return None, MissingType.NO_NODE, f"no node was found in {program} of package {package}"
+        return None, MissingType.UNKNOWN_NODE, self._other_names(package, executable)
+
+    def _class(self, started: StartedNode, repository: str) -> tuple[Typed | None, MissingType | None, str | None]:
+        plugin = started.plugin or ""
+        if not plugin or "{}" in plugin:
+            return None, MissingType.NOT_SAID, "which class is loaded is not known before run time"
+        found = self.plugin(plugin, repository, started.package)
+        if found is not None:
+            return found, None, None
+        at_front = plugin.replace("::", "/").partition("/")[0] if "/" in plugin or "::" in plugin else None
+        package = next((name for name in (at_front, started.package) if name in self.packages), None)
+        if package is None:
+            package = started.package or at_front or plugin
+            return None, MissingType.UNKNOWN_PACKAGE, f"package {package} is not in the build"
+        return None, MissingType.UNKNOWN_NODE, f"package {package} has no class {plugin} to load"
+
+    def plugin(self, name: str, repository: str, package: str | None = None) -> Typed | None:
+        """Return what is loaded by the name of a class (`pkg/Class`, `ns::Class`); of several that of `package`."""
+        known = self._loaded.get(class_name(name), ())
+        exact = [pair for pair in known if name in (pair[1].plugin, pair[1].name)] or list(known)
+        own = [pair for pair in exact if pair[0].package == package] or exact
+        return _nearest(own, repository)
+
+    def _other_names(self, package: str, executable: str) -> str:
+        names = sorted(self._names[package])
+        shown = ", ".join(names[:_SHOWN]) + (", ..." if len(names) > _SHOWN else "")
+        return f"package {package} has no executable {executable}; it has: {shown or 'none'}"
+
+
+def class_name(name: str) -> str:
+    """Return the name of a class to load in one form for `pkg/Class` and `pkg::Class`."""
+    return name.strip().strip(":/").replace("::", "/")
+
+
+def own_name(node: NodeType) -> str:
+    """Return the name that a node has when nobody gives it one: its own, else that of its type."""
+    if node.node_name:
+        return normalise(node.node_name).rpartition("/")[2]
+    return node.name.rpartition("::")[2].rpartition("/")[2].removesuffix(".py")
+
+
+def _nearest(found: Iterable[Typed], repository: str) -> Typed | None:
+    known = list(found)
+    return next((pair for pair in known if pair[0].repository == repository), known[0] if known else None)
+
+
+def _without_end(name: str) -> str:
+    return next((name.removesuffix(end) for end in _SCRIPT_ENDS if name.endswith(end)), name)

@@ -1,0 +1,88 @@
+"""Values of parameters as a configuration gives them to an instance.
+
+In ROS 1 they stand on a server that all nodes share, by absolute names; in ROS 2 each node has its own. A parameter is
+asked for by the name that code gives it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+import yaml
+
+from kg.names import normalise
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from kg.facts import LaunchParameter
+    from kg.wiring.place import Place
+    from kg.wiring.remapping import Remapping
+
+__all__ = ["Server", "Settings", "parsed", "shown"]
+
+_PLAIN: Final = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ/_~")
+_WORDS: Final = frozenset({"true", "false", "yes", "no", "on", "off", "null", "~", "y", "n"})
+_LOADER: Final = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_LONGEST: Final = 100_000
+
+
+def parsed(value: str | None) -> Any:
+    """Return what a value written as YAML is; a text that is no YAML is itself, None what is not known."""
+    if value is None:
+        return None
+    text = value.strip()
+    if text[:1] in _PLAIN and text.lower() not in _WORDS and not set(text) & set(":#,[]{}\"'"):
+        return text
+    if len(text) > _LONGEST:
+        return value
+    try:
+        return yaml.load(text, _LOADER)  # noqa: S506 - the safe loader, in C where it is there
+    except (yaml.YAMLError, ValueError, RecursionError):
+        return value
+
+
+def shown(value: str | None) -> str | None:
+    """Return the text that a node gets for a value; None where it is not known or no single text."""
+    found = parsed(value)
+    if isinstance(found, str):
+        return found
+    return None if value is None or found is None or isinstance(found, list | dict) else value.strip()
+
+
+class Server:
+    """The parameter server of ROS 1 after the configuration has set everything; the later of two counts."""
+
+    def __init__(self, parameters: Iterable[LaunchParameter]) -> None:
+        self.all: dict[str, LaunchParameter] = {}
+        for parameter in parameters:
+            name = normalise(f"/{parameter.name}")
+            self.all.pop(name, None)
+            self.all[name] = parameter
+
+    def shared_out(self, owners: Iterable[str]) -> tuple[dict[str, list[str]], list[str]]:
+        """Return the names below each of `owners`, the longest of which counts, and the names below none."""
+        names = set(owners)
+        of: dict[str, list[str]] = {}
+        rest: list[str] = []
+        for name in self.all:
+            above = name.rpartition("/")[0]
+            while above and above not in names:
+                above = above.rpartition("/")[0]
+            (of.setdefault(above, []) if above else rest).append(name)
+        return of, rest
+
+
+class Settings:
+    """What one instance can ask for."""
+
+    def __init__(self, server: Server | None, own: Iterable[LaunchParameter], remapping: Remapping) -> None:
+        self._server = server
+        self._remapping = remapping
+        self.own = {parameter.name.removeprefix("~/").lstrip("/"): parameter for parameter in own}
+
+    def get(self, name: str, place: Place) -> LaunchParameter | None:
+        """Return what is set for a parameter that code of the instance asks for as `name`."""
+        if self._server is not None:
+            return self._server.all.get(self._remapping.parameter(place.resolve(name)))
+        return self.own.get(name.removeprefix("~/").lstrip("/"))
