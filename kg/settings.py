@@ -21,9 +21,22 @@ from kg.errors import Place, UsageError
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
-__all__ = ["DECLARED", "FILE_NAME", "Declaration", "Origin", "Settings", "find_file", "load"]
+__all__ = [
+    "DECLARED",
+    "FILE_NAME",
+    "TABLES",
+    "Declaration",
+    "Origin",
+    "Settings",
+    "Table",
+    "find_file",
+    "load",
+    "table",
+]
 
 FILE_NAME: Final = "kg.toml"
+TABLES: Final = ("lint",)
+"""Tables of `kg.toml` that hold no settings; `table` gives them to the room that reads them."""
 _COLORS: Final = ("auto", "always", "never")
 
 
@@ -224,6 +237,31 @@ def _declarations() -> Iterator[Declaration]:
 DECLARED: Final[Mapping[str, Declaration]] = MappingProxyType({one.name: one for one in _declarations()})
 
 
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A table of `kg.toml` as it stands there, and the whole text, to find lines in."""
+
+    file: Path
+    text: str
+    content: Mapping[str, Any]
+
+
+def table(name: str, folder: Path) -> Table | None:
+    """Return a table of the `kg.toml` in force in `folder`; None without one.
+
+    Raises:
+        UsageError: KG002 when the file cannot be read, or what has this name is no table.
+    """
+    file = find_file(folder)
+    text, content = _parsed(file) if file else ("", {})
+    if file is None or name not in content:
+        return None
+    if not isinstance(content[name], dict):
+        place = Place(str(file), _line_of(name, text))
+        raise UsageError("KG002", f"`{name}` is a table, not {content[name]!r}", place=place, hint=f"Write [{name}].")
+    return Table(file, text, content[name])
+
+
 def find_file(start: Path) -> Path | None:
     """Return the `kg.toml` of `start` or of the nearest folder above it."""
     return next((path for folder in (start, *start.parents) if (path := folder / FILE_NAME).is_file()), None)
@@ -277,8 +315,10 @@ def _read(declaration: Declaration, value: object, origin: Origin, base: Path) -
 
 
 def _from_file(file: Path) -> Iterator[tuple[Declaration, object, Origin, Path]]:
-    text, table = _parsed(file)
-    for name, value in table.items():
+    text, content = _parsed(file)
+    for name, value in content.items():
+        if name in TABLES:
+            continue
         place = Place(str(file), _line_of(name, text))
         if name not in DECLARED:
             close = get_close_matches(name, DECLARED, n=1)

@@ -118,7 +118,8 @@ def _wanted(found: "Read", names: list[str], *, every: bool) -> list[str]:
 
 
 def _write(findings: "Sequence[Finding]", form: str, checked: int) -> None:
-    from kg.rules.checks.sarif import as_object, sarif  # noqa: PLC0415 - start-up time
+    from kg.render.sarif import annotation  # noqa: PLC0415 - start-up time
+    from kg.rules.checks.sarif import as_object, remark, sarif  # noqa: PLC0415 - start-up time
 
     if form == "json":
         json_lines(map(as_object, findings))
@@ -126,17 +127,9 @@ def _write(findings: "Sequence[Finding]", form: str, checked: int) -> None:
         json_lines([sarif(findings, Path.cwd())])
     elif form == "github":
         for one in findings:
-            write(_annotation(one))
+            write(annotation(remark(one)))
     else:
         _tell(findings, checked)
-
-
-def _annotation(finding: "Finding") -> str:
-    """Return the line that GitHub's runners turn into a remark at the line."""
-    kind = {"note": "notice"}.get(finding.severity, finding.severity)
-    place = finding.place
-    message = finding.message.replace("%", "%25").replace("\n", "%0A")
-    return f"::{kind} file={place.path},line={place.line or 1},col={place.column or 1},title={finding.code}::{message}"
 
 
 def _tell(findings: "Sequence[Finding]", checked: int) -> None:

@@ -1,21 +1,18 @@
-"""Findings as SARIF 2.1.0 (OASIS), which code hosts show beside the lines."""
+"""Findings about rules as plain values, and as remarks at their lines for SARIF and GitHub."""
 
 from __future__ import annotations
 
-from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
-from kg.codes import CATALOGUE
+from kg.render.sarif import Remark, Spot, document
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kg.rules.checks.finding import Finding
 
-__all__ = ["as_object", "sarif"]
-
-_SCHEMA: Final = "https://json.schemastore.org/sarif-2.1.0.json"
+__all__ = ["as_object", "remark", "sarif"]
 
 
 def as_object(finding: Finding) -> dict[str, object]:
@@ -34,35 +31,17 @@ def as_object(finding: Finding) -> dict[str, object]:
 
 def sarif(findings: Sequence[Finding], root: Path) -> dict[str, object]:
     """Return findings as one run; files below `root` are named relative to it."""
-    codes = sorted({finding.code for finding in findings})
-    driver = {
-        "name": "kg",
-        "version": version("kg-ros"),
-        "rules": [
-            {
-                "id": code,
-                "shortDescription": {"text": CATALOGUE[code].title},
-                "fullDescription": {"text": CATALOGUE[code].explanation},
-                "help": {"text": CATALOGUE[code].way_out},
-            }
-            for code in codes
-        ],
-    }
-    results = [_result(finding, codes, root) for finding in findings]
-    return {"$schema": _SCHEMA, "version": "2.1.0", "runs": [{"tool": {"driver": driver}, "results": results}]}
+    return document([_spelled(finding, root) for finding in findings])
 
 
-def _result(finding: Finding, codes: list[str], root: Path) -> dict[str, object]:
-    path = Path(finding.place.path).absolute()
+def remark(finding: Finding) -> Remark:
+    """Return a finding as a remark at its line, the file as it was named."""
+    place = finding.place
+    return Remark(finding.code, finding.severity, finding.message, Spot(place.path, place.line, place.column))
+
+
+def _spelled(finding: Finding, root: Path) -> Remark:
+    path, place = Path(finding.place.path).absolute(), finding.place
     uri = path.relative_to(root).as_posix() if path.is_relative_to(root) else path.as_uri()
-    region = {"startLine": finding.place.line or 1}
-    if finding.place.column:
-        region["startColumn"] = finding.place.column
     text = f"{finding.message}. {finding.hint}" if finding.hint else finding.message
-    return {
-        "ruleId": finding.code,
-        "ruleIndex": codes.index(finding.code),
-        "level": finding.severity,
-        "message": {"text": text},
-        "locations": [{"physicalLocation": {"artifactLocation": {"uri": uri}, "region": region}}],
-    }
+    return Remark(finding.code, finding.severity, text, Spot(uri, place.line, place.column))

@@ -1,0 +1,165 @@
+"""What is right as it is, with the reason: entries of `[[lint.allow]]` in kg.toml, and comments beside the lines.
+
+    [[lint.allow]]
+    code = "KG407"
+    subject = "/camera/*"       # any name that the finding is about; also file, system, rule
+    reason = "the driver of the camera is started by another computer"
+
+A comment stands on the line or on one of its own above it: `<!-- kg: allow KG407 read by the base station -->`,
+`# kg: allow KG407 ...` or `// kg: allow KG407 ...`.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.codes import CATALOGUE
+from kg.errors import Place, UsageError
+from kg.query.similar import did_you_mean
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping, Sequence
+
+    from kg.lint.finding import Evidence, Finding
+    from kg.settings import Table
+
+__all__ = ["Allowance", "Comments", "allowances", "allowed_by"]
+
+_GLOBS: Final = ("subject", "file", "system", "rule")
+_KEYS: Final = ("code", *_GLOBS, "reason")
+_COMMENT: Final = re.compile(
+    r"(?P<sign><!--|#|//|/\*)\s*kg:\s*allow\s+(?P<code>[A-Za-z]+\d+)\b[:,\s]*(?P<reason>.*?)\s*(?:-->|\*/|$)"
+)
+_LARGEST: Final = 4 << 20
+_HEAD: Final = "[[lint.allow]]"
+
+
+@dataclass(frozen=True, slots=True)
+class Allowance:
+    """An entry of the allow-list: a code, globs that narrow it, and the reason. A glob's `*` stands for `/` too."""
+
+    code: str
+    reason: str
+    place: Place
+    subject: str = "*"
+    file: str = "*"
+    system: str = "*"
+    rule: str = "*"
+
+    def names(self, finding: Finding) -> bool:
+        """Tell whether a finding is meant: its code, and one of its subjects, its file, system and rule."""
+        return (
+            self.code == finding.code
+            and (self.subject == "*" or any(fnmatchcase(one, self.subject) for one in finding.subjects))
+            and fnmatchcase(finding.path, self.file)
+            and fnmatchcase(finding.system, self.system)
+            and fnmatchcase(finding.rule, self.rule)
+        )
+
+
+def allowances(table: Table | None, known: Iterable[str]) -> list[Allowance]:
+    """Return the entries of the table `lint`; `known` are codes of findings beside those of the catalogue.
+
+    Raises:
+        UsageError: KG421 for an entry without reason, without known code, or with a key that means nothing.
+    """
+    entries = table.content.get("allow", []) if table else []
+    if table is None or not entries:
+        return []
+    lines = [
+        number for number, line in enumerate(table.text.splitlines(), 1) if line.replace(" ", "").startswith(_HEAD)
+    ]
+    places = [Place(str(table.file), line) for line in lines]
+    if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
+        raise _unusable("`allow` of [lint] is no list of tables", Place(str(table.file)), f"Write {_HEAD} for each.")
+    places += [Place(str(table.file))] * (len(entries) - len(places))
+    codes = {*known, *(code for code in CATALOGUE if code.startswith("KG4"))}
+    return [_allowance(entry, place, codes) for entry, place in zip(entries, places, strict=False)]
+
+
+def _allowance(entry: Mapping[str, Any], place: Place, codes: set[str]) -> Allowance:
+    for key, value in entry.items():
+        if key not in _KEYS:
+            hint = did_you_mean(key, _KEYS) or f"The keys are {', '.join(_KEYS)}."
+            raise _unusable(f"`{key}` means nothing in an allowance", place, hint)
+        if not isinstance(value, str) or not value.strip():
+            raise _unusable(f"`{key}` of an allowance is {value!r}, which is no text", place)
+    code = entry.get("code", "")
+    if code not in codes:
+        said = f"`{code}` is no code of a finding" if code else "an allowance has no code"
+        raise _unusable(said, place, did_you_mean(code, codes))
+    if "reason" not in entry:
+        raise _unusable(f"the allowance of {code} has no reason", place, 'Add `reason = "why it is right as it is"`.')
+    globs = {key: entry[key] for key in _GLOBS if key in entry}
+    return Allowance(code, entry["reason"].strip(), place, **globs)
+
+
+def _unusable(message: str, place: Place, hint: str | None = None) -> UsageError:
+    return UsageError("KG421", message, place=place, hint=hint)
+
+
+class Comments:
+    """Comments that allow a finding, read from the files of the sources, each file once.
+
+    `roots` are the folders of the sources by name. `without_reason` collects the comments that have none, which
+    therefore allow nothing.
+    """
+
+    def __init__(self, roots: Mapping[str, str]) -> None:
+        self._roots = roots
+        self._lines: dict[tuple[str, str], Sequence[str]] = {}
+        self.without_reason: dict[Place, str] = {}
+
+    def allow(self, finding: Finding) -> bool:
+        """Tell whether a comment at the finding's line, or on a line of its own above, names its code."""
+        place = finding.place
+        if place is None or place.line is None or not self._roots.get(place.repository):
+            return False
+        lines = self._of(place)
+        return any(
+            self._names(lines[number - 1], finding.code, place, number)
+            for number, counts in ((place.line, True), (place.line - 1, place.line > 1))
+            if counts and number <= len(lines) and (number == place.line or _alone(lines[number - 1]))
+        )
+
+    def _names(self, line: str, code: str, place: Evidence, number: int) -> bool:
+        found = [match for match in _COMMENT.finditer(line) if match["code"].upper() == code]
+        for match in found:
+            if not match["reason"].strip(" -"):
+                where = Place(str(Path(self._roots[place.repository]) / place.path), number)
+                self.without_reason[where] = code
+        return any(match["reason"].strip(" -") for match in found)
+
+    def _of(self, place: Evidence) -> Sequence[str]:
+        key = (place.repository, place.path)
+        if key not in self._lines:
+            self._lines[key] = _read(Path(self._roots[place.repository]) / place.path)
+        return self._lines[key]
+
+
+def _alone(line: str) -> bool:
+    """Tell whether nothing but a comment stands in a line."""
+    match = _COMMENT.search(line)
+    return match is not None and not line[: match.start()].strip() and not line[match.end() :].strip()
+
+
+def _read(file: Path) -> list[str]:
+    try:
+        with file.open("rb") as opened:
+            return opened.read(_LARGEST).decode("utf-8", "replace").splitlines()
+    except (OSError, ValueError):
+        return []
+
+
+def allowed_by(entries: Sequence[Allowance], comments: Comments) -> Callable[[Finding], Allowance | bool]:
+    """Return the function that gives the entry which allows a finding, True for a comment, False for neither."""
+
+    def judge(finding: Finding) -> Allowance | bool:
+        entry = next((one for one in entries if one.names(finding)), None)
+        return entry if entry is not None else comments.allow(finding)
+
+    return judge

@@ -1,0 +1,99 @@
+"""A baseline: the findings that were there when somebody began to look, so that only new ones are told.
+
+A finding is known by code, rule, system and subjects, so that it stays known when lines move. Where several findings
+are alike in these, as many are known as there were.
+"""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.errors import Place, UsageError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from pathlib import Path
+
+    from kg.lint.finding import Finding
+
+__all__ = ["Known", "compared", "read", "written"]
+
+_VERSION: Final = 1
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Known:
+    """An entry of a baseline; what people see of it beside its fingerprint."""
+
+    fingerprint: str
+    code: str = ""
+    system: str = ""
+    subjects: tuple[str, ...] = ()
+
+
+def written(findings: Iterable[Finding]) -> str:
+    """Return the text of a baseline with these findings, the same for the same findings."""
+    ordered = sorted(findings, key=lambda one: (one.system, one.code, one.rule, one.subjects, one.fingerprint))
+    counts = Counter(one.fingerprint for one in ordered)
+    entries = {
+        one.fingerprint: {
+            "fingerprint": one.fingerprint,
+            "code": one.code,
+            "rule": one.rule,
+            "system": one.system,
+            "subjects": list(one.subjects),
+            "count": counts[one.fingerprint],
+        }
+        for one in ordered
+    }
+    return json.dumps({"version": _VERSION, "findings": list(entries.values())}, indent=1, ensure_ascii=False) + "\n"
+
+
+def read(file: Path) -> Counter[Known]:
+    """Return the findings of a baseline with their numbers.
+
+    Raises:
+        UsageError: KG420 for a file that is missing or no baseline.
+    """
+    try:
+        content = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as problem:
+        reason = getattr(problem, "strerror", None) or str(problem)
+        raise UsageError("KG420", f"the baseline cannot be read: {reason}", place=Place(str(file))) from None
+    except json.JSONDecodeError as problem:
+        place = Place(str(file), problem.lineno, problem.colno)
+        raise UsageError("KG420", f"this is no JSON: {problem.msg}", place=place) from None
+    except RecursionError:
+        raise UsageError("KG420", "this is no baseline: it is nested too deeply", place=Place(str(file))) from None
+    if not isinstance(content, dict) or content.get("version") != _VERSION:
+        raise UsageError("KG420", f"this is no baseline of version {_VERSION}", place=Place(str(file)))
+    found: Counter[Known] = Counter()
+    for entry in content.get("findings") or ():
+        found[_known(entry, file)] += max(1, entry["count"]) if isinstance(entry.get("count"), int) else 1
+    return found
+
+
+def _known(entry: Any, file: Path) -> Known:
+    if not isinstance(entry, dict) or not isinstance(entry.get("fingerprint"), str):
+        raise UsageError("KG420", "an entry of the baseline has no fingerprint", place=Place(str(file)))
+    subjects = entry.get("subjects")
+    named = tuple(str(one) for one in subjects) if isinstance(subjects, list) else ()
+    return Known(entry["fingerprint"], str(entry.get("code", "")), str(entry.get("system", "")), named)
+
+
+def compared(findings: Iterable[Finding], known: Counter[Known]) -> tuple[list[Finding], list[Finding], list[Known]]:
+    """Return the findings that are new, those that are known, and the entries of the baseline that are gone."""
+    left = Counter({one.fingerprint: number for one, number in known.items()})
+    new: list[Finding] = []
+    old: list[Finding] = []
+    for finding in sorted(findings, key=lambda one: one.order):
+        if left[finding.fingerprint] > 0:
+            left[finding.fingerprint] -= 1
+            old.append(finding)
+        else:
+            new.append(finding)
+    seen = {one.fingerprint for one in old}
+    return new, old, sorted(one for one in known if one.fingerprint not in seen)

@@ -1,0 +1,120 @@
+"""From all findings of a store to those that a person is told, each once."""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+from kg.lint.allowing import Allowance, allowed_by
+from kg.lint.baseline import compared
+from kg.lint.finding import SEVERITIES
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterable, Sequence
+
+    from kg.errors import Place
+    from kg.lint.allowing import Comments
+    from kg.lint.baseline import Known
+    from kg.lint.finding import Finding
+
+__all__ = ["Choice", "Report", "merged", "report"]
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """Which findings are wanted: of these `systems` (None: of all), of these `codes`, not less than `level`.
+
+    With `every`, also what presumes the whole in configurations that others include.
+    """
+
+    systems: frozenset[str] | None = None
+    codes: frozenset[str] = frozenset()
+    level: str = "note"
+    every: bool = False
+
+    def wants(self, finding: Finding, included: Collection[str]) -> bool:
+        """Tell whether a finding is wanted; `included` are the names of configurations that others include."""
+        rank = SEVERITIES.index(finding.severity) if finding.severity in SEVERITIES else len(SEVERITIES)
+        if rank > SEVERITIES.index(self.level) or (self.codes and finding.code not in self.codes):
+            return False
+        if self.systems is not None:
+            return finding.system in self.systems
+        return self.every or not (finding.presumes_whole and finding.system in included)
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """What is told: `findings` sorted by severity, file and line, those of several systems merged.
+
+    `allowed` are those that kg.toml or a comment allows, `known` those of the baseline; `unused` are entries of kg.toml
+    that allowed nothing, `gone` those of the baseline that are mended, `without_reason` comments that therefore allow
+    nothing. `raw` are all findings that are not allowed, one a system, as a baseline keeps them.
+    """
+
+    findings: tuple[Finding, ...] = ()
+    raw: tuple[Finding, ...] = ()
+    allowed: tuple[Finding, ...] = ()
+    known: tuple[Finding, ...] = ()
+    unused: tuple[Allowance, ...] = ()
+    gone: tuple[Known, ...] = ()
+    without_reason: tuple[tuple[Place, str], ...] = field(default=())
+
+    @property
+    def failed(self) -> bool:
+        """Whether there is more than notes."""
+        return any(one.severity != "note" for one in self.findings)
+
+
+def report(  # noqa: PLR0913 - what findings are compared with
+    findings: Iterable[Finding],
+    choice: Choice,
+    *,
+    included: Collection[str],
+    entries: Sequence[Allowance],
+    comments: Comments,
+    baseline: Counter[Known] | None = None,
+) -> Report:
+    """Return what is told of `findings`: those of the `choice` that nothing allows and no baseline knows.
+
+    An entry counts as unused only if it allows none of all findings, whatever was chosen.
+    """
+    every, judge = list(findings), allowed_by(entries, comments)
+    verdicts = [(one, judge(one)) for one in every]
+    used = {id(verdict) for _, verdict in verdicts if isinstance(verdict, Allowance)}
+    wanted = [(one, verdict) for one, verdict in verdicts if choice.wants(one, included)]
+    raw = [one for one, verdict in wanted if verdict is False]
+    new, known, gone = compared(raw, baseline or Counter())
+    narrowed = choice.systems is not None or bool(choice.codes) or choice.level != SEVERITIES[-1]
+    return Report(
+        findings=tuple(merged(new)),
+        raw=tuple(raw),
+        allowed=tuple(merged([one for one, verdict in wanted if verdict is not False])),
+        known=tuple(merged(known)),
+        unused=tuple(one for one in entries if id(one) not in used),
+        gone=() if narrowed else tuple(gone),
+        without_reason=tuple(sorted(comments.without_reason.items(), key=lambda item: str(item[0]))),
+    )
+
+
+def merged(findings: Iterable[Finding]) -> list[Finding]:
+    """Return findings sorted, those of one fault at one line in several systems as one.
+
+    It is told of the system whose own file has the line, where there is one.
+    """
+    groups: defaultdict[object, list[Finding]] = defaultdict(list)
+    for one in findings:
+        place = one.place and (one.place.repository, one.place.path, one.place.line)
+        groups[one.code, one.rule, one.severity, place or one.system, one.subjects].append(one)
+    return sorted(map(_one, groups.values()), key=lambda one: one.order)
+
+
+def _one(group: list[Finding]) -> Finding:
+    first = min(group, key=lambda one: (not _own(one), one.system, one.message))
+    return replace(first, also=tuple(sorted({one.system for one in group} - {first.system})))
+
+
+def _own(finding: Finding) -> bool:
+    """Tell whether the line stands in the file that the system is named by."""
+    rest = finding.system.partition("/")[2]
+    return finding.place is not None and bool(rest) and f"/{finding.place.path}".endswith(f"/{rest}")

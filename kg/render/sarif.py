@@ -1,0 +1,103 @@
+"""Remarks about lines as SARIF 2.1.0 (OASIS), which code hosts show beside the lines, and as GitHub's annotations."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Final
+
+from kg.codes import CATALOGUE, CodeEntry
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+__all__ = ["Remark", "Spot", "annotation", "document"]
+
+_SCHEMA: Final = "https://json.schemastore.org/sarif-2.1.0.json"
+_KINDS: Final = {"note": "notice"}
+"""What GitHub calls a severity, where that is another word."""
+
+
+@dataclass(frozen=True, slots=True)
+class Spot:
+    """A line of a file: `uri` is relative to the folder that is checked, or absolute; `words` say what stands there."""
+
+    uri: str
+    line: int | None = None
+    column: int | None = None
+    words: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Remark:
+    """Something to say about a line; `severity` is error, warning or note.
+
+    `related` are lines that have to do with it, `fingerprint` is what stays the same when lines move.
+    """
+
+    code: str
+    severity: str
+    message: str
+    spot: Spot
+    related: Sequence[Spot] = ()
+    fingerprint: str | None = None
+    properties: Mapping[str, object] = field(default_factory=dict)
+
+
+def document(remarks: Sequence[Remark]) -> dict[str, object]:
+    """Return remarks as one run of SARIF, with the catalogue's texts for their codes."""
+    codes = sorted({remark.code for remark in remarks})
+    driver = {"name": "kg", "version": version("kg-ros"), "rules": [_rule(code) for code in codes]}
+    results = [_result(remark, codes) for remark in remarks]
+    return {"$schema": _SCHEMA, "version": "2.1.0", "runs": [{"tool": {"driver": driver}, "results": results}]}
+
+
+def annotation(remark: Remark) -> str:
+    """Return the line that GitHub's runners turn into a remark at the line."""
+    kind = _KINDS.get(remark.severity, remark.severity)
+    spot, message = remark.spot, _escaped(remark.message)
+    place = f"file={_property(spot.uri)},line={spot.line or 1},col={spot.column or 1}"
+    return f"::{kind} {place},title={_property(remark.code)}::{message}"
+
+
+def _rule(code: str) -> dict[str, object]:
+    entry = CATALOGUE.get(code) or CodeEntry(code, "", "")
+    texts = {"shortDescription": entry.title, "fullDescription": entry.explanation, "help": entry.way_out}
+    return {"id": code, **{name: {"text": text} for name, text in texts.items() if text}}
+
+
+def _result(remark: Remark, codes: list[str]) -> dict[str, object]:
+    result: dict[str, object] = {
+        "ruleId": remark.code,
+        "ruleIndex": codes.index(remark.code),
+        "level": remark.severity,
+        "message": {"text": remark.message},
+        "locations": [_location(remark.spot)],
+    }
+    if remark.related:
+        result["relatedLocations"] = [_location(spot) for spot in remark.related]
+    if remark.fingerprint:
+        result["partialFingerprints"] = {"kg/v1": remark.fingerprint}
+    if remark.properties:
+        result["properties"] = dict(remark.properties)
+    return result
+
+
+def _location(spot: Spot) -> dict[str, object]:
+    region = {"startLine": spot.line or 1}
+    if spot.column:
+        region["startColumn"] = spot.column
+    found: dict[str, object] = {"physicalLocation": {"artifactLocation": {"uri": spot.uri}, "region": region}}
+    if spot.words:
+        found["message"] = {"text": spot.words}
+    return found
+
+
+def _escaped(text: str) -> str:
+    """Return a message as workflow commands take it (actions/toolkit, command.ts)."""
+    return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
+
+
+def _property(text: str) -> str:
+    """Return the value of a property of a workflow command."""
+    return _escaped(text).replace(":", "%3A").replace(",", "%2C")
