@@ -27,7 +27,22 @@ from kg.render.text import printable, width
 if TYPE_CHECKING:
     from kg.errors import Place
 
-__all__ = ["MODE", "Mode", "colored", "defect", "note", "problem", "render", "report", "say"]
+__all__ = [
+    "MODE",
+    "Mode",
+    "colored",
+    "defect",
+    "dim",
+    "excerpt",
+    "head",
+    "helps",
+    "linked",
+    "note",
+    "problem",
+    "render",
+    "report",
+    "say",
+]
 
 REPORT_ADDRESS: Final = "the issue tracker named on the project's page"
 _LONGEST: Final = 160
@@ -56,6 +71,11 @@ def colored(stream: IO[str]) -> bool:
 
 def _paint(style: str, text: str, *, on: bool) -> str:
     return f"\x1b[{_STYLES[style]}m{text}\x1b[0m" if on else text
+
+
+def dim(text: str, *, color: bool) -> str:
+    """Return text that stands back."""
+    return _paint("dim", text, on=color)
 
 
 def say(text: str = "") -> None:
@@ -96,20 +116,41 @@ def defect(error: BaseException) -> None:
 
 def render(error: KgError, *, color: bool = False, severity: str = "error") -> str:
     """Return the lines that show an error, or a finding of less severity (`warning`, `note`)."""
-    lines = [_paint(severity, f"{severity}[{error.code}]", on=color) + ": " + printable(error.message)]
-    if error.place:
-        lines += _excerpt(error.place, color=color)
     help_text = error.hint or CATALOGUE[error.code].way_out
-    lines += [f"{_paint('help', 'help', on=color)}: {printable(line)}" for line in help_text.splitlines()]
-    return "\n".join(lines)
+    return "\n".join(
+        [
+            head(severity, error.code, error.message, color=color),
+            *(excerpt(error.place, color=color) if error.place else ()),
+            *helps(help_text, color=color),
+        ]
+    )
 
 
-def _excerpt(place: Place, *, color: bool) -> list[str]:
+def head(severity: str, code: str, message: str, *, color: bool) -> str:
+    """Return the line that says what is wrong."""
+    return (
+        _paint(severity if severity in _STYLES else "note", f"{severity}[{code}]", on=color) + ": " + printable(message)
+    )
+
+
+def helps(text: str, *, color: bool) -> list[str]:
+    """Return the lines that say what to do."""
+    return [f"{_paint('help', 'help', on=color)}: {printable(line)}" for line in text.splitlines()]
+
+
+def linked(text: str, address: str | None, *, color: bool) -> str:
+    """Return printable text that terminals open `address` for when it is clicked (OSC 8)."""
+    shown = printable(text)
+    return f"\x1b]8;;{address}\x1b\\{shown}\x1b]8;;\x1b\\" if address and color else shown
+
+
+def excerpt(place: Place, *, color: bool, address: str | None = None) -> list[str]:
+    """Return the lines that show a place: its name, which leads to `address`, and the line of source."""
     line = _line(place)
     number = str(place.line or "")
     gutter = " " * len(number)
     arrow = _paint("dim", "-->", on=color)
-    lines = [f"{gutter} {arrow} {printable(str(place))}"]
+    lines = [f"{gutter} {arrow} {linked(str(place), address, color=color)}"]
     if line is None or not line.strip():
         return lines
     bar = _paint("dim", "|", on=color)

@@ -1,0 +1,181 @@
+"""`kg lint`: what is wrong in the wiring of launch files, before anything runs."""
+
+from contextlib import ExitStack
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
+
+from kg.cli.diagnostics import colored, note, say
+from kg.cli.options import Families, Jobs, Json, PackageName, Rules, Store
+from kg.cli.output import json_lines, write
+from kg.cli.session import session
+from kg.errors import Exit, UsageError
+from kg.store.opening import reading
+
+if TYPE_CHECKING:
+    from kg.cli.links import Links
+    from kg.lint.running import Checked, Question
+    from kg.settings import Settings
+
+__all__ = ["lint"]
+
+_FORMATS: Final = ("text", "json", "sarif", "github")
+_SEVERITIES: Final = ("error", "warning", "note")
+
+Paths = Annotated[
+    list[Path] | None,
+    typer.Argument(metavar="[PATH]...", help="Folders to read first, into a store of their own; else the store's."),
+]
+Launch = Annotated[
+    str | None,
+    typer.Option("--launch", "-l", metavar="FILE", help="Only what this file starts: its path, or `package file`."),
+]
+Form = Annotated[str, typer.Option("--format", "-f", metavar="FORMAT", help=f"One of {', '.join(_FORMATS)}.")]
+Level = Annotated[
+    str, typer.Option("--level", metavar="SEVERITY", help="Leave out what is less than error, warning or note.")
+]
+Every = Annotated[
+    bool, typer.Option("--all", "-a", help="Also what may be missing only because a file is meant to be included.")
+]
+Codes = Annotated[
+    list[str] | None, typer.Option("--code", metavar="CODE", help="Only findings of this code; may be repeated.")
+]
+Baseline = Annotated[
+    Path | None, typer.Option("--baseline", metavar="FILE", help="Leave out the findings that this file knows.")
+]
+WriteBaseline = Annotated[
+    Path | None, typer.Option("--write-baseline", metavar="FILE", help="Write the findings there, for --baseline.")
+]
+Xunit = Annotated[
+    Path | None, typer.Option("--xunit-file", metavar="FILE", help="Also write the results as a test of ament.")
+]
+
+
+def lint(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    paths: Paths = None,
+    *,
+    launch: Launch = None,
+    package: PackageName = None,
+    form: Form = "text",
+    level: Level = "note",
+    every: Every = False,
+    codes: Codes = None,
+    baseline: Baseline = None,
+    write_baseline: WriteBaseline = None,
+    xunit_file: Xunit = None,
+    json: Json = False,
+    rules: Rules = None,
+    rule_families: Families = None,
+    jobs: Jobs = None,
+    store: Store = None,
+) -> None:
+    """Report what is wrong in the wiring of launch files.
+
+    Names that do not meet, types and qualities of service that do not fit, remappings and parameters without effect,
+    files that are missing: found without running anything. Exit code 1 when there are errors or warnings. What is right
+    as it is stands in kg.toml below [[lint.allow]], with the reason. For example:
+
+        kg lint
+        kg lint ~/catkin_ws/src --level error
+        kg lint --launch husky_bringup/launch/base.launch
+        kg lint --format sarif > lint.sarif
+    """
+    began = perf_counter()
+    form = "json" if json else form
+    for word, allowed, what in ((form, _FORMATS, "format"), (level, _SEVERITIES, "severity")):
+        if word not in allowed:
+            raise UsageError("KG003", f"`{word}` is no {what}", hint=f"One of {', '.join(allowed)}.")
+    from kg.lint.running import Question  # noqa: PLC0415 - start-up time
+
+    chosen = frozenset(code.upper() for code in codes or ())
+    question = Question(launch, package, chosen, level, every, baseline)
+    settings = session(context).settings(store=store, rules=rules, rule_families=rule_families, jobs=jobs)
+    folder = paths[0] if paths and paths[0].is_dir() else Path.cwd()
+    checked = _checked(settings, paths or [], question, folder.absolute(), form)
+    if write_baseline is not None:
+        _keep(checked, write_baseline)
+    if xunit_file is not None:
+        _write_xunit(checked, xunit_file, perf_counter() - began)
+    if write_baseline is None and checked.report.failed:
+        raise typer.Exit(Exit.FOUND)
+
+
+def _checked(settings: "Settings", paths: list[Path], question: "Question", folder: Path, form: str) -> "Checked":
+    """Read what has to be read, write the findings, and return them."""
+    from kg.cli.links import Links  # noqa: PLC0415 - start-up time
+    from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
+    from kg.lint.running import check  # noqa: PLC0415 - start-up time
+
+    if paths:
+        settings = _read(settings, paths)
+    with ExitStack() as stack:
+        snapshot = stack.enter_context(reading(settings))
+        checked = check(snapshot, question, settings, folder)
+        links = Links.of(sources(snapshot))
+    _write(checked, links, form)
+    return checked
+
+
+def _read(settings: "Settings", paths: list[Path]) -> "Settings":
+    from kg.cli.progress import for_this_stream  # noqa: PLC0415 - start-up time
+    from kg.lint.running import read_folders  # noqa: PLC0415 - start-up time
+
+    with for_this_stream() as progress:
+        given, _ = read_folders(paths, settings, progress)
+    return given
+
+
+def _write(checked: "Checked", links: "Links", form: str) -> None:
+    import sys  # noqa: PLC0415 - start-up time
+
+    from kg.cli.lint_view import LintView, leftovers, summary  # noqa: PLC0415 - start-up time
+    from kg.lint.objects import as_object, remark  # noqa: PLC0415 - start-up time
+    from kg.render.sarif import annotation, document  # noqa: PLC0415 - start-up time
+
+    findings = checked.report.findings
+    here = Path.cwd()
+    if form == "json":
+        json_lines(map(as_object, findings))
+    elif form == "sarif":
+        json_lines([document([remark(one, checked.roots, here) for one in findings])])
+    elif form == "github":
+        for one in findings:
+            write(annotation(remark(one, checked.roots, here)))
+    else:
+        for line in LintView(checked, links, here, color=colored(sys.stdout)).lines():
+            write(line)
+    for words in leftovers(checked.report):
+        note(words)
+    for words in summary(checked):
+        say(words)
+
+
+def _keep(checked: "Checked", file: Path) -> None:
+    """Write a baseline, and say so; that findings are in it is no failure."""
+    from kg.lint.baseline import written  # noqa: PLC0415 - start-up time
+    from kg.render.text import count  # noqa: PLC0415 - start-up time
+
+    _save(file, written(checked.report.raw))
+    say(f"{count(len(checked.report.raw), 'finding')} written to {file}")
+
+
+def _write_xunit(checked: "Checked", file: Path, seconds: float) -> None:
+    from kg.lint.objects import spelled, test_name, xunit  # noqa: PLC0415 - start-up time
+
+    findings = checked.report.findings
+    spots = [
+        f"{spelled(one.place, checked.roots, Path.cwd())}:{one.line or 1}" if one.place else one.system
+        for one in findings
+    ]
+    _save(file, xunit(findings, test_name(file), seconds, spots))
+
+
+def _save(file: Path, text: str) -> None:
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text, encoding="utf-8")
+    except OSError as problem:
+        raise UsageError("KG003", f"{file} cannot be written: {problem.strerror}") from None

@@ -1,0 +1,134 @@
+"""Findings of systems for people: what is wrong, the line with what leads to it, the evidence, the way out.
+
+error[KG401]: /filter subscribes to /scan, which nobody publishes; /scan_raw is published
+  --> bringup/launch/base.launch:12
+   |
+12 |   <remap from="scan" to="scan_raw"/>
+   = in bringup/launch/base.launch, and in 3 other systems
+   = base/src/laser.cpp:71 publishes /scan_raw
+help: ...
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from kg.cli.diagnostics import dim, excerpt, head, helps, linked
+from kg.codes import CATALOGUE
+from kg.errors import Place
+from kg.facts import Location
+from kg.lint.finding import SEVERITIES
+from kg.lint.objects import spelled
+from kg.render.text import count, printable
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from kg.cli.links import Links
+    from kg.lint.finding import Evidence, Finding
+    from kg.lint.report import Report
+    from kg.lint.running import Checked
+
+__all__ = ["LintView", "leftovers", "summary"]
+
+_MOST_EVIDENCE: Final = 4
+"""So many lines of evidence are shown; JSON has them all."""
+
+
+class LintView:
+    """Draws the findings of one report; places are named as seen from `folder`."""
+
+    def __init__(self, checked: Checked, links: Links, folder: Path, *, color: bool) -> None:
+        self._checked = checked
+        self._links = links
+        self._folder = folder
+        self._color = color
+        self._helped: set[str] = set()
+
+    def lines(self) -> Iterator[str]:
+        """Yield the lines of all findings, an empty one behind each."""
+        for finding in self._checked.report.findings:
+            yield from self._finding(finding)
+            yield ""
+
+    def _finding(self, finding: Finding) -> Iterator[str]:
+        yield head(finding.severity, finding.code, finding.message, color=self._color)
+        place = finding.place
+        if place is not None:
+            shown = Place(self._spelled(place), place.line, excerpt=self._text(place))
+            yield from excerpt(shown, color=self._color, address=self._address(place))
+        gutter = " " * len(str(finding.line or ""))
+        sign = dim("=", color=self._color)
+        yield from (f"{gutter} {sign} {words}" for words in self._remarks(finding))
+        yield from self._help(finding)
+
+    def _remarks(self, finding: Finding) -> Iterator[str]:
+        others = f", and in {count(len(finding.also), 'other system')}" if finding.also else ""
+        if finding.place is None or others or finding.system.partition("/")[2] not in finding.place.path:
+            yield f"in {printable(finding.system)}{others}"
+        if finding.place is not None and finding.place.chain:
+            yield f"included by {printable(finding.place.chain)}"
+        for one in finding.evidence[:_MOST_EVIDENCE]:
+            name = self._spelled(one) if one.line is None else f"{self._spelled(one)}:{one.line}"
+            where = linked(name, self._address(one), color=self._color)
+            yield f"{where} {printable(one.words)}".rstrip()
+        if len(finding.evidence) > _MOST_EVIDENCE:
+            yield f"and {count(len(finding.evidence) - _MOST_EVIDENCE, 'other line')}; --json has them all"
+
+    def _help(self, finding: Finding) -> Iterator[str]:
+        """Yield the finding's own way out, or that of its code, the latter only once."""
+        entry = CATALOGUE.get(finding.code)
+        if finding.hint:
+            yield from helps(finding.hint, color=self._color)
+        elif entry is not None and finding.code not in self._helped:
+            self._helped.add(finding.code)
+            yield from helps(f"{entry.way_out} (`kg explain {finding.code}`)", color=self._color)
+
+    def _spelled(self, place: Evidence) -> str:
+        return spelled(place, self._checked.roots, self._folder)
+
+    def _address(self, place: Evidence) -> str | None:
+        return self._links.to(place.repository, Location(place.path, place.line or 1))
+
+    def _text(self, place: Evidence) -> str:
+        """Return the line of source; empty when it is not to be had."""
+        root = self._checked.roots.get(place.repository)
+        if not root or place.line is None:
+            return ""
+        try:
+            with (Path(root) / place.path).open(encoding="utf-8", errors="replace") as file:
+                return next((line.rstrip("\n") for number, line in enumerate(file, 1) if number == place.line), "")
+        except (OSError, ValueError):
+            return ""
+
+
+def summary(checked: Checked) -> Iterator[str]:
+    """Yield the last lines: how much of what was found, and what the allow-list and the baseline have too much."""
+    found = checked.report
+    sums = Counter(one.severity for one in found.findings)
+    told = ", ".join(count(sums[severity], severity) for severity in SEVERITIES if sums[severity]) or "nothing wrong"
+    aside = [
+        f"{len(group):,} {words}"
+        for group, words in ((found.allowed, "allowed"), (found.known, "in the baseline"))
+        if group
+    ]
+    yield f"{count(checked.systems, 'system')} checked: {'; '.join([told, *aside])}"
+
+
+def leftovers(found: Report) -> Iterator[str]:
+    """Yield notes: entries of kg.toml and of the baseline that mean nothing any more, comments without reason."""
+    for allowance in found.unused:
+        yield f"{allowance.place}: the allowance of {allowance.code} allows nothing; it can go"
+    for place, code in found.without_reason:
+        yield f"{place}: the comment allows nothing, since it gives no reason for {code}"
+    if found.gone:
+        named = _listed([f"{one.code} {', '.join(one.subjects)}".strip() for one in found.gone])
+        entries = count(len(found.gone), "finding")
+        yield f"{entries} of the baseline {'is' if len(found.gone) == 1 else 'are'} mended: {named}"
+
+
+def _listed(words: Sequence[str], most: int = 3) -> str:
+    more = f" and {len(words) - most:,} more" if len(words) > most else ""
+    return "; ".join(map(printable, words[:most])) + more
