@@ -1,0 +1,1 @@
+"""ROS 2 launch files in Python, read without running them."""

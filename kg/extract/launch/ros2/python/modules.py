@@ -1,0 +1,234 @@
+"""Modules and attributes: imports of the build are run in their own scope, all others are known by their names."""
+
+from __future__ import annotations
+
+import ast
+import posixpath
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final
+
+from kg.corpus.files import FilePath
+from kg.extract.launch.ros2.python import paths
+from kg.extract.launch.ros2.python.machine import Frame
+from kg.extract.launch.ros2.python.source import Broken, parse
+from kg.extract.launch.ros2.python.statements import Statements
+from kg.extract.launch.ros2.python.texts import known, reason_of, simplify, to_text
+from kg.extract.launch.ros2.python.values import (
+    Choice,
+    ContextValue,
+    Description,
+    Function,
+    Instance,
+    Items,
+    Klass,
+    Library,
+    LoadedFile,
+    Method,
+    Module,
+    PathValue,
+    Table,
+    Unknown,
+    Words,
+)
+
+if TYPE_CHECKING:
+    from kg.extract.launch.ros2.python.values import Value
+
+__all__ = ["OUTSIDE", "Modules"]
+
+OUTSIDE: Final = frozenset(
+    {
+        "launch",
+        "launch_ros",
+        "launch_testing",
+        "launch_xml",
+        "launch_yaml",
+        "launch_param_builder",
+        "ament_index_python",
+        "os",
+        "sys",
+        "pathlib",
+        "typing",
+        "yaml",
+        "json",
+        "xacro",
+        "nav2_common",
+        "rclpy",
+        "lifecycle_msgs",
+        "moveit_configs_utils",
+        "math",
+        "subprocess",
+        "tempfile",
+        "copy",
+        "re",
+        "dataclasses",
+        "enum",
+        "unittest",
+        "pytest",
+        "__future__",
+        "collections",
+        "functools",
+        "itertools",
+        "random",
+        "shutil",
+        "time",
+        "logging",
+    }
+)
+"""First names of modules that are never looked for in the build: the tables know them, or nobody does."""
+
+
+class Modules(Statements):
+    """The part of the interpreter that imports and finds attributes."""
+
+    modules: dict[FilePath, Module]
+
+    def module_named(self, dotted: str, near: Module) -> Value:
+        """Return a module as imported in the module `near`."""
+        file = self._module_file(dotted, near)
+        return self.module(file, dotted) if file is not None else Library(dotted.lstrip("."))
+
+    def module(self, file: FilePath, name: str) -> Module:
+        """Return a module of the build, run once."""
+        if file in self.modules:
+            return self.modules[file]
+        module = self.modules[file] = Module(file, name)
+        module.scope.names.update({"__file__": self.files.text(file), "__name__": name})
+        tree = parse(self.files.read(file) or b"")
+        if not isinstance(tree, Broken):
+            self.run_module(tree, module)
+        return module
+
+    def run_module(self, tree: ast.Module, module: Module) -> None:
+        """Run the statements of a module."""
+        self.depth += 1
+        guards, self.guards = self.guards, []
+        try:
+            self.run_block(tree.body, Frame(module, module.scope))
+        finally:
+            self.depth -= 1
+            self.guards = guards
+
+    def _module_file(self, dotted: str, near: Module) -> FilePath | None:
+        if dotted.partition(".")[0] in OUTSIDE or not dotted.strip("."):
+            return None
+        workspace = self.files.reader.workspace
+        file = workspace.module(dotted, near=near.file)
+        beside = FilePath(
+            near.file.repository, posixpath.join(posixpath.dirname(near.file.path), f"{dotted.lstrip('.')}.py")
+        )
+        if file is None and self.files.exists(beside):
+            file = beside  # launch files often extend the search path by their own folder
+        return file if file != near.file else None
+
+    def member_of_module(self, module: str, name: str, near: Module) -> Value:
+        """Return a name of another module, which may be a module below it."""
+        outside = Library(f"{module.lstrip('.')}.{name}".lstrip("."))
+        found = self.module_named(module, near) if module.strip(".") else None
+        if isinstance(found, Module) and name in found.scope.names:
+            return found.scope.names[name]
+        below = self._module_file(f"{module}{'' if module.endswith('.') else '.'}{name}", near)
+        return self.module(below, name) if below is not None else outside
+
+    def star(self, module: str, near: Module) -> dict[str, Value]:
+        """Return all names of a module of the build; of others those that the tables know."""
+        found = self.module_named(module, near)
+        if isinstance(found, Module):
+            return {name: value for name, value in found.scope.names.items() if not name.startswith("_")}
+        return {name: Library(f"{module}.{name}") for name in self.exported(module)}
+
+    def exported(self, module: str) -> list[str]:
+        """Return the names that a module outside of the build may have and the tables know."""
+        from kg.extract.launch.ros2.python.library import FUNCTIONS  # noqa: PLC0415 - which needs this module
+
+        return [name for name in FUNCTIONS if "." not in name] if module.startswith("launch") else []
+
+    def attribute(self, receiver: Value, name: str) -> Value:
+        """Return an attribute of a value."""
+        if isinstance(receiver, Library):
+            return Library(f"{receiver.path}.{name}")
+        if isinstance(receiver, Module):
+            missing = self.member_of_module(receiver.name, name, receiver) if name not in receiver.scope.names else None
+            return receiver.scope.names.get(name, missing)
+        if isinstance(receiver, Instance | Klass):
+            return self._member(receiver, name)
+        if isinstance(receiver, Description) and name == "entities":
+            return receiver.entities
+        if isinstance(receiver, PathValue):
+            return self._path_attribute(receiver, name)
+        if isinstance(receiver, Choice):
+            return Choice(tuple((condition, self.attribute(each, name)) for condition, each in receiver.options))
+        if isinstance(receiver, Unknown):
+            return receiver
+        kinds = (str, Words, Items, Table, LoadedFile, Description, ContextValue, Method)
+        return (
+            Method(receiver, name)
+            if isinstance(receiver, kinds) or name == "evaluate"
+            else self._unknown(receiver, name)
+        )
+
+    def _unknown(self, receiver: Value, name: str) -> Unknown:
+        return Unknown(f"the attribute `{name}`: {reason_of(receiver)}")
+
+    def _member(self, receiver: Instance | Klass, name: str) -> Value:
+        if isinstance(receiver, Instance) and name in receiver.attributes:
+            return receiver.attributes[name]
+        klass = receiver.klass if isinstance(receiver, Instance) else receiver
+        found, value = klass.find(name)
+        if not found:
+            return Unknown(f"`{klass.name}` has no attribute `{name}` that is known")
+        if not isinstance(value, Function) or isinstance(value.node, ast.Lambda):
+            return value
+        marks = {each.id for each in value.node.decorator_list if isinstance(each, ast.Name)}
+        if "staticmethod" in marks:
+            return value
+        if "classmethod" in marks:
+            return self.bound(value, klass)
+        if isinstance(receiver, Klass):
+            return value
+        method = self.bound(value, receiver)
+        if "property" in marks:
+            return self.invoke(method, [], {}, ast.Constant(None), Frame(value.module, value.scope))
+        return method
+
+    def bound(self, function: Function, receiver: Value) -> Function:
+        """Return a function as a method of an object."""
+        return replace(function, receiver=receiver, bound=True)
+
+    def _path_attribute(self, receiver: PathValue, name: str) -> Value:
+        if name == "parent":
+            return PathValue(paths.parent(receiver.text))
+        if name == "parents":
+            found: list[Value] = []
+            text = receiver.text
+            for _ in range(8):
+                text = paths.parent(text)
+                found.append(PathValue(text))
+            return tuple(found)
+        if name in {"name", "stem", "suffix"}:
+            last = paths.base(receiver.text)
+            if isinstance(last, Words) or name == "name":
+                return last
+            return posixpath.splitext(last)[0 if name == "stem" else 1]
+        return Method(receiver, name)
+
+    def builtin(self, name: str) -> Library:
+        """Return a function of Python itself."""
+        return Library(f"builtins.{name}")
+
+    def normal_path(self, value: Value) -> Value:
+        """Return a path without `..`."""
+        text = paths.normal(simplify(to_text(value)))
+        return PathValue(text) if isinstance(value, PathValue) else text
+
+    def find_file(self, text: str) -> FilePath | None:
+        """Return the file that a path names, where the build or an installed package has it."""
+        file = self.files.at(text)
+        return file if file is not None and self.files.exists(file) else None
+
+    def exists(self, value: Value) -> Value:
+        """Return whether a file exists; what is not in the build may still be there when it runs."""
+        text = known(value, self.context)
+        if text is not None and self.find_file(text) is not None:
+            return True
+        return Unknown(f"whether the file {text or 'named here'} exists")

@@ -1,0 +1,323 @@
+"""Running statements; where a condition cannot be known both branches are run, guarded by it."""
+
+from __future__ import annotations
+
+import ast
+from typing import TYPE_CHECKING, Final
+
+from kg.extract.launch.ros2.actions import Condition
+from kg.extract.launch.ros2.python.expressions import Expressions
+from kg.extract.launch.ros2.python.formatting import format_percent
+from kg.extract.launch.ros2.python.machine import Break, Continue, Frame, Raised, Return, written
+from kg.extract.launch.ros2.python.operators import binary, same, truth
+from kg.extract.launch.ros2.python.texts import reason_of
+from kg.extract.launch.ros2.python.values import (
+    Choice,
+    Function,
+    Guarded,
+    Instance,
+    Items,
+    Klass,
+    Library,
+    LoadedFile,
+    Scope,
+    Table,
+    Unknown,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from kg.extract.launch.ros2.python.machine import Signal
+    from kg.extract.launch.ros2.python.values import Value
+
+__all__ = ["Statements"]
+
+_MAX_ROUNDS: Final = 2_000
+_Outcome = tuple[Condition, "Signal", dict[str, "Value"]]
+
+
+class Statements(Expressions):
+    """The part of the interpreter that runs statements."""
+
+    def run_block(self, body: Sequence[ast.stmt], frame: Frame) -> Signal:
+        """Run statements until one ends the block."""
+        for statement in body:
+            self.step()
+            runner = _RUNNERS.get(type(statement))
+            signal = runner(self, statement, frame) if runner else None
+            if signal is not None:
+                return signal
+        return None
+
+    def run_expression(self, node: ast.Expr, frame: Frame) -> Signal:
+        """Run a call or another expression."""
+        value = self.evaluate(node.value, frame)
+        return Raised() if isinstance(value, Library) and value.path == "sys.exit()" else None
+
+    def run_assignment(self, node: ast.Assign, frame: Frame) -> Signal:
+        """Run `a = b = value`."""
+        value = self.evaluate(node.value, frame)
+        for target in node.targets:
+            self.assign(target, value, frame)
+        return None
+
+    def run_annotated(self, node: ast.AnnAssign, frame: Frame) -> Signal:
+        """Run `a: type = value`."""
+        if node.value is not None:
+            self.assign(node.target, self.evaluate(node.value, frame), frame)
+        return None
+
+    def run_augmented(self, node: ast.AugAssign, frame: Frame) -> Signal:
+        """Run `a += value`; a list changes in place."""
+        before, value = self.evaluate(node.target, frame), self.evaluate(node.value, frame)
+        if isinstance(before, Items) and isinstance(node.op, ast.Add):
+            found = self.iterate(value)
+            self.append(before, [value] if found is None else found)
+            return None
+        if isinstance(node.op, ast.Mod) and isinstance(before, str):
+            self.assign(node.target, format_percent(before, value), frame)
+            return None
+        self.assign(node.target, binary(type(node.op), before, value), frame)
+        return None
+
+    def assign(self, target: ast.expr, value: Value, frame: Frame) -> None:
+        """Bind a target of an assignment or loop."""
+        if isinstance(target, ast.Name):
+            frame.scope.bind(target.id, value)
+        elif isinstance(target, ast.Starred):
+            self.assign(target.value, value, frame)
+        elif isinstance(target, ast.Tuple | ast.List):
+            self._unpack(target.elts, value, frame)
+        elif isinstance(target, ast.Attribute):
+            receiver = self.evaluate(target.value, frame)
+            if isinstance(receiver, Instance):
+                receiver.attributes[target.attr] = value
+        elif isinstance(target, ast.Subscript):
+            receiver, key = self.evaluate(target.value, frame), self.evaluate(target.slice, frame)
+            if isinstance(receiver, Table):
+                self.put(receiver, key, value, self.location(target, frame))
+            elif isinstance(receiver, Items) and isinstance(key, int) and -len(receiver) <= key < len(receiver):
+                receiver[key] = self.guarded(value, receiver.guards)
+
+    def _unpack(self, targets: list[ast.expr], value: Value, frame: Frame) -> None:
+        found = self.iterate(value)
+        star = next((number for number, each in enumerate(targets) if isinstance(each, ast.Starred)), None)
+        if found is not None and star is not None and len(found) >= len(targets) - 1:
+            tail = len(targets) - star - 1
+            middle = self.items(found[star : len(found) - tail])
+            found = [*found[:star], middle, *found[len(found) - tail :]]
+        if found is None or len(found) != len(targets):
+            found = [Unknown(reason_of(value))] * len(targets)
+        for target, item in zip(targets, found, strict=True):
+            self.assign(target, item, frame)
+
+    def run_return(self, node: ast.Return, frame: Frame) -> Signal:
+        """Run `return value`."""
+        return Return(self.evaluate(node.value, frame) if node.value else None)
+
+    def run_if(self, node: ast.If, frame: Frame) -> Signal:
+        """Run the branch that is taken; both where that cannot be known."""
+        found = truth(self.evaluate(node.test, frame), self.context)
+        if found is not None:
+            return self.run_block(node.body if found else node.orelse, frame)
+        return self.fork(written(node.test), node.body, node.orelse, frame)
+
+    def fork(self, words: str, body: Sequence[ast.stmt], other: Sequence[ast.stmt], frame: Frame) -> Signal:
+        """Run two blocks of which one is taken, on a condition of these words; what follows sees both."""
+        before, height = frame.scope.names, len(self.guards)
+        outcomes: list[_Outcome] = []
+        for condition, block in (
+            (Condition(None, written=words), body),
+            (Condition(None, negated=True, written=words), other),
+        ):
+            frame.scope.names = dict(before)
+            self.guards.append(condition)
+            signal = self.run_block(block, frame)
+            del self.guards[height:]
+            if not isinstance(signal, Raised):  # a launch that fails is no configuration
+                outcomes.append((condition, signal, frame.scope.names))
+        if not outcomes:
+            return Raised()
+        if len(outcomes) == 1:
+            frame.scope.names = outcomes[0][2]
+            return outcomes[0][1]
+        return self._meet(outcomes[0], outcomes[1], frame)
+
+    def _meet(self, first: _Outcome, second: _Outcome, frame: Frame) -> Signal:
+        """Go on behind two branches: with both, or with the one that does not end here."""
+        if first[1] is None and second[1] is None:
+            frame.scope.names = _merged(first, second)
+            return None
+        if isinstance(first[1], Return) and isinstance(second[1], Return):
+            return Return(Choice(((first[0], first[1].value), (second[0], second[1].value))))
+        ends, goes = (first, second) if second[1] is None or isinstance(first[1], Return) else (second, first)
+        if isinstance(ends[1], Return):
+            frame.pending.append((ends[0], ends[1].value))
+        frame.scope.names = goes[2]
+        self.guards.append(goes[0])
+        return goes[1]
+
+    def run_for(self, node: ast.For | ast.AsyncFor, frame: Frame) -> Signal:
+        """Run a loop over known items; over unknown ones its body once, under a condition."""
+        iterated = self.evaluate(node.iter, frame)
+        items = self.iterate(iterated)
+        if items is None:
+            height = len(self.guards)
+            words = f"for {written(node.target)} in {written(node.iter)}"
+            self.guards.append(Condition(None, written=words))
+            self.assign(node.target, Unknown(reason_of(iterated)), frame)
+            signal = self.run_block(node.body, frame)
+            del self.guards[height:]
+            if isinstance(signal, Return):
+                frame.pending.append((Condition(None, written=words), signal.value))
+            return None
+        for item in items[:_MAX_ROUNDS]:
+            signal = self._round(node, item, frame)
+            if isinstance(signal, Break):
+                return None
+            if isinstance(signal, Return | Raised):
+                return signal
+        return self.run_block(node.orelse, frame)
+
+    def _round(self, node: ast.For | ast.AsyncFor, item: Value, frame: Frame) -> Signal:
+        height = len(self.guards)
+        if isinstance(item, Guarded):
+            self.guards.append(item.condition)
+        self.assign(node.target, item.value if isinstance(item, Guarded) else item, frame)
+        signal = self.run_block(node.body, frame)
+        if not frame.pending:
+            del self.guards[height:]
+        return signal
+
+    def run_while(self, node: ast.While, frame: Frame) -> Signal:
+        """Run a loop while its condition is known to hold; its body once where it is not known."""
+        for _ in range(_MAX_ROUNDS):
+            found = truth(self.evaluate(node.test, frame), self.context)
+            if found is None:
+                return self.fork(written(node.test), node.body, node.orelse, frame)
+            if not found:
+                return self.run_block(node.orelse, frame)
+            signal = self.run_block(node.body, frame)
+            if isinstance(signal, Break):
+                return None
+            if isinstance(signal, Return | Raised):
+                return signal
+        return None
+
+    def run_try(self, node: ast.Try, frame: Frame) -> Signal:
+        """Run the body; the first handler where it certainly raises."""
+        signal = self.run_block(node.body, frame)
+        if isinstance(signal, Raised) and node.handlers:
+            handler = node.handlers[0]
+            if handler.name:
+                frame.scope.bind(handler.name, Unknown("an exception"))
+            signal = self.run_block(handler.body, frame)
+        elif signal is None:
+            signal = self.run_block(node.orelse, frame)
+        last = self.run_block(node.finalbody, frame)
+        return last if last is not None else signal
+
+    def run_with(self, node: ast.With | ast.AsyncWith, frame: Frame) -> Signal:
+        """Run the body with what is entered; open files are themselves."""
+        for item in node.items:
+            value = self.evaluate(item.context_expr, frame)
+            if item.optional_vars is not None:
+                entered = value if isinstance(value, LoadedFile | Unknown) else Unknown(reason_of(value))
+                self.assign(item.optional_vars, entered, frame)
+        return self.run_block(node.body, frame)
+
+    def run_function(self, node: ast.FunctionDef | ast.AsyncFunctionDef, frame: Frame) -> Signal:
+        """Define a function; decorators but those of methods make it unknown."""
+        function = Function(node, frame.module, frame.scope, node.name, self.defaults(node.args, frame))
+        frame.scope.bind(node.name, function)
+        return None
+
+    def run_class(self, node: ast.ClassDef, frame: Frame) -> Signal:
+        """Define a class."""
+        scope = Scope(parent=frame.scope)
+        bases = tuple(self.evaluate(base, frame) for base in node.bases)
+        self.run_block(node.body, Frame(frame.module, scope))
+        marks = " ".join(written(each) for each in node.decorator_list)
+        fields = [
+            each.target.id
+            for each in node.body
+            if isinstance(each, ast.AnnAssign) and isinstance(each.target, ast.Name) and "dataclass" in marks
+        ]
+        frame.scope.bind(node.name, Klass(node.name, scope, bases, tuple(fields)))
+        return None
+
+    def run_import(self, node: ast.Import, frame: Frame) -> Signal:
+        """Bind modules."""
+        for alias in node.names:
+            first = alias.name.partition(".")[0]
+            name = alias.name if alias.asname else first
+            frame.scope.bind(alias.asname or first, self.module_named(name, frame.module))
+        return None
+
+    def run_import_from(self, node: ast.ImportFrom, frame: Frame) -> Signal:
+        """Bind names of a module."""
+        module = "." * node.level + (node.module or "")
+        for alias in node.names:
+            if alias.name == "*":
+                frame.scope.names.update(self.star(module, frame.module))
+            else:
+                found = self.member_of_module(module, alias.name, frame.module)
+                frame.scope.bind(alias.asname or alias.name, found)
+        return None
+
+    def run_outer(self, node: ast.Global | ast.Nonlocal, frame: Frame) -> Signal:
+        """Let assignments to names be those of an outer scope."""
+        frame.scope.outer.update(node.names)
+        return None
+
+    def run_delete(self, node: ast.Delete, frame: Frame) -> Signal:
+        """Remove names and entries of dictionaries."""
+        for target in node.targets:
+            if isinstance(target, ast.Name):
+                frame.scope.names.pop(target.id, None)
+            elif isinstance(target, ast.Subscript):
+                receiver, key = self.evaluate(target.value, frame), self.evaluate(target.slice, frame)
+                if isinstance(receiver, Table) and isinstance(key, str):
+                    receiver.pop(key, None)
+        return None
+
+
+def _merged(first: _Outcome, second: _Outcome) -> dict[str, Value]:
+    """Return names after two branches: what differs is a choice."""
+    merged: dict[str, Value] = {}
+    for name in dict.fromkeys([*first[2], *second[2]]):
+        one, other = first[2].get(name, merged), second[2].get(name, merged)
+        if same(one, other):
+            merged[name] = one
+            continue
+        options = ((first[0], one), (second[0], other))
+        merged[name] = Choice(tuple(option for option in options if option[1] is not merged))
+    return merged
+
+
+_RUNNERS: Final[dict[type[ast.stmt], Callable[..., Signal]]] = {
+    ast.Expr: Statements.run_expression,
+    ast.Assign: Statements.run_assignment,
+    ast.AnnAssign: Statements.run_annotated,
+    ast.AugAssign: Statements.run_augmented,
+    ast.Return: Statements.run_return,
+    ast.If: Statements.run_if,
+    ast.For: Statements.run_for,
+    ast.AsyncFor: Statements.run_for,
+    ast.While: Statements.run_while,
+    ast.Try: Statements.run_try,
+    ast.With: Statements.run_with,
+    ast.AsyncWith: Statements.run_with,
+    ast.FunctionDef: Statements.run_function,
+    ast.AsyncFunctionDef: Statements.run_function,
+    ast.ClassDef: Statements.run_class,
+    ast.Import: Statements.run_import,
+    ast.ImportFrom: Statements.run_import_from,
+    ast.Global: Statements.run_outer,
+    ast.Nonlocal: Statements.run_outer,
+    ast.Delete: Statements.run_delete,
+    ast.Raise: lambda *_: Raised(),
+    ast.Break: lambda *_: Break(),
+    ast.Continue: lambda *_: Continue(),
+}

@@ -1,0 +1,151 @@
+"""Functions of Python's modules and of ament that launch files use: paths, the environment, YAML and JSON."""
+
+from __future__ import annotations
+
+import copy
+import json
+from typing import TYPE_CHECKING, Final
+
+from kg.extract.launch.ros2.actions import Substitution
+from kg.extract.launch.ros2.python import paths
+from kg.extract.launch.ros2.python.documents import construct, read_yaml
+from kg.extract.launch.ros2.python.texts import known, reason_of, simplify, to_text
+from kg.extract.launch.ros2.python.values import (
+    Description,
+    Items,
+    LoadedFile,
+    PathValue,
+    Table,
+    Unknown,
+    Words,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kg.extract.launch.ros2.python.call import Call
+    from kg.extract.launch.ros2.python.values import Value
+
+__all__ = ["SYSTEM"]
+
+
+def _join(call: Call) -> Value:
+    return paths.join_paths(call.args)
+
+
+def _path(call: Call) -> Value:
+    return PathValue(paths.join_paths(call.args))
+
+
+def _own_path(value: Value) -> str | Words:
+    return simplify(to_text(value))
+
+
+def _share(call: Call) -> Value:
+    name = known(call.value("package_name", 0), call.machine.context)
+    if name is None:
+        return Words((Substitution("find-pkg-share", (to_text(call.value("package_name", 0)),)),))
+    return f"package://{name}"
+
+
+def _share_path(call: Call) -> Value:
+    return PathValue(_own_path(_share(call)))
+
+
+def _prefix(call: Call) -> Value:
+    return Words((Substitution("find-pkg-prefix", (to_text(call.value("package_name", 0)),)),))
+
+
+def _variable(call: Call) -> Value:
+    name, default = call.value("key", 0), call.value("default", 1)
+    if default is None or not isinstance(default, str | Words):
+        return Words((Substitution("env", (to_text(name),)),))
+    return Words((Substitution("env", (to_text(name), to_text(default))),))
+
+
+def _data(call: Call, name: str) -> LoadedFile | Unknown:
+    value = call.value(name, 0)
+    if isinstance(value, LoadedFile):
+        return value if value.text is not None else Unknown(value.reason)
+    text = known(value, call.machine.context)
+    return LoadedFile(text) if text is not None else Unknown(reason_of(value))
+
+
+def _yaml(call: Call) -> Value:
+    data = _data(call, "stream")
+    if isinstance(data, Unknown):
+        return data
+    machine = call.machine
+    file = data.file
+    return read_yaml(machine, data.text or "", lambda line: machine.at(file, line) if file else call.location)
+
+
+def _json(call: Call) -> Value:
+    data = _data(call, "s")
+    if isinstance(data, Unknown):
+        return data
+    try:
+        return construct(call.machine, json.loads(data.text or ""))
+    except (ValueError, RecursionError):
+        return Unknown("a JSON text is not valid")
+
+
+def _exists(call: Call) -> Value:
+    return call.machine.exists(call.value("path", 0))
+
+
+def _extension(call: Call) -> Value:
+    text = known(call.value("p", 0), call.machine.context)
+    if text is None:
+        return Unknown(reason_of(call.value("p", 0)))
+    head, dot, tail = text.rpartition(".")
+    return (head, dot + tail) if dot and "/" not in tail else (text, "")
+
+
+def _copy(call: Call) -> Value:
+    value = call.value("x", 0)
+    if isinstance(value, Table):
+        return value.copy()
+    if isinstance(value, Description):
+        return Description(call.machine.items(value.entities))
+    return call.machine.items(value) if isinstance(value, Items) else value
+
+
+def _deep_copy(call: Call) -> Value:
+    value = call.value("x", 0)
+    return copy.deepcopy(value) if isinstance(value, Table | Items) else value
+
+
+def _partial(call: Call) -> Value:
+    return Unknown(f"`{call.path}()` is not run")
+
+
+SYSTEM: Final[dict[str, Callable[[Call], Value]]] = {
+    "os.path.join": _join,
+    "os.path.dirname": lambda call: paths.parent(_own_path(call.value("p", 0))),
+    "os.path.basename": lambda call: paths.base(_own_path(call.value("p", 0))),
+    "os.path.abspath": lambda call: call.machine.normal_path(_own_path(call.value("path", 0))),
+    "os.path.realpath": lambda call: call.machine.normal_path(_own_path(call.value("path", 0))),
+    "os.path.normpath": lambda call: call.machine.normal_path(_own_path(call.value("path", 0))),
+    "os.path.expanduser": lambda call: call.value("path", 0),
+    "os.path.splitext": _extension,
+    "os.path.exists": _exists,
+    "os.path.isfile": _exists,
+    "os.getenv": _variable,
+    "os.environ.get": _variable,
+    "os.fspath": lambda call: _own_path(call.value("path", 0)),
+    "pathlib.Path": _path,
+    "pathlib.PurePath": _path,
+    "pathlib.PosixPath": _path,
+    "get_package_share_directory": _share,
+    "get_package_share_path": _share_path,
+    "get_package_prefix": _prefix,
+    "yaml.safe_load": _yaml,
+    "yaml.load": _yaml,
+    "yaml.full_load": _yaml,
+    "json.load": _json,
+    "json.loads": _json,
+    "copy.copy": _copy,
+    "copy.deepcopy": _deep_copy,
+    "functools.partial": _partial,
+}
