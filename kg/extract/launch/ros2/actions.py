@@ -30,6 +30,7 @@ __all__ = [
     "ParameterValue",
     "Part",
     "PushNamespace",
+    "ResetConfigurations",
     "SetConfiguration",
     "SetEnvironment",
     "SetParameter",
@@ -144,6 +145,13 @@ class UnsetConfiguration(Action):
     """`UnsetLaunchConfiguration`."""
 
     name: Text
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ResetConfigurations(Action):
+    """`ResetLaunchConfigurations`: all are forgotten but `configurations`, namespace and remappings too."""
+
+    configurations: tuple[tuple[Text, Text], ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -33,6 +33,8 @@ class GlobalFile:
     path: str
     location: Location
     chain: tuple[Location, ...] = ()
+    reason: str | None = None
+    """Why it is not known whether it counts."""
 
 
 @dataclass(slots=True)
@@ -60,6 +62,8 @@ class Found:
     arguments: dict[str, LaunchArgument] = field(default_factory=dict)
     problems: dict[LaunchProblem, None] = field(default_factory=dict)
     files: dict[FilePath, None] = field(default_factory=dict)
+    containers: dict[int, str] = field(default_factory=dict)
+    """The absolute names of containers by the identity of the action that starts them."""
     actions: int = 0
     """How many actions were executed, for the limit of them."""
 
@@ -76,7 +80,7 @@ class Context:
         """Begin with the root file, the arguments `given` to it and the variables of the environment that are known."""
         self.files = files
         self.file = file
-        self.given = dict(given)
+        self.initial = dict(environment)
         self.scope = Scope(dict(given), dict(environment))
         self.found = Found()
         self.chain: tuple[Location, ...] = ()
@@ -89,6 +93,14 @@ class Context:
         from kg.extract.launch.ros2.substitute import perform  # noqa: PLC0415  (which needs this module)
 
         return perform(self, text)
+
+    def quietly(self, text: Text) -> str:
+        """Return a text performed, without noting problems: for what is shown only."""
+        before = dict(self.found.problems)
+        try:
+            return self.perform(text)
+        finally:
+            self.found.problems = before
 
     def configuration(self, name: str) -> str | None:
         """Return the value of a launch configuration, with `{}` for parts not known; None where nothing sets it."""

@@ -1,0 +1,1 @@
+"""Readers of ROS 2 launch files in XML and YAML."""

@@ -1,0 +1,149 @@
+"""The parameters that a node is given: from whom, in which order, and which of a file's are its own.
+
+Source: `launch_ros.actions.Node` for the order, `rcl_yaml_param_parser` and `rclcpp`'s `resolve_parameter_overrides`
+for what counts: all files and values of a command line are merged by the name of node that they are written for, in
+the order in which those names come first. What is given by value to a node that is known by its full name is written
+for that name, else for all nodes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
+
+from kg.extract.launch.ros2.actions import ParameterFile, ParameterValue
+from kg.extract.launch.ros2.context import HOLE, GlobalFile, place
+from kg.extract.launch.ros2.locate import read
+from kg.extract.launch.ros2.matching import fits
+from kg.extract.launch.ros2.parameter_files import Entry, entries, rewritten
+from kg.extract.launch.ros2.values import Performed, of_object, of_text
+from kg.facts import LaunchParameter, LaunchProblemKind
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+
+    from kg.extract.launch.ros2.actions import ParameterSource
+    from kg.extract.launch.ros2.context import Context
+
+__all__ = ["Asked", "given_parameter", "node_parameters"]
+
+_ALL: Final = "/**"
+_MOST: Final = 20_000
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """Whose parameters are asked for: the absolute name, without its last part where the name is not known.
+
+    A node that is loaded into a container is given only what is written for its exact name, or for all.
+    """
+
+    namespace: str
+    name: str | None
+    loaded: bool = False
+    whole: bool = True
+    """Whether launch knows the full name, and writes values given to the node for that name alone."""
+
+
+def given_parameter(context: Context, parameter: ParameterValue) -> LaunchParameter:
+    """Return a parameter given by value, as it is now."""
+    value, kind = _value(context, parameter)
+    unknown = parameter.reason or "it depends on what is known only when it runs"
+    reason = unknown if value is None or HOLE in value else None
+    name = context.perform(parameter.name)
+    return LaunchParameter(name, value, parameter.location, context.chain, parameter.type or kind, reason)
+
+
+def node_parameters(
+    context: Context, asked: Asked, sources: Sequence[ParameterSource | LaunchParameter | GlobalFile]
+) -> tuple[LaunchParameter, ...]:
+    """Return the parameters of a node in the order in which they are applied; of two of one name the later counts."""
+    merged: dict[str, dict[str, LaunchParameter]] = {}
+    count = 0
+    for key, parameter in _written(context, asked, sources):
+        sure = _is_own(key, asked)
+        if sure is False:
+            continue
+        count += 1
+        if count > _MOST:
+            context.problem(LaunchProblemKind.LIMIT, f"a node is given more than {_MOST} parameters")
+            break
+        known = merged.setdefault("" if asked.loaded else key, {})
+        known.pop(parameter.name, None)
+        doubtful = f"it is for the node `{key}`, if this one is called so"
+        known[parameter.name] = parameter if sure else replace(parameter, value=None, reason=doubtful)
+    return tuple(parameter for known in merged.values() for parameter in known.values())
+
+
+def _is_own(key: str, asked: Asked) -> bool | None:
+    if asked.loaded and "*" in key:
+        return key.strip("/") == "**"
+    return fits(key, asked.namespace, asked.name)
+
+
+def _written(
+    context: Context, asked: Asked, sources: Iterable[ParameterSource | LaunchParameter | GlobalFile]
+) -> Iterator[tuple[str, LaunchParameter]]:
+    """Yield the parameters of all sources with the name of node that they are written for."""
+    own = f"{asked.namespace.rstrip('/')}/{asked.name}" if asked.name and asked.whole else _ALL
+    for source in sources:
+        if isinstance(source, LaunchParameter):
+            yield _addressed(source)
+        elif isinstance(source, ParameterValue):
+            with context.at(source.location):
+                yield own, given_parameter(context, source)
+        else:
+            with context.at(source.location):
+                yield from _of_file(context, source, own if asked.loaded else None)
+
+
+def _addressed(parameter: LaunchParameter) -> tuple[str, LaunchParameter]:
+    """Return a parameter for all nodes, or that of a rule `node:name`, as `rcl` reads them."""
+    node, colon, name = parameter.name.rpartition(":")
+    return (node, replace(parameter, name=name)) if colon and node else (_ALL, parameter)
+
+
+def _of_file(
+    context: Context, source: ParameterFile | GlobalFile, flat: str | None
+) -> Iterator[tuple[str, LaunchParameter]]:
+    path = source.path if isinstance(source, GlobalFile) else context.perform(source.path)
+    found = read(context, path)
+    if found is None:
+        return
+    file, content = found
+    if isinstance(source, ParameterFile) and source.substitutions:
+        content = _substituted(context, content)
+    try:
+        listed: Sequence[Entry] = entries(content, flat)
+    except ValueError as error:
+        line = error.args[1] if len(error.args) > 1 else 1
+        context.problem(
+            LaunchProblemKind.MALFORMED, f"`{file.path}` {error.args[0]}", file.path, place(context.files, file, line)
+        )
+        return
+    if isinstance(source, ParameterFile) and (source.rewrites or source.root or source.keys):
+        listed = rewritten(context, listed, source)
+    for entry in listed:
+        value = None if source.reason or entry.value == HOLE else entry.value
+        reason = source.reason or ("it depends on what is known only when it runs" if value is None else None)
+        where = entry.location or place(context.files, file, entry.line)
+        yield entry.node, LaunchParameter(".".join(entry.names), value, where, context.chain, entry.type, reason)
+
+
+def _substituted(context: Context, content: bytes) -> bytes:
+    from kg.extract.launch.ros2.frontend.template import TemplateError, parse_template  # noqa: PLC0415  (rarely needed)
+
+    try:
+        return context.perform(parse_template(content.decode())).encode()
+    except TemplateError as error:
+        context.problem(LaunchProblemKind.MALFORMED, str(error))
+        return content
+
+
+def _value(context: Context, parameter: ParameterValue) -> tuple[str | None, str | None]:
+    value = parameter.value
+    if isinstance(value, tuple):
+        return of_text(context.perform(value), "string" if parameter.as_text else parameter.type)
+    if isinstance(value, list):
+        return of_object([Performed(context.perform(item)) if isinstance(item, tuple) else item for item in value])
+    return of_object(value)
