@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import ast
+from typing import TYPE_CHECKING, Final
 
+from kg.corpus.files import FilePath
 from kg.extract.launch.ros2.actions import Condition, Substitution
 from kg.extract.launch.ros2.python.machine import MAX_ITEMS, Frame, Machine, written
 from kg.extract.launch.ros2.python.operators import same, truth
@@ -15,20 +17,23 @@ from kg.extract.launch.ros2.python.values import (
     Items,
     Library,
     Method,
+    Module,
     Scope,
     Table,
     Unknown,
     Words,
+    guard,
 )
 
 if TYPE_CHECKING:
-    import ast
     from collections.abc import Callable, Sequence
 
     from kg.extract.launch.ros2.python.values import Value
     from kg.facts import Location
 
 __all__ = ["Containers", "hashable"]
+
+_NOWHERE: Final = FilePath("", "")
 
 
 def hashable(value: Value) -> bool:
@@ -55,7 +60,7 @@ class Containers(Machine):
                 inner = self.iterate(option)
                 if inner is None:
                     return None
-                found += [Guarded(condition, item) if condition else item for item in inner]
+                found += [guard(condition, item) if condition else item for item in inner]
             return found
         return None
 
@@ -68,6 +73,10 @@ class Containers(Machine):
         if isinstance(receiver, Table):
             if hashable(key) and key in receiver:
                 return receiver[key]
+            if receiver.factory is not None and hashable(key):
+                made = self.invoke(receiver.factory, [], {}, ast.Constant(None), Frame(Module(_NOWHERE, ""), Scope()))
+                self.put(receiver, key, made, None)
+                return made
             return receiver.rest or Unknown(f"`{words_of}` has no such entry")
         if isinstance(receiver, Items | tuple | str) and isinstance(key, int) and -len(receiver) <= key < len(receiver):
             found = receiver[key]
@@ -106,6 +115,7 @@ class Containers(Machine):
         if not hashable(key):
             table.rest = Unknown(reason_of(key))
             return
+        self.keep(table)
         guarded = self.guarded(value, table.guards)
         if isinstance(guarded, Guarded) and not same(table.get(key), value):
             other = ((None, table[key]),) if key in table else ()
@@ -143,9 +153,10 @@ class Containers(Machine):
         clause, *rest = clauses
         iterated = self.evaluate(clause.iter, frame)
         items = self.iterate(iterated)
-        if items is None:
-            return reason_of(iterated)
-        unsure: str | None = None
+        unsure = reason_of(iterated) if items is None else None
+        if items is None:  # one item stands for all, under a condition
+            words_of = f"for {written(clause.target)} in {written(clause.iter)}"
+            items = [Guarded(Condition(None, written=words_of), Unknown(reason_of(iterated)))]
         for item in items:
             self.step()
             height = len(self.guards)

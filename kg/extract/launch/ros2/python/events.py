@@ -22,6 +22,8 @@ def _handler(what: str, *names: str, certain: bool = False) -> Callable[[Call], 
     """Return the maker of a handler; `names` are its arguments with actions."""
 
     def make(call: Call) -> Value:
+        if call.path.endswith("OnShutdown"):
+            return IGNORED  # what is done at the end is no part of the system
         given = call.first(*names)
         value = call.again(given, [Unknown("an event"), Unknown("a context")]) if isinstance(given, Function) else given
         actions = tuple(actions_of(call.machine, value, call.location))

@@ -135,6 +135,10 @@ class Expressions(Containers):
                 kwargs[keyword.arg] = value
             elif isinstance(value, Table):
                 kwargs.update({key: item for key, item in value.items() if isinstance(key, str)})
+            else:
+                self.unresolved(
+                    f"what `**{written(keyword.value)}` spreads: {reason_of(value)}", self.location(node, frame)
+                )
         return self.invoke(function, args, kwargs, node, frame)
 
     def function(self, node: ast.Lambda, frame: Frame) -> Value:
@@ -196,8 +200,8 @@ class Expressions(Containers):
     def comprehension(self, node: ast.ListComp | ast.SetComp | ast.GeneratorExp, frame: Frame) -> Value:
         """Return the list that a comprehension makes."""
         found = self.items()
-        unsure = self.generate(node.generators, frame, lambda: self.append(found, [self.evaluate(node.elt, frame)]))
-        return Unknown(unsure) if unsure and not found else found
+        self.generate(node.generators, frame, lambda: self.append(found, [self.evaluate(node.elt, frame)]))
+        return found
 
     def table_comprehension(self, node: ast.DictComp, frame: Frame) -> Value:
         """Return the dictionary that a comprehension makes."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.ros2.actions import Group, Include
+from kg.extract.launch.ros2.actions import Group, Include, ParameterFile
 from kg.extract.launch.ros2.python.conditions import condition_of
 from kg.extract.launch.ros2.python.flatten import actions_of
 from kg.extract.launch.ros2.python.texts import reason_of, to_text
@@ -83,6 +83,12 @@ def _arguments(call: Call) -> tuple[tuple[Text, Text], ...]:
     for pair in pairs if pairs is not None else [Unknown(reason_of(value))]:
         if isinstance(pair, Guarded):
             pair = _guarded_pair(pair)  # noqa: PLW2901 - the pair without its condition
+        rewritten = isinstance(pair, Items | tuple) and any(
+            isinstance(each, ParameterFile) and each.rewrites for each in pair
+        )
+        if rewritten:
+            reason = "a file of parameters is passed on without what is rewritten in it"
+            call.machine.unresolved(reason, call.place("launch_arguments", 1))
         if isinstance(pair, Items | tuple) and len(pair) == 2:  # noqa: PLR2004 - a name and a value
             found.append((to_text(pair[0]), to_text(pair[1])))
         else:
@@ -93,8 +99,6 @@ def _arguments(call: Call) -> tuple[tuple[Text, Text], ...]:
 
 def _guarded_pair(pair: Guarded) -> Value:
     inner = pair.value
-    if isinstance(inner, Guarded):
-        return _guarded_pair(inner)
     if isinstance(inner, Items | tuple) and len(inner) == 2:  # noqa: PLR2004 - a name and a value
         return (inner[0], Unknown(f"it depends on `{pair.condition.written}`"))
     return inner

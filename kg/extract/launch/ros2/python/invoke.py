@@ -5,13 +5,13 @@ from __future__ import annotations
 import ast
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.ros2.actions import Condition
+from kg.extract.launch.ros2.actions import Condition, ParameterFile
 from kg.extract.launch.ros2.python import builtin, methods
 from kg.extract.launch.ros2.python.call import Call
 from kg.extract.launch.ros2.python.library import FUNCTIONS
 from kg.extract.launch.ros2.python.machine import Frame, Return, written
 from kg.extract.launch.ros2.python.modules import Modules
-from kg.extract.launch.ros2.python.texts import HOLE, known, reason_of, to_text, words
+from kg.extract.launch.ros2.python.texts import HOLE, known, reason_of, simplify, to_text, words
 from kg.extract.launch.ros2.python.values import (
     Choice,
     ContextValue,
@@ -75,7 +75,7 @@ class Invocations(Modules):
         return Unknown(f"`{function.path.removeprefix('builtins.')}()` is not run")
 
     def _method(self, receiver: Value, name: str, call: Call) -> Value:
-        if isinstance(receiver, Words) and name in {"perform", "describe"}:
+        if isinstance(receiver, Words | ParameterFile) and name in {"perform", "evaluate"}:
             return self.perform(receiver)
         if isinstance(receiver, str | Words):
             return methods.text_method(call, receiver, name)
@@ -125,9 +125,9 @@ class Invocations(Modules):
 
     def perform(self, value: Value) -> Value:
         """Return the text that a substitution gives now."""
-        if self.context is None:
-            return Unknown("a substitution is performed where no configuration is known")
         parts = to_text(value)
+        if self.context is None:
+            return simplify(parts)  # in a context of the file's own, which has no configurations
         found = self.context.perform(parts)
         if HOLE not in found:
             return found

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.launch.ros2.python.conditions import CONDITIONS
+from kg.extract.launch.ros2.python.control import CONTROL
 from kg.extract.launch.ros2.python.entities import ENTITIES
 from kg.extract.launch.ros2.python.events import EVENTS
 from kg.extract.launch.ros2.python.includes import INCLUDES
@@ -28,4 +29,5 @@ FUNCTIONS: Final[dict[str, Callable[[Call], Value]]] = {
     **ENTITIES,
     **NODES,
     **EVENTS,
+    **CONTROL,
 }

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.launch.ros2.context import place
-from kg.extract.launch.ros2.python.values import Guarded, Items, Table, Unknown
+from kg.extract.launch.ros2.python.values import Items, Table, Unknown, guard
 from kg.facts import LaunchProblem, LaunchProblemKind
 
 if TYPE_CHECKING:
@@ -76,6 +76,7 @@ class Machine(ABC):
         self.guards: list[Condition] = []
         self.steps = 0
         self.depth = 0
+        self.kept: dict[int, tuple[Items | Table, list[Value] | Table]] = {}
 
     @abstractmethod
     def evaluate(self, node: ast.expr, frame: Frame) -> Value:
@@ -111,6 +112,16 @@ class Machine(ABC):
     def within(self, context: Context, body: Callable[[], Value], location: Location) -> Sequence[Action]:
         """Return the actions of an `OpaqueFunction`, whose body is read in the context of the moment."""
 
+    def restore(self) -> None:
+        """Give the containers back what was in them before they were changed."""
+        for container, before in self.kept.values():
+            if isinstance(container, Items) and isinstance(before, list):
+                container[:] = before
+            elif isinstance(container, Table) and isinstance(before, Table):
+                container.clear()
+                container.update(before)
+        self.kept.clear()
+
     def step(self) -> None:
         """Count a step of the work.
 
@@ -141,8 +152,14 @@ class Machine(ABC):
         """Return a value as an item of a list made under `guards`: with the conditions that hold now besides."""
         for condition in reversed(self.guards):
             if not any(condition is other for other in guards):
-                value = Guarded(condition, value)
+                value = guard(condition, value)
         return value
+
+    def keep(self, container: Items | Table) -> None:
+        """Remember a container before it changes, since the body of an `OpaqueFunction` may be read again."""
+        if self.context is not None and id(container) not in self.kept:
+            copied = list(container) if isinstance(container, Items) else container.copy()
+            self.kept[id(container)] = container, copied
 
     def append(self, items: Items, values: Iterable[Value]) -> None:
         """Add values to the end of a list.
@@ -150,6 +167,7 @@ class Machine(ABC):
         Raises:
             Halt: when the list is too long.
         """
+        self.keep(items)
         items.extend(self.guarded(value, items.guards) for value in values)
         if len(items) > MAX_ITEMS:
             raise Halt
@@ -160,7 +178,10 @@ class Machine(ABC):
         return Unknown(reason)
 
     def note(self, kind: LaunchProblemKind, message: str, location: Location, subject: str | None = None) -> None:
-        """Note a problem once."""
+        """Note a problem once; of the body of an `OpaqueFunction`, where it is executed."""
+        if self.context is not None:
+            self.context.problem(kind, message, subject, location)
+            return
         problem = LaunchProblem(kind, message, location, subject=subject)
         if problem not in self.problems:
             self.problems.append(problem)

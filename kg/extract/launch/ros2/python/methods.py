@@ -68,6 +68,7 @@ def _join(call: Call, receiver: str | Words) -> Value:
 def list_method(call: Call, receiver: Items, name: str) -> Value:
     """Return what a method of `list` (or of a set, which is read as one) gives; the list may change."""
     machine, value = call.machine, call.value("x", 0)
+    machine.keep(receiver)
     if name in {"append", "add"}:
         machine.append(receiver, [value])
     elif name in {"extend", "update"}:
@@ -96,6 +97,7 @@ def list_method(call: Call, receiver: Items, name: str) -> Value:
 def table_method(call: Call, receiver: Table, name: str) -> Value:
     """Return what a method of `dict` gives; the dictionary may change."""
     key = call.value("key", 0)
+    call.machine.keep(receiver)
     if name == "update":
         for other in call.args:
             call.machine.spread_table(receiver, other)

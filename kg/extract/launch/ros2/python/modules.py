@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import ast
+import math
 import posixpath
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from kg.corpus.files import FilePath
+from kg.extract.launch.ros2.actions import ParameterFile
 from kg.extract.launch.ros2.python import paths
 from kg.extract.launch.ros2.python.machine import Frame
 from kg.extract.launch.ros2.python.source import Broken, parse
@@ -78,6 +80,17 @@ OUTSIDE: Final = frozenset(
 """First names of modules that are never looked for in the build: the tables know them, or nobody does."""
 
 
+_CONSTANTS: Final[dict[str, Value]] = {
+    "math.pi": math.pi,
+    "math.tau": math.tau,
+    "os.sep": "/",
+    "os.path.sep": "/",
+    "os.pathsep": ":",
+    "os.linesep": "\n",
+    "sys.argv": Unknown("the command line"),
+}
+
+
 class Modules(Statements):
     """The part of the interpreter that imports and finds attributes."""
 
@@ -146,7 +159,8 @@ class Modules(Statements):
     def attribute(self, receiver: Value, name: str) -> Value:
         """Return an attribute of a value."""
         if isinstance(receiver, Library):
-            return Library(f"{receiver.path}.{name}")
+            path = f"{receiver.path}.{name}"
+            return _CONSTANTS.get(path, Library(path))
         if isinstance(receiver, Module):
             missing = self.member_of_module(receiver.name, name, receiver) if name not in receiver.scope.names else None
             return receiver.scope.names.get(name, missing)
@@ -160,7 +174,7 @@ class Modules(Statements):
             return Choice(tuple((condition, self.attribute(each, name)) for condition, each in receiver.options))
         if isinstance(receiver, Unknown):
             return receiver
-        kinds = (str, Words, Items, Table, LoadedFile, Description, ContextValue, Method)
+        kinds = (str, Words, Items, Table, LoadedFile, Description, ContextValue, Method, ParameterFile)
         return (
             Method(receiver, name)
             if isinstance(receiver, kinds) or name == "evaluate"

@@ -79,7 +79,10 @@ def _component(call: Call) -> Value:
 
 
 def _settings(call: Call) -> tuple[tuple[str, Text], ...]:
-    found = [(key, to_text(call.kwargs[name])) for name, key in _SETTINGS.items() if call.kwargs.get(name) is not None]
+    given = {name: call.kwargs[name] for name in _SETTINGS if call.kwargs.get(name) is not None}
+    if isinstance(output := given.get("output"), Table):
+        given["output"] = output.get("stdout", output.get("both", ""))
+    found = [(_SETTINGS[name], to_text(value)) for name, value in given.items()]
     for name in ("env", "additional_env"):
         variables = call.value(name)
         if isinstance(variables, Table):

@@ -21,6 +21,7 @@ from kg.extract.launch.ros2.python.values import (
     Table,
     Unknown,
     Words,
+    guard,
 )
 
 if TYPE_CHECKING:
@@ -110,7 +111,7 @@ def _spread(value: Items | Choice | Unknown) -> list[Value]:
     found: list[Value] = []
     for condition, option in value.options:
         inner = list(option) if isinstance(option, Items | tuple) else [option]
-        found += [Guarded(condition, item) if condition else item for item in inner]
+        found += [guard(condition, item) if condition else item for item in inner]
     return found
 
 

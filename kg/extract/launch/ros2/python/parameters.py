@@ -160,7 +160,7 @@ def _pairs(call: Call, name: str) -> tuple[tuple[Text, Text], ...]:
     value = call.value(name)
     if isinstance(value, Table):
         return tuple((to_text(key), to_text(item)) for key, item in value.items())
-    if value is not None:
+    if value is not None and value != "":
         call.machine.unresolved(f"what a file of parameters is rewritten with: {reason_of(value)}", call.location)
     return ()
 

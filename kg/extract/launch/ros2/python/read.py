@@ -46,6 +46,8 @@ class _Reading(Invocations):
         try:
             return self.bounded(body, location)
         finally:
+            if before is None:
+                self.restore()
             self.context = before
 
     def bounded(self, body: Callable[[], Value], location: Location) -> Sequence[Action]:

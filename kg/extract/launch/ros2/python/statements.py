@@ -10,9 +10,10 @@ from kg.extract.launch.ros2.python.expressions import Expressions
 from kg.extract.launch.ros2.python.formatting import format_percent
 from kg.extract.launch.ros2.python.machine import Break, Continue, Frame, Raised, Return, written
 from kg.extract.launch.ros2.python.operators import binary, same, truth
-from kg.extract.launch.ros2.python.texts import reason_of
+from kg.extract.launch.ros2.python.texts import known, reason_of, to_text
 from kg.extract.launch.ros2.python.values import (
     Choice,
+    ContextValue,
     Function,
     Guarded,
     Instance,
@@ -20,6 +21,7 @@ from kg.extract.launch.ros2.python.values import (
     Klass,
     Library,
     LoadedFile,
+    Method,
     Scope,
     Table,
     Unknown,
@@ -98,7 +100,18 @@ class Statements(Expressions):
             if isinstance(receiver, Table):
                 self.put(receiver, key, value, self.location(target, frame))
             elif isinstance(receiver, Items) and isinstance(key, int) and -len(receiver) <= key < len(receiver):
+                self.keep(receiver)
                 receiver[key] = self.guarded(value, receiver.guards)
+
+            elif isinstance(receiver, Method) and isinstance(receiver.receiver, ContextValue):
+                self._configure(receiver.receiver, key, value)
+
+    def _configure(self, receiver: ContextValue, key: Value, value: Value) -> None:
+        """Run `context.launch_configurations[key] = value`."""
+        name = known(key, self.context)
+        if receiver.context is not None and name is not None:
+            guarded = Unknown(f"it depends on `{self.guards[-1].written}`") if self.guards else value
+            receiver.context.scope.configurations[name] = receiver.context.perform(to_text(guarded))
 
     def _unpack(self, targets: list[ast.expr], value: Value, frame: Frame) -> None:
         found = self.iterate(value)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.extract.launch.ros2.actions import Substitution
 from kg.extract.launch.ros2.python import paths
+from kg.extract.launch.ros2.python.builtin import FUNCTIONS
 from kg.extract.launch.ros2.python.documents import construct, read_yaml
 from kg.extract.launch.ros2.python.texts import known, reason_of, simplify, to_text
 from kg.extract.launch.ros2.python.values import (
@@ -116,6 +117,12 @@ def _deep_copy(call: Call) -> Value:
     return copy.deepcopy(value) if isinstance(value, Table | Items) else value
 
 
+def _default_table(call: Call) -> Value:
+    table = call.machine.table()
+    table.factory = call.value("default_factory", 0)
+    return table
+
+
 def _partial(call: Call) -> Value:
     return Unknown(f"`{call.path}()` is not run")
 
@@ -147,5 +154,7 @@ SYSTEM: Final[dict[str, Callable[[Call], Value]]] = {
     "json.loads": _json,
     "copy.copy": _copy,
     "copy.deepcopy": _deep_copy,
+    "collections.defaultdict": _default_table,
+    "collections.OrderedDict": FUNCTIONS["dict"],
     "functools.partial": _partial,
 }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.ros2.actions import Substitution
+from kg.extract.launch.ros2.actions import ParameterFile, Substitution
 from kg.extract.launch.ros2.python.values import Choice, Guarded, Items, PathValue, Unknown, Words
 
 if TYPE_CHECKING:
@@ -27,6 +27,10 @@ def reason_of(value: Value) -> str:
     """Return why a value cannot be used as what it should be."""
     if isinstance(value, Unknown | Choice):
         return value.reason
+    if isinstance(value, PathValue):
+        return reason_of(value.text)
+    if isinstance(value, Guarded):
+        return f"it depends on `{value.condition.written}`"
     if isinstance(value, Words):
         for part in value.parts:
             if isinstance(part, Substitution):
@@ -55,10 +59,10 @@ def to_text(value: Value) -> Text:
         return value.parts
     if isinstance(value, PathValue):
         return to_text(value.text)
+    if isinstance(value, ParameterFile):
+        return value.path
     if isinstance(value, bool | int | float):
         return (str(value),)
-    if isinstance(value, Guarded):
-        return unknown_text(f"it depends on `{value.condition.written}`")
     if isinstance(value, Items | tuple):
         return join([part for item in value[:_MAX_PARTS] for part in to_text(item)])
     return unknown_text(reason_of(value))

@@ -9,12 +9,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final, TypeAlias
 
+from kg.extract.launch.ros2.actions import Condition
+
 if TYPE_CHECKING:
     import ast
     from collections.abc import Callable, Iterable
 
     from kg.corpus.files import FilePath
-    from kg.extract.launch.ros2.actions import Action, Condition, Text
+    from kg.extract.launch.ros2.actions import Action, Text
     from kg.extract.launch.ros2.context import Context
     from kg.facts import Location
 
@@ -41,6 +43,7 @@ __all__ = [
     "Unknown",
     "Value",
     "Words",
+    "guard",
 ]
 
 Value: TypeAlias = object
@@ -83,6 +86,14 @@ class Guarded:
     value: Value
 
 
+def guard(condition: Condition, value: Value) -> Guarded:
+    """Return a value that is there under a condition besides those that it already has."""
+    if not isinstance(value, Guarded):
+        return Guarded(condition, value)
+    both = Condition(None, written=f"{condition.words} and {value.condition.words}")
+    return Guarded(both, value.value)
+
+
 class Items(list[Value]):
     """A list; `guards` are the conditions under which it was made."""
 
@@ -92,13 +103,17 @@ class Items(list[Value]):
 
 
 class Table(dict[Value, Value]):
-    """A dictionary with the place of each entry; `rest` tells why it may have more entries than are known."""
+    """A dictionary with the place of each entry; `rest` tells why it may have more entries than are known.
+
+    `factory` makes the entries of a `defaultdict`.
+    """
 
     def __init__(self, guards: tuple[Condition, ...] = ()) -> None:
         super().__init__()
         self.places: dict[Value, Location] = {}
         self.guards = guards
         self.rest: Unknown | None = None
+        self.factory: Value = None
 
     def put(self, key: Value, value: Value, place: Location | None) -> None:
         """Set an entry that stands at a place."""
@@ -111,7 +126,7 @@ class Table(dict[Value, Value]):
         other = Table(self.guards)
         other.update(self)
         other.places.update(self.places)
-        other.rest = self.rest
+        other.rest, other.factory = self.rest, self.factory
         return other
 
 
