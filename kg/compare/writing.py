@@ -1,0 +1,111 @@
+"""A difference as lines for people, as Markdown for a pull request, and as plain values for JSON."""
+
+from __future__ import annotations
+
+from itertools import groupby
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from kg.compare.changes import Level
+from kg.compare.wording import change_words, sign, summary
+from kg.render.text import count, printable
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from kg.compare.changes import Change, Difference, Side
+
+__all__ = ["Link", "difference_lines", "difference_markdown", "difference_objects"]
+
+Link: TypeAlias = "Callable[[Side, bool], str | None]"
+"""Gives the address of a side's line; the flag tells whether it is the side after."""
+
+
+def difference_lines(difference: Difference) -> list[str]:
+    """Return lines for people: the changes of each node type, then those of each launch file, with their lines."""
+    lines: list[str] = []
+    for heading, changes in _groups(difference):
+        lines += [heading, *(f"  {line}" for line in _aligned(changes)), ""]
+    return [*lines, summary(difference)]
+
+
+def difference_markdown(difference: Difference, title: str, link: Link | None = None, *, most: int = 200) -> str:
+    """Return Markdown: the line that counts, then a table for code and for each launch file.
+
+    `link` gives addresses of lines; a table has at most `most` rows, and says how many are left out.
+    """
+    parts = [f"### {_cell(title)}", "", f"**{summary(difference)}**", ""]
+    for heading, changes in _groups(difference):
+        parts += [f"#### {_cell(heading)}", "", "|   | what | where |", "|---|---|---|"]
+        parts += [f"| {sign(one)} | {_cell(change_words(one))} | {_places(one, link)} |" for one in changes[:most]]
+        parts += ["", *([f"{count(len(changes) - most, 'more row')} left out.", ""] if len(changes) > most else [])]
+    return "\n".join(parts)
+
+
+def difference_objects(difference: Difference) -> Iterator[dict[str, Any]]:
+    """Yield each change as plain values, ready for JSON; the fields of docs/formats.md."""
+    for change in difference.changes:
+        yield {
+            "level": str(change.level),
+            "change": str(change.kind),
+            "system": change.system or None,
+            "owner": change.owner,
+            "role": change.role or None,
+            "before": _side_object(change.before),
+            "after": _side_object(change.after),
+        }
+
+
+def _side_object(side: Side | None) -> dict[str, Any] | None:
+    if side is None:
+        return None
+    return {
+        "name": side.name,
+        "value": side.value or None,
+        "file": side.location.path if side.location else None,
+        "line": side.location.line if side.location else None,
+        "repository": side.repository or None,
+    }
+
+
+def _groups(difference: Difference) -> Iterator[tuple[str, list[Change]]]:
+    """Yield the changes below their heading: of a node type, or of an instance in its launch file."""
+    for heading, changes in groupby(difference.changes, key=_heading):
+        yield heading, list(changes)
+
+
+def _heading(change: Change) -> str:
+    if not change.system:
+        return "node types" if change.level is Level.NODE else change.owner
+    if change.level in {Level.SYSTEM, Level.CONNECTION, Level.FINDING, Level.INSTANCE}:
+        return change.system
+    return f"{change.owner} in {change.system}"
+
+
+def _aligned(changes: list[Change]) -> Iterator[str]:
+    words = [printable(change_words(change)) for change in changes]
+    room = max(map(len, words), default=0)
+    for change, told in zip(changes, words, strict=True):
+        side = change.after or change.before
+        place = str(side.location) if side and side.location else ""
+        yield f"{sign(change)} {told.ljust(room) if place else told}  {place}".rstrip()
+
+
+def _places(change: Change, link: Link | None) -> str:
+    found = []
+    for side, is_after in ((change.before, False), (change.after, True)):
+        if side is None or side.location is None or (not is_after and change.after and _same_line(change)):
+            continue
+        address = link(side, is_after) if link else None
+        text = _cell(str(side.location))
+        found.append(f"[{text}]({address})" if address else text)
+    return " → ".join(found)
+
+
+def _same_line(change: Change) -> bool:
+    return bool(change.before and change.after and change.before.location == change.after.location)
+
+
+def _cell(text: str) -> str:
+    """Return text as it may stand in a cell: nothing in it is Markdown or HTML."""
+    safe = printable(text).replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+    return "".join(f"\\{letter}" if letter in "\\|*_`[]#~@" else letter for letter in safe)
