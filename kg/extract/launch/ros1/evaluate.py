@@ -28,6 +28,7 @@ __all__ = ["evaluate"]
 
 _MOST_DEPTH: Final = 100
 _ROS1: Final = 1
+_MACHINE: Final = ("name", "address", "env-loader", "ssh-port", "user", "password", "default", "timeout")
 
 
 def evaluate(
@@ -168,12 +169,22 @@ class _Evaluation:
         self._arguments.setdefault(name, argument)
 
     def _machine(self, scope: Scope, element: Element) -> None:
-        counts, _ = self._state.condition(scope, element)
-        name = self._state.text(scope, element, "name")
-        if counts and (not name or "address" not in element.attributes):
-            self._state.refused(scope, element, "it needs 'name' and 'address'")
-        elif counts and name and (self._state.text(scope, element, "default") or "").lower() == "true":
-            self._state.machine = shown(name)
+        state = self._state
+        counts, words = state.condition(scope, element)
+        if not counts:
+            return
+        found = {name: state.text(scope, element, name) for name in _MACHINE if name in element.attributes}
+        name, address = found.get("name"), found.get("address")
+        if not name or address is None:
+            state.refused(scope, element, "it needs 'name' and 'address'")
+            return
+        default = (found.pop("default", None) or "false").lower()
+        found["assignable"] = str(default != "never")
+        certain = not words and not scope.conditions and HOLE not in name
+        if state.machines.setdefault(name, found) != found and certain:
+            state.refused(scope, element, f"there is another machine '{name}'")
+        if default == "true":
+            state.machine = shown(name)
 
     def _include(self, scope: Scope, inner: Scope, element: Element) -> None:
         state = self._state

@@ -17,6 +17,8 @@ from kg.facts import LaunchParameter, Remap, StartedNode, StartKind
 from kg.names import normalise, resolve
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from kg.extract.launch.ros1.document import Element
     from kg.extract.launch.ros1.scope import Scope
     from kg.extract.launch.ros1.state import State
@@ -27,6 +29,8 @@ __all__ = ["read_environment", "read_node", "read_remap"]
 _MAPPING: Final = re.compile(rf"(?:[~/A-Za-z]|__?)[\w/{HOLE}]*:=.*|{HOLE}[\w/{HOLE}]*:=.*", re.DOTALL)
 _SETTINGS: Final = ("machine", "respawn", "respawn_delay", "required", "output", "cwd", "launch-prefix", "clear_params")
 _TEST_SETTINGS: Final = ("test-name", "time-limit", "retry")
+_CHOICES: Final = {"output": ("log", "screen"), "cwd": ("ROS_HOME", "ros_home", "node")}
+_NUMBERS: Final[dict[str, Callable[[str], float]]] = {"respawn_delay": float, "time-limit": float, "retry": int}
 _NOT_OF_TESTS: Final = ("respawn", "respawn_delay", "output")
 _NO_BOND: Final = "--no-bond"
 
@@ -118,6 +122,18 @@ def read_environment(state: State, scope: Scope, target: Scope, element: Element
         state.refused(scope, element, "it needs 'name' and 'value'")
     elif counts:
         target.environment.append((shown(name or ""), "{}" if words else shown(value or "")))
+
+
+def _is_valid(name: str, value: str) -> bool:
+    """Tell whether roslaunch takes the value of a setting; an empty limit is none."""
+    if name in _CHOICES:
+        return value in _CHOICES[name]
+    if name not in _NUMBERS or (not value and name != "respawn_delay"):
+        return True
+    try:
+        return _NUMBERS[name](value) > 0 or name != "time-limit"
+    except ValueError:
+        return False
 
 
 def _cleaned(name: str) -> str:
@@ -231,6 +247,9 @@ def _settings(state: State, scope: Scope, element: Element, inner: Scope) -> tup
     ]
     if state.machine and not any(name == "machine" for name, _ in found):
         found.append(("machine", state.machine))
-    state.boolean(scope, element, "respawn")
-    state.boolean(scope, element, "required")
+    for name, value in found:
+        if "{}" not in value and not _is_valid(name, value):
+            state.refused(scope, element, f"'{name}' cannot be '{value}'")
+    if all([state.boolean(scope, element, name) for name in ("respawn", "required")]):
+        state.refused(scope, element, "it has both 'respawn' and 'required'")
     return (*found, *((f"env {name}", value) for name, value in inner.environment))

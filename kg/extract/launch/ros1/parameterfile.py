@@ -54,6 +54,8 @@ class ParameterTree:
     leaves: tuple[Leaf, ...] = ()
     problems: tuple[tuple[str, int], ...] = ()
     is_mapping: bool = True
+    is_empty: bool = False
+    """There is no document, which is null."""
     too_large: bool = False
 
 
@@ -107,7 +109,7 @@ def _read(text: str) -> ParameterTree:
     try:
         root = yaml.compose(text, Loader=_Loader)
         if root is None:
-            return ParameterTree()
+            return ParameterTree(is_empty=True)
         for leaf in walk.leaves(root, (), root.start_mark.line + 1, 0):
             leaves.append(leaf)  # noqa: PERF402 - what came before an error is kept
     except yaml.YAMLError as error:
@@ -168,7 +170,7 @@ class _Walk:
         if node.tag == _STRING:
             return str(node.value)
         self._constructor.constructed_objects.clear()
-        value: object = self._constructor.construct_object(node)  # type: ignore[no-untyped-call]  # has no types
+        value: object = self._constructor.construct_object(node)
         return value
 
     def _mapping(self, node: yaml.MappingNode, depth: int) -> dict[object, tuple[yaml.Node, int]]:

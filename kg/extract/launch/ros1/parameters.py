@@ -139,6 +139,8 @@ def _converted(state: State, scope: Scope, element: Element, what: tuple[str, st
         tree = read_tree(text)
         for message, _ in tree.problems:
             state.refused(scope, element, message)
+        if tree.is_empty:
+            return (leaf_of(None, element.line),)
         return tuple(Leaf(leaf.keys, element.line, leaf.value, leaf.type, leaf.reason) for leaf in tree.leaves)
     try:
         return (leaf_of(converted(text, kind), element.line),)

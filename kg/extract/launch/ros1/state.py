@@ -43,6 +43,7 @@ class State:
         self.read: dict[FilePath, None] = {}
         self.machine: str | None = None
         """The default machine; a later one is in force to the end, whatever scope it stands in."""
+        self.machines: dict[str, dict[str, str | None]] = {}
         self._substituter = Substituter(files, environment)
         self._elements = 0
 
