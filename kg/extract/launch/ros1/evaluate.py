@@ -173,7 +173,9 @@ class _Evaluation:
         counts, words = state.condition(scope, element)
         if not counts:
             return
-        found = {name: state.text(scope, element, name) for name in _MACHINE if name in element.attributes}
+        found: dict[str, str | None] = {
+            name: state.text(scope, element, name) for name in _MACHINE if name in element.attributes
+        }
         name, address = found.get("name"), found.get("address")
         if not name or address is None:
             state.refused(scope, element, "it needs 'name' and 'address'")

@@ -250,6 +250,7 @@ def _settings(state: State, scope: Scope, element: Element, inner: Scope) -> tup
     for name, value in found:
         if "{}" not in value and not _is_valid(name, value):
             state.refused(scope, element, f"'{name}' cannot be '{value}'")
-    if all([state.boolean(scope, element, name) for name in ("respawn", "required")]):
+    respawn, required = (state.boolean(scope, element, name) for name in ("respawn", "required"))
+    if respawn and required:
         state.refused(scope, element, "it has both 'respawn' and 'required'")
     return (*found, *((f"env {name}", value) for name, value in inner.environment))
