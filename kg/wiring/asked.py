@@ -6,7 +6,7 @@ import re
 from functools import lru_cache
 from typing import TYPE_CHECKING, TypeAlias
 
-from kg.facts import Access, InstanceParameter
+from kg.facts import Access, InstanceParameter, Parameter
 from kg.names import normalise
 from kg.wiring.ends import ids_of
 from kg.wiring.similar import Alike
@@ -14,7 +14,7 @@ from kg.wiring.similar import Alike
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from kg.facts import LaunchParameter, NodeReference, NodeType, Parameter
+    from kg.facts import LaunchParameter, NodeReference, NodeType
     from kg.wiring.place import Place
     from kg.wiring.plugins import Loaded
     from kg.wiring.remapping import Remapping
@@ -73,6 +73,12 @@ class Asked:
 
     def _add(self, name: str, parameter: Parameter, owner: NodeReference) -> None:
         (self._patterns if "{}" in name else self._exact).setdefault(name, (parameter, owner))
+
+    def add_of_framework(self, names: Iterable[str], node: NodeType, owner: NodeReference, origin: str) -> None:
+        """Add parameters, named relative to the node, that a framework asks for in the name of the node."""
+        for name in names:
+            made = Parameter(name, None, None, Access.READ, node.location, implicit=True, origin=origin)
+            self._add(f"{self._place.full}/{name}", made, owner)
 
     def settled(self, set_for: Iterable[tuple[str, LaunchParameter]]) -> Iterator[InstanceParameter]:
         """Yield the parameters set for the instance, given by absolute name, with what they set."""

@@ -31,7 +31,7 @@ def attach(drafts: Sequence[Draft], server: Server, types: NodeTypes, repository
             kind = shown(given.value) if given is not None else None
             found = types.plugin(kind, repository) if kind is not None else None
             if kind is not None and (found is None or found[1].base_class == framework.base):
-                loader.plugins.append(Loaded(identifier, kind, scope, found, framework))
+                loader.plugins.append(Loaded(identifier, kind, scope, found, framework, f"{identifier}{_TYPE}"))
 
 
 def _wanted(drafts: Sequence[Draft], framework: Framework) -> Iterator[tuple[str, str]]:

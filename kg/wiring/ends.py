@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import InstanceInterface, Resolution
@@ -13,7 +13,7 @@ from kg.wiring.values import parsed, shown
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kg.facts import Interface, NodeReference, NodeType
+    from kg.facts import Interface, Location, NodeReference, NodeType
     from kg.wiring.place import Place
     from kg.wiring.plugins import Framework, Loaded
     from kg.wiring.qos import Overrides
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Ends", "ids_of"]
 
+_CAMERA_INFO: Final = "camera_info"
 _OF_NODES: Final = ("ros1.node", "ros2.node")
 """What every node has, and a plugin has not: it stands in a node."""
 
@@ -38,10 +39,34 @@ class Ends:
     def of_node(self, owner: NodeReference, node: NodeType) -> Iterator[InstanceInterface]:
         """Yield what the node type declares."""
         defaults = defaults_of(node)
+        made: dict[Location, list[InstanceInterface]] = {}
+        later: list[Interface] = []
         for declared in node.interfaces:
-            handle = _handle(declared, node)
+            if declared.name is not None and (declared.implicit or declared.name.endswith(_CAMERA_INFO)):
+                later.append(declared)
+                continue
             name = self._named(declared, declared.parameter, defaults, self.place)
-            yield self._placed(declared, owner, name, self.place, handle)
+            end = self._placed(declared, owner, name, self.place, _handle(declared, node))
+            made.setdefault(declared.location, []).append(end)
+            yield end
+        for declared in later:
+            base = next((end for end in made.get(declared.location, ()) if _made_beside(declared, end)), None)
+            if base is not None:
+                yield self._beside(declared, base)
+            else:
+                name = self._named(declared, declared.parameter, defaults, self.place)
+                yield self._placed(declared, owner, name, self.place, _handle(declared, node))
+
+    def _beside(self, declared: Interface, base: InstanceInterface) -> InstanceInterface:
+        """Return an end whose name is made of that of another after its remapping, as `image_transport` does."""
+        above, name = base.declared.name or "", declared.name or ""
+        resolved = base.resolved or ""
+        if name.startswith(f"{above}/"):
+            resolved += name.removeprefix(above)
+        else:
+            resolved = f"{resolved.rpartition('/')[0]}/{name.rpartition('/')[2]}"
+        moved, remap = self.remapping.apply(resolved, declared.role)
+        return replace(base, declared=declared, resolved=moved, remap=remap or base.remap, qos=declared.qos)
 
     def of_plugin(self, plugin: Loaded) -> Iterator[InstanceInterface]:
         """Yield what a loaded plugin declares."""
@@ -87,8 +112,9 @@ class Ends:
         self, declared: Interface, owner: NodeReference, name: Named, place: Place, handle: str | None = None
     ) -> InstanceInterface:
         if name.name is None:
+            reason = name.reason or "nothing of its name is known before run time"
             return InstanceInterface(
-                declared, owner, None, Resolution.UNRESOLVED, None, name.parameter, declared.qos, name.reason
+                declared, owner, None, Resolution.UNRESOLVED, None, name.parameter, declared.qos, reason
             )
         resolved, remap = place.resolve(name.name), None
         if "{}" not in resolved:
@@ -105,6 +131,17 @@ class Ends:
             qos=self.overrides.applied(declared.qos, resolved, declared.role),
             reason=name.reason or ("a part of it is known only at run time" if partial else None),
         )
+
+
+def _made_beside(declared: Interface, base: InstanceInterface) -> bool:
+    """Tell whether a library makes the name of an end of that of another at the same line of code."""
+    above, name = base.declared.name, declared.name or ""
+    if above is None or base.resolved is None or "{}" in base.resolved:
+        return False
+    if name.startswith(f"{above}/"):
+        return declared.implicit
+    info = f"{above.rpartition('/')[0]}/camera_info" if "/" in above else "camera_info"
+    return name == info and declared.type == "sensor_msgs/CameraInfo" and base.declared.type != declared.type
 
 
 def ids_of(framework: Framework, settings: Settings, place: Place) -> list[str]:

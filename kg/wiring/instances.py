@@ -91,10 +91,14 @@ def finished(draft: Draft, server: Server | None, host: Draft | None) -> NodeIns
     above = host.rules if host is not None and draft.ros == 1 and draft.started.kind is StartKind.NODELET else ()
     remapping = Remapping((*draft.rules, *above), draft.ros)
     settings = Settings(server if draft.ros == 1 else None, draft.started.parameters, remapping)
-    interfaces = _interfaces(draft, Ends(draft.place, settings, remapping, Overrides(settings.own)))
+    overrides = Overrides(settings.own)
+    interfaces = _interfaces(draft, Ends(draft.place, settings, remapping, overrides))
     asked = Asked(draft.place, draft.ros, remapping)
     if draft.typed is not None:
-        asked.add_node(*draft.typed)
+        owner, node = draft.typed
+        asked.add_node(owner, node)
+        asked.add_of_framework((plugin.parameter for plugin in draft.plugins), node, owner, "plugins")
+        asked.add_of_framework(overrides.names, node, owner, "qos_overrides")
     for plugin in draft.plugins:
         asked.add_plugin(plugin, settings)
     parameters = tuple(asked.settled(draft.set_here))
@@ -125,7 +129,7 @@ def _interfaces(draft: Draft, ends: Ends) -> tuple[InstanceInterface, ...]:
 
 
 def _remaps(draft: Draft, interfaces: Sequence[InstanceInterface]) -> tuple[InstanceRemap, ...]:
-    """Return the remappings; those that changed nothing with the names of the node that they are likely meant for."""
+    """Return the remappings; those that changed nothing with the names, not remapped either, that they may mean."""
     own: Alike | None = None
     found = []
     for rule in draft.rules:
@@ -133,26 +137,30 @@ def _remaps(draft: Draft, interfaces: Sequence[InstanceInterface]) -> tuple[Inst
         similar: tuple[str, ...] = ()
         if not used:
             if own is None:
-                own = Alike(_unmapped(interfaces, draft.place))
+                own = Alike(_unmapped(interfaces))
             similar = tuple(own.find(rule.source))
         found.append(InstanceRemap(rule.source, rule.target, rule.remap, used, similar))
     return tuple(found)
 
 
-def _unmapped(interfaces: Iterable[InstanceInterface], place: Place) -> set[str]:
-    """Return the absolute names that interfaces have without remappings."""
+def _unmapped(interfaces: Iterable[InstanceInterface]) -> set[str]:
+    """Return the names of interfaces that no remapping changed."""
     return {
-        end.resolved if end.remap is None or end.declared.name is None else place.resolve(end.declared.name)
+        end.resolved
         for end in interfaces
-        if end.resolved is not None and not end.declared.implicit
+        if end.resolved is not None and end.remap is None and not end.declared.implicit
     }
 
 
 def _complete(draft: Draft, interfaces: Iterable[InstanceInterface]) -> bool:
+    if draft.started.kind in _HOSTS and draft.started.package in _HOST_PACKAGES:
+        return True
     if draft.typed is None:
-        return draft.started.kind in _HOSTS and draft.started.package in _HOST_PACKAGES
+        return False
     if any(plugin.found is None for plugin in draft.plugins):
         return False
+    if all(end.declared.implicit for end in interfaces):
+        return False  # a node that talks to nobody: more likely nothing of it was found
     if any(_names_plugins(name, given) for name, given in draft.set_here):
         return False
     return all(

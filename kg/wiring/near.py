@@ -47,8 +47,12 @@ class _Channels:
             known = Alike(name for name in self.named if lacking in self.ends[name]) if lonely else None
             for name in lonely:
                 for other in known.find(name) if known is not None else ():
-                    if self._fit(name, other):
+                    if self._fit(name, other) and not (lacking == 1 and self._is_other_level(name, other)):
                         yield min(name, other), max(name, other)
+
+    def _is_other_level(self, given: str, other: str) -> bool:
+        """Tell whether names differ in namespaces alone, and `other` is served already: then both may be meant."""
+        return len(self.ends[other]) > 1 and (given.endswith(other) or other.endswith(given))
 
     def _fit(self, one: str, other: str) -> bool:
         types, others = self.types[one], self.types[other]

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any, Final
 
@@ -43,6 +43,7 @@ class Framework:
     source: str
     private: str = "~/{id}"
     relative: str | None = None
+    by: tuple[str, ...] = ()
     shared: tuple[str, ...] = ()
     foreign: tuple[str, ...] = ()
     each: str | None = None
@@ -64,7 +65,9 @@ class Loaded:
     class_name: str
     scope: str
     found: Typed | None
-    framework: Framework = field(default=Framework("", 0, ""))
+    framework: Framework
+    parameter: str
+    """The parameter that says so, relative to the node (`global_costmap/plugins`)."""
 
     def place(self, node: Place) -> Place:
         """Return what the plugin's names are resolved against."""
@@ -106,19 +109,26 @@ def loaded_plugins(
                     continue
                 if found is None and last != "plugin":  # many things have a type
                     continue
-                plugin = _loaded(identifier, kind, outer, found, ros)
-            elif found is None and told is None:
+                plugin = _loaded(identifier, kind, outer, found, ros, name)
+            elif found is None and told is None and last not in _loading_parameters(ros):
                 continue
             else:
-                plugin = _loaded(told or _last(kind), kind, scope, found, ros)
+                plugin = _loaded(told or _last(kind), kind, scope, found, ros, name)
             if (plugin.scope, plugin.id) not in known:
                 known.add((plugin.scope, plugin.id))
                 yield plugin
 
 
-def _loaded(identifier: str, kind: str, scope: str, found: Typed | None, ros: int) -> Loaded:
+def _loaded(  # noqa: PLR0913, PLR0917 - what is known of one plugin
+    identifier: str, kind: str, scope: str, found: Typed | None, ros: int, parameter: str
+) -> Loaded:
     framework = framework_of(found[1].base_class if found is not None else None, ros)
-    return Loaded(identifier, kind, scope, found, framework)
+    return Loaded(identifier, kind, scope, found, framework, parameter)
+
+
+@cache
+def _loading_parameters(ros: int) -> frozenset[str]:
+    return frozenset(name for row in table().values() if row.ros == ros for name in row.by)
 
 
 def _may_hold_classes(value: str) -> bool:

@@ -30,9 +30,12 @@ class Overrides:
     """The overrides among the parameters of an instance."""
 
     def __init__(self, own: Mapping[str, LaunchParameter]) -> None:
+        self.names: list[str] = []
+        """The parameters that are overrides."""
         self._of: dict[tuple[str, Role], dict[str, Any]] = {}
         for name, parameter in own.items():
             if name.startswith(_PREFIX):
+                self.names.append(name)
                 self._read(name.removeprefix(_PREFIX), parameter.value)
 
     def _read(self, rest: str, value: str | None) -> None:

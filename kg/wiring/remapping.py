@@ -45,30 +45,33 @@ class Rule:
     target: str
     remap: Remap
     only: str | None = None
-    fits: bool = True
-    """Whether it is for this node at all."""
 
 
 def rules_of(remaps: Sequence[Remap], place: Place, ros: int) -> tuple[Rule, ...]:
-    """Return the rules of a node, in their order; those that rename the node itself (`__node`, `__ns`) are left out."""
-    return tuple(_rule(remap, place, ros) for remap in remaps if not remap.source.startswith("__"))
+    """Return the rules of a node, in their order.
+
+    Those that rename the node itself (`__node`, `__ns`) and those for nodes of another name are left out.
+    """
+    rules = (_rule(remap, place, ros) for remap in remaps if not remap.source.startswith("__"))
+    return tuple(rule for rule in rules if rule is not None)
 
 
-def _rule(remap: Remap, place: Place, ros: int) -> Rule:
+def _rule(remap: Remap, place: Place, ros: int) -> Rule | None:
     if ros == 1:
         return Rule(place.resolve(remap.source), place.resolve(remap.target), remap)
-    written, node, only = remap.source, None, None
+    written, node, only = remap.source, "", None
     scheme = next((known for known in _SCHEMES if known in written), None)
     if scheme is not None:
         node, _, written = written.partition(scheme)
         node, only = node.removesuffix(":"), _SCHEMES[scheme]
     elif ":" in written:
         node, _, written = written.partition(":")
+    if node not in {"", place.name}:
+        return None
     target = remap.target
     for known in _SCHEMES:
         target = target.removeprefix(known)
-    fits = not node or node == place.name
-    return Rule(place.expand(written), place.expand(target), remap, only, fits)
+    return Rule(place.expand(written), place.expand(target), remap, only)
 
 
 class Remapping:
@@ -79,7 +82,7 @@ class Remapping:
         self._rules: dict[tuple[str, str], Rule] = {}
         self.used: set[Remap] = set()
         for rule in rules:
-            if rule.fits and "{}" not in rule.source:
+            if "{}" not in rule.source:
                 for kind in ("topic", "service") if rule.only is None else (rule.only,):
                     self._rules.setdefault((kind, rule.source), rule)
 
