@@ -116,20 +116,40 @@ def _joined(names: Sequence[str]) -> str:
 
 
 def rewritten(context: Context, listed: Sequence[Entry], source: ParameterFile) -> Sequence[Entry]:
-    """Return the parameters of a file after keys and values were rewritten, and all put below a root."""
+    """Return the parameters of a file after keys and values were rewritten, and all put below a root.
+
+    A value is named by its key alone, or by the whole path to it, which is added where the file does not have it.
+    """
     keys = {context.perform(old): context.perform(new) for old, new in source.keys}
     values = {context.perform(name): context.perform(value) for name, value in source.rewrites}
     root = context.perform(source.root) if source.root is not None else ""
-    return [_rewritten(entry, keys, values, root, source.location) for entry in listed]
+    known = {_path(entry) for entry in listed}
+    fresh = [_added(path, source.location) for path in values if path not in known and f".{_PARAMETERS}." in path]
+    return [_rewritten(entry, keys, values, root, source.location) for entry in (*listed, *fresh)]
+
+
+def _path(entry: Entry) -> str:
+    return ".".join((*entry.node.split("/"), _PARAMETERS, *entry.names))
+
+
+def _added(path: str, location: Location) -> Entry:
+    node, _, names = path.partition(f".{_PARAMETERS}.")
+    return Entry(node.replace(".", "/"), tuple(names.split(".")), "", None, location.line)
 
 
 def _rewritten(entry: Entry, keys: dict[str, str], values: dict[str, str], root: str, location: Location) -> Entry:
-    path = ".".join((*entry.node.split("/"), _PARAMETERS, *entry.names))
+    path = _path(entry)
     wanted = values.get(path, values.get(path.lstrip("."), values.get(entry.names[-1])))
     names = tuple(keys.get(name, name) for name in entry.names)
     node = "/".join(keys.get(part, part) for part in entry.node.split("/"))
     entry = replace(entry, names=names, node=_joined((root, node)) if root.strip("/") else node)
     if wanted is None:
         return entry
-    value, kind = of_text(wanted)
+    value, kind = _converted(wanted)
     return replace(entry, value=HOLE if value is None else value, type=kind, location=location)
+
+
+def _converted(text: str) -> tuple[str | None, str | None]:
+    """Return the value and type of a text put into a file: a number or a truth value, else a text."""
+    value, kind = of_text(text)
+    return (value, kind) if kind in ("int", "double", "bool") else of_text(text, "string")

@@ -36,6 +36,7 @@ def read_xml(files: Files, file: FilePath, text: bytes, problems: list[LaunchPro
         _, message, line = result.problem
         where = place(files, file, line or 1)
         problems.append(LaunchProblem(LaunchProblemKind.MALFORMED, f"the file {message}", where, subject=file.path))
+        problems = []  # what is wrong behind that comes of it
     if result.root is None:
         return ()
     return build(_element(result.root, 0), lambda line: place(files, file, line), problems)
