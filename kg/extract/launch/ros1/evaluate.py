@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 __all__ = ["evaluate"]
 
 _MOST_DEPTH: Final = 100
+_MOST_LEVELS: Final = 150
+"""Of groups and includes in one another, each of which takes frames of the interpreter's stack."""
 _ROS1: Final = 1
 _MACHINE: Final = ("name", "address", "env-loader", "ssh-port", "user", "password", "default", "timeout")
 
@@ -56,6 +58,7 @@ class _Evaluation:
         self._given = dict(given)
         self._arguments: dict[str, LaunchArgument] = {}
         self._open: list[tuple[FilePath, tuple[tuple[str, str], ...]]] = []
+        self._levels = 0
         self._readers = {"node": read_node, "test": read_node, "param": read_param, "rosparam": read_rosparam}
 
     def run(self, file: FilePath) -> None:
@@ -102,6 +105,14 @@ class _Evaluation:
         return document.problem is None
 
     def _children(self, scope: Scope, parent: Element) -> None:
+        if self._levels >= _MOST_LEVELS:
+            self._state.limit(scope, parent.line, f"groups and includes are nested deeper than {_MOST_LEVELS} levels")
+            return
+        self._levels += 1
+        self._elements(scope, parent)
+        self._levels -= 1
+
+    def _elements(self, scope: Scope, parent: Element) -> None:
         for element in parent.children:
             if not self._state.count(scope, element):
                 return
@@ -135,9 +146,9 @@ class _Evaluation:
     def _argument(self, scope: Scope, element: Element) -> None:
         state = self._state
         counts, words = state.condition(scope, element)
-        name = state.text(scope, element, "name")
         if not counts:
             return
+        name = state.text(scope, element, "name")
         if not name:
             state.refused(scope, element, "it has no 'name'")
             return
@@ -146,7 +157,7 @@ class _Evaluation:
             state.refused(scope, element, f"the argument '{name}' has both a value and a default")
         refused = scope.declare(name, value, default, certain=words is None)
         if refused:
-            state.refused(scope, element, refused)
+            state.problem(scope, element.line, refused[0], refused[1], name)
         if not scope.place.chain:
             self._declared(scope, element, (name, value, default))
 
@@ -236,9 +247,9 @@ class _Evaluation:
     def _pass(self, scope: Scope, passing: Scope, element: Element, given: dict[str, Given]) -> None:
         state = self._state
         counts, words = state.condition(scope, element)
-        name = state.text(scope, element, "name")
         if not counts:
             return
+        name = state.text(scope, element, "name")
         if not name:
             state.refused(scope, element, "it has no 'name'")
             return
@@ -248,7 +259,7 @@ class _Evaluation:
             return
         refused = passing.declare(name, value, default, certain=words is None)
         if refused:
-            state.refused(scope, element, refused)
+            state.problem(scope, element.line, refused[0], refused[1], name)
         given[name] = Given(value or default or "", state.location(scope, element.line))
 
     def _unused(self, scope: Scope, inner: Scope, passed: Mapping[str, Given]) -> None:

@@ -25,6 +25,7 @@ _MOST_STEPS: Final = 5000
 _MOST_DEPTH: Final = 60
 _MOST_BITS: Final = 8192
 _MOST_FACTORIAL: Final = 500
+_MOST_DIGITS: Final = 400
 _FORMAT: Final = re.compile(r"%(?:\.?\d{0,2}|0\d)[sdifgr]|%%|[^%]")
 
 _PYTHON_ERRORS: Final = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
@@ -82,7 +83,7 @@ def _shift(left: Any, right: Any) -> object:
 
 
 def _modulo(left: Any, right: Any) -> object:
-    if isinstance(left, str) and _FORMAT.sub("", left):
+    if isinstance(left, str) and (_FORMAT.sub("", left) or left.count("%") * _size(right) > MOST_CHARACTERS):
         raise UnsupportedError("the format of a text is not evaluated")
     return left % right
 
@@ -91,6 +92,12 @@ def _factorial(number: Any) -> int:
     if isinstance(number, int) and number > _MOST_FACTORIAL:
         raise UnsupportedError("a number grows too large")
     return math.factorial(number)
+
+
+def _rounded(number: Any, digits: Any = None) -> object:
+    if isinstance(digits, int) and abs(digits) > _MOST_DIGITS:
+        raise UnsupportedError("a number is rounded to too many digits")
+    return round(number, digits)
 
 
 def _replaced(text: str, old: Any, new: Any, *rest: int) -> str:
@@ -144,10 +151,8 @@ _MATH: Final = (
 _FUNCTIONS: Final[dict[str, Callable[..., Any]]] = {
     **{name: getattr(math, name) for name in _MATH.split()},
     "factorial": _factorial,
-    **{
-        one.__name__: one
-        for one in (abs, all, any, bool, float, int, len, list, max, min, round, sorted, str, sum, tuple)
-    },
+    "round": _rounded,
+    **{one.__name__: one for one in (abs, all, any, bool, float, int, len, list, max, min, sorted, str, sum, tuple)},
 }
 _NAMES: Final[dict[str, object]] = {
     "true": True,

@@ -117,11 +117,13 @@ def read_remap(state: State, scope: Scope, target: Scope, element: Element) -> N
 def read_environment(state: State, scope: Scope, target: Scope, element: Element) -> None:
     """Add an `<env>` to a scope."""
     counts, words = state.condition(scope, element)
+    if not counts:
+        return
     name, value = state.text(scope, element, "name"), state.text(scope, element, "value")
-    if counts and (not name or value is None):
+    if not name or value is None:
         state.refused(scope, element, "it needs 'name' and 'value'")
-    elif counts:
-        target.environment.append((shown(name or ""), "{}" if words else shown(value or "")))
+    else:
+        target.environment.append((shown(name), "{}" if words else shown(value)))
 
 
 def _is_valid(name: str, value: str) -> bool:

@@ -98,7 +98,10 @@ def leaf_of(value: object, line: int = 1, keys: tuple[str, ...] = ()) -> Leaf:
         return Leaf(keys, line, None, kind, "it is binary")
     if value == HOLE:
         return Leaf(keys, line, None, None, "it depends on what is not known")
-    written = shown(one_line(value))
+    try:
+        written = shown(one_line(value))
+    except ValueError:
+        return Leaf(keys, line, None, kind, "the number is too large")
     if len(written) > _MOST_VALUE:
         return Leaf(keys, line, None, kind, f"it has more than {_MOST_VALUE} characters")
     return Leaf(keys, line, written, kind)
@@ -169,6 +172,8 @@ class _Walk:
             return _angle(node.value, node.tag)
         if node.tag == _STRING:
             return str(node.value)
+        if len(node.value) > _MOST_VALUE:
+            raise ValueError(f"it has more than {_MOST_VALUE} characters")
         self._constructor.constructed_objects.clear()
         value: object = self._constructor.construct_object(node)
         return value

@@ -99,9 +99,16 @@ class Scope:
 
     def all_remaps(self) -> list[Remap]:
         """Return the remappings in force, those of outer scopes first."""
-        own = {one.source for one in self.remaps}
-        outer = self.parent.all_remaps() if self.parent else []
-        return [*(one for one in outer if one.source not in own), *self.remaps]
+        levels: list[list[Remap]] = []
+        scope: Scope | None = self
+        while scope is not None:
+            levels.append(scope.remaps)
+            scope = scope.parent
+        found: dict[str, Remap] = {}
+        for remap in (remap for level in reversed(levels) for remap in level):
+            found.pop(remap.source, None)
+            found[remap.source] = remap
+        return list(found.values())
 
     def missing(self, name: str, note: Note) -> None:
         """Record that the argument `name` is read and has no value."""
@@ -112,10 +119,12 @@ class Scope:
             message = f"{self.place.file.path} needs the argument '{name}', which the include does not give"
             note(LaunchProblemKind.MISSING_ARGUMENT, message, name)
 
-    def declare(self, name: str, value: str | None, default: str | None, *, certain: bool = True) -> str | None:
+    def declare(
+        self, name: str, value: str | None, default: str | None, *, certain: bool = True
+    ) -> tuple[LaunchProblemKind, str] | None:
         """Declare an argument; return what roslaunch refuses in it."""
         if name in self.declared and name not in self.uncertain and certain and not self.replaces:
-            return f"the argument '{name}' is declared twice"
+            return LaunchProblemKind.MALFORMED, f"the argument '{name}' is declared twice"
         self.declared.add(name)
         if not certain:
             self.uncertain.add(name)
@@ -124,7 +133,8 @@ class Scope:
             return None
         if value is not None:
             if name in self.arguments and name not in self.uncertain and not self.replaces:
-                return f"the argument '{name}' is passed to a file that sets it itself"
+                message = f"the argument '{name}' is given to a file that sets it itself"
+                return LaunchProblemKind.UNDECLARED_ARGUMENT, message
             self.arguments[name] = value
         elif default is not None:
             self.arguments.setdefault(name, default)

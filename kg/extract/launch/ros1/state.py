@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 __all__ = ["State"]
 
+_MOST_NAME: Final = 200
+"""Characters of the name of a file or folder, which file systems bound to 255 bytes."""
 _MOST_NODES: Final = 20_000
 _MOST_PARAMETERS: Final = 200_000
 _MOST_PROBLEMS: Final = 2000
@@ -149,6 +151,8 @@ class State:
         kind, reason, subject = LaunchProblemKind.UNRESOLVED, "", text
         if HOLE in text:
             reason = f"the file {text} depends on what is not known"
+        elif any(len(part) > _MOST_NAME for part in text.split("/")):
+            reason = "the name of the file is too long"
         elif (file := self.files.at(text)) is None:
             package = text.removeprefix(SCHEME).partition("/")[0]
             if text.startswith(SCHEME) and self.files.share(package) is None:

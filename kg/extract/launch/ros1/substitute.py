@@ -6,6 +6,7 @@ Source: wiki.ros.org/roslaunch/XML, "substitution args". As roslaunch has it, `$
 
 from __future__ import annotations
 
+import re
 from functools import lru_cache
 from typing import TYPE_CHECKING, Final, Protocol
 
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Note", "Substituter", "Surroundings"]
 
+_PACKAGE: Final = re.compile(r"[\w.+-]{1,200}")
 _EVAL: Final = "$(eval "
 _COMMANDS: Final = frozenset({"find", "env", "optenv", "dirname", "anon", "arg"})
 
@@ -84,7 +86,7 @@ class Substituter:
     def find(self, package: str, note: Note) -> str:
         """Return the text of a package's folder, also for one that is not known."""
         if package not in self._packages:
-            self._packages[package] = self._files.share(package) is not None
+            self._packages[package] = bool(_PACKAGE.fullmatch(package)) and self._files.share(package) is not None
         if not self._packages[package]:
             message = f"the package '{package}' is neither in the build nor installed"
             note(LaunchProblemKind.UNKNOWN_PACKAGE, message, package)
@@ -159,7 +161,8 @@ class _Commands:
             "dirname": lambda: self._around.folder,
         }
         try:
-            return str(evaluate_expression(expression, lambda name: automatic(self._argument(name)), functions))
+            value = str(evaluate_expression(expression, lambda name: automatic(self._argument(name)), functions))
+            return _plain(value)
         except NotKnownError:
             return HOLE
         except UnsupportedError as error:
@@ -167,6 +170,13 @@ class _Commands:
             return HOLE
         except ExpressionError as error:
             raise _SubstitutionError(f"the expression of $(eval) is wrong: {error}") from None
+
+
+def _plain(text: str) -> str:
+    """Return the text; one with characters that no file name and no XML can have is refused."""
+    if "\0" in text or (not text.isascii() and any("\ud800" <= one <= "\udfff" for one in text)):
+        raise _SubstitutionError("the value of $(eval) has characters that are no text")
+    return text
 
 
 @lru_cache(maxsize=4096)
