@@ -12,6 +12,7 @@ help: ...
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -120,13 +121,19 @@ def summary(checked: Checked) -> Iterator[str]:
 def leftovers(found: Report) -> Iterator[str]:
     """Yield notes: entries of kg.toml and of the baseline that mean nothing any more, comments without reason."""
     for allowance in found.unused:
-        yield f"{allowance.place}: the allowance of {allowance.code} allows nothing; it can go"
+        yield f"{_near(allowance.place)}: the allowance of {allowance.code} allows nothing; it can go"
     for place, code in found.without_reason:
-        yield f"{place}: the comment allows nothing, since it gives no reason for {code}"
+        yield f"{_near(place)}: the comment allows nothing, since it gives no reason for {code}"
     if found.gone:
         named = _listed([f"{one.code} {', '.join(one.subjects)}".strip() for one in found.gone])
         entries = count(len(found.gone), "finding")
         yield f"{entries} of the baseline {'is' if len(found.gone) == 1 else 'are'} mended: {named}"
+
+
+def _near(place: Place) -> str:
+    """Return a place as seen from the working folder."""
+    path, here = Path(place.path), Path.cwd()
+    return str(replace(place, path=str(path.relative_to(here)))) if path.is_relative_to(here) else str(place)
 
 
 def _listed(words: Sequence[str], most: int = 3) -> str:

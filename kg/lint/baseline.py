@@ -68,10 +68,11 @@ def read(file: Path) -> Counter[Known]:
         raise UsageError("KG420", f"this is no JSON: {problem.msg}", place=place) from None
     except RecursionError:
         raise UsageError("KG420", "this is no baseline: it is nested too deeply", place=Place(str(file))) from None
-    if not isinstance(content, dict) or content.get("version") != _VERSION:
+    entries = content.get("findings") if isinstance(content, dict) and content.get("version") == _VERSION else None
+    if not isinstance(entries, list):
         raise UsageError("KG420", f"this is no baseline of version {_VERSION}", place=Place(str(file)))
     found: Counter[Known] = Counter()
-    for entry in content.get("findings") or ():
+    for entry in entries:
         found[_known(entry, file)] += max(1, entry["count"]) if isinstance(entry.get("count"), int) else 1
     return found
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from kg.lint.finding import Evidence, Finding
 
-__all__ = ["as_object", "remark", "spelled", "test_name", "xunit"]
+__all__ = ["as_object", "remark", "spelled", "suite_name", "xunit"]
 
 _NO_XML: Final = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _SUFFIX: Final = ".xunit.xml"
@@ -73,7 +73,7 @@ def remark(finding: Finding, roots: Mapping[str, str], folder: Path) -> Remark:
     return Remark(finding.code, finding.severity, finding.message, spot, related, finding.fingerprint, properties)
 
 
-def test_name(file: Path) -> str:
+def suite_name(file: Path) -> str:
     """Return the name of the test whose results a file takes, as ament names it: `FOLDER.FILE` without `.xunit.xml`."""
     name = file.name.removesuffix(_SUFFIX) if file.name.endswith(_SUFFIX) else file.stem
     return f"{file.absolute().parent.name}.{name}"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.graph import vocabulary as v
 from kg.graph.iris import Iris
-from kg.lint.finding import Evidence, Finding
+from kg.lint.finding import SEVERITIES, Evidence, Finding
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -94,12 +94,13 @@ def _finding(row: Any, found: _Found) -> Finding:
     iri = row["finding"].value
     subjects = sorted(found.subjects.get(iri, ()), key=lambda one: (not one[0], one[1]))
     places = sorted(found.places.get(iri, ()), key=lambda one: one[1])
+    severity = row["severity"].value if row["severity"] else ""
     mending = next((place for at, place in places if at), None)
     others = dict.fromkeys(place for at, place in places if not at)
     return Finding(
         code=row["code"].value,
         rule=row["rule"].value if row["rule"] else "",
-        severity=row["severity"].value if row["severity"] else "warning",
+        severity=severity if severity in SEVERITIES else "warning",
         system=row["system"].value,
         message=row["message"].value,
         subjects=tuple(dict.fromkeys(subject for _, subject in subjects)),

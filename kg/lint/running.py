@@ -106,7 +106,9 @@ def _systems(
     if question.launch is not None:
         return frozenset({_launch(question.launch, names, roots, folder).name})
     if question.package is not None:
-        return frozenset(one.name for one in names if one.name.partition("/")[0] == question.package)
+        source, _, package = question.package.rpartition(":")
+        mine = [one for one in names if source in {"", one.repository}]
+        return frozenset(one.name for one in mine if one.name.partition("/")[0] == package)
     return None
 
 
@@ -117,5 +119,5 @@ def _launch(text: str, names: Sequence[SystemName], roots: Mapping[str, str], fo
     if found:
         lines = "\n".join(f"`{one.name}`  ({one.repository}: {one.path})" for one in found)
         raise UsageError("KG422", f"{len(found)} launch files are meant by `{text}`; say which", hint=lines)
-    known = {name for one in names for name in (one.name, one.path)}
+    known = {name for one in names for name in (one.name, one.path, one.path.rpartition("/")[2])}
     raise UsageError("KG422", f"there is no launch file `{text}` in the build", hint=did_you_mean(text, known))

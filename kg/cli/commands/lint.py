@@ -1,6 +1,5 @@
 """`kg lint`: what is wrong in the wiring of launch files, before anything runs."""
 
-from contextlib import ExitStack
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Annotated, Final
@@ -25,8 +24,8 @@ _FORMATS: Final = ("text", "json", "sarif", "github")
 _SEVERITIES: Final = ("error", "warning", "note")
 
 Paths = Annotated[
-    list[Path] | None,
-    typer.Argument(metavar="[PATH]...", help="Folders to read first, into a store of their own; else the store's."),
+    list[str] | None,
+    typer.Argument(metavar="PATH", help="Folders to read first, into a store of their own; else the store's."),
 ]
 Launch = Annotated[
     str | None,
@@ -43,13 +42,13 @@ Codes = Annotated[
     list[str] | None, typer.Option("--code", metavar="CODE", help="Only findings of this code; may be repeated.")
 ]
 Baseline = Annotated[
-    Path | None, typer.Option("--baseline", metavar="FILE", help="Leave out the findings that this file knows.")
+    str | None, typer.Option("--baseline", metavar="FILE", help="Leave out the findings that this file knows.")
 ]
 WriteBaseline = Annotated[
-    Path | None, typer.Option("--write-baseline", metavar="FILE", help="Write the findings there, for --baseline.")
+    str | None, typer.Option("--write-baseline", metavar="FILE", help="Write the findings there, for --baseline.")
 ]
 Xunit = Annotated[
-    Path | None, typer.Option("--xunit-file", metavar="FILE", help="Also write the results as a test of ament.")
+    str | None, typer.Option("--xunit-file", metavar="FILE", help="Also write the results as a test of ament.")
 ]
 
 
@@ -91,29 +90,31 @@ def lint(  # noqa: PLR0913 - the options of a command
     from kg.lint.running import Question  # noqa: PLC0415 - start-up time
 
     chosen = frozenset(code.upper() for code in codes or ())
-    question = Question(launch, package, chosen, level, every, baseline)
+    question = Question(launch, package, chosen, level, every, Path(baseline) if baseline else None)
     settings = session(context).settings(store=store, rules=rules, rule_families=rule_families, jobs=jobs)
-    folder = paths[0] if paths and paths[0].is_dir() else Path.cwd()
-    checked = _checked(settings, paths or [], question, folder.absolute(), form)
-    if write_baseline is not None:
-        _keep(checked, write_baseline)
-    if xunit_file is not None:
-        _write_xunit(checked, xunit_file, perf_counter() - began)
-    if write_baseline is None and checked.report.failed:
+    checked = _checked(settings, [Path(path) for path in paths or ()], question, "" if write_baseline else form)
+    if xunit_file:
+        _write_xunit(checked, Path(xunit_file), perf_counter() - began)
+    if write_baseline:
+        _keep(checked, Path(write_baseline))
+    elif checked.report.failed:
         raise typer.Exit(Exit.FOUND)
 
 
-def _checked(settings: "Settings", paths: list[Path], question: "Question", folder: Path, form: str) -> "Checked":
+def _checked(settings: "Settings", paths: list[Path], question: "Question", form: str) -> "Checked":
     """Read what has to be read, write the findings, and return them."""
     from kg.cli.links import Links  # noqa: PLC0415 - start-up time
+    from kg.cli.names import known_package  # noqa: PLC0415 - start-up time
     from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
     from kg.lint.running import check  # noqa: PLC0415 - start-up time
 
     if paths:
         settings = _read(settings, paths)
-    with ExitStack() as stack:
-        snapshot = stack.enter_context(reading(settings))
-        checked = check(snapshot, question, settings, folder)
+    folder = paths[0] if paths and paths[0].is_dir() else Path.cwd()
+    with reading(settings) as snapshot:
+        if question.package is not None:
+            known_package(snapshot, question.package)
+        checked = check(snapshot, question, settings, folder.absolute())
         links = Links.of(sources(snapshot))
     _write(checked, links, form)
     return checked
@@ -144,7 +145,7 @@ def _write(checked: "Checked", links: "Links", form: str) -> None:
     elif form == "github":
         for one in findings:
             write(annotation(remark(one, checked.roots, here)))
-    else:
+    elif form:
         for line in LintView(checked, links, here, color=colored(sys.stdout)).lines():
             write(line)
     for words in leftovers(checked.report):
@@ -156,21 +157,22 @@ def _write(checked: "Checked", links: "Links", form: str) -> None:
 def _keep(checked: "Checked", file: Path) -> None:
     """Write a baseline, and say so; that findings are in it is no failure."""
     from kg.lint.baseline import written  # noqa: PLC0415 - start-up time
+    from kg.lint.report import merged  # noqa: PLC0415 - start-up time
     from kg.render.text import count  # noqa: PLC0415 - start-up time
 
     _save(file, written(checked.report.raw))
-    say(f"{count(len(checked.report.raw), 'finding')} written to {file}")
+    say(f"{count(len(merged(checked.report.raw)), 'finding')} written to {file}")
 
 
 def _write_xunit(checked: "Checked", file: Path, seconds: float) -> None:
-    from kg.lint.objects import spelled, test_name, xunit  # noqa: PLC0415 - start-up time
+    from kg.lint.objects import spelled, suite_name, xunit  # noqa: PLC0415 - start-up time
 
     findings = checked.report.findings
     spots = [
         f"{spelled(one.place, checked.roots, Path.cwd())}:{one.line or 1}" if one.place else one.system
         for one in findings
     ]
-    _save(file, xunit(findings, test_name(file), seconds, spots))
+    _save(file, xunit(findings, suite_name(file), seconds, spots))
 
 
 def _save(file: Path, text: str) -> None:

@@ -1,0 +1,98 @@
+from __future__ import annotations
+
+import json
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from lint.robot import finding
+
+from kg.errors import UsageError
+from kg.lint.baseline import compared, read, written
+from kg.lint.finding import Evidence
+
+if TYPE_CHECKING:
+    from kg.lint.baseline import Known
+    from kg.lint.finding import Finding
+
+
+def kept(findings: list[Finding]) -> Counter[Known]:
+    """Return the baseline of findings, through the file."""
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "baseline.json"
+        file.write_text(written(findings), encoding="utf-8")
+        return read(file)
+
+
+def test_lines_may_move() -> None:
+    """A finding stays known when the line, the words, the severity or the evidence change."""
+    moved = replace(
+        finding(), place=Evidence("bringup/launch/base.launch", 30, "local/rover"), message="other", severity="error"
+    )
+    new, old, gone = compared([moved], kept([finding()]))
+    assert (new, old, gone) == ([], [moved], [])
+
+
+@pytest.mark.parametrize(
+    "other", [{"code": "KG406"}, {"rule": "mine/x"}, {"system": "x/y.launch"}, {"subjects": ("/a", "/b")}]
+)
+def test_what_is_not_in_the_baseline_is_new(other: dict[str, str]) -> None:
+    """Another code, rule, system or subject is another finding; the one that is gone is told."""
+    new, old, gone = compared([finding(**other)], kept([finding()]))
+    assert (len(new), len(old), [one.code for one in gone]) == (1, 0, ["KG407"])
+
+
+def test_one_more_of_a_kind_is_new() -> None:
+    """Where two findings are alike, a third one is told."""
+    new, old, gone = compared([finding()] * 3, kept([finding()] * 2))
+    assert (len(new), len(old), gone) == (1, 2, [])
+
+
+def test_the_same_findings_give_the_same_file() -> None:
+    """Whatever their order, so that a baseline under version control changes only with what is found."""
+    several = [finding(subjects=(name,)) for name in ("/b", "/a", "/c")]
+    assert written(several) == written(several[::-1])
+    assert [entry["subjects"] for entry in json.loads(written(several))["findings"]] == [["/a"], ["/b"], ["/c"]]
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "{", "[]", "3", '{"version": 2}', '{"version": 1, "findings": [3]}', '{"version": 1, "findings": [{}]}',
+     '{"version": 1, "findings": 3}', "[" * 100_000],
+)  # fmt: skip
+def test_what_is_no_baseline_is_refused(tmp_path: Path, text: str) -> None:
+    """It is an error that names the file, never a baseline that knows nothing."""
+    file = tmp_path / "baseline.json"
+    file.write_text(text, encoding="utf-8")
+    with pytest.raises(UsageError) as caught:
+        read(file)
+    assert (caught.value.code, caught.value.place and caught.value.place.path) == ("KG420", str(file))
+
+
+def test_a_baseline_that_is_missing(tmp_path: Path) -> None:
+    """Says so."""
+    with pytest.raises(UsageError, match="KG420: the baseline cannot be read: No such file"):
+        read(tmp_path / "none.json")
+
+
+FINDINGS = st.builds(
+    lambda code, system, subjects: finding(code=code, system=system, subjects=tuple(subjects)),
+    st.sampled_from(["KG401", "KG407"]),
+    st.sampled_from(["p/a.launch", "p/b.launch"]),
+    st.lists(st.sampled_from(["/a", "/b", "/ä"]), max_size=2),
+)
+
+
+@given(before=st.lists(FINDINGS, max_size=5), now=st.lists(FINDINGS, max_size=5))
+def test_a_baseline_hides_nothing_that_it_does_not_name(before: list[Finding], now: list[Finding]) -> None:
+    """What is hidden was there before, as often as it is hidden; all else is told."""
+    new, old, _ = compared(now, kept(before))
+    known = Counter(one.fingerprint for one in before)
+    hidden = Counter(one.fingerprint for one in old)
+    assert hidden == known & Counter(one.fingerprint for one in now)
+    assert sorted(map(repr, new + old)) == sorted(map(repr, now))

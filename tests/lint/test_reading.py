@@ -1,0 +1,58 @@
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from lint.robot import read, write
+
+from kg.graph.iris import DEFAULT_BASE
+from kg.lint.finding import Evidence
+from kg.lint.reading import included, read_findings
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def test_a_finding_comes_with_its_lines(tmp_path: Path) -> None:
+    """It has the words of its rule, the name it is about first, where to mend it, and the evidence in words."""
+    write(tmp_path)
+    with read(tmp_path) as snapshot:
+        first, near, *_ = read_findings(snapshot, DEFAULT_BASE)
+    assert (first.code, first.severity, first.path, first.line) == ("KG412", "error", "bringup/launch/all.launch", 3)
+    assert near.rule == "architecture/near-miss-topic"
+    assert near.subjects == ("/scan", "/filter", "/scan_raw")
+    line = Evidence(
+        "bringup/launch/base.launch", 3, "local/rover", "remaps /input to /scan", "bringup/launch/all.launch:2"
+    )
+    assert near.place == line
+    assert near.evidence == (Evidence("base/src/laser.cpp", 6, "local/rover", "publishes /scan_raw"),)
+    assert not near.presumes_whole
+
+
+def test_findings_are_sorted(tmp_path: Path) -> None:
+    """Errors come first, then warnings, then notes; within one severity by file and line."""
+    write(tmp_path)
+    with read(tmp_path) as snapshot:
+        found = [f"{one.severity} {one.path}:{one.line}" for one in read_findings(snapshot, DEFAULT_BASE)]
+    assert found == [
+        "error bringup/launch/all.launch:3",
+        "warning bringup/launch/base.launch:3",
+        "warning bringup/launch/base.launch:3",
+        "note bringup/launch/base.launch:6",
+        "note bringup/launch/sim.launch:3",
+        "note bringup/launch/sim.launch:4",
+    ]
+
+
+def test_an_end_of_an_instance_stands_in_the_code_of_its_type(tmp_path: Path) -> None:
+    """The evidence has the line of the code, and the name that the instance has in its system."""
+    write(tmp_path)
+    with read(tmp_path) as snapshot:
+        last = read_findings(snapshot, DEFAULT_BASE)[-1]
+    assert last.evidence == (Evidence("base/src/laser.cpp", 6, "local/rover", "publishes /laser/scan_raw"),)
+
+
+def test_configurations_that_others_include(tmp_path: Path) -> None:
+    """They are known by name."""
+    write(tmp_path)
+    with read(tmp_path) as snapshot:
+        assert included(snapshot) == {"bringup/launch/base.launch"}

@@ -1,0 +1,72 @@
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from lint.robot import read, write
+
+from kg.errors import UsageError
+from kg.lint.running import Question, check, own_store
+from kg.settings import load
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def codes(folder: Path, question: Question) -> list[str]:
+    """Return what is told about the store in a folder, as code and system."""
+    with read(folder) as snapshot:
+        checked = check(snapshot, question, load(folder=folder), folder)
+    return [f"{one.code} {one.system.rpartition('/')[2]}" for one in checked.report.findings]
+
+
+def test_all_systems_of_a_store(tmp_path: Path) -> None:
+    """What is allowed in a comment, and what presumes that an included file is the whole, is not told."""
+    write(tmp_path)
+    assert codes(tmp_path, Question()) == ["KG412 all.launch", "KG401 base.launch", "KG407 sim.launch"]
+    assert len(codes(tmp_path, Question(every=True))) == 4
+
+
+@pytest.mark.parametrize(
+    "launch",
+    [
+        "rover/bringup/launch/base.launch",
+        "./rover/bringup/launch/../launch/base.launch",
+        "bringup/launch/base.launch",
+        "bringup base.launch",
+        "bringup/base.launch",
+        "bringup::base.launch",
+    ],
+)
+def test_one_launch_file(tmp_path: Path, launch: str) -> None:
+    """It is named by its path, here or in its source, or by package and file; all of its findings are told."""
+    write(tmp_path)
+    assert codes(tmp_path, Question(launch=launch)) == ["KG401 base.launch", "KG407 base.launch"]
+
+
+def test_a_launch_file_that_is_not_there(tmp_path: Path) -> None:
+    """Its name is told with those that are like it."""
+    write(tmp_path)
+    with pytest.raises(UsageError, match=r"KG422: there is no launch file `bringup/launch/bas.launch`") as caught:
+        codes(tmp_path, Question(launch="bringup/launch/bas.launch"))
+    assert "`bringup/launch/base.launch`" in (caught.value.hint or "")
+
+
+def test_the_launch_files_of_a_package(tmp_path: Path) -> None:
+    """The package may have its source in front."""
+    write(tmp_path)
+    assert len(codes(tmp_path, Question(package="bringup"))) == 4
+    assert len(codes(tmp_path, Question(package="local/rover:bringup"))) == 4
+    assert codes(tmp_path, Question(package="other:bringup")) == []
+
+
+def test_folders_have_a_store_of_their_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It stands in the user's cache, one for each set of folders, whatever their order."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    one, other = tmp_path / "one", tmp_path / "other"
+    place = own_store([one])
+    assert place.parent == tmp_path / "cache" / "kg" / "lint"
+    assert place.name.startswith("one-")
+    assert own_store([one, other]) == own_store([other, one]) != place
+    monkeypatch.setenv("XDG_CACHE_HOME", "relative")
+    assert ".cache" in own_store([one]).parts

@@ -1,0 +1,19 @@
+from __future__ import annotations
+
+import json
+
+from kg.render.sarif import Remark, Spot, annotation, document
+
+
+def test_a_remark_is_one_line_for_github() -> None:
+    """Line ends, per cents, and in places colons and commas are escaped, so that no text begins another command."""
+    remark = Remark("KG401", "note", "50%\n::error::x", Spot("a,b:c.launch", 3))
+    assert annotation(remark) == "::notice file=a%2Cb%3Ac.launch,line=3,col=1,title=KG401::50%25%0A::error::x"
+
+
+def test_codes_that_are_not_in_the_catalogue() -> None:
+    """Rules of one's own may give codes of their own."""
+    content = document([Remark("X1", "error", "bad", Spot("a.launch"))])
+    (run,) = json.loads(json.dumps(content))["runs"]
+    assert run["tool"]["driver"]["rules"] == [{"id": "X1", "shortDescription": {"text": "X1"}}]
+    assert run["results"][0]["locations"][0]["physicalLocation"]["region"] == {"startLine": 1}
