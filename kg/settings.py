@@ -216,6 +216,15 @@ class Settings:
             "+FAMILY adds one to those.",
         ),
     )
+    installed: tuple[Path, ...] = field(
+        default=(),
+        metadata=_about(
+            _paths,
+            "FOLDERS",
+            f"Folders of installed packages that launch files may include from, joined by {os.pathsep!r}; by default "
+            "those that ROS_PACKAGE_PATH and AMENT_PREFIX_PATH name.",
+        ),
+    )
     origins: Mapping[str, Origin] = field(default_factory=dict)
 
     def origin(self, name: str) -> Origin:

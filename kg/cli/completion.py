@@ -9,7 +9,7 @@ from kg.errors import CATALOGUE, KgError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["codes", "nodes", "packages", "queries", "rules"]
+__all__ = ["codes", "launches", "nodes", "packages", "queries", "rules"]
 
 
 def codes(incomplete: str) -> list[tuple[str, str]]:
@@ -65,6 +65,20 @@ def rules(incomplete: str) -> list[str]:
         from kg.settings import load  # noqa: PLC0415 - start-up time
 
         return list(Library.of(load()).entries)
+
+    return _beginning(incomplete, names)
+
+
+def launches(incomplete: str) -> list[str]:
+    """Return the names of launch files."""
+
+    def names() -> list[str]:
+        from kg.graph.systems_reading import system_names  # noqa: PLC0415 - start-up time
+        from kg.settings import load  # noqa: PLC0415 - start-up time
+        from kg.store.opening import reading  # noqa: PLC0415 - start-up time
+
+        with reading(load()) as snapshot:
+            return [one.name for one in system_names(snapshot)]
 
     return _beginning(incomplete, names)
 

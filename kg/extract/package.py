@@ -13,7 +13,7 @@ from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Final, TypeVar
 
 from kg.corpus.reading import DEFAULT_LIMIT_BYTES, Reader
-from kg.extract import cpp, definitions, implicit, manifests, parameters, python
+from kg.extract import cpp, definitions, implicit, launch, manifests, parameters, python
 from kg.extract.buildmodel import BuildModel, TargetKind
 from kg.extract.merging import merge, settled
 from kg.facts import Location, Package, PackageFacts, SourceFile
@@ -61,6 +61,7 @@ def extract_package(
         files=tuple(_files(reader, package)),
         problems=tuple(sorted(reader.problems, key=lambda found: (found.path, found.line or 0, found.code))),
         inputs=reader.inputs,
+        launches=_guard(reader, launch.read_launches, (), reader, package, described.ros),
         programs=_programs(package, build),
     )
 
@@ -69,7 +70,7 @@ def _programs(package: PackageFolder, build: BuildModel) -> tuple[str, ...]:
     """Return what can be started by name: what is built or installed, and files that may be executed where they are."""
     built = (one.output_name or one.name for one in build.targets if one.kind is not TargetKind.LIBRARY)
     alone = (one.executable for one in build.plugins if one.executable)
-    installed = (one.name for one in (*build.scripts, *build.entry_points))
+    installed = [*(one.name for one in build.scripts), *(one.name for one in build.entry_points)]
     files = (PurePosixPath(entry.path).name for entry in package.files if entry.executable)
     return tuple(sorted({*built, *alone, *installed, *files}))
 

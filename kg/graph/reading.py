@@ -35,6 +35,7 @@ __all__ = [
     "node_names",
     "node_records",
     "one",
+    "programs",
     "qualities",
     "word",
 ]
@@ -140,6 +141,15 @@ def node_records(
         commit, place = owner["commit"], (_text(owner["repository"]), _text(owner["package"]))
         found.append(NodeRecord(place[0], commit and _text(commit), place[1], fact, iri, dict(ends), dict(settable)))
     return sorted(found, key=lambda one: (one.repository, one.package, one.node.name, str(one.node.location)))
+
+
+def programs(graph: Queryable) -> dict[str, set[str]]:
+    """Return what each package of the store installs to be started; all packages are there."""
+    found: defaultdict[str, set[str]] = defaultdict(set)
+    pattern = "?p a rnkg:Package ; rnkg:name ?package OPTIONAL { ?p rnkg:installs ?program }"
+    for row in _rows(graph, f"SELECT ?package ?program WHERE {{ {pattern} }}"):
+        found[row["package"].value].update({row["program"].value} if row["program"] else ())
+    return dict(found)
 
 
 def node_names(graph: Queryable) -> list[str]:

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 from kg.facts import NodeKind, Role
 
 if TYPE_CHECKING:
-    from kg.facts import Interface, Location, Parameter, Qos
+    from kg.facts import InstanceInterface, Interface, Location, NodeInstance, Parameter, Qos, System
     from kg.graph.reading import NodeRecord
 
-__all__ = ["how_to_start", "node_object"]
+__all__ = ["how_to_start", "instance_object", "node_object"]
 
 
 def node_object(record: NodeRecord) -> dict[str, Any]:
@@ -37,6 +37,66 @@ def node_object(record: NodeRecord) -> dict[str, Any]:
         fields[str(role)] = [_interface(one) for one in node.interfaces if one.role == role]
     fields["parameters"] = [_parameter(one) for one in node.parameters]
     return fields
+
+
+def instance_object(system: System, instance: NodeInstance) -> dict[str, Any]:
+    """Return a node instance with its resolved interface as plain values; the fields of docs/formats.md."""
+    started, kind = instance.started, instance.type
+    fields: dict[str, Any] = {
+        "system": system.configuration.name,
+        "name": instance.name,
+        "namespace": instance.namespace,
+        "repository": kind.repository if kind else None,
+        "package": kind.package if kind else started.package,
+        "node": kind.node if kind else None,
+        "executable": started.executable,
+        "plugin": started.plugin,
+        "kind": str(started.kind),
+        "host": instance.host,
+        "ros": system.configuration.ros,
+        "condition": started.condition,
+        "missing": str(instance.missing) if instance.missing else None,
+        "reason": instance.reason,
+        "complete": instance.complete,
+        "loads": [str(one) for one in instance.plugins],
+        "remaps": {one.source: one.target for one in reversed(instance.remaps)},
+        "parameters": {one.name: _yaml(one.set.value) for one in instance.parameters},
+        "arguments": list(started.arguments),
+        **_place(started.location),
+        "chain": [_place(one) for one in started.chain],
+    }
+    for role in Role:
+        fields[str(role)] = [_end(one) for one in instance.interfaces if one.declared.role == role]
+    return fields
+
+
+def _end(end: InstanceInterface) -> dict[str, Any]:
+    remap, setting = end.remap, end.parameter
+    return {
+        **_interface(end.declared),
+        "resolved": end.resolved,
+        "resolution": str(end.resolution),
+        "qos": _qos(end.qos) if end.qos else None,
+        "reason": end.reason,
+        "owner": str(end.owner),
+        "remap": {"from": remap.source, "to": remap.target, **_place(remap.location)} if remap else None,
+        "set_by": {"name": setting.name, "value": _yaml(setting.value), **_place(setting.location)}
+        if setting
+        else None,
+    }
+
+
+def _yaml(text: str | None) -> Any:
+    """Return the value that a text of YAML stands for, where JSON can hold it; else the text."""
+    import yaml  # noqa: PLC0415 - only who shows instances needs it
+
+    if text is None:
+        return None
+    try:
+        value = yaml.safe_load(text)
+    except (yaml.YAMLError, ValueError):
+        return text
+    return value if isinstance(value, str | int | float | bool | list | dict) else text
 
 
 def how_to_start(record: NodeRecord) -> str | None:

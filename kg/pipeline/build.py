@@ -20,12 +20,13 @@ from typing import TYPE_CHECKING
 from kg.corpus.sources import is_address
 from kg.errors import SourceError
 from kg.facts import FileKind
+from kg.graph.iris import Iris
 from kg.pipeline import cache
 from kg.pipeline.inferring import Inference, digest
 from kg.pipeline.plan import entries_by_name, listing, make_plan, stamp, version
 from kg.pipeline.recording import RecordingWorkspace
-from kg.pipeline.report import BuildReport, Silent, SourceReport
-from kg.pipeline.sources import folders, gather
+from kg.pipeline.report import BuildReport, Silent, SourceReport, totals
+from kg.pipeline.sources import folders, gather, installed_folders
 from kg.pipeline.state import PackageState, SourceState, State, load, save
 from kg.store.failure import translated
 
@@ -36,7 +37,8 @@ if TYPE_CHECKING:
     from kg.corpus.workspace import FileEntry, PackageFolder, Source
     from kg.pipeline.plan import Key, Plan
     from kg.pipeline.pool import Pool
-    from kg.pipeline.report import Inferred, Report
+    from kg.pipeline.report import Inferred, Report, SystemsReport
+    from kg.pipeline.state import Systems
     from kg.pipeline.work import Outcome
     from kg.pipeline.writing import Written
     from kg.settings import Settings
@@ -108,7 +110,7 @@ class _Build:
             raise SourceError("KG101", "no source is named, and no earlier build named one", hint="Name a folder.")
         roots = named or self._state.roots
         sources = gather(roots, self._store.layout.checkouts, self._report, again=not named)
-        workspace = RecordingWorkspace(sources)
+        workspace = RecordingWorkspace(sources, installed_folders(self._settings))
         now = version(self._settings.base, self._settings.max_file_bytes)
         plan = make_plan(workspace, self._state, self._cache, now)
         self._jobs = max(1, min(self._jobs, len(plan.read)))
@@ -118,19 +120,40 @@ class _Build:
         written: dict[str, Written] = {}
         if changed or gone:
             written = self._write(workspace, plan, changed, gone, results)
+        systems, wired = self._wire(sources, results, gone, changed=bool(changed or gone))
         inferred = self._infer(changed=bool(changed or gone))
         generation = self._transaction.commit()
         self._inference.remember(generation)
         if inferred is not None:
             self._rules = self._inference.digest
         state = self._next_state(sources, plan, results, written, generation, named)
-        state = replace(state, sources={name: one for name, one in state.sources.items() if name not in gone})
+        state = replace(
+            state, sources={name: one for name, one in state.sources.items() if name not in gone}, systems=systems
+        )
         if state != self._state:
             with translated(str(self._cache)):
                 save(self._cache, state)
                 cache.keep_only(self._cache, _results(state))
         reports = tuple(self._source_report(source, plan, results) for source in sources)
-        return BuildReport(reports, generation, 0.0, self._jobs, gone, inferred)
+        return BuildReport(reports, generation, 0.0, self._jobs, gone, inferred, wired)
+
+    def _wire(
+        self, sources: Sequence[Source], results: dict[Key, PackageState], gone: tuple[str, ...], *, changed: bool
+    ) -> tuple[Systems, SystemsReport]:
+        """Write the systems that launch files make, of the sources of this build and of those that stay."""
+        built = {source.repository.name for source in sources}
+        others = {name: one for name, one in self._state.sources.items() if name not in {*built, *gone}}
+        packages = {
+            **results,
+            **{(name, path): one for name, source in others.items() for path, one in source.packages.items()},
+        }
+        if not changed:
+            return self._state.systems, totals(self._state.systems)
+        # Late, for a build without changes wires nothing.
+        from kg.pipeline.systems import update_systems  # noqa: PLC0415 - see above
+
+        iris = Iris(self._settings.base)
+        return update_systems(self._transaction, self._cache, iris, packages, self._state.systems)
 
     def _infer(self, *, changed: bool) -> Inferred | None:
         """Run the rules when the sources or the rules themselves are not those of the last run."""

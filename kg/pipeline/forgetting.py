@@ -11,6 +11,7 @@ from kg.graph.iris import Iris
 from kg.pipeline.inferring import Inference
 from kg.pipeline.sharing import keep_shared
 from kg.pipeline.state import load, save
+from kg.pipeline.systems import update_systems
 from kg.pipeline.writing import shared_of
 from kg.store.failure import translated
 
@@ -46,13 +47,15 @@ def forget(
         packages = [package for source in left.sources.values() for package in source.packages.values()]
         contents = (shared_of(store.layout.cache, package) for package in packages)
         keep_shared(transaction, iris, contents, left.sources)
+        present = {(name, path): one for name, source in left.sources.items() for path, one in source.packages.items()}
+        systems, _ = update_systems(transaction, store.layout.cache, iris, present, state.systems)
         inferred = inference.run(transaction) if rules else None
         generation = transaction.commit()
         inference.remember(generation)
         current = generation if generation and state.generation + 1 == generation else state.generation
         with translated(str(store.layout.cache)):
             store.layout.cache.mkdir(parents=True, exist_ok=True)
-            save(store.layout.cache, replace(left, generation=current, rules=inference.digest))
+            save(store.layout.cache, replace(left, generation=current, rules=inference.digest, systems=systems))
     return inferred
 
 

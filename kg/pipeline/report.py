@@ -10,8 +10,9 @@ if TYPE_CHECKING:
 
     from kg.errors import RuleError
     from kg.facts import Problem, Repository
+    from kg.pipeline.state import Systems
 
-__all__ = ["BuildReport", "Inferred", "PackageResult", "Report", "Silent", "SourceReport"]
+__all__ = ["BuildReport", "Inferred", "PackageResult", "Report", "Silent", "SourceReport", "SystemsReport", "totals"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +67,21 @@ class Inferred:
 
 
 @dataclass(frozen=True, slots=True)
+class SystemsReport:
+    """How many launch configurations a store has, how many instances they start, and how many graphs changed."""
+
+    configurations: int = 0
+    instances: int = 0
+    changed: int = 0
+
+
+def totals(systems: Systems) -> SystemsReport:
+    """Return the counts of the systems of a store."""
+    packages = [one for found in systems.values() for one in found.values()]
+    return SystemsReport(sum(len(one.graphs) for one in packages), sum(one.instances for one in packages))
+
+
+@dataclass(frozen=True, slots=True)
 class BuildReport:
     """What a build did; `generation` is the snapshot it made, None when nothing had changed. Times in seconds.
 
@@ -79,6 +95,7 @@ class BuildReport:
     jobs: int
     gone: tuple[str, ...] = ()
     inferred: Inferred | None = None
+    systems: SystemsReport | None = None
 
     @property
     def read(self) -> int:

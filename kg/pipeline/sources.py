@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -16,8 +17,25 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from kg.pipeline.report import Report
+    from kg.settings import Settings
 
-__all__ = ["folders", "gather"]
+__all__ = ["folders", "gather", "installed_folders"]
+
+_ROS_VARIABLES = (("ROS_PACKAGE_PATH", ""), ("AMENT_PREFIX_PATH", "share"))
+"""Where ROS 1 and ROS 2 look for packages, and the folder below that has one folder a package."""
+
+
+def installed_folders(settings: Settings) -> tuple[Path, ...]:
+    """Return the folders of installed packages: those of the settings, else those that a ROS environment names."""
+    if settings.installed:
+        return settings.installed
+    named = (
+        Path(part) / below
+        for variable, below in _ROS_VARIABLES
+        for part in os.environ.get(variable, "").split(os.pathsep)
+        if part
+    )
+    return tuple(dict.fromkeys(folder for folder in named if folder.is_dir()))
 
 
 def gather(named: Iterable[str], checkouts: Path, report: Report, *, again: bool = False) -> tuple[Source, ...]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from kg.facts import Problem, Repository
 from kg.pipeline.report import PackageResult
@@ -17,9 +17,12 @@ from kg.store.layout import write_atomically
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["PackageState", "SourceState", "State", "discard", "load", "save"]
+__all__ = ["PackageState", "PackageSystems", "SourceState", "State", "Systems", "discard", "load", "save"]
 
-_FORM: Final = 1
+Systems: TypeAlias = "dict[str, dict[str, PackageSystems]]"
+"""The systems of each package that has launch files, by source and path of the package."""
+
+_FORM: Final = 2
 _NAME: Final = "state.json"
 
 
@@ -44,6 +47,20 @@ class PackageState:
     def report(self, source: str) -> PackageResult:
         """Return what the report of a build says of the package."""
         return PackageResult(source, self.name, self.path, self.counts, self.unresolved, self.problems)
+
+
+@dataclass(frozen=True, slots=True)
+class PackageSystems:
+    """The systems of one package as they were wired last.
+
+    `uses` are the packages that its launch files name, `basis` is a digest of all that the systems depend on, `graphs`
+    maps the paths of the launch files to digests of their graphs, `instances` counts what they start.
+    """
+
+    uses: tuple[str, ...]
+    basis: str
+    graphs: dict[str, str] = field(default_factory=dict)
+    instances: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +89,7 @@ class State:
     roots: tuple[str, ...] = ()
     sources: dict[str, SourceState] = field(default_factory=dict)
     rules: str = ""
+    systems: Systems = field(default_factory=dict)
 
 
 def load(cache: Path) -> State:
@@ -103,7 +121,11 @@ def _state(content: dict[str, Any]) -> State:
     if content.pop("form") != _FORM:
         return State()
     sources = {name: _source(source) for name, source in content.pop("sources").items()}
-    return State(**{**content, "roots": tuple(content["roots"])}, sources=sources)
+    systems = {
+        name: {path: PackageSystems(**{**one, "uses": tuple(one["uses"])}) for path, one in packages.items()}
+        for name, packages in content.pop("systems").items()
+    }
+    return State(**{**content, "roots": tuple(content["roots"])}, sources=sources, systems=systems)
 
 
 def _source(content: dict[str, Any]) -> SourceState:

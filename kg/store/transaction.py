@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from pathlib import Path
 
-    from pyoxigraph import QuerySolutions
+    from pyoxigraph import QueryBoolean, QuerySolutions, QueryTriples
 
     from kg.store.layout import Layout
 
@@ -97,6 +97,18 @@ class EmbeddedTransaction:
             self.changes.replace(graph.value)
             self._loaded += bulk.load(lambda: self._engine, graph, chunks)
 
+    def replace_small_graphs(self, graphs: Mapping[NamedNode, bytes]) -> None:
+        """Give each named graph a new content, as N-Triples; all of them are loaded together.
+
+        The engine writes files for each index at every load, so that many small ones cost far more than one large.
+        """
+        with translated(str(self._layout.root)):
+            self._begin(frozenset(graphs))
+            self.changes.replace(*(graph.value for graph in graphs))
+            for graph in graphs:
+                self._engine.clear_graph(graph)
+            self._loaded += bulk.load_quads(lambda: self._engine, graphs)
+
     def patch_graph(self, graph: NamedNode, removed: bytes, added: bytes) -> None:
         """Take the N-Triples `removed` out of a graph and put `added` in: for changes small beside the graph."""
         with translated(str(self._layout.root)):
@@ -127,6 +139,14 @@ class EmbeddedTransaction:
         with translated(str(self._layout.root)):
             self._begin(frozenset())
             return [graph for graph in self._engine.named_graphs() if isinstance(graph, NamedNode)]
+
+    def query(
+        self, text: str, *, prefixes: Mapping[str, str] | None = None, union: bool = True
+    ) -> QuerySolutions | QueryBoolean | QueryTriples:
+        """Run a SPARQL query on the content as it is by now; with `union` over the union of all graphs."""
+        with translated(str(self._layout.root)):
+            self._begin(frozenset())
+            return self._engine.query(text, prefixes=dict(prefixes or {}), use_default_graph_as_union=union)
 
     def table(self, select: str, graph: NamedNode | None) -> bytes:
         """Return the rows of a SELECT over one graph as it is by now; see `kg.store.bulk.table`."""

@@ -1,0 +1,99 @@
+"""`kg instances`: every node that launch files start, with the names it has then."""
+
+from collections import Counter
+from typing import TYPE_CHECKING, Final
+
+import typer
+
+from kg.cli.diagnostics import note
+from kg.cli.options import Json, Store
+from kg.cli.output import Column, listing, terminal
+from kg.cli.session import session
+from kg.cli.systems import Arguments, Environment, Launch, chosen_system
+from kg.errors import UsageError
+from kg.render.text import count
+from kg.store.opening import reading
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kg.facts import NodeInstance, System
+    from kg.settings import Settings
+
+__all__ = ["instances"]
+
+_COUNTS: Final = ("pub", "sub", "srv", "cli", "act", "par")
+_ONE: Final = (
+    Column("instance", "name"),
+    Column("node"),
+    Column("kind"),
+    *(Column(title, "number") for title in _COUNTS),
+    Column("file:line", "dim", spare=True),
+)
+_ALL: Final = (Column("system"), *_ONE)
+
+
+def instances(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    *,
+    launch: Launch = None,
+    arg: Arguments = None,
+    env: Environment = None,
+    json: Json = False,
+    store: Store = None,
+) -> None:
+    """List every node that launch files start, with the name it has then.
+
+    Launch files are evaluated, never run: includes, namespaces, remappings, parameters and conditions as roslaunch and
+    ros2 launch take them. Without --launch all launch files of the store are listed, each with its default arguments.
+    A node whose package is not in the store has no counts. For example:
+
+        kg instances --launch rover_bringup/launch/rover.launch
+        kg instances --launch rover.launch --arg camera:=false --json
+    """
+    from kg.graph.records import instance_object  # noqa: PLC0415 - start-up time
+
+    settings = session(context).settings(store=store)
+    if launch is None and (arg or env):
+        raise UsageError("KG003", "arguments are for one launch file", hint="Name it with `--launch FILE`.")
+    found = [chosen_system(settings, launch, arg, env)] if launch else _every(settings)
+    objects = (instance_object(system, one) for system in found for one in system.instances)
+    rows = [
+        _row(one) if launch else (system.configuration.name, *_row(one)) for system in found for one in system.instances
+    ]
+    listing(_ONE if launch else _ALL, rows, objects=objects if json else None)
+    if terminal() and not json:
+        _notes(found, len(rows), one=launch is not None)
+
+
+def _every(settings: "Settings") -> "Sequence[System]":
+    from kg.graph.systems_reading import system_names, systems  # noqa: PLC0415 - start-up time
+
+    with reading(settings) as snapshot:
+        return systems(snapshot, system_names(snapshot), settings.base)
+
+
+def _row(instance: "NodeInstance") -> tuple[object, ...]:
+    from kg.facts import Role  # noqa: PLC0415 - start-up time
+
+    started, kind = instance.started, instance.type
+    what = (
+        f"{kind.package}/{kind.node}"
+        if kind
+        else f"{started.package or '?'}/{started.plugin or started.executable or '?'}"
+    )
+    roles = [one.declared.role for one in instance.interfaces if not one.declared.implicit]
+    actions = roles.count(Role.ACTION_SERVERS) + roles.count(Role.ACTION_CLIENTS)
+    counts = [roles.count(role) for role in (Role.PUBLISHES, Role.SUBSCRIBES, Role.SERVICES, Role.CLIENTS)]
+    numbers = (*counts, actions, len(instance.parameters)) if kind else ("",) * len(_COUNTS)
+    return instance.name, what, str(started.kind), *numbers, str(started.location)
+
+
+def _notes(found: "Sequence[System]", rows: int, *, one: bool) -> None:
+    missing = Counter(instance.reason for system in found for instance in system.instances if instance.reason)
+    for reason, number in missing.most_common(5) if one else ():
+        note(f"{count(number, 'instance')} without counts: {reason}")
+    for problem in [problem for system in found for problem in system.configuration.problems][:5] if one else ():
+        note(f"{problem.location}: {problem.message}")
+    files = f" of {count(len(found), 'launch file')}" if not one else ""
+    note(f"{count(rows, 'instance')}{files}; `kg graph --launch FILE` draws them, `kg lint` says what is wrong")

@@ -1,0 +1,64 @@
+"""Which launch files a package has, which language each is in, and its evaluation."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Final
+
+from kg.corpus.files import FilePath
+from kg.extract.launch.files import Files
+from kg.extract.launch.ros1.evaluate import evaluate as evaluate_roslaunch
+from kg.extract.launch.ros2.evaluate import evaluate as evaluate_ros2
+from kg.facts import FileKind, LaunchDialect
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kg.corpus.files import PackageFolder
+    from kg.corpus.reading import Reader
+    from kg.facts import LaunchConfiguration
+
+__all__ = ["dialect_of", "read_configuration", "read_launches"]
+
+_NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
+_ROS2: Final = 2
+
+
+def read_launches(reader: Reader, package: PackageFolder, ros: int) -> tuple[LaunchConfiguration, ...]:
+    """Return each launch file of `package`, evaluated with its default arguments; `ros` is the package's version."""
+    paths = sorted(entry.path for entry in package.files if entry.kind is FileKind.LAUNCH)
+    found = (read_configuration(reader, path, ros) for path in paths)
+    return tuple(one for one in found if one is not None)
+
+
+def read_configuration(
+    reader: Reader,
+    path: str,
+    ros: int,
+    given: Mapping[str, str] = _NOTHING,
+    environment: Mapping[str, str] = _NOTHING,
+) -> LaunchConfiguration | None:
+    """Return the launch file at `path` of the reader's source, evaluated with arguments and environment variables.
+
+    None for a file that is no launch file after all. What is wrong stands in `problems` of the result.
+    """
+    file = FilePath(reader.source.repository.name, path)
+    text = reader.read(file)
+    dialect = dialect_of(path, text or b"", ros)
+    if text is None or dialect is None:
+        return None
+    evaluate = evaluate_roslaunch if dialect is LaunchDialect.ROSLAUNCH else evaluate_ros2
+    found = evaluate(Files(reader), file, dialect, given, environment)
+    return replace(found, package=reader.package.name, folder=reader.package.path)
+
+
+def dialect_of(path: str, text: bytes, ros: int) -> LaunchDialect | None:
+    """Return the language of a launch file by its ending, its content and its package's version of ROS."""
+    if path.endswith(".py"):
+        return LaunchDialect.ROS2_PYTHON if b"generate_launch_description" in text else None
+    if path.endswith((".yaml", ".yml")):
+        return LaunchDialect.ROS2_YAML
+    if b"<launch" not in text:
+        return None
+    return LaunchDialect.ROS2_XML if ros == _ROS2 else LaunchDialect.ROSLAUNCH

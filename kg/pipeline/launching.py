@@ -1,0 +1,182 @@
+"""Launch configurations by name, and those evaluated with other arguments than their defaults.
+
+A store holds every launch file with its default arguments. With others, the file is evaluated again where its source
+stands, and wired with the node types of the store.
+"""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from pyoxigraph import NamedNode
+
+from kg.corpus.reading import Reader
+from kg.corpus.workspace import Workspace, scan_tree
+from kg.errors import Place, SourceError, UnknownNameError, UsageError
+from kg.graph.iris import Iris
+from kg.graph.systems import system_triples
+from kg.graph.systems_reading import SystemName, system_names, systems
+from kg.pipeline.inferring import Inference
+from kg.pipeline.sources import installed_folders
+from kg.pipeline.state import State, load
+from kg.pipeline.systems import node_types, used_packages
+from kg.query.similar import did_you_mean
+from kg.wiring.systems import wire
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from kg.corpus.workspace import PackageFolder, Source
+    from kg.facts import System
+    from kg.graph.reading import Queryable
+    from kg.settings import Settings
+    from kg.store.embedded import EmbeddedStore
+    from kg.store.transaction import EmbeddedTransaction
+
+__all__ = ["chosen", "evaluate", "find", "pairs", "trial"]
+
+_SHOWN: Final = 8
+
+
+def find(graph: Queryable, text: str, roots: Mapping[str, str]) -> SystemName:
+    """Return the configuration that `text` names.
+
+    That is a path on disk, a name (`package/launch/x.launch`), a path in a source, or the end of either by whole
+    segments, `package x.launch` too. `roots` has the folder of each source.
+
+    Raises:
+        UnknownNameError: KG422 when there is none.
+        UsageError: KG003 when there are several.
+    """
+    names = system_names(graph)
+    wanted = "/".join(text.split())
+    found = _on_disk(names, Path(text), roots) or [one for one in names if wanted in {one.name, one.path}]
+    found = found or [
+        one for one in names if f"/{one.name}".endswith(f"/{wanted}") or f"/{one.path}".endswith(f"/{wanted}")
+    ]
+    found = found or [one for one in names if _package_and_file(one, text.split())]
+    if len(found) == 1:
+        return found[0]
+    if not found:
+        hint = (
+            did_you_mean(wanted, [one.name for one in names]) or "`kg instances` lists the launch files of the store."
+        )
+        place = Place(text) if Path(text).exists() else None
+        raise UnknownNameError("KG422", f"the store has no launch file `{text}`", place=place, hint=hint)
+    ways = "\n".join(f"`--launch {one.name}`  ({one.repository}:{one.path})" for one in found[:_SHOWN])
+    raise UsageError("KG003", f"{len(found)} launch files are called `{text}`; say which", hint=ways)
+
+
+def _on_disk(names: Sequence[SystemName], path: Path, roots: Mapping[str, str]) -> list[SystemName]:
+    if not path.is_file():
+        return []
+    real = path.resolve()
+    return [
+        one for one in names if one.repository in roots and (Path(roots[one.repository]) / one.path).resolve() == real
+    ]
+
+
+def _package_and_file(name: SystemName, words: Sequence[str]) -> bool:
+    """Tell whether words are those of `roslaunch package file`."""
+    package, _, inner = name.name.partition("/")
+    return len(words) == 2 and words[0] == package and f"/{inner}".endswith(f"/{words[1]}")  # noqa: PLR2004 - as above
+
+
+def pairs(texts: Sequence[str], sign: str = ":=") -> dict[str, str]:
+    """Return `x:=y` as names and values; UsageError KG003 for a text without the sign."""
+    found = {}
+    for text in texts:
+        name, mark, value = text.partition(sign)
+        if not mark or not name.strip():
+            raise UsageError("KG003", f"`{text}` is not written as NAME{sign}VALUE")
+        found[name.strip()] = value
+    return found
+
+
+def chosen(
+    settings: Settings,
+    store: EmbeddedStore,
+    launch: str,
+    arguments: Mapping[str, str] | None = None,
+    environment: Mapping[str, str] | None = None,
+) -> System:
+    """Return the system of a launch file: as the store has it, or evaluated with arguments and environment variables.
+
+    Raises as `find` and `evaluate`.
+    """
+    state = load(store.layout.cache)
+    roots = {name: source.repository.root for name, source in state.sources.items()}
+    with store.read() as snapshot:
+        name = find(snapshot, launch, roots)
+        if not arguments and not environment:
+            return systems(snapshot, [name], settings.base)[0]
+        return evaluate(settings, snapshot, state, name, arguments or {}, environment or {})
+
+
+def evaluate(  # noqa: PLR0913, PLR0917 - what a configuration depends on
+    settings: Settings,
+    graph: Queryable,
+    state: State,
+    name: SystemName,
+    arguments: Mapping[str, str],
+    environment: Mapping[str, str],
+) -> System:
+    """Return the system of a launch file, read anew from its source.
+
+    Raises:
+        SourceError: KG101 when its source is not where it was built from.
+        UsageError: KG003 for an argument that the file does not declare.
+    """
+    from kg.extract.launch import read_configuration  # noqa: PLC0415 - the readers of code take long to load
+
+    sources = tuple(
+        source
+        for one in state.sources.values()
+        if Path(one.repository.root).is_dir()
+        for source in scan_tree(Path(one.repository.root))
+    )
+    source, package = _owner(sources, name)
+    workspace = Workspace(sources, installed_folders(settings))
+    reader = Reader(workspace, source, package, settings.max_file_bytes)
+    configuration = read_configuration(reader, name.path, name.ros, arguments, environment)
+    if configuration is None:
+        raise SourceError("KG101", "the launch file cannot be read", place=Place(str(source.root / name.path)))
+    declared = {one.name for one in configuration.arguments}
+    for argument in arguments:
+        if argument not in declared:
+            hint = did_you_mean(argument, declared) or f"Its arguments are {', '.join(sorted(declared)) or 'none'}."
+            raise UsageError("KG003", f"{name.name} has no argument `{argument}`", hint=hint)
+    loadable = {
+        one.name for found in state.sources.values() for one in found.packages.values() if one.counts.get("loadable")
+    }
+    types, _ = node_types(graph, loadable | used_packages([configuration]))
+    return wire(configuration, types)
+
+
+def _owner(sources: Sequence[Source], name: SystemName) -> tuple[Source, PackageFolder]:
+    for source in sources:
+        if source.repository.name == name.repository:
+            for package in source.packages:
+                if any(entry.path == name.path for entry in package.files):
+                    return source, package
+    hint = "Build it again from where it is now."
+    raise SourceError("KG101", f"{name.repository}:{name.path} is not where it was built from", hint=hint)
+
+
+@contextmanager
+def trial(settings: Settings, store: EmbeddedStore, system: System) -> Iterator[EmbeddedTransaction]:
+    """Yield the content of the store as it would be with this system in place of what it has; nothing is kept.
+
+    The rules have run over it. Another process that writes waits or is refused meanwhile (KG302).
+    """
+    iris, configuration = Iris(settings.base), system.configuration
+    packages = {reference.package for one in system.instances for reference in (one.type, *one.plugins) if reference}
+    with store.write("kg lint") as transaction:
+        _, records = node_types(transaction, packages)
+        graph = NamedNode(iris.launch_graph(configuration.repository, configuration.path))
+        transaction.replace_small_graphs({graph: system_triples(system, records, iris)})
+        Inference(store, settings).run(transaction)
+        yield transaction
+        transaction.roll_back()

@@ -1,0 +1,149 @@
+"""Stores of commits: what a repository was at a commit, read once and kept in the user's cache.
+
+The commit is checked out into a folder of its own that borrows the objects of the repository, so that neither its work
+tree nor anything in it is touched; the folder goes when it was read, the store stays for the next time. Nothing is
+fetched.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from dataclasses import replace
+from hashlib import blake2b
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Final, TypeAlias
+
+from kg.corpus.git import describe, run_git
+from kg.errors import Place, SourceError
+from kg.pipeline.build import build
+from kg.pipeline.inferring import digest
+from kg.pipeline.plan import version
+from kg.store.embedded import EmbeddedStore
+from kg.store.failure import translated
+from kg.store.layout import Layout
+
+if TYPE_CHECKING:
+    from kg.pipeline.report import Report
+    from kg.settings import Settings
+
+__all__ = ["Revision", "merge_base", "resolve", "revision_store"]
+
+_CHECKOUT_SECONDS: Final = 600.0
+
+Revision: TypeAlias = str
+"""A commit's full hash."""
+
+
+def resolve(folder: Path, name: str) -> Revision:
+    """Return the hash of a commit that the repository of `folder` knows by `name`.
+
+    Raises:
+        SourceError: KG101 where there is no repository or no git, KG104 where it knows no such commit.
+    """
+    _top(folder)
+    try:
+        return run_git(
+            ("rev-parse", "--verify", "--quiet", "--end-of-options", f"{name}^{{commit}}"), folder=folder
+        ).strip()
+    except subprocess.SubprocessError:
+        shallow = _asked(folder, "--is-shallow-repository") == "true"
+        hint = (
+            "The clone is shallow: `git fetch --unshallow` brings the rest." if shallow else "`git log` lists commits."
+        )
+        raise SourceError(
+            "KG104", f"the repository has no commit `{name}`", place=Place(str(folder)), hint=hint
+        ) from None
+
+
+def merge_base(folder: Path, one: Revision, other: Revision) -> Revision:
+    """Return the commit where the ways to two commits parted; SourceError KG104 where they have none in common."""
+    try:
+        return run_git(("merge-base", one, other), folder=folder).strip()
+    except subprocess.SubprocessError:
+        message = f"{one[:12]} and {other[:12]} have no commit in common"
+        raise SourceError("KG104", message, place=Place(str(folder)), hint="Compare them with two dots.") from None
+
+
+def revision_store(folder: Path, revision: Revision, settings: Settings, report: Report | None = None) -> EmbeddedStore:
+    """Return the store of a commit of the repository of `folder`, from the cache where it was read before.
+
+    Raises:
+        SourceError: KG103 where the commit cannot be checked out (objects that a partial clone lacks, a full disk).
+        StoreError: as a build.
+    """
+    top = _top(folder)
+    root = _cache() / _key(top, revision, settings)
+    if root.is_dir() and Layout(root).current() is not None:
+        return EmbeddedStore(Layout(root))
+    with translated(str(root)):
+        root.parent.mkdir(parents=True, exist_ok=True)
+    with TemporaryDirectory(prefix="reading-", dir=root.parent) as scratch:
+        tree, made = Path(scratch) / (top.name or "root"), Path(scratch) / ".kg"
+        _check_out(top, revision, tree)
+        store = EmbeddedStore.create(made)
+        build([str(tree)], store, replace(settings, store=made), report, f"kg diff, at {revision[:12]}")
+        _keep(made, root)
+    return EmbeddedStore(Layout(root))
+
+
+def _keep(made: Path, root: Path) -> None:
+    """Move a finished store to its place, where another process may have put the same one meanwhile."""
+    with translated(str(root)):
+        try:
+            made.rename(root)
+        except OSError:
+            if not root.is_dir():
+                raise
+
+
+def _cache() -> Path:
+    given = os.environ.get("XDG_CACHE_HOME", "")
+    return (Path(given) if Path(given).is_absolute() else Path.home() / ".cache") / "kg" / "revisions"
+
+
+def _key(top: Path, revision: Revision, settings: Settings) -> str:
+    """Return a name for all that the content of a store depends on."""
+    parts = str(top), version(settings.base, settings.max_file_bytes), digest(settings) or ""
+    short = blake2b("\0".join(parts).encode(errors="surrogateescape"), digest_size=8).hexdigest()
+    return f"{revision}-{short}"
+
+
+def _top(folder: Path) -> Path:
+    try:
+        return Path(run_git(("rev-parse", "--show-toplevel"), folder=folder).rstrip("\n")).resolve()
+    except OSError as error:
+        raise SourceError("KG101", "git is not installed", hint="Install git to compare commits.") from error
+    except subprocess.SubprocessError:
+        hint = "Go into a checkout, or name one with --repository; two stores can be compared without git."
+        raise SourceError("KG101", "this is no git repository", place=Place(str(folder)), hint=hint) from None
+
+
+def _asked(folder: Path, question: str) -> str:
+    return run_git(("rev-parse", question), folder=folder).strip()
+
+
+def _check_out(top: Path, revision: Revision, tree: Path) -> None:
+    """Write the files of a commit into a new folder, a repository with the name and remote of the one at `top`."""
+    try:
+        _borrow(top, tree)
+        run_git(("checkout", "--quiet", "--detach", revision), folder=tree, timeout=_CHECKOUT_SECONDS)
+    except subprocess.SubprocessError as error:
+        words = (getattr(error, "stderr", None) or b"").decode(errors="replace").strip() or str(error)
+        message = f"{revision[:12]} cannot be checked out: {words.splitlines()[-1]}"
+        hint = "A partial clone lacks the files of other commits; `git fetch --refetch --no-filter` brings them."
+        raise SourceError("KG103", message, place=Place(str(top)), hint=hint) from error
+
+
+def _borrow(top: Path, tree: Path) -> None:
+    """Make `tree` a repository that takes its objects from the one at `top`, and calls itself after the same remote."""
+    tree.mkdir()
+    run_git(("init", "--quiet"), folder=tree)
+    common = (top / _asked(top, "--git-common-dir")).resolve()
+    (tree / ".git" / "objects" / "info" / "alternates").write_text(f"{common / 'objects'}\n", encoding="utf-8")
+    if (common / "shallow").is_file():
+        shutil.copyfile(common / "shallow", tree / ".git" / "shallow")
+    if remote := describe(top).remote:
+        run_git(("config", "remote.origin.url", remote), folder=tree)
