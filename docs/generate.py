@@ -158,6 +158,9 @@ chooses families.
 """
 
 _FAMILIES: Final = {
+    "architecture": "What is wrong in the wiring of systems, as launch files start them: each finding has a code, KG401 "
+    "to KG414, which `kg explain` explains, and `kg lint` shows them. What is no fault stands in "
+    "ontology/architecture.ttl, and a file .srl of your own adds to it with `DATA { ... }`.",
     "capability": "What robots can sense, do and know. Messages tell it, by ontology/capability.ttl: every type of "
     "geometry_msgs, sensor_msgs, nav_msgs and std_msgs evokes a capability, or is listed there with the "
     "reason why it evokes none.",
@@ -198,10 +201,11 @@ def rules_page() -> str:
 
 def _rule(file: RuleFile) -> str:
     sections = file.documentation.sections or {}
+    mend = f"\n*How to mend.* {sections['How to mend']}\n" if "How to mend" in sections else ""
     limits = f"\n*Known limits.* {sections['Known limits']}\n" if "Known limits" in sections else ""
     link = f"[{file.path.name}](../rules/{file.name}{file.notation})"
     told = f"{sections['What it infers']}\n\n{sections['Why']}\n"
-    return f"\n### `{file.name}`\n\n{file.documentation.title} ({link}).\n\n{told}{limits}"
+    return f"\n### `{file.name}`\n\n{file.documentation.title} ({link}).\n\n{told}{mend}{limits}"
 
 
 PAGES: Final[dict[str, Callable[[], str]]] = {

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from kg.codes import defects, graphs, linting, queries, rules, sources, stores, usage
+from kg.codes import architecture, defects, graphs, linting, queries, rules, sources, stores, usage
 from kg.codes.entry import CodeEntry
 
 __all__ = ["CATALOGUE", "CodeEntry"]
@@ -18,6 +18,7 @@ CATALOGUE: Final[dict[str, CodeEntry]] = {
     **sources.CODES,
     **rules.CODES,
     **stores.CODES,
+    **architecture.CODES,
     **linting.CODES,
     **queries.CODES,
     **graphs.CODES,

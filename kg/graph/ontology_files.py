@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = ["ONTOLOGIES", "SHAPES", "default_ontologies", "ontology_triples", "shapes_file"]
 
-ONTOLOGIES: Final = ("onto-ros.ttl", "rnkg.ttl", "capability.ttl", "function.ttl", "hardware.ttl")
+ONTOLOGIES: Final = ("onto-ros.ttl", "rnkg.ttl", "capability.ttl", "function.ttl", "hardware.ttl", "architecture.ttl")
 """The ontologies that `kg` brings along, in its folder `ontology`."""
 SHAPES: Final = "shapes.ttl"
 """The SHACL shapes that `kg` brings along, in the same folder."""

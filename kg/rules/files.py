@@ -12,6 +12,7 @@ A header has the same form in the three notations, all of which begin comments w
     # Any number of lines of prose.
     #
     # ## Why
+    # ## How to mend                                        may be missing: of rules that find faults
     # ## Known limits                                       may be missing
     # ## References                                         may be missing
     #
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
 
 __all__ = ["HEADINGS", "NOTATIONS", "REQUIRED_HEADINGS", "Documentation", "RuleFile", "RuleSet", "family_of"]
 
-HEADINGS: Final = ("What it infers", "Why", "Known limits", "References")
+HEADINGS: Final = ("What it infers", "Why", "How to mend", "Known limits", "References")
 """The headings that documentation may have, in their order."""
 
 REQUIRED_HEADINGS: Final = ("What it infers", "Why")

@@ -45,12 +45,12 @@ ONTO_ROS_TERMS = {
 KINDS = (OWL.Class, OWL.ObjectProperty, OWL.DatatypeProperty, OWL.AnnotationProperty, OWL.NamedIndividual)
 GRAPHS = {path.stem: Graph().parse(path) for path in default_ontologies()}
 ONTO_ROS, RNKG = GRAPHS["onto-ros"], GRAPHS["rnkg"]
-BOTH = ONTO_ROS + RNKG
+BOTH = ONTO_ROS + RNKG + GRAPHS["architecture"]
 ALL = sum(GRAPHS.values(), Graph())
 NAMESPACES = {
     "onto-ros": vocabulary.ROS,
     "rnkg": vocabulary.RNKG,
-    **{name: f"https://w3id.org/rnkg/{name}#" for name in ("capability", "function", "hardware")},
+    **{name: f"https://w3id.org/rnkg/{name}#" for name in ("capability", "function", "hardware", "architecture")},
 }
 
 
