@@ -17,6 +17,7 @@ import yaml
 from kg.extract.launch.ros1.expression import ExpressionError, NotKnownError, UnsupportedError, evaluate_expression
 from kg.extract.launch.ros1.texts import HOLE, shown
 from kg.extract.launch.ros1.values import one_line, type_of
+from kg.extract.yamltext import compose_yaml
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -86,7 +87,7 @@ def read_scalar(text: str) -> object:
     if len(text) > _MOST_VALUE:
         return text
     try:
-        return _Walk().value(yaml.compose(text, Loader=_Loader), 0)
+        return _Walk().value(compose_yaml(text, _Loader), 0)
     except (yaml.YAMLError, _TooMuchError, ValueError, RecursionError):
         return text
 
@@ -110,7 +111,7 @@ def leaf_of(value: object, line: int = 1, keys: tuple[str, ...] = ()) -> Leaf:
 def _read(text: str) -> ParameterTree:
     walk, leaves = _Walk(), []
     try:
-        root = yaml.compose(text, Loader=_Loader)
+        root = compose_yaml(text, _Loader)
         if root is None:
             return ParameterTree(is_empty=True)
         for leaf in walk.leaves(root, (), root.start_mark.line + 1, 0):

@@ -1,0 +1,41 @@
+"""YAML that may be hostile: the parser in C composes nested nodes on its own stack, which deep nesting overruns."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Any, Final
+
+import yaml
+
+if TYPE_CHECKING:
+    from yaml import Node
+
+__all__ = ["compose_yaml"]
+
+_MOST_DEPTH: Final = 200
+_HARMLESS: Final = 2000
+"""Levels that a text of so few opening marks cannot exceed; the stack overflows at some twenty thousand."""
+_LEADING: Final = re.compile(r"^[ \t?-]*", re.MULTILINE)
+
+
+def compose_yaml(text: str, loader: Any) -> Node | None:
+    """Return the root node of the one document in `text`, None when there is none.
+
+    Raises `yaml.YAMLError` for what is no YAML, also for what nests deeper than 200 levels.
+    """
+    if text.count("[") + text.count("{") > _HARMLESS or max(map(len, _LEADING.findall(text))) > _HARMLESS:
+        _require_shallow(text, loader)
+    return yaml.compose(text, Loader=loader)
+
+
+def _require_shallow(text: str, loader: Any) -> None:
+    depth = 0
+    for event in yaml.parse(text, Loader=loader):
+        if isinstance(event, yaml.CollectionStartEvent):
+            depth += 1
+        elif isinstance(event, yaml.CollectionEndEvent):
+            depth -= 1
+        if depth > _MOST_DEPTH:
+            raise yaml.MarkedYAMLError(
+                problem=f"it nests deeper than {_MOST_DEPTH} levels", problem_mark=event.start_mark
+            )
