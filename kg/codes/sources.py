@@ -24,6 +24,11 @@ CODES: Final = {
         "git could not clone or update a repository.",
         "Read git's message; check the network, the address and your rights.",
     ),
+    "KG104": CodeEntry(
+        "unknown commit",
+        "A repository has no commit, branch or tag of that name, or two commits have none in common.",
+        "`git log --all` lists commits; a shallow clone has only the last ones.",
+    ),
     "KG110": CodeEntry(
         "unreadable file",
         "A file could not be opened: its permissions, a broken link, or the disk.",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import groupby
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from kg.compare.changes import Level
@@ -33,10 +32,10 @@ def difference_markdown(difference: Difference, title: str, link: Link | None = 
 
     `link` gives addresses of lines; a table has at most `most` rows, and says how many are left out.
     """
-    parts = [f"### {_cell(title)}", "", f"**{summary(difference)}**", ""]
+    parts = [f"### {_code(title)}", "", f"**{summary(difference)}**", ""]
     for heading, changes in _groups(difference):
-        parts += [f"#### {_cell(heading)}", "", "|   | what | where |", "|---|---|---|"]
-        parts += [f"| {sign(one)} | {_cell(change_words(one))} | {_places(one, link)} |" for one in changes[:most]]
+        parts += [f"#### {_code(heading)}", "", "|   | what | where |", "|---|---|---|"]
+        parts += [f"| {sign(one)} | {_code(change_words(one))} | {_places(one, link)} |" for one in changes[:most]]
         parts += ["", *([f"{count(len(changes) - most, 'more row')} left out.", ""] if len(changes) > most else [])]
     return "\n".join(parts)
 
@@ -69,8 +68,10 @@ def _side_object(side: Side | None) -> dict[str, Any] | None:
 
 def _groups(difference: Difference) -> Iterator[tuple[str, list[Change]]]:
     """Yield the changes below their heading: of a node type, or of an instance in its launch file."""
-    for heading, changes in groupby(difference.changes, key=_heading):
-        yield heading, list(changes)
+    found: dict[str, list[Change]] = {}
+    for change in difference.changes:
+        found.setdefault(_heading(change), []).append(change)
+    yield from found.items()
 
 
 def _heading(change: Change) -> str:
@@ -96,7 +97,7 @@ def _places(change: Change, link: Link | None) -> str:
         if side is None or side.location is None or (not is_after and change.after and _same_line(change)):
             continue
         address = link(side, is_after) if link else None
-        text = _cell(str(side.location))
+        text = _code(str(side.location))
         found.append(f"[{text}]({address})" if address else text)
     return " → ".join(found)
 
@@ -105,7 +106,7 @@ def _same_line(change: Change) -> bool:
     return bool(change.before and change.after and change.before.location == change.after.location)
 
 
-def _cell(text: str) -> str:
-    """Return text as it may stand in a cell: nothing in it is Markdown or HTML."""
-    safe = printable(text).replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
-    return "".join(f"\\{letter}" if letter in "\\|*_`[]#~@" else letter for letter in safe)
+def _code(text: str) -> str:
+    """Return text as code in a cell: nothing in it is Markdown, HTML or the name of a user."""
+    safe = printable(text).replace("`", "'").replace("|", "\\|")
+    return f"`{safe}`"

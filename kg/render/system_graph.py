@@ -221,10 +221,12 @@ def _member(key: str, instance: NodeInstance, named: Mapping[str, str]) -> Membe
 
 
 def _about(instance: NodeInstance) -> str:
-    started = instance.started
-    what = started.plugin or started.executable or (instance.type.node if instance.type else "")
-    package = started.package or (instance.type.package if instance.type else "")
-    return what if not package or what.startswith((f"{package}/", f"{package}::")) else f"{package}/{what or '?'}"
+    """Return what is started: the class of a nodelet or component, else package and executable."""
+    started, kind = instance.started, instance.type
+    if started.plugin:
+        return started.plugin
+    package, executable = started.package or (kind and kind.package), started.executable or (kind and kind.node)
+    return f"{package or '?'}/{executable or '?'}" if package or executable else ""
 
 
 def _foreign_hosts(keys: Mapping[str, NodeInstance], named: Mapping[str, str]) -> Iterable[Member]:

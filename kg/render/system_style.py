@@ -69,7 +69,7 @@ def escaped(text: str) -> str:
 
 
 def label(style: str, x: float, y: float, text: str, anchor: str = "start") -> str:
-    """Return a line of text at `x` on the base line `y`."""
+    """Return a line of text at `x` on the base line `y`, shortened where it is long."""
     return f'<text class="{style}" x="{x:g}" y="{y:g}" text-anchor="{anchor}">{escaped(short(text))}</text>'
 
 

@@ -118,7 +118,7 @@ def system_svg(graph: SystemGraph) -> str:
     states = {(link.member, link.channel, link.outward): link.state for link in graph.links}
     legend, legend_wide = _legend(graph)
     notes = f"Not shown: {', '.join(graph.hidden)}." if graph.hidden else ""
-    across = max(places.wide, legend_wide, wide(graph.title, 10.3), width(notes) * SMALL)
+    across = max(places.wide, legend_wide, width(graph.title) * 10.3, width(notes) * SMALL)
     size_x, size_y = int(across + 2 * _MARGIN), int(_HEAD + places.high + _MARGIN + (22 if notes else 0))
     compared = bool(graph.states())
     parts = [
@@ -126,7 +126,7 @@ def system_svg(graph: SystemGraph) -> str:
         f'<title id="title">{escaped(graph.title)}</title>',
         f'<desc id="desc">{escaped(_description(graph))}</desc>',
         f"<style>{STYLE}</style>",
-        label("title", _MARGIN, 34, graph.title),
+        f'<text class="title" x="{_MARGIN}" y="34">{escaped(graph.title)}</text>',
         *legend,
         f'<g transform="translate({_MARGIN} {_HEAD})">',
         *(_host(one, places.boxes[one.key]) for one in graph.members if one.key in drawing.hosts),

@@ -12,7 +12,7 @@ from kg.render.text import count
 if TYPE_CHECKING:
     from collections.abc import Collection, Hashable, Mapping
 
-__all__ = ["around", "collapsed", "overlaid"]
+__all__ = ["around", "collapsed", "near_changes", "overlaid"]
 
 _Key = TypeVar("_Key", bound="Hashable")
 _Thing = TypeVar("_Thing")
@@ -113,6 +113,14 @@ def _inner(graph: SystemGraph, into: Mapping[str, str]) -> set[str]:
     for link in graph.links:
         found[link.channel].add(into[link.member])
     return {channel for channel, groups in found.items() if len(groups) == 1 and next(iter(groups)).endswith("/*")}
+
+
+def near_changes(graph: SystemGraph) -> SystemGraph:
+    """Return what changed with what it is joined to; the whole graph where nothing did."""
+    changed = {channel.key for channel in graph.channels if channel.state}
+    focus = {member.key for member in graph.members if member.state}
+    focus |= {link.member for link in graph.links if link.state or link.channel in changed}
+    return around(graph, focus) if focus else graph
 
 
 def overlaid(before: SystemGraph, after: SystemGraph, changed: Collection[str] = ()) -> SystemGraph:

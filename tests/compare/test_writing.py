@@ -35,13 +35,13 @@ def test_lines_name_what_changed_where_and_count_it() -> None:
 
 
 def test_markdown_is_a_table_with_links() -> None:
-    """Signs with a meaning in Markdown and HTML are escaped; a line without address is text."""
+    """What changed stands as code, so that nothing in it is Markdown; a line without address is text."""
     text = difference_markdown(
-        Difference((RETYPED,)), "main..<b>", lambda side, after: f"https://x/{side.name}#{after}"
+        Difference((RETYPED,)), "main..<b`>", lambda side, after: f"https://x/{side.name}#{after}"
     )
-    assert "### main..&lt;b&gt;" in text
-    assert "| ~ | publishes scan: type a/A -&gt; b/B | [src/a\\_b.cpp:4](https://x/scan#True) |" in text
-    assert "| src/a\\_b.cpp:4 |" in difference_markdown(Difference((RETYPED,)), "x")
+    assert "### `main..<b'>`" in text
+    assert "| ~ | `publishes scan: type a/A -> b/B` | [`src/a_b.cpp:4`](https://x/scan#True) |" in text
+    assert "| `src/a_b.cpp:4` |" in difference_markdown(Difference((RETYPED,)), "x")
     assert "1 more row left out" in difference_markdown(Difference((RETYPED, RETYPED)), "x", most=1)
 
 

@@ -1,0 +1,132 @@
+"""`kg graph`: the computation graph that a launch file makes, in words, as a picture and for other programs."""
+
+from pathlib import PurePosixPath
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
+
+from kg.cli.diagnostics import note
+from kg.cli.drawing import Dot, Mermaid, Output, Svg, deliver, form_of
+from kg.cli.names import unknown
+from kg.cli.options import Json, Store
+from kg.cli.output import Column, json_line, listing, terminal
+from kg.cli.session import session
+from kg.cli.systems import Arguments, Environment, Launch, chosen_system
+from kg.errors import UsageError
+from kg.store.opening import reading
+
+if TYPE_CHECKING:
+    from kg.render.system_graph import SystemGraph
+    from kg.settings import Settings
+
+__all__ = ["graph"]
+
+_SHOWN: Final = 12
+_COLUMNS: Final = (Column("node", "name"), Column("does"), Column("name"), Column("type"), Column("with"))
+
+Focus = Annotated[
+    str | None, typer.Option("--focus", metavar="NODE", help="Only what is near this node: its name, or the end of it.")
+]
+Depth = Annotated[
+    int, typer.Option("--depth", metavar="N", min=0, help="How many topics, services or actions away from --focus.")
+]
+Expand = Annotated[
+    list[str] | None,
+    typer.Option("--expand", metavar="NAMESPACE", help="Show what is in it, however large; `/` shows all."),
+]
+All = Annotated[bool, typer.Option("--all", "-a", help="Also what frameworks make by themselves (tf, rosout, ...).")]
+
+
+def graph(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    *,
+    launch: Launch = None,
+    arg: Arguments = None,
+    env: Environment = None,
+    focus: Focus = None,
+    depth: Depth = 1,
+    expand: Expand = None,
+    every: All = False,
+    svg: Svg = False,
+    dot: Dot = False,
+    mermaid: Mermaid = False,
+    json: Json = False,
+    output: Output = None,
+    store: Store = None,
+) -> None:
+    """Show who talks to whom when a launch file is started.
+
+    Nodes with all they publish, subscribe, offer and call, after namespaces, remappings and parameters, and who is at
+    the other side; nothing is run. Where there are many nodes, pictures show namespaces as one box each. What leads
+    nowhere and what is not known is marked. For example:
+
+        kg graph --launch rover.launch
+        kg graph --launch rover.launch -o rover.svg
+        kg graph --launch rover.launch --focus move_base --mermaid
+    """
+    from kg.render.system_graph import system_graph  # noqa: PLC0415 - start-up time
+    from kg.render.system_views import around, collapsed  # noqa: PLC0415 - start-up time
+
+    form = form_of({"svg": svg, "dot": dot, "mermaid": mermaid, "json": json}, output)
+    settings = session(context).settings(store=store)
+    system = chosen_system(settings, launch or _only(settings), arg, env)
+    found = system_graph(system, every=every)
+    if focus is not None:
+        found = around(found, _focused(found, focus), depth)
+    if form not in {"text", "json"}:
+        found = collapsed(found, expand or ())
+    if form == "text" and output is None and not terminal():
+        _table(found)
+        return
+    deliver(_written(found, form), form, output, PurePosixPath(system.configuration.path).stem)
+    if form == "text" and not found.members:
+        note(f"{system.configuration.name} starts no nodes")
+
+
+def _written(graph: "SystemGraph", form: str) -> str:
+    from kg.render.system_notations import system_dot, system_mermaid, system_object  # noqa: PLC0415 - start-up time
+    from kg.render.system_svg import system_svg  # noqa: PLC0415 - start-up time
+    from kg.render.system_text import system_lines  # noqa: PLC0415 - start-up time
+
+    if form == "json":
+        return json_line(system_object(graph))
+    if form == "text":
+        return "".join(f"{line}\n" for line in system_lines(graph))
+    return {"svg": system_svg, "dot": system_dot, "mermaid": system_mermaid}[form](graph)
+
+
+def _table(graph: "SystemGraph") -> None:
+    from kg.render.system_text import system_rows  # noqa: PLC0415 - start-up time
+
+    rows = [
+        (row.node, row.verb, row.name, row.type, ", ".join(row.others) or f"({row.nobody})")
+        for row in system_rows(graph)
+    ]
+    listing(_COLUMNS, rows)
+
+
+def _only(settings: "Settings") -> str:
+    """Return the only launch file of the store; KG003 with those that no other one includes where there are several."""
+    from kg.graph.systems_reading import system_names  # noqa: PLC0415 - start-up time
+    from kg.lint.reading import included  # noqa: PLC0415 - start-up time
+
+    with reading(settings) as snapshot:
+        names = sorted({one.name for one in system_names(snapshot)})
+        inner = included(snapshot)
+    if len(names) == 1:
+        return names[0]
+    if not names:
+        raise UsageError("KG422", "the store has no launch file", hint="`kg build FOLDER` reads those of a workspace.")
+    outer = [name for name in names if name not in inner] or names
+    more = f"\n... and {len(outer) - _SHOWN} more; `kg instances` lists all" if len(outer) > _SHOWN else ""
+    hint = "\n".join(f"`kg graph --launch {name}`" for name in outer[:_SHOWN]) + more
+    raise UsageError("KG003", f"the store has {len(names)} launch files; say which", hint=hint)
+
+
+def _focused(graph: "SystemGraph", name: str) -> list[str]:
+    """Return the nodes that a name means: itself, else those that end with it; KG001 when there is none."""
+    keys = [member.key for member in graph.members]
+    found = [key for key in keys if key == name] or [key for key in keys if key.endswith(f"/{name.strip('/')}")]
+    if not found:
+        raise unknown("node", name, keys, otherwise="`kg instances --launch FILE` lists the nodes.")
+    return found

@@ -1,0 +1,66 @@
+"""What commands that draw share: which form is asked for, and where it goes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
+
+from kg.cli.diagnostics import say
+from kg.cli.output import terminal, write_bytes
+from kg.errors import Place, UsageError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+__all__ = ["Dot", "Mermaid", "Output", "Svg", "deliver", "form_of"]
+
+_ENDINGS: Final = {
+    ".svg": "svg",
+    ".dot": "dot",
+    ".gv": "dot",
+    ".mmd": "mermaid",
+    ".mermaid": "mermaid",
+    ".json": "json",
+    ".md": "markdown",
+    ".txt": "text",
+}
+
+Svg = Annotated[bool, typer.Option("--svg", help="Draw it as SVG; on a terminal into a file named after it.")]
+Dot = Annotated[bool, typer.Option("--dot", help="Write it in the language of Graphviz.")]
+Mermaid = Annotated[bool, typer.Option("--mermaid", help="Write it as a flow chart of Mermaid.")]
+Output = Annotated[
+    str | None, typer.Option("--output", "-o", metavar="FILE", help="Write to FILE, in the form of its ending.")
+]
+
+
+def form_of(asked: Mapping[str, bool], output: str | None) -> str:
+    """Return the form that a flag asks for, or that the ending of the file names; `text` without either.
+
+    UsageError KG003 for two flags, or an ending that says nothing.
+    """
+    chosen = [form for form, is_asked in asked.items() if is_asked]
+    if len(chosen) > 1:
+        raise UsageError("KG003", f"--{chosen[0]} and --{chosen[1]} do not go together", hint="Choose one form.")
+    if chosen:
+        return chosen[0]
+    ending = Path(output or "").suffix
+    known = {ending: form for ending, form in _ENDINGS.items() if form in asked or form == "text"}
+    if ending and ending not in known:
+        hint = f"Write to {', '.join(f'*{one}' for one in known)}, or name the form with a flag."
+        raise UsageError("KG003", f"this cannot be written as `{ending}`", hint=hint)
+    return known.get(ending, "text")
+
+
+def deliver(text: str, form: str, output: str | None, name: str) -> None:
+    """Write `text` to the file that is asked for, to standard output, or a picture on a terminal to `name`.svg."""
+    if output == "-" or (output is None and not (form == "svg" and terminal())):
+        write_bytes(text.encode())
+        return
+    path = Path(output or f"{name}.svg")
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise UsageError("KG003", f"it cannot be written: {error.strerror}", place=Place(str(path))) from error
+    say(f"wrote {path}")

@@ -1,0 +1,42 @@
+"""What of a system's graph is drawn as changed: the keys that `kg.render.system_graph` gives to nodes and channels."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from kg.compare.changes import Kind, Level
+
+if TYPE_CHECKING:
+    from kg.compare.changes import Difference
+
+__all__ = ["changed_keys", "changed_systems"]
+
+_CHANNELS: Final = {
+    "publishes": "topic",
+    "subscribes": "topic",
+    "services": "service",
+    "clients": "service",
+    "action_servers": "action",
+    "action_clients": "action",
+}
+_CAME_OR_WENT: Final = frozenset({Kind.NEW, Kind.GONE})
+
+
+def changed_systems(difference: Difference) -> tuple[str, ...]:
+    """Return the names of the launch files whose wiring differs, sorted."""
+    wiring = {Level.SYSTEM, Level.INSTANCE, Level.END, Level.SETTING, Level.CONNECTION}
+    return tuple(sorted({change.system for change in difference.changes if change.level in wiring}))
+
+
+def changed_keys(difference: Difference, system: str) -> frozenset[str]:
+    """Return the nodes with another type, host, condition, name or setting, and the channels with other ends."""
+    found = set()
+    for change in difference.changes:
+        if change.system != system or change.level not in {Level.INSTANCE, Level.END, Level.SETTING}:
+            continue
+        if change.level is Level.INSTANCE and change.kind in _CAME_OR_WENT:
+            continue
+        found.add(change.owner)
+        if change.kind in {Kind.TYPE, Kind.QOS} and change.role:
+            found.add(f"{_CHANNELS[change.role]} {change.name}")
+    return frozenset(found)
