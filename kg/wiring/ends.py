@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.facts import InstanceInterface, Resolution
 from kg.names import join
-from kg.wiring.naming import Named, defaults_of, named
+from kg.wiring.naming import Named, named
 from kg.wiring.values import parsed, shown
 
 if TYPE_CHECKING:
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from kg.wiring.plugins import Framework, Loaded
     from kg.wiring.qos import Overrides
     from kg.wiring.remapping import Remapping
+    from kg.wiring.types import Typed
     from kg.wiring.values import Settings
 
 __all__ = ["Ends", "ids_of"]
@@ -38,14 +39,13 @@ class Ends:
 
     def of_node(self, owner: NodeReference, node: NodeType) -> Iterator[InstanceInterface]:
         """Yield what the node type declares."""
-        defaults = defaults_of(node)
         made: dict[Location, list[InstanceInterface]] = {}
         later: list[Interface] = []
         for declared in node.interfaces:
             if declared.name is not None and (declared.implicit or declared.name.endswith(_CAMERA_INFO)):
                 later.append(declared)
                 continue
-            name = self._named(declared, declared.parameter, defaults, self.place)
+            name = self._named(declared, node, declared.parameter, self.place)
             end = self._placed(declared, owner, name, self.place, _handle(declared, node))
             made.setdefault(declared.location, []).append(end)
             yield end
@@ -54,7 +54,7 @@ class Ends:
             if base is not None:
                 yield self._beside(declared, base)
             else:
-                name = self._named(declared, declared.parameter, defaults, self.place)
+                name = self._named(declared, node, declared.parameter, self.place)
                 yield self._placed(declared, owner, name, self.place, _handle(declared, node))
 
     def _beside(self, declared: Interface, base: InstanceInterface) -> InstanceInterface:
@@ -74,21 +74,21 @@ class Ends:
             return
         owner, node = plugin.found
         framework, place = plugin.framework, plugin.place(self.place)
-        defaults = defaults_of(node)
         for declared in node.interfaces:
             if declared.implicit and (declared.origin or "").startswith(_OF_NODES):
                 continue
             if declared.location.path.endswith(framework.foreign or ("\0",)):
                 continue
             if framework.each is not None and declared.name is None and _relative(declared.parameter):
-                yield from self._for_each(declared, owner, framework, place)
+                yield from self._for_each(declared, plugin.found, framework, place)
                 continue
             own = self.place if declared.name in framework.shared else place
-            yield self._placed(declared, owner, self._named(declared, declared.parameter, defaults, place), own)
+            yield self._placed(declared, owner, self._named(declared, node, declared.parameter, place), own)
 
     def _for_each(
-        self, declared: Interface, owner: NodeReference, framework: Framework, place: Place
+        self, declared: Interface, typed: Typed, framework: Framework, place: Place
     ) -> Iterator[InstanceInterface]:
+        owner, node = typed
         for identifier in ids_of(framework, self.settings, place):
             below = join("~", framework.below.replace("{id}", identifier))
             if framework.chosen is not None and declared.type is not None:
@@ -96,17 +96,17 @@ class Ends:
                 chosen = shown(setting.value) if setting is not None else framework.otherwise
                 if chosen is not None and declared.type.rpartition("/")[2] != chosen:
                     continue
-            name = self._named(declared, f"{below}/{declared.parameter}", {}, place)
+            name = self._named(declared, node, f"{below}/{declared.parameter}", place)
             if name.parameter is None:
                 name = Named(identifier, Resolution.PARAMETER_DEFAULT)
             elif name.resolution is Resolution.PARTIAL and name.name is not None and "{}" not in name.name:
                 name = Named(name.name, Resolution.LAUNCH_ARGUMENT, name.parameter)
             yield self._placed(declared, owner, name, place)
 
-    def _named(self, declared: Interface, parameter: str | None, defaults: dict[str, list[str]], place: Place) -> Named:
+    def _named(self, declared: Interface, node: NodeType, parameter: str | None, place: Place) -> Named:
         if parameter is None or "{}" in parameter:
             return Named(declared.name, declared.resolution, None, declared.reason)
-        return named(declared, self.settings.get(parameter, place), defaults.get(parameter, ()))
+        return named(declared, node, self.settings.get(parameter, place))
 
     def _placed(
         self, declared: Interface, owner: NodeReference, name: Named, place: Place, handle: str | None = None

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from kg.facts import Interface, LaunchParameter, NodeType
 
-__all__ = ["Named", "defaults_of", "named"]
+__all__ = ["Named", "named"]
 
 _HOLE: Final = "{}"
 _HANDLE_UNKNOWN: Final = "the namespace of the node handle is not known"
@@ -34,22 +34,17 @@ class Named:
     reason: str | None = None
 
 
-def defaults_of(node: NodeType) -> dict[str, list[str]]:
-    """Return the texts that the parameters of a node type have by default."""
-    found: dict[str, list[str]] = {}
-    for parameter in node.parameters:
-        if parameter.name is not None and parameter.default is not None:
-            text = shown(parameter.default)
-            if text is not None:
-                found.setdefault(parameter.name, []).append(text)
-    return found
+def _defaults(node: NodeType, parameter: str | None) -> list[str]:
+    """Return the texts that a parameter of a node type has by default."""
+    found = (shown(one.default) for one in node.parameters if one.name == parameter and one.default is not None)
+    return [text for text in found if text is not None]
 
 
-def named(declared: Interface, setting: LaunchParameter | None, defaults: Iterable[str]) -> Named:
-    """Return the name that an interface has with `setting` for its parameter; `defaults` are those of the parameter."""
+def named(declared: Interface, node: NodeType, setting: LaunchParameter | None) -> Named:
+    """Return the name that an interface of a node type has with `setting` for its parameter."""
     if setting is None:
         return Named(declared.name, declared.resolution, None, declared.reason)
-    before, after, sure = _around(declared, defaults)
+    before, after, sure = _around(declared, _defaults(node, declared.parameter))
     value = shown(setting.value)
     if value is None:
         unknown = setting.reason or f"the value of the parameter {setting.name} is not known before run time"

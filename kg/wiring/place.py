@@ -6,6 +6,7 @@ Sources: wiki.ros.org/Names, and `rcl_expand_topic_name` of ROS 2. Parts that ar
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from kg.names import join, normalise
@@ -32,16 +33,11 @@ class Place:
     @property
     def full(self) -> str:
         """The absolute name of the node."""
-        return normalise(f"/{self.namespace}/{self.name}")
+        return _resolved(self.name, self.namespace, "")
 
     def resolve(self, name: str) -> str:
         """Return the absolute name of a relative, private or absolute one."""
-        written = normalise(name)
-        if written.startswith("/"):
-            return written
-        if written.startswith("~"):
-            return normalise(f"{self.private or self.full}/{written[1:]}")
-        return normalise(f"/{join(self.namespace, written)}")
+        return _resolved(name, self.namespace, self.private or self.full)
 
     def expand(self, name: str) -> str:
         """Return what `resolve` does of a name with the substitutions of ROS 2: `{node}`, `{ns}`, `{namespace}`."""
@@ -49,6 +45,16 @@ class Place:
             name = name.replace("{node}", self.name)
             name = name.replace("{ns}", self.namespace).replace("{namespace}", self.namespace)
         return self.resolve(name)
+
+
+@lru_cache(maxsize=65_536)
+def _resolved(name: str, namespace: str, private: str) -> str:
+    written = normalise(name)
+    if written.startswith("/"):
+        return written
+    if written.startswith("~"):
+        return normalise(f"{private}/{written[1:]}")
+    return normalise(f"/{join(namespace, written)}")
 
 
 def place_of(started: StartedNode, node: NodeType | None) -> Place:

@@ -25,6 +25,7 @@ _SHORT: Final = 4
 _LONG: Final = 7
 """From this length on a word can have two errors."""
 _LONGEST: Final = 24
+_FEW: Final = 24
 _COMMON: Final = 64
 """A key that so many names share tells nothing about them."""
 
@@ -39,25 +40,31 @@ def alike(one: str, other: str) -> bool:
 
 
 class Alike:
-    """An index of names by what alike names have in common."""
+    """Names among which alike ones are looked for: few one by one, many by what alike names have in common."""
 
     def __init__(self, names: Iterable[str]) -> None:
-        self._names: defaultdict[object, list[str]] = defaultdict(list)
-        for name in sorted(set(names)):
-            if "{}" not in name:
-                for key in _own_keys(name):
-                    self._names[key].append(name)
+        self._all = sorted({name for name in names if "{}" not in name})
+        self._index: defaultdict[object, list[str]] | None = None
 
     def find(self, name: str) -> list[str]:
-        """Return the names of the index that `name` is likely meant to be, sorted; never itself."""
-        if "{}" in name:
-            return []
+        """Return the names that `name` is likely meant to be, sorted; never itself."""
+        if len(self._all) <= _FEW:
+            return [candidate for candidate in self._all if alike(name, candidate)]
+        index = self._indexed()
         found: set[str] = set()
         for key in _asked_keys(name):
-            candidates = self._names.get(key, ())
+            candidates = index.get(key, ())
             if len(candidates) <= _COMMON:
                 found.update(candidate for candidate in candidates if candidate not in found and alike(name, candidate))
         return sorted(found)
+
+    def _indexed(self) -> defaultdict[object, list[str]]:
+        if self._index is None:
+            self._index = defaultdict(list)
+            for name in self._all:
+                for key in _own_keys(name):
+                    self._index[key].append(name)
+        return self._index
 
 
 @lru_cache(maxsize=65_536)
