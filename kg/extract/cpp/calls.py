@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 from itertools import islice
 from typing import TYPE_CHECKING, Final
 
@@ -60,7 +61,7 @@ class Finder:
                 self._calls(unit, name)
             for name in unit.having(tuple(api.parameters)):
                 self._parameters(unit, name)
-            for name in (*unit.having(tuple(api.types)), *self._aliases(unit)):
+            for name in (*unit.having(tuple(api.types)), *unit.having(self._aliases)):
                 self._types(unit, name)
             for name in unit.having(tuple(api.marks)):
                 self._marked(unit, name, api.marks[name])
@@ -202,12 +203,21 @@ class Finder:
             for found in many:
                 self.parameters.setdefault((found.name, found.access, found.location), found)
 
-    def _aliases(self, unit: Unit) -> list[str]:
-        """Return the names that a unit gives to types of the tables."""
-        names = self._api.types
-        return [
-            name for name, nodes in unit.aliases.items() if any(syntax.simple_name(node) in names for node in nodes)
-        ]
+    @cached_property
+    def _aliases(self) -> tuple[str, ...]:
+        """The names that the program gives to types of the tables (`typedef message_filters::Subscriber<Imu> Sub`)."""
+        names = set(self._api.types)
+        aliases = {
+            (name, syntax.simple_name(node))
+            for unit in self._program.units.values()
+            for name, nodes in unit.aliases.items()
+            for node in nodes
+        }
+        found: dict[str, None] = {}
+        while more := sorted({name for name, behind in aliases if behind in names} - names):
+            names.update(more)
+            found.update(dict.fromkeys(more))
+        return tuple(found)
 
     def _types(self, unit: Unit, name: str) -> None:
         for node in unit.occurrences(name):

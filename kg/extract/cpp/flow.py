@@ -32,6 +32,8 @@ _Call: TypeAlias = "tuple[syntax.Callee, list[Expr], list[tuple[Function, list[W
 __all__ = ["Flow", "settled", "unfinished"]
 
 _MOST_TURNS: Final = 64
+_COUNTERS: Final = ("init_declarator", "assignment_expression")
+"""What gives the counter of a loop its first value."""
 
 
 class Flow:
@@ -48,8 +50,10 @@ class Flow:
         function = unit.function_at(at)
         if function is not None and not member:
             local = [w for w in writes(unit, name, function.start, function.end) if w.owner is None]
-            if any(_declares(write, at) for write in local):
-                return self.back(local, at, context) or [(Unknown(f"{name} has no value in sight"), context)]
+            declared = [index for index, write in enumerate(local) if _declares(write, at)]
+            if declared:
+                own = local[declared[-1] :]  # what stands before is of another variable of that name
+                return self.back(own, at, context) or [(Unknown(f"{name} has no value in sight"), context)]
         cls = self._evaluator.types.class_around(unit, at)
         if cls is not None:
             found = self._member(cls, name, where, context)
@@ -100,6 +104,8 @@ class Flow:
             return self._turns(write, context) or self._typed(write, context)
         if kind is WriteKind.CONSTRUCT:
             return self._constructed(write, context)
+        if kind is WriteKind.COUNT:
+            return [(Unknown(f"{syntax.text(write.name)} counts the turns of a loop"), context)]
         if kind is WriteKind.READ:
             return [(Unknown(f"{syntax.text(write.name)} is read from a stream"), context)]
         if kind is WriteKind.APPEND:
@@ -201,7 +207,10 @@ class Flow:
         """Return the values of the counter of a loop; None for other variables."""
         declaration = write.name.parent
         loop = next((p for p in syntax.outward(write.name, 4) if p.type == "for_statement"), None)
-        if loop is None or declaration is None or declaration.type != "init_declarator":
+        head = loop.child_by_field_name("initializer") if loop is not None else None
+        if loop is None or declaration is None or declaration.type not in _COUNTERS:
+            return None
+        if head is None or not head.start_byte <= write.name.start_byte < head.end_byte:
             return None
         condition = loop.child_by_field_name("condition")
         limit = condition.child_by_field_name("right") if condition is not None else None
@@ -477,7 +486,9 @@ def _declares(write: Write, at: int) -> bool:
 
 
 def _loops(write: Write, at: int) -> bool:
-    """Tell whether a byte stands in the body of a loop whose head holds the write."""
+    """Tell whether a byte stands in a loop whose head holds the write, or which counts the variable on."""
+    if write.kind is WriteKind.COUNT:
+        return write.within[0] <= at < write.within[1]
     return write.kind is WriteKind.ELEMENT and write.name.start_byte < at
 
 

@@ -42,6 +42,9 @@ class Program:
         self.words: set[str] = set()
         self._entries: set[Function] = set()
         self._closed = closed
+        self._aliases: dict[str, list[tuple[Unit, Node]]] = {}
+        self._elsewhere: dict[str, list[FilePath]] = {}
+        """Headers that were left out and give these names to types."""
         self._classes: dict[str, list[Class]] = {}
         self._functions: dict[str, list[Function]] = {}
         self._methods: dict[str, list[Function]] = {}
@@ -58,10 +61,15 @@ class Program:
                 continue
             self._add(unit)
             for header in self.project.headers(file):
-                if header not in self.units and len(self.units) < _MOST_UNITS and self.project.relevant(header):
+                if header in self.units or len(self.units) >= _MOST_UNITS:
+                    continue
+                if self.project.relevant(header):
                     found = self.project.unit(header)
                     if found is not None:
                         self._add(found)
+                else:
+                    for name in self.project.alias_names(header):
+                        self._elsewhere.setdefault(name, []).append(header)
 
     def _add(self, unit: Unit) -> None:
         if unit.file in self.units:
@@ -75,6 +83,11 @@ class Program:
             if function.owner is not None:
                 self._methods.setdefault(function.owner, []).append(function)
         self._add_homes(unit)
+        for name, kinds in unit.aliases.items():
+            free = [(unit, kind) for kind in kinds if _at_namespace_scope(unit, kind)]
+            self._aliases.setdefault(name, []).extend(free)
+            if name in self.words:
+                self._follow(name, free)
         for cls in unit.classes:
             if cls.name in self.words and self._meant(cls):
                 self._enliven(cls)
@@ -128,8 +141,23 @@ class Program:
                     self._enliven(cls)
             for word in sorted(words - self.words):
                 self.words.add(word)
+                self._follow(word, self._aliases.get(word, ()))
+                self._open(word)
                 for function in tuple(self._functions.get(word, ())):
                     self._consider(function)
+
+    def _follow(self, name: str, kinds: Iterable[tuple[Unit, Node]]) -> None:
+        """Reach what types are called by a name that reached code mentions (`typedef Filter<Ekf> EkfNode`)."""
+        for unit, kind in kinds:
+            words = unit.words(kind.start_byte, kind.end_byte) - {name}
+            self._queue.append((words, unit, unit.scope_at(kind.start_byte)))
+
+    def _open(self, name: str) -> None:
+        """Add the headers that give types a name and have nothing else to do with nodes."""
+        for header in self._elsewhere.pop(name, ()):
+            unit = self.project.unit(header) if len(self.units) < _MOST_UNITS else None
+            if unit is not None:
+                self._add(unit)
 
     def _reach(self, function: Function) -> None:
         if function not in self.reached:
@@ -151,7 +179,7 @@ class Program:
         if cls is not None:
             if cls in self.live and (named or self._called_by_others(function, cls)):
                 self._reach(function)
-        elif named and (function.owner is None or function.name != "main"):
+        elif named and function.name != "main":
             self._reach(function)
 
     def _called_by_others(self, function: Function, cls: Class) -> bool:
@@ -261,6 +289,10 @@ class Program:
             return function in self.reached
         cls = unit.class_at(at)
         return cls is None or cls in self.live
+
+
+def _at_namespace_scope(unit: Unit, node: Node) -> bool:
+    return unit.class_at(node.start_byte) is None and unit.function_at(node.start_byte) is None
 
 
 def _shared(one: tuple[str, ...], other: tuple[str, ...]) -> int:

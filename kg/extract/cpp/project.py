@@ -6,6 +6,7 @@ kept for the next package of the same process, within a bound.
 
 from __future__ import annotations
 
+import re
 from collections import OrderedDict
 from typing import TYPE_CHECKING, Final
 
@@ -104,6 +105,7 @@ _FOREIGN: Final = tuple(
         "ros::service",
     )
 )
+_ALIASES: Final = re.compile(rb"\btypedef\b[^;{}()]*?\b([A-Za-z_]\w*)\s*;|\busing\s+([A-Za-z_]\w*)\s*=")
 _CACHE_BYTES: Final = 12 << 20
 _MOST_HEADERS: Final = 600
 _cache: OrderedDict[FilePath, Unit] = OrderedDict()
@@ -120,6 +122,7 @@ class Project:
         self._units: dict[FilePath, Unit | None] = {}
         self._headers: dict[FilePath, tuple[FilePath, ...]] = {}
         self._relevant: dict[FilePath, bool] = {}
+        self._named: dict[FilePath, tuple[str, ...]] = {}
         self._direct: dict[FilePath, tuple[FilePath, ...]] = {}
         self._holding: dict[tuple[FilePath, str], list[FilePath]] = {}
         self._read: dict[FilePath, list[tuple[FilePath, bytes]]] = {}
@@ -161,6 +164,15 @@ class Project:
             data = self.reader.read(file)
             words = _OWN if self.is_own(file) else _FOREIGN
             known = self._relevant[file] = data is not None and _has(file, data, words)
+        return known
+
+    def alias_names(self, file: FilePath) -> tuple[str, ...]:
+        """Return the names that a file of the package gives to types, as far as a look at its text tells."""
+        known = self._named.get(file)
+        if known is None:
+            data = self.reader.read(file) if self.is_own(file) else None
+            found = _ALIASES.findall(data) if data is not None else ()
+            known = self._named[file] = tuple(dict.fromkeys((one or other).decode() for one, other in found))
         return known
 
     def contains(self, file: FilePath, word: bytes) -> bool:

@@ -42,6 +42,8 @@ class WriteKind(Enum):
     """`push_back(value)`, `[key] = value`."""
     READ = auto()
     """`stream >> name`."""
+    COUNT = auto()
+    """`++name` or `name++` in a loop, which `within` is."""
     PARAMETER = auto()
     """A parameter of a function or lambda."""
 
@@ -88,6 +90,7 @@ _BRANCHES: Final = frozenset(
         "conditional_expression",
     }
 )
+_LOOPS: Final = frozenset({"for_statement", "for_range_loop", "while_statement", "do_statement"})
 _TARGETS: Final = frozenset({"pointer_expression", "parenthesized_expression"})
 
 
@@ -115,7 +118,8 @@ def _write(unit: Unit, node: Node) -> Write | None:
     if found is None:
         return None
     kind, value, index, declared = found
-    return Write(kind, unit, node, value, value.end_byte, _extent(value), index, owner, declared)
+    within = (value.start_byte, value.end_byte) if kind is WriteKind.COUNT else _extent(value)
+    return Write(kind, unit, node, value, value.end_byte, within, index, owner, declared)
 
 
 _Found = tuple[WriteKind, "Node", int, "Node | None"]
@@ -143,7 +147,24 @@ def _by_parent(unit: Unit, name: Node, target: Node, parent: Node) -> _Found | N
         return None
     if kind == "binary_expression":
         return _streamed(target, parent)
+    if kind == "update_expression":
+        return _counted(name, parent)
     return _declared(unit, name)
+
+
+def _counted(name: Node, parent: Node) -> _Found | None:
+    """Return the loop that counts a variable on; None where there is none, or its head tells from where it counts."""
+    inner = parent
+    for outer in syntax.outward(parent):
+        if outer.type in _LOOPS:
+            update, first = outer.child_by_field_name("update"), outer.child_by_field_name("initializer")
+            head = update is not None and update.id == inner.id
+            told = head and first is not None and syntax.text(name) in syntax.text(first)
+            return None if told else (WriteKind.COUNT, outer, -1, None)
+        if outer.type in ("function_definition", "lambda_expression"):
+            return None
+        inner = outer
+    return None
 
 
 def _assigned(target: Node, parent: Node) -> _Found | None:

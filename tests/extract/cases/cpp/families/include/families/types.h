@@ -1,0 +1,5 @@
+#pragma once
+#include "families/estimator.h"
+#include "families/linear.h"
+
+typedef Estimator<Linear> LinearEstimator;
