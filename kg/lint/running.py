@@ -7,22 +7,19 @@ folder and does not touch a store that is there; the second check of the same fo
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from hashlib import blake2b
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from kg.errors import UsageError
-from kg.graph.choosing import meant
-from kg.graph.source_states import sources
+from kg.graph.source_states import SourceState, sources
 from kg.graph.systems_reading import system_names
 from kg.lint import baseline as baselines
 from kg.lint.allowing import Comments, allowances
 from kg.lint.reading import included, read_findings
 from kg.lint.report import Choice, Report, report
-from kg.query.similar import did_you_mean
 from kg.settings import Settings, table
-from kg.store.opening import writable
+from kg.store.opening import existing, writable
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -32,12 +29,16 @@ if TYPE_CHECKING:
     from kg.pipeline.report import BuildReport
     from kg.pipeline.report import Report as Progress
 
-__all__ = ["Checked", "Question", "check", "own_store", "read_folders"]
+__all__ = ["Checked", "Question", "check", "check_store", "own_store", "read_folders"]
 
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """What is asked: see `kg lint --help`. `launch` names a launch file, `package` the package that it must be of."""
+    """What is asked: see `kg lint --help`.
+
+    `launch` names a launch file, `arguments` and `environment` are what it is evaluated with; `package` is the package
+    that launch files must be of.
+    """
 
     launch: str | None = None
     package: str | None = None
@@ -45,15 +46,22 @@ class Question:
     level: str = "note"
     every: bool = False
     baseline: Path | None = None
+    arguments: Mapping[str, str] = field(default_factory=dict)
+    environment: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
 class Checked:
-    """The report, and what faces need to show it: folders of the sources by name, the number of systems looked at."""
+    """The report, and what faces need to show it: the sources of the store, the number of systems looked at."""
 
     report: Report
-    roots: Mapping[str, str]
+    sources: tuple[SourceState, ...]
     systems: int
+
+    @property
+    def roots(self) -> dict[str, str]:
+        """The folders of the sources by name."""
+        return {one.name: one.root for one in self.sources if one.root}
 
 
 def own_store(folders: Iterable[Path]) -> Path:
@@ -81,43 +89,52 @@ def read_folders(
         return given, build([str(folder) for folder in folders], store, given, progress, "kg lint")
 
 
-def check(graph: Queryable, question: Question, settings: Settings, folder: Path) -> Checked:
-    """Return the report about a store; `folder` is where kg.toml is looked for and paths are relative to.
+def check_store(settings: Settings, question: Question, folder: Path) -> Checked:
+    """Return the report about the store in force, evaluated anew where arguments or variables are given.
+
+    `folder` is where kg.toml is looked for. Nothing is written.
 
     Raises:
-        UsageError: KG002 and KG421 for kg.toml, KG420 for the baseline, KG422 for the launch file.
+        SourceError: KG101 when arguments are given and the source is not where it was built from.
+        StoreError: KG301 when there is no store, KG302 when arguments are given while another process writes.
+        UsageError: KG002 and KG421 for kg.toml, KG420 for the baseline, KG422 and KG003 for the launch file.
     """
-    roots = {one.name: one.root or "" for one in sources(graph)}
+    store = existing(settings)
+    if not question.arguments and not question.environment:
+        with store.read() as snapshot:
+            return check(snapshot, question, settings, folder)
+    from kg.pipeline.launching import chosen, trial  # noqa: PLC0415 - few ask, and it loads the readers of sources
+
+    system = chosen(settings, store, question.launch or "", question.arguments, question.environment)
+    with trial(settings, store, system) as transaction:
+        return check(transaction, question, settings, folder)
+
+
+def check(graph: Queryable, question: Question, settings: Settings, folder: Path) -> Checked:
+    """Return the report about the content of a store; see `check_store`."""
+    states = tuple(sources(graph))
+    roots = {one.name: one.root for one in states if one.root}
     names = system_names(graph)
     findings = read_findings(graph, settings.base)
-    chosen = _systems(question, names, roots, folder)
+    chosen = _systems(graph, question, names, roots)
     choice = Choice(chosen, question.codes, question.level, every=question.every)
     entries = allowances(table("lint", folder), {one.code for one in findings})
     known = baselines.read(question.baseline) if question.baseline else None
     comments = Comments(roots)
     found = report(findings, choice, included=included(graph), entries=entries, comments=comments, baseline=known)
-    return Checked(found, roots, len(names) if chosen is None else len(chosen))
+    return Checked(found, states, len(names) if chosen is None else len(chosen))
 
 
 def _systems(
-    question: Question, names: Sequence[SystemName], roots: Mapping[str, str], folder: Path
+    graph: Queryable, question: Question, names: Sequence[SystemName], roots: Mapping[str, str]
 ) -> frozenset[str] | None:
     """Return the names of the configurations that are asked about; None for all."""
     if question.launch is not None:
-        return frozenset({_launch(question.launch, names, roots, folder).name})
+        from kg.pipeline.launching import find  # noqa: PLC0415 - few ask, and it loads the readers of sources
+
+        return frozenset({find(graph, question.launch, roots).name})
     if question.package is not None:
         source, _, package = question.package.rpartition(":")
         mine = [one for one in names if source in {"", one.repository}]
         return frozenset(one.name for one in mine if one.name.partition("/")[0] == package)
     return None
-
-
-def _launch(text: str, names: Sequence[SystemName], roots: Mapping[str, str], folder: Path) -> SystemName:
-    found = meant(text, names, roots.items(), folder)
-    if len(found) == 1:
-        return found[0]
-    if found:
-        lines = "\n".join(f"`{one.name}`  ({one.repository}: {one.path})" for one in found)
-        raise UsageError("KG422", f"{len(found)} launch files are meant by `{text}`; say which", hint=lines)
-    known = {name for one in names for name in (one.name, one.path, one.path.rpartition("/")[2])}
-    raise UsageError("KG422", f"there is no launch file `{text}` in the build", hint=did_you_mean(text, known))

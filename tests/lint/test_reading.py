@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from lint.robot import read, write
+from lint.robot import read
 
 from kg.graph.iris import DEFAULT_BASE
 from kg.lint.finding import Evidence
@@ -12,10 +12,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-def test_a_finding_comes_with_its_lines(tmp_path: Path) -> None:
+def test_a_finding_comes_with_its_lines(robot: Path) -> None:
     """It has the words of its rule, the name it is about first, where to mend it, and the evidence in words."""
-    write(tmp_path)
-    with read(tmp_path) as snapshot:
+    with read(robot) as snapshot:
         first, near, *_ = read_findings(snapshot, DEFAULT_BASE)
     assert (first.code, first.severity, first.path, first.line) == ("KG412", "error", "bringup/launch/all.launch", 3)
     assert near.rule == "architecture/near-miss-topic"
@@ -28,10 +27,9 @@ def test_a_finding_comes_with_its_lines(tmp_path: Path) -> None:
     assert not near.presumes_whole
 
 
-def test_findings_are_sorted(tmp_path: Path) -> None:
+def test_findings_are_sorted(robot: Path) -> None:
     """Errors come first, then warnings, then notes; within one severity by file and line."""
-    write(tmp_path)
-    with read(tmp_path) as snapshot:
+    with read(robot) as snapshot:
         found = [f"{one.severity} {one.path}:{one.line}" for one in read_findings(snapshot, DEFAULT_BASE)]
     assert found == [
         "error bringup/launch/all.launch:3",
@@ -43,16 +41,14 @@ def test_findings_are_sorted(tmp_path: Path) -> None:
     ]
 
 
-def test_an_end_of_an_instance_stands_in_the_code_of_its_type(tmp_path: Path) -> None:
+def test_an_end_of_an_instance_stands_in_the_code_of_its_type(robot: Path) -> None:
     """The evidence has the line of the code, and the name that the instance has in its system."""
-    write(tmp_path)
-    with read(tmp_path) as snapshot:
+    with read(robot) as snapshot:
         last = read_findings(snapshot, DEFAULT_BASE)[-1]
     assert last.evidence == (Evidence("base/src/laser.cpp", 6, "local/rover", "publishes /laser/scan_raw"),)
 
 
-def test_configurations_that_others_include(tmp_path: Path) -> None:
+def test_configurations_that_others_include(robot: Path) -> None:
     """They are known by name."""
-    write(tmp_path)
-    with read(tmp_path) as snapshot:
+    with read(robot) as snapshot:
         assert included(snapshot) == {"bringup/launch/base.launch"}

@@ -10,11 +10,11 @@ from kg.cli.diagnostics import colored, note, say
 from kg.cli.options import Families, Jobs, Json, PackageName, Rules, Store
 from kg.cli.output import json_lines, write
 from kg.cli.session import session
+from kg.cli.systems import Arguments, Environment, Launch
 from kg.errors import Exit, UsageError
 from kg.store.opening import reading
 
 if TYPE_CHECKING:
-    from kg.cli.links import Links
     from kg.lint.running import Checked, Question
     from kg.settings import Settings
 
@@ -26,10 +26,6 @@ _SEVERITIES: Final = ("error", "warning", "note")
 Paths = Annotated[
     list[str] | None,
     typer.Argument(metavar="PATH", help="Folders to read first, into a store of their own; else the store's."),
-]
-Launch = Annotated[
-    str | None,
-    typer.Option("--launch", "-l", metavar="FILE", help="Only what this file starts: its path, or `package file`."),
 ]
 Form = Annotated[str, typer.Option("--format", "-f", metavar="FORMAT", help=f"One of {', '.join(_FORMATS)}.")]
 Level = Annotated[
@@ -57,6 +53,8 @@ def lint(  # noqa: PLR0913 - the options of a command
     paths: Paths = None,
     *,
     launch: Launch = None,
+    arg: Arguments = None,
+    env: Environment = None,
     package: PackageName = None,
     form: Form = "text",
     level: Level = "note",
@@ -87,10 +85,22 @@ def lint(  # noqa: PLR0913 - the options of a command
     for word, allowed, what in ((form, _FORMATS, "format"), (level, _SEVERITIES, "severity")):
         if word not in allowed:
             raise UsageError("KG003", f"`{word}` is no {what}", hint=f"One of {', '.join(allowed)}.")
+    if launch is None and (arg or env):
+        raise UsageError("KG003", "arguments are for one launch file", hint="Name it with `--launch FILE`.")
     from kg.lint.running import Question  # noqa: PLC0415 - start-up time
+    from kg.pipeline.launching import pairs  # noqa: PLC0415 - start-up time
 
     chosen = frozenset(code.upper() for code in codes or ())
-    question = Question(launch, package, chosen, level, every, Path(baseline) if baseline else None)
+    question = Question(
+        launch,
+        package,
+        chosen,
+        level,
+        every,
+        Path(baseline) if baseline else None,
+        pairs(arg or ()),
+        pairs(env or (), "="),
+    )
     settings = session(context).settings(store=store, rules=rules, rule_families=rule_families, jobs=jobs)
     checked = _checked(settings, [Path(path) for path in paths or ()], question, "" if write_baseline else form)
     if xunit_file:
@@ -103,20 +113,18 @@ def lint(  # noqa: PLR0913 - the options of a command
 
 def _checked(settings: "Settings", paths: list[Path], question: "Question", form: str) -> "Checked":
     """Read what has to be read, write the findings, and return them."""
-    from kg.cli.links import Links  # noqa: PLC0415 - start-up time
-    from kg.cli.names import known_package  # noqa: PLC0415 - start-up time
-    from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
-    from kg.lint.running import check  # noqa: PLC0415 - start-up time
+    from kg.lint.running import check_store  # noqa: PLC0415 - start-up time
 
     if paths:
         settings = _read(settings, paths)
-    folder = paths[0] if paths and paths[0].is_dir() else Path.cwd()
-    with reading(settings) as snapshot:
-        if question.package is not None:
+    if question.package is not None:
+        from kg.cli.names import known_package  # noqa: PLC0415 - start-up time
+
+        with reading(settings) as snapshot:
             known_package(snapshot, question.package)
-        checked = check(snapshot, question, settings, folder.absolute())
-        links = Links.of(sources(snapshot))
-    _write(checked, links, form)
+    folder = paths[0] if paths and paths[0].is_dir() else Path.cwd()
+    checked = check_store(settings, question, folder.absolute())
+    _write(checked, form)
     return checked
 
 
@@ -129,9 +137,10 @@ def _read(settings: "Settings", paths: list[Path]) -> "Settings":
     return given
 
 
-def _write(checked: "Checked", links: "Links", form: str) -> None:
+def _write(checked: "Checked", form: str) -> None:
     import sys  # noqa: PLC0415 - start-up time
 
+    from kg.cli.links import Links  # noqa: PLC0415 - start-up time
     from kg.cli.lint_view import LintView, leftovers, summary  # noqa: PLC0415 - start-up time
     from kg.lint.objects import as_object, remark  # noqa: PLC0415 - start-up time
     from kg.render.sarif import annotation, document  # noqa: PLC0415 - start-up time
@@ -146,7 +155,7 @@ def _write(checked: "Checked", links: "Links", form: str) -> None:
         for one in findings:
             write(annotation(remark(one, checked.roots, here)))
     elif form:
-        for line in LintView(checked, links, here, color=colored(sys.stdout)).lines():
+        for line in LintView(checked, Links.of(checked.sources), here, color=colored(sys.stdout)).lines():
             write(line)
     for words in leftovers(checked.report):
         note(words)
