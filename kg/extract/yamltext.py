@@ -36,6 +36,5 @@ def _require_shallow(text: str, loader: Any) -> None:
         elif isinstance(event, yaml.CollectionEndEvent):
             depth -= 1
         if depth > _MOST_DEPTH:
-            raise yaml.MarkedYAMLError(
-                problem=f"it nests deeper than {_MOST_DEPTH} levels", problem_mark=event.start_mark
-            )
+            place: Any = event.start_mark  # of the parser in C, which is no subclass of the other
+            raise yaml.MarkedYAMLError(problem=f"it nests deeper than {_MOST_DEPTH} levels", problem_mark=place)
