@@ -6,7 +6,8 @@ from collections import defaultdict
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import Role
-from kg.wiring.similar import Alike
+from kg.wiring.related import Related
+from kg.wiring.similar import Alike, words_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -29,6 +30,7 @@ _ACTION_TOPICS: Final = {"goal": 1, "cancel": 1, "status": 0, "feedback": 0, "re
 _FRAMEWORK: Final = frozenset(
     {"/tf", "/tf_static", "/rosout", "/rosout_agg", "/clock", "/parameter_events", "/diagnostics", "/diagnostics_agg"}
 )
+_COMMON_WORDS: Final = frozenset({"array", "stamped", "list", "info", "state", "data", "with", "covariance"})
 
 
 class _Channels:
@@ -41,22 +43,47 @@ class _Channels:
         """Those that code of a node names; frameworks make the others."""
 
     def pairs(self) -> Iterator[tuple[str, str]]:
-        """Yield names of which only one end is there, with alike names that have the other."""
+        """Yield names of which only one end is there, with alike or related names that have the other."""
         for lacking in (0, 1):
             lonely = sorted(name for name in self.named if self.ends[name] == {1 - lacking})
-            known = Alike(name for name in self.named if lacking in self.ends[name]) if lonely else None
+            if not lonely:
+                continue
+            names = [name for name in self.named if lacking in self.ends[name]]
+            known, wider = Alike(names), Related(names)
             for name in lonely:
-                for other in known.find(name) if known is not None else ():
-                    if self._fit(name, other) and not (lacking == 1 and self._is_other_level(name, other)):
-                        yield min(name, other), max(name, other)
+                near = known.find(name)
+                found = [other for other in near if self._fit(name, other) and not self._both_meant(name, other)]
+                found += [other for other in wider.find(name) if other not in near and self._lost(name, other)]
+                for other in found:
+                    yield min(name, other), max(name, other)
 
-    def _is_other_level(self, given: str, other: str) -> bool:
-        """Tell whether names differ in namespaces alone, and `other` is served already: then both may be meant."""
-        return len(self.ends[other]) > 1 and (given.endswith(other) or other.endswith(given))
+    def _both_meant(self, lonely: str, other: str) -> bool:
+        """Tell whether names differ in namespaces alone, and nobody waits for `other`: then both may be meant."""
+        given = self.ends[lonely] == {0}
+        return given and len(self.ends[other]) > 1 and (lonely.endswith(other) or other.endswith(lonely))
 
     def _fit(self, one: str, other: str) -> bool:
         types, others = self.types[one], self.types[other]
         return not types or not others or not types.isdisjoint(others)
+
+    def _lost(self, lonely: str, other: str) -> bool:
+        """Tell whether names that are only related are likely the two ends of one that was renamed.
+
+        Types have to agree; where both names lack an end, and share a namespace, types that share a word will do, since
+        messages are renamed with their topics.
+        """
+        types, others = self.types[lonely], self.types[other]
+        if not types.isdisjoint(others):
+            return True
+        above = lonely.rpartition("/")[0]
+        if len(self.ends[other]) > 1 or not above or above != other.rpartition("/")[0]:
+            return False
+        return not _type_words(types).isdisjoint(_type_words(others))
+
+
+def _type_words(types: Iterable[str]) -> set[str]:
+    """Return the words in the names of types, without packages and what is added to many."""
+    return {word for name in types for part in words_of(name.rpartition("/")[2]) for word in part} - _COMMON_WORDS
 
 
 def near_misses(instances: Iterable[NodeInstance], ros: int) -> tuple[tuple[str, str, str], ...]:

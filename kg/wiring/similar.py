@@ -15,9 +15,10 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-__all__ = ["Alike", "alike"]
+__all__ = ["Alike", "Words", "alike", "words_of"]
 
-_Words: TypeAlias = "tuple[tuple[str, ...], ...]"
+Words: TypeAlias = "tuple[tuple[str, ...], ...]"
+"""The words of each segment of a name, in small letters."""
 
 _SEPARATORS: Final = re.compile(r"[_\-.]+|(?<=[a-z0-9])(?=[A-Z])")
 _SHORT: Final = 4
@@ -36,7 +37,7 @@ def alike(one: str, other: str) -> bool:
         return False
     if _form(one) == _form(other):
         return True
-    return _tail(one, other) or _tail(other, one) or _misspelt(_words(one), _words(other))
+    return _tail(one, other) or _tail(other, one) or _misspelt(words_of(one), words_of(other))
 
 
 class Alike:
@@ -68,7 +69,7 @@ class Alike:
 
 
 @lru_cache(maxsize=65_536)
-def _words(name: str) -> _Words:
+def words_of(name: str) -> Words:
     """Return the words of each segment of a name, in small letters."""
     return tuple(
         tuple(word.lower() for word in _SEPARATORS.split(segment) if word) for segment in name.split("/") if segment
@@ -79,7 +80,7 @@ def _words(name: str) -> _Words:
 def _form(name: str) -> tuple[object, ...]:
     """Return what stays of a name without case, separators and plurals; whether it is absolute stays, too."""
     root = name[:1] if name[:1] in {"/", "~"} else ""
-    return (root, *("".join(_singular(word) for word in words) for words in _words(name)))
+    return (root, *("".join(_singular(word) for word in words) for words in words_of(name)))
 
 
 def _singular(word: str) -> str:
@@ -94,7 +95,7 @@ def _tail(longer: str, shorter: str) -> bool:
     return bool(rest) and longer != rest and longer.endswith(f"/{rest}")
 
 
-def _misspelt(one: _Words, other: _Words) -> bool:
+def _misspelt(one: Words, other: Words) -> bool:
     if len(one) != len(other):
         return False
     pairs = [(a, b) for a, b in zip(one, other, strict=True) if a != b]
@@ -151,7 +152,7 @@ def _tails(name: str) -> list[str]:
 
 def _misspelt_keys(name: str) -> Iterator[object]:
     """Yield a key for each word that can be misspelt: all the others, and what is left of it without some letters."""
-    words = _words(name)
+    words = words_of(name)
     for i, segment in enumerate(words):
         for j, word in enumerate(segment):
             if _SHORT <= len(word) <= _LONGEST and word.isalpha():

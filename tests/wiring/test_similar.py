@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from kg.wiring.related import Related, related
 from kg.wiring.similar import Alike, alike
 
 _WORD = st.sampled_from(["scan", "camera", "cameras", "velocity", "velocty", "min", "cmd", "Odom", "odom", "x1", "x2"])
@@ -40,6 +41,32 @@ OTHERS = [
 ]
 
 
+MORE = [
+    ("/imu/data", "/imu/data_compass"),
+    ("/imu_filtered/data", "/imu/data"),
+    ("/narrow_scan", "/scan"),
+    ("/camera/depth/image_raw", "/camera/depth_registered/image_raw"),
+    ("/detection/object_tracker/objects", "/detection/objects"),
+    ("/a_opponent_controller/path", "/a_controller/path"),
+]
+NO_MORE = [("/scan_1", "/scan"), ("/camera/image_raw", "/camera/image_rect"), ("/a/b/c", "/c/d"), ("/x", "/x")]
+
+
+@pytest.mark.parametrize(("one", "other"), MORE)
+def test_names_with_more_to_them_are_related(one: str, other: str) -> None:
+    """A word or two in one segment, or a namespace, are too many."""
+    assert related(one, other)
+    assert Related([one]).find(other) == [one]
+    assert Related([other]).find(one) == [other]
+
+
+@pytest.mark.parametrize(("one", "other"), NO_MORE)
+def test_numbers_and_other_words_relate_nothing(one: str, other: str) -> None:
+    """What is counted, replaced or equal has not more to it."""
+    assert not related(one, other)
+    assert Related([one]).find(other) == []
+
+
 @pytest.mark.parametrize(("one", "other"), SAME)
 def test_slips_namespaces_plurals_case_and_separators_are_seen_through(one: str, other: str) -> None:
     """These pairs are likely one name, whichever of them is asked for."""
@@ -66,6 +93,12 @@ def test_likeness_is_mutual_and_never_of_a_name_with_itself(one: str, other: str
 def test_the_index_finds_exactly_what_comparing_all_would(names: list[str], asked: str) -> None:
     """Keys leave out no candidate."""
     assert Alike(names).find(asked) == sorted({name for name in names if alike(name, asked)})
+
+
+@given(st.lists(_NAME, max_size=8), _NAME)
+def test_the_index_of_related_names_finds_what_comparing_all_would(names: list[str], asked: str) -> None:
+    """Related names are found from either of them."""
+    assert Related(names).find(asked) == sorted({name for name in names if related(name, asked) and name != asked})
 
 
 @given(st.text(max_size=20), st.text(max_size=20))
