@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.launch.ros2.python.formatting import as_string
@@ -16,7 +18,7 @@ if TYPE_CHECKING:
     from kg.extract.launch.ros2.python.call import Call
     from kg.extract.launch.ros2.python.values import Value
 
-__all__ = ["BUILTINS", "FUNCTIONS"]
+__all__ = ["BUILTINS", "FUNCTIONS", "chain", "product"]
 
 _MAX_DIGITS: Final = 40
 
@@ -214,6 +216,23 @@ def _filter(call: Call) -> Value:
         if holds:
             kept.append(item)
     return kept
+
+
+def chain(call: Call) -> Value:
+    """Return `itertools.chain`."""
+    found = call.machine.items()
+    for value in call.args:
+        items = call.machine.iterate(value)
+        found += items if items is not None else [value]
+    return found
+
+
+def product(call: Call) -> Value:
+    """Return `itertools.product`."""
+    columns = [call.machine.iterate(value) or [] for value in call.args]
+    if call.kwargs or math.prod(len(column) for column in columns) > MAX_ITEMS:
+        return Unknown("a product of lists is not known")
+    return call.machine.items(itertools.product(*columns))
 
 
 FUNCTIONS: Final[dict[str, Callable[[Call], Value]]] = {

@@ -50,7 +50,7 @@ class Expressions(Containers):
         left, right = self.evaluate(node.left, frame), self.evaluate(node.right, frame)
         if isinstance(node.op, ast.Mod) and isinstance(left, str):
             return format_percent(left, right)
-        return binary(type(node.op), left, right)
+        return self.weigh(binary(type(node.op), left, right))
 
     def either(self, node: ast.BoolOp, frame: Frame) -> Value:
         """Return `a and b`, `a or b`."""
@@ -178,11 +178,11 @@ class Expressions(Containers):
         """Return a list, tuple or set."""
         found: list[Value] = []
         for element in node.elts:
-            if not isinstance(element, ast.Starred):
-                found.append(self.evaluate(element, frame))
-                continue
-            value = self.evaluate(element.value, frame)
-            spread = self.iterate(value)
+            starred = isinstance(element, ast.Starred)
+            value = self.evaluate(element.value if isinstance(element, ast.Starred) else element, frame)
+            if isinstance(value, Unknown) and value.place is None:
+                value = Unknown(value.reason, self.location(element, frame))
+            spread = self.iterate(value) if starred else None
             found += spread if spread is not None else [value]
         return tuple(found) if isinstance(node, ast.Tuple) else self.items(found)
 

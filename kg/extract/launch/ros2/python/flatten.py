@@ -51,7 +51,8 @@ def actions_of(machine: Machine, value: Value, location: Location, depth: int = 
         return found
     why = value.reason if isinstance(value, Unknown) else reason_of(value)
     if not isinstance(value, Source):
-        machine.unresolved(f"an action is not known: {why}", location)
+        place = value.place if isinstance(value, Unknown) and value.place else location
+        machine.unresolved(f"an action is not known: {why}", place)
     return []
 
 

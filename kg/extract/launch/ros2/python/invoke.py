@@ -102,7 +102,9 @@ class Invocations(Modules):
 
     def _describe(self, receiver: Description, name: str, call: Call) -> Value:
         if name in {"add_action", "add_entity"}:
-            self.append(receiver.entities, [call.value("action" if name == "add_action" else "entity", 0)])
+            value = call.value("action" if name == "add_action" else "entity", 0)
+            value = Unknown(value.reason, value.place or call.location) if isinstance(value, Unknown) else value
+            self.append(receiver.entities, [value])
             return None
         return receiver.entities if name == "describe_sub_entities" else Unknown(f"`{name}()` of a description")
 

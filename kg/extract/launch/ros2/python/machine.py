@@ -23,11 +23,13 @@ if TYPE_CHECKING:
 
 __all__ = ["MAX_ITEMS", "MAX_TEXT", "Break", "Continue", "Frame", "Halt", "Machine", "Raised", "Return", "Signal"]
 
-MAX_ITEMS: Final = 20_000
+MAX_ITEMS: Final = 5_000
 """So many items a list may have."""
 MAX_TEXT: Final = 200_000
 """So many characters a text may have that operations make."""
-_MAX_STEPS: Final = 400_000
+_MAX_STEPS: Final = 60_000
+"""A hundred times what the largest launch file of Nav2 takes."""
+_ITEMS_OF_A_STEP: Final = 20
 
 
 class Halt(Exception):  # noqa: N818 - the end of the work, no error of anybody
@@ -132,6 +134,17 @@ class Machine(ABC):
         if self.steps > _MAX_STEPS:
             raise Halt
 
+    def weigh(self, value: Value) -> Value:
+        """Return a value that was made at once, having counted the steps that its length is worth.
+
+        Raises:
+            Halt: when there were too many.
+        """
+        if isinstance(value, Items | tuple | str):
+            self.steps += len(value) // _ITEMS_OF_A_STEP
+            self.step()
+        return value
+
     def location(self, node: ast.AST, frame: Frame) -> Location:
         """Return where a node stands."""
         return self.at(frame.module.file, getattr(node, "lineno", 1))
@@ -142,7 +155,9 @@ class Machine(ABC):
 
     def items(self, values: Iterable[Value] = ()) -> Items:
         """Return a list that is made now."""
-        return Items(values, tuple(self.guards))
+        made = Items(values, tuple(self.guards))
+        self.weigh(made)
+        return made
 
     def table(self) -> Table:
         """Return a dictionary that is made now."""

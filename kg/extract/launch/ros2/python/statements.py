@@ -26,6 +26,7 @@ from kg.extract.launch.ros2.python.values import (
     Table,
     Unknown,
 )
+from kg.facts import LaunchProblemKind
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
 __all__ = ["Statements"]
 
 _MAX_ROUNDS: Final = 2_000
+_TOO_LONG: Final = f"a loop is read for {_MAX_ROUNDS:,} rounds only"
 _Outcome = tuple[Condition, "Signal", dict[str, "Value"]]
 
 
@@ -80,7 +82,7 @@ class Statements(Expressions):
         if isinstance(node.op, ast.Mod) and isinstance(before, str):
             self.assign(node.target, format_percent(before, value), frame)
             return None
-        self.assign(node.target, binary(type(node.op), before, value), frame)
+        self.assign(node.target, self.weigh(binary(type(node.op), before, value)), frame)
         return None
 
     def assign(self, target: ast.expr, value: Value, frame: Frame) -> None:
@@ -191,6 +193,8 @@ class Statements(Expressions):
                 return None
             if isinstance(signal, Return | Raised):
                 return signal
+        if len(items) > _MAX_ROUNDS:
+            self.note(LaunchProblemKind.LIMIT, _TOO_LONG, self.location(node, frame))
         return self.run_block(node.orelse, frame)
 
     def _round(self, node: ast.For | ast.AsyncFor, item: Value, frame: Frame) -> Signal:
@@ -216,6 +220,7 @@ class Statements(Expressions):
                 return None
             if isinstance(signal, Return | Raised):
                 return signal
+        self.note(LaunchProblemKind.LIMIT, _TOO_LONG, self.location(node, frame))
         return None
 
     def run_try(self, node: ast.Try, frame: Frame) -> Signal:

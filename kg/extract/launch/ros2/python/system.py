@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.extract.launch.ros2.actions import Substitution
 from kg.extract.launch.ros2.python import paths
-from kg.extract.launch.ros2.python.builtin import FUNCTIONS
+from kg.extract.launch.ros2.python.builtin import FUNCTIONS, chain, product
 from kg.extract.launch.ros2.python.documents import construct, read_yaml
 from kg.extract.launch.ros2.python.texts import known, reason_of, simplify, to_text
 from kg.extract.launch.ros2.python.values import (
@@ -156,5 +156,7 @@ SYSTEM: Final[dict[str, Callable[[Call], Value]]] = {
     "copy.deepcopy": _deep_copy,
     "collections.defaultdict": _default_table,
     "collections.OrderedDict": FUNCTIONS["dict"],
+    "itertools.chain": chain,
+    "itertools.product": product,
     "functools.partial": _partial,
 }

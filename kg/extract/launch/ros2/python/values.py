@@ -52,9 +52,10 @@ Value: TypeAlias = object
 
 @dataclass(frozen=True, slots=True)
 class Unknown:
-    """A value that cannot be known without running the file, and why."""
+    """A value that cannot be known without running the file, why, and where it is used."""
 
     reason: str
+    place: Location | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True, slots=True)

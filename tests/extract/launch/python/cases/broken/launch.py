@@ -1,0 +1,3 @@
+def generate_launch_description():
+    return LaunchDescription([Node(
+]

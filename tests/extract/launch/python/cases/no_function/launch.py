@@ -1,0 +1,5 @@
+import launch
+
+
+def main():
+    return launch.LaunchDescription()
