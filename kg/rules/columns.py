@@ -31,6 +31,11 @@ if TYPE_CHECKING:
 __all__ = ["EVERYTHING", "Tables", "Wanted", "by_predicate", "read", "read_columns", "union_of", "wanted"]
 
 _THREADS: Final = 2
+_MANY: Final = 8
+"""Of more graphs than this each is asked for everything at once, since most of many are small."""
+_SMALL: Final = 20_000
+"""A graph that gives fewer rows than this is read by one query."""
+_OBJECT: Final = np.int64((1 << 32) - 1)
 
 
 class Tables(Protocol):
@@ -108,7 +113,17 @@ def read(
     """Return the wanted triples of each graph by itself."""
     found: dict[NamedNode | None, Facts] = {graph: Facts() for graph in graphs}
     loose: dict[tuple[NamedNode | None, int], list[NDArray[np.int64]]] = {}
-    for query, graph, text in _texts(source, _queries(what), list(found)):
+    large = list(found)
+    if len(found) > _MANY and what.predicates is not None:
+        large = []
+        together = _together(what)
+        for _, graph, text in _texts(source, [together], list(found)):
+            if text.count(b"\n") >= _SMALL:
+                large.append(graph)
+                continue
+            for predicate, keys in _only(what, together.keys(text, dictionary), dictionary):
+                loose.setdefault((graph, predicate), []).append(keys)
+    for query, graph, text in _texts(source, _queries(what), large):
         for predicate, keys in query.keys(text, dictionary):
             loose.setdefault((graph, predicate), []).append(keys)
     for (graph, predicate), parts in loose.items():
@@ -116,15 +131,40 @@ def read(
     return found
 
 
+def _together(what: Wanted) -> _Query:
+    """Return the query for everything wanted of a small graph, and of some predicates more than is wanted."""
+    predicates = {*(what.predicates or ()), *(predicate for predicate, _ in what.members)}
+    listed = ", ".join(sorted(map(str, predicates)))
+    return _Query(among=f"SELECT ?s ?p ?o {{ ?s ?p ?o FILTER(?p IN ({listed})) }} LIMIT {_SMALL}")
+
+
+def _only(
+    what: Wanted, found: Iterable[tuple[int, NDArray[np.int64]]], dictionary: Dictionary
+) -> Iterator[tuple[int, NDArray[np.int64]]]:
+    """Yield of what one query gave the triples that are wanted."""
+    whole = {dictionary.intern_term(predicate) for predicate in what.predicates or ()}
+    single: dict[int, list[int]] = {}
+    for predicate, target in what.members:
+        single.setdefault(dictionary.intern_term(predicate), []).append(dictionary.intern_term(target))
+    for number, keys in found:
+        if number in whole:
+            yield number, keys
+        elif number in single:
+            yield number, keys[np.isin(keys & _OBJECT, single[number])]
+
+
 @dataclass(frozen=True, slots=True)
 class _Query:
-    """One SELECT: of everything, of a predicate, or of a predicate with one object."""
+    """One SELECT: of everything, of a predicate, of a predicate with one object, or, as a text, of some predicates."""
 
     predicate: NamedNode | None = None
     target: Term | None = None
+    among: str | None = None
 
     @property
     def text(self) -> str:
+        if self.among is not None:
+            return self.among
         if self.predicate is None:
             return "SELECT ?s ?p ?o { ?s ?p ?o }"
         if self.target is None:
