@@ -34,12 +34,16 @@ class Asked:
         self._remapping = remapping
         self._exact: dict[str, _Owned] = {}
         self._patterns: dict[str, _Owned] = {}
+        self._by_handle: dict[str, _Owned] = {}
+        """Relative names in C++, as if given to a private handle: which handle it was is not always known."""
 
     def add_node(self, owner: NodeReference, node: NodeType) -> None:
         """Add what a node type asks for."""
         for parameter in _read_first(node):
             if parameter.name is not None:
                 self._add(self._absolute(parameter.name, self._place), parameter, owner)
+                if self._ros == 1 and node.language == "cpp" and not parameter.name.startswith(("/", "~")):
+                    self._by_handle.setdefault(self._place.resolve(f"~/{parameter.name}"), (parameter, owner))
 
     def add_plugin(self, plugin: Loaded, settings: Settings) -> None:
         """Add what a loaded plugin asks for."""
@@ -52,11 +56,12 @@ class Asked:
             name = parameter.name
             if name is None:
                 continue
-            self._add(self._of_plugin(name, plugin, place), parameter, owner)
-            if not name.startswith(("/", "~")):
-                for identifier in ids:
-                    below = plugin.framework.below.replace("{id}", identifier)
-                    self._add(self._of_plugin(f"~/{below}/{name}", plugin, place), parameter, owner)
+            if plugin.framework.each is None or name.startswith(("/", "~")):
+                self._add(self._of_plugin(name, plugin, place), parameter, owner)
+                continue
+            for identifier in ids:
+                below = plugin.framework.below.replace("{id}", identifier)
+                self._add(self._of_plugin(f"~/{below}/{name}", plugin, place), parameter, owner)
 
     def _of_plugin(self, name: str, plugin: Loaded, place: Place) -> str:
         if self._ros == 1:
@@ -95,8 +100,9 @@ class Asked:
             yield InstanceParameter(name, parameter, similar=tuple(unset.find(name)))
 
     def _find(self, name: str) -> _Owned | None:
-        if name in self._exact:
-            return self._exact[name]
+        found = self._exact.get(name) or self._by_handle.get(name)
+        if found is not None:
+            return found
         above = name
         separator = "/" if self._ros == 1 else "."
         while separator in above[1:]:

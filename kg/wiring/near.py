@@ -30,6 +30,8 @@ _ACTION_TOPICS: Final = {"goal": 1, "cancel": 1, "status": 0, "feedback": 0, "re
 _FRAMEWORK: Final = frozenset(
     {"/tf", "/tf_static", "/rosout", "/rosout_agg", "/clock", "/parameter_events", "/diagnostics", "/diagnostics_agg"}
 )
+_TO_LOOK_AT: Final = frozenset({f"sensor_msgs/{name}" for name in ("Image", "CameraInfo", "CompressedImage")})
+"""What is offered in many forms for whoever wants to see it, so that nobody has to hear each."""
 _COMMON_WORDS: Final = frozenset({"array", "stamped", "list", "info", "state", "data", "with", "covariance"})
 
 
@@ -73,6 +75,8 @@ class _Channels:
         messages are renamed with their topics.
         """
         types, others = self.types[lonely], self.types[other]
+        if self.ends[lonely] == {0} and not types.isdisjoint(_TO_LOOK_AT):
+            return False
         if not types.isdisjoint(others):
             return True
         above = lonely.rpartition("/")[0]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from kg.facts import System
@@ -11,7 +12,7 @@ from kg.wiring.near import near_misses
 from kg.wiring.values import Server
 
 if TYPE_CHECKING:
-    from kg.facts import LaunchConfiguration, NodeInstance
+    from kg.facts import LaunchConfiguration, Location, NodeInstance
     from kg.wiring.types import NodeTypes
 
 __all__ = ["wire"]
@@ -41,10 +42,19 @@ def wire(configuration: LaunchConfiguration, types: NodeTypes) -> System:
     for index in sorted(range(len(drafts)), key=lambda at: drafts[at].started.host is None):
         draft = drafts[index]
         made[index] = finished(draft, server, by_name.get(draft.started.host or ""))
-    instances = tuple(made[index] for index in range(len(drafts)))
+    used = {rule.location for draft in drafts for rule in draft.used}
+    instances = tuple(_without_shared(made[index], used) for index in range(len(drafts)))
     return System(
         configuration=configuration,
         instances=instances,
         similar=near_misses(instances, ros),
         shared_parameters=tuple(server.all[name] for name in shared) if server is not None else (),
     )
+
+
+def _without_shared(instance: NodeInstance, used: set[Location]) -> NodeInstance:
+    """Return the instance without guesses for remappings that stand for several nodes and fit one of the others."""
+    if not any(rule.similar and rule.remap.location in used for rule in instance.remaps):
+        return instance
+    kept = (replace(rule, similar=()) if rule.remap.location in used else rule for rule in instance.remaps)
+    return replace(instance, remaps=tuple(kept))
