@@ -7,6 +7,7 @@ out of the node where nobody listens, into it where nobody gives. Nodelets and c
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
@@ -91,6 +92,17 @@ class _Drawing:
             found.append(Node(bundle.key, across, down, _within(bundle, hosts)))
         return found
 
+    def spread(self) -> list[tuple[str, str]]:
+        """Return links that are not drawn, which put those of a host that are joined to nothing side by side."""
+        joined = {member for bundle in self.joining for member in (*bundle.sources, *bundle.targets)}
+        alone: dict[str, list[str]] = {}
+        for member in self.graph.members:
+            if member.host and member.key not in joined:
+                alone.setdefault(member.host, []).append(member.key)
+        return [
+            pair for inside in alone.values() for pair in zip(inside, inside[math.isqrt(len(inside)) :], strict=False)
+        ]
+
     def size(self, member: Member) -> tuple[float, float]:
         """Return the width and height of a member's box."""
         lines = self.lines(member)
@@ -113,8 +125,11 @@ def system_svg(graph: SystemGraph) -> str:
     """Return the SVG of a system's graph."""
     drawing = _Drawing(graph)
     links = drawing.links()
-    places = lay_out(drawing.nodes(), [(m, b.key) if gives else (b.key, m) for b, m, gives in links])
-    ways = sorted(zip(links, places.ways, strict=True), key=lambda one: (one[0][0].key, one[0][1], one[0][2]))
+    drawn = [(m, b.key) if gives else (b.key, m) for b, m, gives in links]
+    places = lay_out(drawing.nodes(), [*drawn, *drawing.spread()])
+    ways = sorted(
+        zip(links, places.ways[: len(links)], strict=True), key=lambda one: (one[0][0].key, one[0][1], one[0][2])
+    )
     states = {(link.member, link.channel, link.outward): link.state for link in graph.links}
     legend, legend_wide = _legend(graph)
     notes = f"Not shown: {', '.join(graph.hidden)}." if graph.hidden else ""
@@ -292,12 +307,14 @@ def _legend(graph: SystemGraph) -> tuple[list[str], float]:
         drawn.append(label("key", x + 68, 61, _WORDS[kind]))
         x += 68 + wide(_WORDS[kind], SMALL) + 22
     states = graph.states()
-    words = ["→ nobody takes it  ← nobody gives it"]
+    words = ["→ nobody takes it", "← nobody gives it"]
     if any(channel.open for channel in graph.channels):
         words.append("? name not known")
+    if any(member.reason or member.condition for member in graph.members):
+        words.append("dashed: what it does, or whether it starts, is not known")
     words += [f"{SIGNS[state]}{state}" for state in (State.NEW, State.GONE, State.CHANGED) if state in states]
-    text = "  ".join(words)
-    drawn.append(f'<text class="key" x="{x:g}" y="61">{escaped(text)}</text>')
+    text = "   ".join(words)
+    drawn.append(f'<text class="key" x="{x:g}" y="61" xml:space="preserve">{escaped(text)}</text>')
     return drawn, x + len(text) * SMALL
 
 
