@@ -9,7 +9,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final
 
 if TYPE_CHECKING:
-    from kg.api import build, infer, nodes, open_store, sparql
+    from kg.api import build, findings, infer, nodes, open_store, sparql
     from kg.errors import (
         Exit,
         GraphError,
@@ -34,13 +34,14 @@ __all__ = [
     "UsageError",
     "__version__",
     "build",
+    "findings",
     "infer",
     "nodes",
     "open_store",
     "sparql",
 ]
 
-_API: Final = frozenset({"build", "infer", "nodes", "open_store", "sparql"})
+_API: Final = frozenset({"build", "findings", "infer", "nodes", "open_store", "sparql"})
 
 
 def __getattr__(name: str) -> Any:

@@ -13,6 +13,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from kg import settings
@@ -21,7 +22,6 @@ from kg.store import opening
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
-    from pathlib import Path
 
     from pyoxigraph import Literal, NamedNode
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from kg.rules.reports import RunReport
     from kg.store.embedded import EmbeddedStore
 
-__all__ = ["build", "infer", "nodes", "open_store", "sparql"]
+__all__ = ["build", "findings", "infer", "nodes", "open_store", "sparql"]
 
 
 def open_store(store: str | Path | None = None) -> EmbeddedStore:
@@ -63,6 +63,36 @@ def build(
     given = settings.load({"store": store, "jobs": jobs})
     with opening.writable(given, create=bool(sources)) as target:
         return run([str(source) for source in sources], target, given, report, "kg.build")
+
+
+def findings(
+    sources: Sequence[str | Path] = (),
+    *,
+    launch: str | None = None,
+    package: str | None = None,
+    level: str = "note",
+    store: str | Path | None = None,
+) -> list[dict[str, Any]]:
+    """Return what is wrong in the wiring of launch files, as `kg lint --json` writes it (docs/formats.md).
+
+    The folders `sources` are read first, into a store of their own in the user's cache; without any, the findings are
+    those of a store. `launch` and `package` choose launch files, `level` (error, warning, note) leaves out what is
+    less. So is what kg.toml and comments allow.
+
+    Raises:
+        SourceError: KG101 when a folder cannot be read.
+        StoreError: KG301 without sources and store.
+        UsageError: KG421 for the allow-list, KG422 for the launch file.
+    """
+    from kg.lint.objects import as_object  # noqa: PLC0415 - who asks otherwise needs none of it
+    from kg.lint.running import Question, check_store, read_folders  # noqa: PLC0415 - the same
+
+    folders = [Path(source) for source in sources]
+    given = settings.load({"store": store})
+    given = read_folders(folders, given)[0] if folders else given
+    question = Question(launch=launch, package=package, level=level)
+    folder = folders[0] if folders else Path.cwd()
+    return [as_object(one) for one in check_store(given, question, folder.absolute()).report.findings]
 
 
 def infer(

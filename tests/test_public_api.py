@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 SIGNATURES: Final = {
     "build": "(sources: 'Sequence[str | Path]' = (), *, store: 'str | Path | None' = None, jobs: 'int | None' = None, "
     "report: 'Report | None' = None) -> 'BuildReport'",
+    "findings": "(sources: 'Sequence[str | Path]' = (), *, launch: 'str | None' = None, package: 'str | None' = None, "
+    "level: 'str' = 'note', store: 'str | Path | None' = None) -> 'list[dict[str, Any]]'",
     "infer": "(*, rules: 'Sequence[str | Path] | None' = None, full: 'bool' = False, dry_run: 'bool' = False, "
     "timeout: 'float | None' = None, store: 'str | Path | None' = None) -> 'RunReport'",
     "nodes": "(*, package: 'str | None' = None, store: 'str | Path | None' = None) -> 'list[dict[str, Any]]'",
@@ -71,7 +73,7 @@ def test_a_program_builds_and_asks(tmp_path: Path) -> None:
     rules = tmp_path / "rules" / "mine"
     rules.mkdir(parents=True)
     (rules / "copy.rq").write_text(
-        "CONSTRUCT { ?node <urn:called> ?name } WHERE { ?node a ros:Node ; rnkg:name ?name }"
+        "CONSTRUCT { ?node <urn:called> ?name } WHERE { ?node a rnkg:NodeType ; rnkg:name ?name }"
     )
     assert kg.infer(rules=[rules.parent], store=store).added == len(kg.nodes(store=store))
     assert kg.infer(rules=[rules.parent], store=store).mode == "incremental"

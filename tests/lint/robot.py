@@ -1,4 +1,4 @@
-"""A store with findings, made from `findings.trig` and the launch files in `rover/`."""
+"""A store with findings, made from `findings.trig` and the launch files in `cases/rover/`."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ NOON: Final = datetime(2026, 5, 1, 12, tzinfo=UTC)
 def write(folder: Path) -> Path:
     """Copy the sources to `folder/rover` and write their store beside them; return the store's folder."""
     root = folder / "rover"
-    shutil.copytree(HERE / "rover", root)
+    shutil.copytree(HERE / "cases" / "rover", root)
     graphs: defaultdict[NamedNode, list[bytes]] = defaultdict(list)
     for quad in parse((HERE / "findings.trig").read_bytes(), RdfFormat.TRIG):
         if isinstance(quad.graph_name, NamedNode):

@@ -1,5 +1,6 @@
 """`kg lint`: what is wrong in the wiring of launch files, before anything runs."""
 
+from contextlib import nullcontext
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Annotated, Final
@@ -129,11 +130,16 @@ def _checked(settings: "Settings", paths: list[Path], question: "Question", form
 
 
 def _read(settings: "Settings", paths: list[Path]) -> "Settings":
+    """Read folders, with a bar on a terminal and without a word elsewhere; return the settings for their store."""
+    import sys  # noqa: PLC0415 - start-up time
+
+    from kg.cli.build_view import left_out  # noqa: PLC0415 - start-up time
     from kg.cli.progress import for_this_stream  # noqa: PLC0415 - start-up time
     from kg.lint.running import read_folders  # noqa: PLC0415 - start-up time
 
-    with for_this_stream() as progress:
-        given, _ = read_folders(paths, settings, progress)
+    with for_this_stream() if sys.stderr.isatty() else nullcontext() as progress:
+        given, found = read_folders(paths, settings, progress)
+    left_out(found.inferred)
     return given
 
 

@@ -1,0 +1,75 @@
+"""The whole way: a folder is read, rules run, and the findings are told."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+from lint.robot import HERE
+
+import kg
+from kg.lint.running import Question, check_store, own_store, read_folders
+from kg.settings import load
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a copy of a small workspace."""
+    folder = tmp_path_factory.mktemp("folders") / "src"
+    shutil.copytree(HERE / "cases" / "watcher", folder)
+    return folder
+
+
+@pytest.fixture(autouse=True)
+def cache(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return the cache of these tests, which begin outside of any store."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(folder.parent / "cache"))
+    monkeypatch.chdir(folder.parent)
+    return folder.parent / "cache"
+
+
+def test_a_folder_is_checked_without_a_trace(folder: Path, cache: Path) -> None:
+    """The store stands in the cache, the folder is as it was, and the finding has its lines."""
+    before = sorted(folder.rglob("*"))
+    (found,) = kg.findings([folder], level="warning")
+    assert (found["code"], found["file"], found["line"]) == ("KG401", "watch/launch/watch.launch", 5)
+    assert found["subjects"] == ["/images_raw", "/camera", "/image_raw", "/viewer"]
+    assert {(one["file"], one["line"]) for one in found["evidence"]} >= {
+        ("watch/scripts/camera.py", 6),
+        ("watch/scripts/viewer.py", 6),
+    }
+    assert sorted(folder.rglob("*")) == before
+    assert own_store([folder]).is_relative_to(cache)
+
+
+def test_the_second_check_reads_nothing(folder: Path) -> None:
+    """Only what has changed is read."""
+    read_folders([folder], load())
+    _, report = read_folders([folder], load())
+    assert report.read == 0
+
+
+def test_another_argument_is_another_system(folder: Path) -> None:
+    """The launch file is evaluated anew, and nothing of that stays in the store."""
+    given, _ = read_folders([folder], load())
+    question = Question(launch="watch.launch", level="warning")
+    mended = Question(launch="watch.launch", level="warning", arguments={"topic": "image_raw"})
+    assert [len(check_store(given, one, folder).report.findings) for one in (question, mended, question)] == [1, 0, 1]
+
+
+def test_the_folder_of_the_sources_has_the_allow_list(folder: Path) -> None:
+    """Its kg.toml is the one that counts."""
+    text = '[[lint.allow]]\ncode = "KG401"\nsubject = "/images_raw"\nreason = "a test"\n'
+    (folder / "kg.toml").write_text(text, encoding="utf-8")
+    try:
+        assert kg.findings([folder], level="warning") == []
+    finally:
+        (folder / "kg.toml").unlink()
+
+
+def test_a_hook_runs_a_command_that_there_is() -> None:
+    """The hook for pre-commit calls `kg lint`."""
+    hooks = (Path(kg.__file__).parents[1] / ".pre-commit-hooks.yaml").read_text(encoding="utf-8")
+    assert "entry: kg lint .\n" in hooks
+    assert "pass_filenames: false\n" in hooks
