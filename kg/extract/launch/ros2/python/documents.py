@@ -8,6 +8,7 @@ import yaml
 
 from kg.extract.launch.ros2.python.containers import hashable
 from kg.extract.launch.ros2.python.values import Unknown
+from kg.extract.yamltext import compose_yaml
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -24,7 +25,7 @@ _LOADER: Final = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 def read_yaml(machine: Machine, text: str, place: Callable[[int], Location]) -> Value:
     """Return what `yaml.safe_load` gives; `place` makes a location of a line. Aliases are followed within bounds."""
     try:
-        node = yaml.compose(text, Loader=_LOADER)
+        node = compose_yaml(text, _LOADER)
         return _value(machine, node, place, yaml.SafeLoader("")) if node is not None else None
     except (yaml.YAMLError, ValueError, RecursionError):
         return Unknown("a YAML text is not valid")
