@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 __all__ = ["evaluate"]
 
 _MOST_DEPTH: Final = 100
+_MOST_INCLUDES: Final = 2000
+"""Of one configuration; files that include each other several times are read again each time."""
 _MOST_LEVELS: Final = 150
 """Of groups and includes in one another, each of which takes frames of the interpreter's stack."""
 _ROS1: Final = 1
@@ -210,6 +212,8 @@ class _Evaluation:
         location = state.location(scope, element.line)
         if file is not None and reason is None:
             reason = self._stopped(scope, inner, element, file)
+        if len(state.includes) > _MOST_INCLUDES:
+            return
         state.includes.append(
             LaunchInclude(
                 written=shown(written),
@@ -281,5 +285,10 @@ class _Evaluation:
         if len(self._open) >= _MOST_DEPTH:
             reason = f"includes are nested deeper than {_MOST_DEPTH} levels"
             state.limit(scope, element.line, reason)
+            return reason
+        if len(state.includes) >= _MOST_INCLUDES:
+            reason = f"the configuration has more than {_MOST_INCLUDES} includes"
+            if len(state.includes) == _MOST_INCLUDES:
+                state.limit(scope, element.line, reason)
             return reason
         return None

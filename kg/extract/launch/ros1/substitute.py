@@ -109,7 +109,7 @@ class _Commands:
                 if not words or words[0] not in _COMMANDS:
                     raise _SubstitutionError(f"unknown substitution command $({command})")
                 if (words[0] == "find") is last:
-                    text = self._placed(text, command, words[0], words[1:])
+                    text = self._placed(text, command, words[0], words[1:]).replace(HOLE * 2, HOLE)
                 if len(text) > most:
                     self._note(LaunchProblemKind.LIMIT, f"the text grows to more than {most} characters")
                     return HOLE

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 pytestmark = pytest.mark.skipif(reason_to_skip() is not None, reason=str(reason_to_skip()))
 
-TREES = 150
+TREES = 80
 ENVIRONMENT = {"HOME_OF": "5"}
 
 
