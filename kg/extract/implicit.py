@@ -107,6 +107,8 @@ def _name(pattern: str, mark: Mark) -> str | None:
     """Return the name that a mark makes of a pattern; None when the mark does not hold what the pattern needs."""
     if "{detail}" in pattern and not mark.detail:
         return None
+    if not mark.namespace:
+        pattern = pattern.removeprefix("{namespace}/")  # of the node's own namespace, which is no root
     return normalise(pattern.replace("{namespace}", mark.namespace).replace("{detail}", mark.detail or ""))
 
 
