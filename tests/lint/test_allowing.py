@@ -3,7 +3,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from lint.robot import finding
 
@@ -151,6 +151,7 @@ ENTRIES = st.builds(
 )
 
 
+@settings(deadline=None)
 @given(findings=st.lists(FINDINGS, max_size=6), entries=st.lists(ENTRIES, max_size=3))
 def test_the_allow_list_hides_nothing_that_it_does_not_name(findings: list[Finding], entries: list[Allowance]) -> None:
     """What is hidden is named by an entry, and the rest is told: nothing is lost, nothing told that is named."""

@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from lint.robot import finding
 
@@ -88,6 +88,7 @@ FINDINGS = st.builds(
 )
 
 
+@settings(deadline=None)
 @given(before=st.lists(FINDINGS, max_size=5), now=st.lists(FINDINGS, max_size=5))
 def test_a_baseline_hides_nothing_that_it_does_not_name(before: list[Finding], now: list[Finding]) -> None:
     """What is hidden was there before, as often as it is hidden; all else is told."""

@@ -6,7 +6,7 @@ from typing import Final
 from xml.etree import ElementTree as ET
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from lint.robot import finding
 
@@ -90,6 +90,7 @@ def test_a_test_without_failures_has_one_case() -> None:
     assert suite.findtext("system-out") == "a.launch:3: nothing else uses /a\n"
 
 
+@settings(deadline=None)
 @given(st.lists(st.text(), max_size=4))
 def test_any_message_makes_valid_xml(messages: list[str]) -> None:
     """Each error or warning is a case that fails, whatever its text."""
