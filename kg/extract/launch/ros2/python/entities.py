@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.launch.ros2.actions import (
@@ -136,9 +137,17 @@ def _timer(call: Call) -> Value:
 
 
 def _process(call: Call) -> Value:
-    parts = call.machine.iterate(call.value("cmd"))
+    value = call.value("cmd")
+    parts = _words(value) if isinstance(value, str) else call.machine.iterate(value)
     command = tuple(to_text(part) for part in parts) if parts is not None else (to_text(call.value("cmd")),)
     return Executable(location=call.location, condition=condition_of(call), command=command)
+
+
+def _words(command: str) -> list[Value]:
+    try:
+        return list(shlex.split(command))
+    except ValueError:  # quotes that are not closed
+        return [command]
 
 
 def _opaque(call: Call) -> Value:

@@ -38,8 +38,29 @@ _SETTINGS: Final = {
 }
 
 
+_NAMING: Final = ("package", "executable", "plugin", "name", "namespace", "node_executable", "node_name")
+_MAX_OPTIONS: Final = 16
+
+
 def _optional(value: Value) -> Text | None:
     return None if value is None else to_text(value)
+
+
+def _split(make: Callable[[Call], Value]) -> Callable[[Call], Value]:
+    """Return a maker that makes one node for each option of what the node is and how it is called."""
+
+    def made(call: Call) -> Value:
+        name = next((key for key in _NAMING if isinstance(call.kwargs.get(key), Choice)), None)
+        choice = call.kwargs.get(name) if name is not None else None
+        if name is None or not isinstance(choice, Choice):
+            return make(call)
+        options = [
+            (condition, made(replace(call, kwargs={**call.kwargs, name: option})))
+            for condition, option in choice.options[:_MAX_OPTIONS]
+        ]
+        return Choice(tuple(options))
+
+    return made
 
 
 def _node(kind: str) -> Callable[[Call], Value]:
@@ -164,10 +185,10 @@ def _load(call: Call) -> Value:
 
 NODES: Final[dict[str, Callable[[Call], Value]]] = {
     **PARAMETERS,
-    "Node": _node("node"),
-    "LifecycleNode": _node("lifecycle-node"),
-    "ComposableNodeContainer": _node("container"),
-    "ComposableNode": _component,
-    "ComposableLifecycleNode": _component,
+    "Node": _split(_node("node")),
+    "LifecycleNode": _split(_node("lifecycle-node")),
+    "ComposableNodeContainer": _split(_node("container")),
+    "ComposableNode": _split(_component),
+    "ComposableLifecycleNode": _split(_component),
     "LoadComposableNodes": _load,
 }

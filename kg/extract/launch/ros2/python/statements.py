@@ -284,6 +284,16 @@ class Statements(Expressions):
                 frame.scope.bind(alias.asname or alias.name, found)
         return None
 
+    def run_match(self, node: ast.Match, frame: Frame) -> Signal:
+        """Run `match` as the chain of `if` that it is; patterns that are no values may match."""
+        chain: list[ast.stmt] = []
+        for case in reversed(node.cases):
+            test = _matches(node.subject, case.pattern)
+            if case.guard is not None:
+                test = ast.BoolOp(ast.And(), [test, case.guard])
+            chain = [ast.copy_location(ast.If(test, case.body, chain), case.pattern)]
+        return self.run_block([ast.fix_missing_locations(each) for each in chain], frame)
+
     def run_outer(self, node: ast.Global | ast.Nonlocal, frame: Frame) -> Signal:
         """Let assignments to names be those of an outer scope."""
         frame.scope.outer.update(node.names)
@@ -299,6 +309,19 @@ class Statements(Expressions):
                 if isinstance(receiver, Table) and isinstance(key, str):
                     receiver.pop(key, None)
         return None
+
+
+def _matches(subject: ast.expr, pattern: ast.pattern) -> ast.expr:
+    """Return the test that a pattern makes of a subject."""
+    if isinstance(pattern, ast.MatchValue):
+        return ast.Compare(subject, [ast.Eq()], [pattern.value])
+    if isinstance(pattern, ast.MatchSingleton):
+        return ast.Compare(subject, [ast.Is()], [ast.Constant(pattern.value)])
+    if isinstance(pattern, ast.MatchOr):
+        return ast.BoolOp(ast.Or(), [_matches(subject, each) for each in pattern.patterns])
+    if isinstance(pattern, ast.MatchAs) and pattern.pattern is None:
+        return ast.NamedExpr(ast.Name(pattern.name), subject) if pattern.name else ast.Constant(value=True)
+    return ast.Compare(subject, [ast.Is()], [ast.Name("<pattern>")])
 
 
 def _merged(first: _Outcome, second: _Outcome) -> dict[str, Value]:
@@ -332,6 +355,7 @@ _RUNNERS: Final[dict[type[ast.stmt], Callable[..., Signal]]] = {
     ast.ClassDef: Statements.run_class,
     ast.Import: Statements.run_import,
     ast.ImportFrom: Statements.run_import_from,
+    ast.Match: Statements.run_match,
     ast.Global: Statements.run_outer,
     ast.Nonlocal: Statements.run_outer,
     ast.Delete: Statements.run_delete,
