@@ -92,7 +92,7 @@ _SETTINGS: Final = """\
 
 A flag wins over the environment variable, that over the nearest `kg.toml` in the working folder or above it, that over
 the default. `kg config show` tells the values in force and where each comes from. Relative paths in a file are relative
-to it.
+to it. A table `[lint]` holds what [`kg lint`](lint.md#what-is-right-as-it-is) lets pass.
 
     # kg.toml
     store = "/data/kg"

@@ -7,11 +7,13 @@ folder and does not touch a store that is there; the second check of the same fo
 from __future__ import annotations
 
 import os
+import time
 from dataclasses import dataclass, field, replace
 from hashlib import blake2b
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
+from kg.errors import StoreError
 from kg.graph.source_states import SourceState, sources
 from kg.graph.systems_reading import system_names
 from kg.lint import baseline as baselines
@@ -30,6 +32,10 @@ if TYPE_CHECKING:
     from kg.pipeline.report import Report as Progress
 
 __all__ = ["Checked", "Question", "check", "check_store", "own_store", "read_folders"]
+
+_PATIENCE: Final = 300.0
+"""Seconds to wait for another check of the same folders."""
+_PAUSE: Final = 0.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,15 +84,24 @@ def read_folders(
 ) -> tuple[Settings, BuildReport]:
     """Read folders into a store of their own; return the settings for that store, and what was read.
 
+    While another check of the same folders reads them (tests of several packages, say), this one waits.
+
     Raises:
         SourceError: KG101 when a folder cannot be read.
-        StoreError: KG302 while another check of the same folders is under way, KG306 when the cache is not writable.
+        StoreError: KG302 when the other one takes minutes, KG306 when the cache is not writable.
     """
     from kg.pipeline.build import build  # noqa: PLC0415 - who asks a store loads no reader of sources
 
     given = replace(settings, store=own_store(folders))
-    with writable(given) as store:
-        return given, build([str(folder) for folder in folders], store, given, progress, "kg lint")
+    end = time.monotonic() + _PATIENCE
+    while True:
+        try:
+            with writable(given) as store:
+                return given, build([str(folder) for folder in folders], store, given, progress, "kg lint")
+        except StoreError as error:
+            if error.code != "KG302" or time.monotonic() > end:
+                raise
+            time.sleep(_PAUSE)
 
 
 def check_store(settings: Settings, question: Question, folder: Path) -> Checked:

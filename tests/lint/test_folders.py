@@ -9,8 +9,10 @@ import pytest
 from lint.robot import HERE
 
 import kg
+from kg.errors import StoreError
 from kg.lint.running import Question, check_store, own_store, read_folders
 from kg.settings import load
+from kg.store.embedded import EmbeddedStore
 
 
 @pytest.fixture(scope="module")
@@ -48,6 +50,15 @@ def test_the_second_check_reads_nothing(folder: Path) -> None:
     read_folders([folder], load())
     _, report = read_folders([folder], load())
     assert report.read == 0
+
+
+def test_a_second_check_at_the_same_time_waits(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """For a while; then it says who is at work."""
+    monkeypatch.setattr("kg.lint.running._PATIENCE", 0.1)
+    monkeypatch.setattr("kg.lint.running._PAUSE", 0.01)
+    busy = EmbeddedStore.create(own_store([folder]))
+    with busy.write("kg lint"), pytest.raises(StoreError, match="KG302"):
+        read_folders([folder], load())
 
 
 def test_another_argument_is_another_system(folder: Path) -> None:
