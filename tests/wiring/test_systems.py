@@ -44,7 +44,7 @@ _NODE = st.fixed_dictionaries(
 )
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(st.lists(_TYPE, max_size=3), st.lists(_NODE, max_size=3), st.dictionaries(_ODD, _VALUE), st.sampled_from([1, 2]))
 def test_names_are_absolute_and_what_is_not_known_says_why(
     types: list[dict[str, Any]], nodes: list[dict[str, Any]], parameters: dict[str, object], ros: int
