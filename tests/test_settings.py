@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kg.errors import UsageError
-from kg.settings import DECLARED, Settings, find_file, load
+from kg.settings import DECLARED, Settings, find_file, load, table
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -145,3 +145,26 @@ def test_any_value_is_read_or_refused_with_a_code(flags: dict[str, Any]) -> None
     except UsageError as error:
         codes.add(error.code)
     assert codes <= {"KG002"}
+
+
+def test_tables_are_no_settings(tmp_path: Path) -> None:
+    """What a room reads from a table of kg.toml is no setting, and given to that room as it stands."""
+    write(tmp_path, 'jobs = 2\n[lint]\nbaseline = "x"\n')
+    assert load(folder=tmp_path, environment={}).jobs == 2
+    found = table("lint", tmp_path)
+    assert found is not None
+    assert (found.file, dict(found.content)) == (tmp_path / "kg.toml", {"baseline": "x"})
+
+
+def test_a_table_has_to_be_one(tmp_path: Path) -> None:
+    """A value of that name is refused with its line; without kg.toml, or without the table, there is none."""
+    assert table("lint", tmp_path) is None
+    write(tmp_path, "jobs = 2\n")
+    other = tmp_path / "other"
+    other.mkdir()
+    assert table("lint", tmp_path) is None
+    write(other, "\nlint = 3\n")
+    with pytest.raises(UsageError, match="KG002: `lint` is a table, not 3") as caught:
+        table("lint", other)
+    assert caught.value.place is not None
+    assert caught.value.place.line == 2
