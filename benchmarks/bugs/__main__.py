@@ -56,7 +56,7 @@ def _findings(bug: Bug, side: str, mirrors: Path, folder: Path) -> list[dict[str
     launch = _workspace(bug, side, mirrors, folder)
     workspace, store = folder / bug.id / side, folder / bug.id / f"{side}.kg"
     build(workspace, store)
-    return answers("lint", launch, store, environment(bug.environment, workspace))
+    return answers("lint", launch, store, environment(bug.environment))
 
 
 def _workspace(bug: Bug, side: str, mirrors: Path, folder: Path) -> Path:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sys
 from typing import TYPE_CHECKING, Any
@@ -18,18 +17,19 @@ FINDINGS = 1
 
 def build(workspace: Path, store: Path) -> None:
     """Build a workspace into a store of its own."""
-    _kg(["build", str(workspace), "--store", str(store)], {})
+    _kg(["build", str(workspace), "--store", str(store)])
 
 
 def answers(command: str, launch: Path, store: Path, environment: Mapping[str, str]) -> list[dict[str, Any]]:
     """Return what `kg COMMAND --launch FILE --json` says, an object a line."""
-    text = _kg([command, "--launch", str(launch), "--json", "--store", str(store)], environment)
+    given = [part for name, value in environment.items() for part in ("--env", f"{name}={value}")]
+    text = _kg([command, "--launch", str(launch), "--json", "--store", str(store), *given])
     return [json.loads(line) for line in text.splitlines() if line.strip()]
 
 
-def _kg(arguments: list[str], environment: Mapping[str, str]) -> str:
+def _kg(arguments: list[str]) -> str:
     command = [sys.executable, "-m", "kg", *arguments]
-    done = subprocess.run(command, env=os.environ | environment, capture_output=True, text=True, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode not in (0, FINDINGS):
         raise SystemExit(f"kg {' '.join(arguments)} ended with {done.returncode}:\n{done.stderr.strip()}")
     return done.stdout

@@ -104,10 +104,9 @@ def packages(workspace: Path) -> dict[str, Path]:
     return found
 
 
-def environment(values: Mapping[str, str], workspace: Path) -> dict[str, str]:
-    """Replace `{package:NAME}` in values by the folder of the package."""
-    known = packages(workspace) if any("{package:" in value for value in values.values()) else {}
-    return {key: re.sub(r"\{package:([^}]+)\}", lambda m: str(known[m[1]]), value) for key, value in values.items()}
+def environment(values: Mapping[str, str]) -> dict[str, str]:
+    """Replace `{package:NAME}` in values by what `kg` writes for the folder of a package."""
+    return {key: re.sub(r"\{package:([^}]+)\}", r"package://\1", value) for key, value in values.items()}
 
 
 def _git(git: Path, arguments: list[str], given: bytes | None = None) -> bytes:

@@ -51,7 +51,7 @@ def _run(graph: dict[str, Any], mirrors: Path, folder: Path) -> list[tuple[str, 
         return []
     store = folder / f"{system}.kg"
     build(folder / system, store)
-    instances = answers("instances", launch, store, environment(graph["environment"], folder / system))
+    instances = answers("instances", launch, store, environment(graph["environment"]))
     with_source = [node for node in graph["nodes"] if node["source"]]
     from_code = [node for node in with_source if node["peer"] == "code"]
     return [
