@@ -10,7 +10,7 @@ from kg.extract.launch.ros2.python.formatting import as_string
 from kg.extract.launch.ros2.python.machine import MAX_ITEMS, MAX_TEXT
 from kg.extract.launch.ros2.python.operators import add, is_whole, truth
 from kg.extract.launch.ros2.python.texts import known, reason_of
-from kg.extract.launch.ros2.python.values import Guarded, Instance, Items, Klass, LoadedFile, Table, Unknown
+from kg.extract.launch.ros2.python.values import Guarded, Instance, Items, Klass, LoadedFile, Table, Unknown, pair_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -68,8 +68,8 @@ def _table(call: Call) -> Value:
         if pairs is None:
             table.rest = Unknown(reason_of(value))
         for pair in pairs or ():
-            if isinstance(pair, Items | tuple) and len(pair) == 2:  # noqa: PLR2004 - a key and a value
-                call.machine.put(table, pair[0], pair[1], call.location)
+            if (entry := pair_of(pair)) is not None:
+                call.machine.put(table, *entry, call.location)
     for name, value in call.kwargs.items():
         call.machine.put(table, name, value, call.place(name))
     return table

@@ -132,10 +132,6 @@ class Containers(Machine):
             self.put(table, key, item, value.places.get(key))
         table.rest = table.rest or value.rest
 
-    def assign(self, target: ast.expr, value: Value, frame: Frame) -> None:
-        """Bind a target of an assignment or loop; overridden where statements are known."""
-        raise NotImplementedError
-
     def generate(self, clauses: Sequence[ast.comprehension], frame: Frame, each: Callable[[], None]) -> str | None:
         """Run the clauses of a comprehension; return why not all of its items are known, None where they are."""
         inner = Frame(frame.module, Scope(parent=frame.scope))

@@ -18,6 +18,7 @@ from kg.extract.launch.ros2.python.values import (
     Table,
     Unknown,
     Words,
+    pair_of,
 )
 
 if TYPE_CHECKING:
@@ -80,28 +81,18 @@ def _arguments(call: Call) -> tuple[tuple[Text, Text], ...]:
         return ()
     pairs = [(key, item) for key, item in value.items()] if isinstance(value, Table) else call.machine.iterate(value)
     found: list[tuple[Text, Text]] = []
-    for pair in pairs if pairs is not None else [Unknown(reason_of(value))]:
-        if isinstance(pair, Guarded):
-            pair = _guarded_pair(pair)  # noqa: PLW2901 - the pair without its condition
-        rewritten = isinstance(pair, Items | tuple) and any(
-            isinstance(each, ParameterFile) and each.rewrites for each in pair
-        )
-        if rewritten:
+    for item in pairs if pairs is not None else [Unknown(reason_of(value))]:
+        pair = pair_of(item.value if isinstance(item, Guarded) else item)
+        if pair is None:
+            reason = f"arguments of an include are not known: {reason_of(item)}"
+            call.machine.unresolved(reason, call.place("launch_arguments", 1))
+            continue
+        name, given = pair
+        if isinstance(given, ParameterFile) and given.rewrites:
             reason = "a file of parameters is passed on without what is rewritten in it"
             call.machine.unresolved(reason, call.place("launch_arguments", 1))
-        if isinstance(pair, Items | tuple) and len(pair) == 2:  # noqa: PLR2004 - a name and a value
-            found.append((to_text(pair[0]), to_text(pair[1])))
-        else:
-            reason = f"arguments of an include are not known: {reason_of(pair)}"
-            call.machine.unresolved(reason, call.place("launch_arguments", 1))
+        found.append((to_text(name), to_text(Unknown(reason_of(item)) if isinstance(item, Guarded) else given)))
     return tuple(found)
-
-
-def _guarded_pair(pair: Guarded) -> Value:
-    inner = pair.value
-    if isinstance(inner, Items | tuple) and len(inner) == 2:  # noqa: PLR2004 - a name and a value
-        return (inner[0], Unknown(f"it depends on `{pair.condition.written}`"))
-    return inner
 
 
 INCLUDES: Final[dict[str, Callable[[Call], Value]]] = {

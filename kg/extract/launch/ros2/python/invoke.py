@@ -153,17 +153,16 @@ class Invocations(Modules):
                 return self.evaluate(function.node.body, frame)
             if _yields(function.node):
                 return Unknown(f"`{written(node)}` is a generator")
-            return self._ended(frame, function, height)
+            return self._ended(frame, function.node.body, height)
         except RecursionError:
             return Unknown(f"the calls of `{function.name}` are nested too deeply")
         finally:
             self.depth -= 1
             del self.guards[height:]
 
-    def _ended(self, frame: Frame, function: Function, height: int) -> Value:
+    def _ended(self, frame: Frame, body: Sequence[ast.stmt], height: int) -> Value:
         """Run a body and return its value: a choice where it may end in several places."""
-        assert not isinstance(function.node, ast.Lambda)  # noqa: S101 - told apart by the caller
-        signal = self.run_block(function.node.body, frame)
+        signal = self.run_block(body, frame)
         value = signal.value if isinstance(signal, Return) else None
         if not frame.pending:
             return value

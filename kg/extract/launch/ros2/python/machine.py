@@ -89,6 +89,10 @@ class Machine(ABC):
         """Run statements."""
 
     @abstractmethod
+    def assign(self, target: ast.expr, value: Value, frame: Frame) -> None:
+        """Bind a target of an assignment or loop."""
+
+    @abstractmethod
     def invoke(
         self, function: Value, args: Sequence[Value], kwargs: Mapping[str, Value], node: ast.expr, frame: Frame
     ) -> Value:

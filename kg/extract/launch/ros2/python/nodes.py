@@ -9,7 +9,7 @@ from kg.extract.launch.ros2.actions import LoadComponents, NodeAction
 from kg.extract.launch.ros2.python.conditions import condition_of
 from kg.extract.launch.ros2.python.parameters import PARAMETERS, sources_of
 from kg.extract.launch.ros2.python.texts import join, reason_of, to_text, unknown_text
-from kg.extract.launch.ros2.python.values import Choice, Guarded, Ignored, Items, Table, Unknown
+from kg.extract.launch.ros2.python.values import Choice, Guarded, Ignored, Items, Table, Unknown, pair_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -142,12 +142,13 @@ def _remaps(call: Call) -> tuple[tuple[Text, Text, Location], ...]:
         place = call.place("remappings")
         if found is not None and len(elements) == len(found):
             place = call.machine.location(elements[number], call.frame)
-        pair = item.value if isinstance(item, Guarded) else item
-        if isinstance(pair, Items | tuple) and len(pair) == 2:  # noqa: PLR2004 - from and to
-            target = pair[1] if pair is item else Unknown("it is remapped under a condition that is not known")
-            remaps.append((to_text(pair[0]), join(list(to_text(target))), place))
-        else:
-            call.machine.unresolved(f"a remapping is not known: {reason_of(pair)}", place)
+        written = item.value if isinstance(item, Guarded) else item
+        pair = pair_of(written)
+        if pair is None:
+            call.machine.unresolved(f"a remapping is not known: {reason_of(written)}", place)
+            continue
+        target = pair[1] if written is item else Unknown("it is remapped under a condition that is not known")
+        remaps.append((to_text(pair[0]), join(list(to_text(target))), place))
     return tuple(remaps)
 
 

@@ -123,10 +123,6 @@ def _default_table(call: Call) -> Value:
     return table
 
 
-def _partial(call: Call) -> Value:
-    return Unknown(f"`{call.path}()` is not run")
-
-
 SYSTEM: Final[dict[str, Callable[[Call], Value]]] = {
     "os.path.join": _join,
     "os.path.dirname": lambda call: paths.parent(_own_path(call.value("p", 0))),
@@ -158,5 +154,4 @@ SYSTEM: Final[dict[str, Callable[[Call], Value]]] = {
     "collections.OrderedDict": FUNCTIONS["dict"],
     "itertools.chain": chain,
     "itertools.product": product,
-    "functools.partial": _partial,
 }

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.launch.ros2.actions import ParameterFile, Substitution
+from kg.extract.launch.ros2.context import HOLE
 from kg.extract.launch.ros2.python.values import Choice, Guarded, Items, PathValue, Unknown, Words
 
 if TYPE_CHECKING:
@@ -14,7 +15,6 @@ if TYPE_CHECKING:
 
 __all__ = ["HOLE", "join", "known", "reason_of", "simplify", "to_text", "unknown_text", "words"]
 
-HOLE: Final = "{}"
 _MAX_PARTS: Final = 2_000
 
 

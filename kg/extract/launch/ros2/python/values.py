@@ -13,7 +13,7 @@ from kg.extract.launch.ros2.actions import Condition
 
 if TYPE_CHECKING:
     import ast
-    from collections.abc import Callable, Iterable
+    from collections.abc import Iterable
 
     from kg.corpus.files import FilePath
     from kg.extract.launch.ros2.actions import Action, Text
@@ -35,7 +35,6 @@ __all__ = [
     "LoadedFile",
     "Method",
     "Module",
-    "Native",
     "PathValue",
     "Scope",
     "Source",
@@ -44,6 +43,7 @@ __all__ = [
     "Value",
     "Words",
     "guard",
+    "pair_of",
 ]
 
 Value: TypeAlias = object
@@ -93,6 +93,16 @@ def guard(condition: Condition, value: Value) -> Guarded:
         return Guarded(condition, value)
     both = Condition(None, written=f"{condition.words} and {value.condition.words}")
     return Guarded(both, value.value)
+
+
+def pair_of(value: Value) -> tuple[Value, Value] | None:
+    """Return the two items of a list or tuple of two; None for all else."""
+    if not isinstance(value, Items | tuple):
+        return None
+    match list(value):
+        case [first, second]:
+            return first, second
+    return None
 
 
 class Items(list[Value]):
@@ -212,14 +222,6 @@ class Library:
     def name(self) -> str:
         """The last part of its name."""
         return self.path.rpartition(".")[2]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Native:
-    """A function of the reader's own that stands for one of Python."""
-
-    name: str
-    function: Callable[[list[Value]], Value]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,7 +12,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pytest
-from extract.launch.python.described import described, read_text
+from extract.launch.ros2.python.described import described, read_text
 
 CASES = sorted(path.parent for path in (Path(__file__).parent / "cases").glob("*/launch.py"))
 

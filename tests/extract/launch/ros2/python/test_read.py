@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from extract.launch.python.described import described, read_text
+from extract.launch.ros2.python.described import described, read_text
 from extract.workspaces import reader_of
 
 from kg.extract.launch.files import Files

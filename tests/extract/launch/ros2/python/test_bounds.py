@@ -7,7 +7,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pytest
-from extract.launch.python.described import described, read_text
+from extract.launch.ros2.python.described import described, read_text
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
