@@ -20,7 +20,9 @@ from typing import Final, TypeAlias
 from kg.facts import Resolution
 
 __all__ = [
+    "COMMAND_LINE",
     "HOLE",
+    "OWN_NAMESPACE",
     "Handle",
     "Mapping",
     "Number",
@@ -29,12 +31,17 @@ __all__ = [
     "Truth",
     "Unknown",
     "Value",
+    "argument_at",
     "concatenate",
+    "in_own_namespace",
     "worse",
 ]
 
 HOLE: Final = None
 """A part of a text that is not known."""
+
+OWN_NAMESPACE: Final = "."
+"""What a text begins with that the node's namespace stands in front of; no name of ROS can begin so."""
 
 _ORDER: Final = tuple(Resolution)
 
@@ -64,7 +71,7 @@ class Text:
     @property
     def pattern(self) -> str | None:
         """The string with `{}` for each hole; None when nothing but slashes is known."""
-        if not any(part and part.strip("/~") for part in self.parts):
+        if not any(part and part.strip("/~.") for part in self.parts):
             return self.known if HOLE not in self.parts else None
         return "".join("{}" if part is None else part for part in self.parts)
 
@@ -118,6 +125,23 @@ class Unknown:
 
 
 Value: TypeAlias = "Text | Number | Truth | Sequence | Mapping | Handle | Unknown"
+
+
+COMMAND_LINE: Final = Text((HOLE,), Resolution.LAUNCH_ARGUMENT, "argv", "it is given on the command line")
+"""The arguments of the program, the program itself first."""
+
+
+def argument_at(index: Value) -> Text:
+    """Return one of the arguments of the program: `argv[1]` stands for its parameter."""
+    if not isinstance(index, Number) or index.value < 1:
+        return replace(COMMAND_LINE, parameter=None)
+    name = f"argv[{int(index.value)}]"
+    return replace(COMMAND_LINE, parameter=name, reason=f"it is the argument {name} of the command line")
+
+
+def in_own_namespace(pattern: str) -> str | None:
+    """Return the relative name that a name with the node's namespace in front is; None where that is not in front."""
+    return pattern[1:].lstrip("/") if pattern.startswith(OWN_NAMESPACE) else None
 
 
 def worse(one: Resolution, other: Resolution) -> Resolution:

@@ -115,8 +115,9 @@ class Interface:
     (resolution `partial`); None when nothing of it is known (`unresolved`). `resolved` is the same name
     for a node started alone, under its own name, in the root namespace and without remapping.
     `written` is the expression in the code. `type` is `package/Type`. `parameter` names the parameter
-    whose value the name is (its default is then in `name`). `origin` says through which framework or
-    table the fact came when it is `implicit`. `reason` tells why something stayed unresolved.
+    whose value the name is (its default is then in `name`); `argv[1]` is the first argument of the command line, and
+    `~/imu{}` stands for as many parameters as are set whose names fit it, one interface for each. `origin` says through
+    which framework or table the fact came when it is `implicit`. `reason` tells why something stayed unresolved.
     """
 
     role: Role

@@ -8,7 +8,7 @@ evaluate, is a `Dialect` of each ROS.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Final, Protocol
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -20,7 +20,10 @@ if TYPE_CHECKING:
     from kg.extract.cpp.unit import Class, Expr
     from kg.facts import Access, Qos, Role
 
-__all__ = ["Api", "CallSpec", "Dialect", "MarkSpec", "ParameterSpec", "TypeSpec"]
+__all__ = ["ARGUMENT_LISTS", "Api", "CallSpec", "Dialect", "MarkSpec", "ParameterSpec", "TypeSpec"]
+
+ARGUMENT_LISTS: Final = {"removeROSArgs": 2}
+"""Functions that leave the arguments of the program (their second argument) in the argument of this index."""
 
 
 @dataclass(frozen=True, slots=True)

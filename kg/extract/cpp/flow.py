@@ -11,11 +11,12 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from kg.extract.cpp import syntax
+from kg.extract.cpp.api import ARGUMENT_LISTS
 from kg.extract.cpp.context import Site
 from kg.extract.cpp.sites import accepts, fits
 from kg.extract.cpp.unit import Expr, read_parameters
 from kg.extract.cpp.variables import WriteKind, writes
-from kg.extract.values import Handle, Mapping, Number, Sequence, Text, Unknown, Value, concatenate
+from kg.extract.values import COMMAND_LINE, Handle, Mapping, Number, Sequence, Text, Unknown, Value, concatenate
 from kg.facts import Resolution
 
 if TYPE_CHECKING:
@@ -274,7 +275,9 @@ class Flow:
                 inside = [w for w in inside if w.kind is not WriteKind.OUTPUT or self._call_of(w) is not None]
                 if inside:
                     targets.append((other, inside))
-        read = any(spec.output == write.index for spec in self._evaluator.api.parameters.get(called.name, ()))
+        read = ARGUMENT_LISTS.get(called.name) == write.index or any(
+            spec.output == write.index for spec in self._evaluator.api.parameters.get(called.name, ())
+        )
         return (called, given, targets) if targets or read else None
 
     def _parameter(self, write: Write, context: Context) -> Alternatives:
@@ -328,9 +331,7 @@ class Flow:
         if namespace is not None and evaluator.types.is_handle(function.parameters[index].type, function.unit):
             return [(Handle(Text.of(namespace)), context)]
         if function.name == "main":
-            return [
-                (Text((None,), Resolution.LAUNCH_ARGUMENT, reason="it is an argument of the command line"), context)
-            ]
+            return [(COMMAND_LINE, context)]
         return [(Unknown(f"no call of {function.name} that gives {name} is in the code that was read"), context)]
 
     def _default(self, function: Function, index: int) -> Expr | None:
@@ -536,7 +537,7 @@ def settled(found: Alternatives) -> Alternatives:
             else (v, c)
             for v, c in plain
             if not (isinstance(v, Text) and v.known == "")
-        ] or found
+        ] or [(v, c) for v, c in found if not (isinstance(v, Text) and v.known == "")]
     if any(isinstance(v, Text) and v.known for v, _ in found):
         return [(v, c) for v, c in found if not (isinstance(v, Text) and v.known == "" and v.parameter is None)]
     return found

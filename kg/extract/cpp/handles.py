@@ -5,7 +5,17 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from kg.extract.values import HOLE, Handle, Text, Unknown, Value, concatenate, worse
+from kg.extract.values import (
+    HOLE,
+    OWN_NAMESPACE,
+    Handle,
+    Text,
+    Unknown,
+    Value,
+    concatenate,
+    in_own_namespace,
+    worse,
+)
 from kg.facts import Resolution
 from kg.names import join
 
@@ -25,7 +35,10 @@ def joined_name(namespace: Text, name: Text) -> Text:
     prefix, body = namespace.pattern, name.pattern
     if prefix is None or body is None:
         return concatenate(namespace, Text.of("/"), name) if name.parts[:1] == (HOLE,) else name
-    full = join(prefix, body)
+    inside = in_own_namespace(body)
+    if inside is not None:
+        prefix, body = "", inside
+    full = join(in_own_namespace(prefix) or "" if prefix.startswith(OWN_NAMESPACE) else prefix, body)
     pieces = full.split("{}")
     parts: list[str | None] = []
     for index, piece in enumerate(pieces):

@@ -7,7 +7,19 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.cpp import syntax
-from kg.extract.values import HOLE, Mapping, Number, Sequence, Text, Truth, Unknown, Value, concatenate
+from kg.extract.values import (
+    COMMAND_LINE,
+    HOLE,
+    Mapping,
+    Number,
+    Sequence,
+    Text,
+    Truth,
+    Unknown,
+    Value,
+    argument_at,
+    concatenate,
+)
 from kg.facts import Resolution
 
 if TYPE_CHECKING:
@@ -62,6 +74,8 @@ _HANDED: Final = frozenset(
 _PRINTF: Final = re.compile(r"%[-+ #0]*\d*(?:\.\d+)?(?:hh|h|ll|l|z|j|t)?[a-zA-Z]|%\d+%|%%")
 _BRACES: Final = re.compile(r"\{[^{}]*\}")
 _PAIR: Final = 2
+_ARGUMENT_LISTS: Final = frozenset({"remove_ros_arguments", "init_and_remove_ros_arguments"})
+"""Functions that give the arguments of the program, from `argc` and `argv`, as a list."""
 
 
 def number(written: str) -> Value:
@@ -123,6 +137,8 @@ def _as_number(value: float) -> Number:
 
 def at(container: Value, key: Value) -> list[Value]:
     """Return the elements that an index can mean: one if both are known, all where only the container is."""
+    if container == COMMAND_LINE:
+        return [argument_at(key)]
     if isinstance(container, Text) and container.resolution is Resolution.LAUNCH_ARGUMENT:
         return [container]
     if isinstance(container, Sequence):
@@ -150,6 +166,8 @@ def construct(evaluator: Evaluator, kind: TypeName, given: list[Expr], context: 
             element = evaluator.values(given[0], context)
             if any(isinstance(value, Sequence) for value, _ in element):
                 return element
+        if len(given) == _PAIR and [value for value, _ in evaluator.values(given[0], context)] == [COMMAND_LINE]:
+            return [(COMMAND_LINE, context)]  # `args(argv, argv + argc)`
         if len(given) == 1 and given[0].node.type == "initializer_list":
             given = [given[0].child(child) for child in syntax.arguments(given[0].node)]
         return [(Sequence(tuple(row)), chosen) for row, chosen in evaluator.product(given, context)]
@@ -191,6 +209,8 @@ def evaluate(
         return [(_slice(row), chosen) for row, chosen in rows]
     if name == "format" and given:
         return [(formatted(row), chosen) for row, chosen in evaluator.product(given, context)]
+    if name in _ARGUMENT_LISTS and len(given) > 1:
+        return evaluator.values(given[1], context)
     if name in ("StrCat", "append_path") and given:
         return evaluator.joined(given, context)
     return None

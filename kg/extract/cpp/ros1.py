@@ -9,9 +9,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.cpp.api import CallSpec, MarkSpec, ParameterSpec, TypeSpec
+from kg.extract.cpp.api import ARGUMENT_LISTS, CallSpec, MarkSpec, ParameterSpec, TypeSpec
 from kg.extract.cpp.handles import below, value_of_parameter
-from kg.extract.values import Handle, Text, concatenate
+from kg.extract.values import OWN_NAMESPACE, Handle, Text, concatenate
 from kg.facts import Access, Role
 
 if TYPE_CHECKING:
@@ -66,6 +66,7 @@ _CALLS: Final[dict[str, tuple[CallSpec, ...]]] = {
             mark="point_cloud_transport.publisher",
         ),
         CallSpec(1, Role.PUBLISHES, name=1, handle=0, template=0, least=2, inherited=True),
+        CallSpec(1, Role.PUBLISHES, name=1, handle=0, receivers=frozenset({"ShapeShifter"}), least=3, exact=True),
         CallSpec(
             1,
             Role.PUBLISHES,
@@ -279,11 +280,11 @@ class Ros1:
             return [(Handle(Text.of(_GETTERS[name])), context)]
         if name == "getNamespace" and called.receiver is not None:
             handles = evaluator.values(where.child(called.receiver), context)
-            return [(h.namespace, c) for h, c in handles if isinstance(h, Handle)] or None
+            return [(_shown(h.namespace), c) for h, c in handles if isinstance(h, Handle)] or None
         if name == "getName" and called.scope[-1:] == ("this_node",):
             return [(Text.of("~"), context)]
         if name == "getNamespace" and called.scope[-1:] == ("this_node",):
-            return [(Text.of(""), context)]
+            return [(Text.of(OWN_NAMESPACE), context)]
         if name == "append" and called.scope[-1:] == ("names",) and len(given) > 1:
             rows = evaluator.product(given[:2], context)
             return [(concatenate(left, Text.of("/"), right), c) for (left, right), c in rows]
@@ -342,6 +343,8 @@ class Ros1:
         previous: Callable[[Context], Alternatives],
     ) -> Alternatives | None:
         """Return what `param`, `getParam` and their like leave in a variable."""
+        if called.name in ARGUMENT_LISTS and index == ARGUMENT_LISTS[called.name]:
+            return evaluator.values(given[1], context)
         for spec in _PARAMETERS.get(called.name, ()):
             if spec.output == index and _matches(spec, called, len(given)):
                 handle = where.child(called.receiver) if called.receiver is not None else None
@@ -351,6 +354,13 @@ class Ros1:
     def is_node(self, evaluator: Evaluator, cls: Class) -> bool:  # noqa: ARG002 - the signature of the protocol
         """Tell whether a class is a node handle by itself: none is in ROS 1, nodelets have handles."""
         return False
+
+
+def _shown(namespace: Text) -> Text:
+    """Return the namespace of a handle as a text: one that is relative stands in that of the node."""
+    if namespace.known is None or namespace.known.startswith(("/", "~", OWN_NAMESPACE)):
+        return namespace
+    return concatenate(Text.of(f"{OWN_NAMESPACE}/"), namespace) if namespace.known else Text.of(OWN_NAMESPACE)
 
 
 def _is_flag(value: object) -> bool:

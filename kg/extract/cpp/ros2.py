@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 from kg.extract.cpp import syntax
 from kg.extract.cpp.api import CallSpec, MarkSpec, ParameterSpec, TypeSpec
 from kg.extract.cpp.handles import below, camera_info_beside, value_of_parameter
-from kg.extract.values import Handle, Sequence, Text
+from kg.extract.values import OWN_NAMESPACE, Handle, Sequence, Text
 from kg.facts import Access, Qos, Role
 
 if TYPE_CHECKING:
@@ -178,8 +178,8 @@ _SAME_NODE: Final = frozenset({"shared_from_this", "get_node"})
 _NAMES_OF_NODES: Final = {
     "get_name": "~",
     "get_fully_qualified_name": "~",
-    "get_namespace": "",
-    "get_effective_namespace": "",
+    "get_namespace": OWN_NAMESPACE,
+    "get_effective_namespace": OWN_NAMESPACE,
 }
 """A topic `name/x` of the node `name` is its private `~/x`."""
 _EXPANDING: Final = frozenset(

@@ -70,6 +70,8 @@ _AS_MESSAGE: Final = {
     "pcl::PCLPointCloud2": "sensor_msgs/PointCloud2",
     "PointCloud": None,
 }
+_ANY_MESSAGE: Final = frozenset({("topic_tools", "ShapeShifter")})
+"""Classes that take messages of whatever type."""
 _DEEPEST: Final = 16
 
 
@@ -272,6 +274,8 @@ class Types:
             names[:1] = kind.where.unit.namespace_aliases.get(names[0], names[0]).split("::")
         if kind.name == "TypeAdapter" and len(kind.arguments) > 1:
             return self.message(kind.arguments[1], EMPTY)[0][0]
+        if tuple(names[-2:]) in _ANY_MESSAGE:
+            return None
         known = _AS_MESSAGE.get("::".join(names[-2:]))
         if known is not None:
             return known

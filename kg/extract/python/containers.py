@@ -18,7 +18,7 @@ from kg.extract.python.entities import (
 from kg.extract.python.flow import END
 from kg.extract.python.qos import FIELDS, changed, quality
 from kg.extract.python.syntax import code
-from kg.extract.values import HOLE, Number, Text, Unknown
+from kg.extract.values import COMMAND_LINE, HOLE, Number, Text, Unknown, argument_at
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -102,7 +102,9 @@ class Containers(Conditions):
                 else [(COMPUTED, choice)]
             )
         if isinstance(value, Dotted) and value.path == "sys.argv":
-            return [(Unknown("it is given on the command line"), choice)]
+            return [(argument_at(key) if isinstance(key, Number) else COMMAND_LINE, choice)]
+        if value == COMMAND_LINE:
+            return [(argument_at(key) if isinstance(key, Number) else value, choice)]
         return self.stored(key, held, frame, choice) or [(part_of(value), choice)]
 
     def any_item(self, value: Table, place: tuple[int, int], choice: Choice) -> Alternatives:

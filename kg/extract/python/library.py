@@ -18,8 +18,8 @@ from kg.extract.python.entities import (
     plain,
 )
 from kg.extract.python.lookup import Lookups
-from kg.extract.python.pure import COMMAND_LINE, PURE
-from kg.extract.values import HOLE, Text, Unknown, concatenate
+from kg.extract.python.pure import PURE
+from kg.extract.values import COMMAND_LINE, HOLE, Text, Unknown, concatenate
 from kg.facts import Resolution
 from kg.names import normalise
 
@@ -180,7 +180,7 @@ class Library(Lookups):
         if key not in self._options:
             self._options[key] = {}
             self._options[key] = self._read_options(parsed)
-        return self._options[key].get(name, COMMAND_LINE)
+        return self._options[key].get(name, replace(COMMAND_LINE, parameter=None))
 
     def _read_options(self, parsed: ArgumentsParsed) -> dict[str, Thing]:
         found: dict[str, Thing] = {}

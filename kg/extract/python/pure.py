@@ -9,7 +9,7 @@ from kg.extract.python import formatting
 from kg.extract.python.core import COMPUTED
 from kg.extract.python.entities import Dotted, Items, Nothing, QosValue, Table, plain
 from kg.extract.python.qos import lasting, preset, read_qos
-from kg.extract.values import Number, Text, Unknown, concatenate
+from kg.extract.values import COMMAND_LINE, Number, Text, concatenate
 from kg.facts import Resolution
 
 if TYPE_CHECKING:
@@ -17,9 +17,7 @@ if TYPE_CHECKING:
 
     from kg.extract.python.entities import Thing
 
-__all__ = ["COMMAND_LINE", "PURE"]
-
-COMMAND_LINE: Final = Unknown("it is given on the command line")
+__all__ = ["PURE"]
 
 
 def _join_path(receiver: Thing, values: list[Thing], named: dict[str, Thing]) -> Thing:
