@@ -94,16 +94,6 @@ def make(plan: Plan, mirrors: Path, target: Path) -> Path:
     return launch
 
 
-def packages(workspace: Path) -> dict[str, Path]:
-    """Return the folders of the packages below a folder, by name."""
-    found = {}
-    for manifest in sorted(workspace.rglob("package.xml")):
-        name = re.search(r"<name>\s*([^<\s]+)", manifest.read_text(errors="replace"))
-        if name:
-            found[name[1]] = manifest.parent
-    return found
-
-
 def environment(values: Mapping[str, str]) -> dict[str, str]:
     """Replace `{package:NAME}` in values by what `kg` writes for the folder of a package."""
     return {key: re.sub(r"\{package:([^}]+)\}", r"package://\1", value) for key, value in values.items()}
