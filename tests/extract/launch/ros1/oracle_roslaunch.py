@@ -16,11 +16,11 @@ import types
 import xml.dom.minidom
 from typing import Any
 
-import rosgraph.names  # type: ignore[import-not-found]  # only where roslaunch is installed
-import roslaunch.config  # type: ignore[import-not-found]
-import roslaunch.loader  # type: ignore[import-not-found]
-import roslaunch.xmlloader  # type: ignore[import-not-found]
-import rosparam  # type: ignore[import-not-found]  # noqa: F401 - registers the angles of YAML
+import rosgraph.names  # type: ignore[import-not-found]  # only where roslaunch is
+import roslaunch.config  # type: ignore[import-not-found]  # only where roslaunch is
+import roslaunch.loader  # type: ignore[import-not-found]  # only where roslaunch is
+import roslaunch.xmlloader  # type: ignore[import-not-found]  # only where roslaunch is
+import rosparam  # type: ignore[import-not-found]  # noqa: F401  (registers the angles of YAML)
 from roslaunch import substitution_args
 
 UNKNOWN = "/unknown/"
@@ -80,7 +80,7 @@ roslaunch.loader.post_process_include_args = _unused
 rosgraph.names.anonymous_name = lambda name: f"{name}_{{}}"
 catkin = types.ModuleType("catkin")
 finder = types.ModuleType("catkin.find_in_workspaces")
-finder.find_in_workspaces = lambda *_, **__: []  # type: ignore[attr-defined]
+finder.find_in_workspaces = lambda *_, **__: []  # type: ignore[attr-defined]  # a module made here
 sys.modules.update({"catkin": catkin, "catkin.find_in_workspaces": finder})
 
 
