@@ -37,7 +37,10 @@ def alike(one: str, other: str) -> bool:
         return False
     if _form(one) == _form(other):
         return True
-    return _tail(one, other) or _tail(other, one) or _misspelt(words_of(one), words_of(other))
+    longer, shorter = (one, other) if len(one) >= len(other) else (other, one)
+    if longer[-1:] == shorter[-1:] and (_tail(longer, shorter) or _tail(shorter, longer)):
+        return True
+    return _misspelt(words_of(one), words_of(other))
 
 
 class Alike:
