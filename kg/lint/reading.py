@@ -47,7 +47,7 @@ SELECT DISTINCT ?thing ?kind ?name ?from ?to WHERE {
   ?thing a ?kind .
   OPTIONAL { ?thing rnkg:resolvedName ?resolved }
   OPTIONAL { ?thing rnkg:name ?given }
-  BIND(COALESCE(?resolved, ?given) AS ?name)
+  BIND(COALESCE(?given, ?resolved) AS ?name)
   OPTIONAL { ?thing rnkg:from ?from ; rnkg:to ?to }
 }"""
 _INCLUDED: Final = "SELECT DISTINCT ?name WHERE { ?other rnkg:includes/rnkg:name ?name }"
