@@ -64,17 +64,30 @@ def git_folder(mirrors: Path, repository: str) -> Path:
 
 
 def unpack(git: Path, commit: str, target: Path) -> None:
-    """Write the tree of a commit; links, large files and files that the mirror lacks are left out."""
+    """Write the tree of a commit; large files, and files that the mirror lacks, are left out.
+
+    Links within the tree stay links; others are left out.
+    """
     listing = _git(git, ["ls-tree", "-r", "-z", commit])
     entries = [
         (meta.split(), path) for meta, _, path in (entry.partition(b"\t") for entry in listing.split(b"\0")) if path
     ]
-    blobs = {path: meta[2] for meta, path in entries if meta[1] == b"blob" and meta[0] != LINK}
+    blobs = {path: meta[2] for meta, path in entries if meta[1] == b"blob"}
+    links = {path for meta, path in entries if meta[0] == LINK}
     small = _small(git, set(blobs.values()))
     contents = _contents(git, small)
     for path, blob in blobs.items():
-        if blob in contents:
+        if blob in contents and path in links:
+            _link(target, path.decode("utf-8", "replace"), contents[blob].decode("utf-8", "replace"))
+        elif blob in contents:
             _write(target, path.decode("utf-8", "replace"), contents[blob])
+
+
+def _link(target: Path, name: str, leads_to: str) -> None:
+    path = target / name
+    if (path.parent / leads_to).resolve().is_relative_to(target.resolve()):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.symlink_to(leads_to)
 
 
 def make(plan: Plan, mirrors: Path, target: Path) -> Path:
