@@ -229,7 +229,8 @@ class _Evaluation:
             return
         inner.place = Place(file, state.files.folder(file), (*scope.place.chain, location))
         inner.declared, inner.uncertain = set(), set()
-        if self._file(inner, file, element.line) and not inner.replaces:
+        is_read = self._file(inner, file, element.line)
+        if is_read and state.is_whole and not inner.replaces:
             self._unused(scope, inner, passed)
 
     def _passed(self, scope: Scope, inner: Scope, element: Element) -> dict[str, Given]:

@@ -47,6 +47,8 @@ class State:
         """The default machine; a later one is in force to the end, whatever scope it stands in."""
         self.machines: dict[str, dict[str, str | None]] = {}
         self._substituter = Substituter(files, environment)
+        self.is_whole = True
+        """Nothing was left out because of a limit, so that what is not found is not there."""
         self._elements = 0
 
     def location(self, scope: Scope, line: int, file: FilePath | None = None) -> Location:
@@ -122,6 +124,7 @@ class State:
 
     def limit(self, scope: Scope, line: int, message: str) -> None:
         """Record that something is not read on."""
+        self.is_whole = False
         self.problem(scope, line, LaunchProblemKind.LIMIT, message)
 
     def add_node(self, scope: Scope, node: StartedNode) -> None:

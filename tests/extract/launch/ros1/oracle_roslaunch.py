@@ -45,7 +45,7 @@ class Packages:
         """Keep nothing."""
 
 
-class Loader(roslaunch.xmlloader.XmlLoader):  # type: ignore[misc]
+class Loader(roslaunch.xmlloader.XmlLoader):  # type: ignore[misc]  # its base has no types
     """roslaunch's loader, which takes files of unknown packages for empty ones and executes nothing."""
 
     def _parse_launch(self, filename: str, verbose: object) -> Any:
