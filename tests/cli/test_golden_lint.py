@@ -8,6 +8,7 @@ import shutil
 from pathlib import Path
 from socket import gethostname
 from typing import Final
+from xml.etree import ElementTree as ET
 
 import pytest
 from cli.test_golden import said
@@ -49,3 +50,17 @@ def test_output(case: Path, built: Path) -> None:
         case.write_text(found, encoding="utf-8")
         expected = found
     assert found == expected
+
+
+def test_results_are_written_for_ament(built: Path) -> None:
+    """The file is made with its folders, one case a failure; the exit code is the usual one."""
+    file = built / "results" / "robot" / "kg_lint.xunit.xml"
+    assert "[1]" in said(f"kg lint --xunit-file {file} --code KG412", built)
+    suite = ET.fromstring(file.read_text(encoding="utf-8"))  # noqa: S314 - written by the line above
+    assert (suite.get("name"), suite.get("failures")) == ("robot.kg_lint", "1")
+
+
+def test_a_file_that_cannot_be_written_is_told(built: Path) -> None:
+    """A result or a baseline below a file is an error of the call."""
+    assert "KG003" in said("kg lint --xunit-file kg.toml/x.xml", built)
+    assert "KG003" in said("kg lint --write-baseline kg.toml/x.json", built)
