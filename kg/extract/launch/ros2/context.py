@@ -66,6 +66,8 @@ class Found:
     """The absolute names of containers by the identity of the action that starts them."""
     actions: int = 0
     """How many actions were executed, for the limit of them."""
+    parameters: int = 0
+    """How many parameters nodes were given, for the limit of them."""
 
 
 class Context:

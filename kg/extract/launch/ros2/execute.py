@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 __all__ = ["run"]
 
-_MOST_ACTIONS: Final = 200_000
+_MOST_ACTIONS: Final = 50_000
 _MOST_DEPTH: Final = 200
 
 
@@ -39,7 +39,8 @@ def run(context: Context, actions: Sequence[Action], depth: int = 0) -> None:
     for action in actions:
         context.found.actions += 1
         if context.found.actions > _MOST_ACTIONS:
-            context.problem(LaunchProblemKind.LIMIT, f"more than {_MOST_ACTIONS} actions are executed")
+            if context.found.actions == _MOST_ACTIONS + 1:
+                context.problem(LaunchProblemKind.LIMIT, f"more than {_MOST_ACTIONS} actions are executed")
             return
         with context.at(action.location):
             held = True if action.condition is None else holds(context, action.condition)

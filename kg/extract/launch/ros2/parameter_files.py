@@ -26,6 +26,7 @@ __all__ = ["Entry", "entries", "rewritten"]
 _PARAMETERS: Final = "ros__parameters"
 _MOST_DEPTH: Final = 60
 _MOST_ENTRIES: Final = 50_000
+_MOST_CHARACTERS: Final = 5_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,6 +74,7 @@ class _Walk:
 
     def __init__(self) -> None:
         self._count = 0
+        self._characters = 0
 
     def nodes(self, node: yaml.Node | None, names: tuple[str, ...], depth: int) -> Iterator[Entry]:
         """Yield the parameters of all nodes below a mapping."""
@@ -89,8 +91,18 @@ class _Walk:
             if isinstance(value, yaml.MappingNode):
                 yield from self.leaves(value, owner, below, depth + 1)
             else:
-                written, kind = of_yaml(value)
+                written, kind = self._written(value, key.start_mark.line + 1)
                 yield Entry(owner, below, written, kind, key.start_mark.line + 1)
+
+    def _written(self, node: yaml.Node, line: int) -> tuple[str, str | None]:
+        try:
+            written, kind = of_yaml(node)
+        except ValueError as error:
+            raise ValueError(f"has a value {error}", line) from error
+        self._characters += len(written)
+        if self._characters > _MOST_CHARACTERS:
+            raise ValueError(f"means more than {_MOST_CHARACTERS} characters", line)
+        return written, kind
 
     def _pairs(self, node: yaml.Node | None, depth: int) -> Iterator[tuple[yaml.ScalarNode, yaml.Node]]:
         if depth > _MOST_DEPTH:

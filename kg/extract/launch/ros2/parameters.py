@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 __all__ = ["Asked", "given_parameter", "node_parameters"]
 
 _ALL: Final = "/**"
-_MOST: Final = 20_000
+_MOST: Final = 200_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,14 +59,13 @@ def node_parameters(
 ) -> tuple[LaunchParameter, ...]:
     """Return the parameters of a node in the order in which they are applied; of two of one name the later counts."""
     merged: dict[str, dict[str, LaunchParameter]] = {}
-    count = 0
     for key, parameter in _written(context, asked, sources):
         sure = _is_own(key, asked)
         if sure is False:
             continue
-        count += 1
-        if count > _MOST:
-            context.problem(LaunchProblemKind.LIMIT, f"a node is given more than {_MOST} parameters")
+        context.found.parameters += 1
+        if context.found.parameters > _MOST:
+            context.problem(LaunchProblemKind.LIMIT, f"the nodes are given more than {_MOST} parameters")
             break
         known = merged.setdefault("" if asked.loaded else key, {})
         known.pop(parameter.name, None)

@@ -19,6 +19,7 @@ __all__ = ["LOADER", "Performed", "of_object", "of_text", "of_yaml", "quoted"]
 LOADER: Final = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 _MOST_DEPTH: Final = 40
+_MOST_SIZE: Final = 200_000
 _TEXT: Final = "string"
 _TYPES: Final = {
     "tag:yaml.org,2002:bool": "bool",
@@ -72,18 +73,30 @@ def of_object(value: object) -> tuple[str | None, str | None]:
     return None, None
 
 
-def of_yaml(node: yaml.Node, depth: int = 0) -> tuple[str, str | None]:
-    """Return the value and type of a node of a document; raises `ValueError` where it is nested too deep."""
-    if depth > _MOST_DEPTH:
-        raise ValueError(f"nested deeper than {_MOST_DEPTH} levels")
-    if isinstance(node, yaml.ScalarNode):
-        plain = not node.style and "\n" not in node.value
-        return (node.value if plain else quoted(node.value, style=node.style)), _TYPES.get(node.tag)
-    if isinstance(node, yaml.SequenceNode):
-        items = [of_yaml(item, depth + 1) for item in node.value]
-        return f"[{', '.join(text for text, _ in items)}]", _array({kind for _, kind in items})
-    pairs = [(of_yaml(key, depth + 1)[0], of_yaml(value, depth + 1)[0]) for key, value in node.value]
-    return f"{{{', '.join(f'{key}: {value}' for key, value in pairs)}}}", None
+def of_yaml(node: yaml.Node) -> tuple[str, str | None]:
+    """Return the value and type of a node of a document; raises `ValueError` for one nested too deep, or too large."""
+    return _Writing().value(node, 0)
+
+
+class _Writing:
+    """One value written, which bounds what its aliases can make of it."""
+
+    def __init__(self) -> None:
+        self._size = 0
+
+    def value(self, node: yaml.Node, depth: int) -> tuple[str, str | None]:
+        """Return the value and type of a node."""
+        self._size += 1 + (len(node.value) if isinstance(node, yaml.ScalarNode) else 0)
+        if depth > _MOST_DEPTH or self._size > _MOST_SIZE:
+            raise ValueError(f"nested deeper than {_MOST_DEPTH} levels, or larger than {_MOST_SIZE} characters")
+        if isinstance(node, yaml.ScalarNode):
+            plain = not node.style and "\n" not in node.value
+            return (node.value if plain else quoted(node.value, style=node.style)), _TYPES.get(node.tag)
+        if isinstance(node, yaml.SequenceNode):
+            items = [self.value(item, depth + 1) for item in node.value]
+            return f"[{', '.join(text for text, _ in items)}]", _array({kind for _, kind in items})
+        pairs = [(self.value(key, depth + 1)[0], self.value(value, depth + 1)[0]) for key, value in node.value]
+        return f"{{{', '.join(f'{key}: {value}' for key, value in pairs)}}}", None
 
 
 def quoted(text: str, *, style: str | None = None) -> str:

@@ -176,16 +176,14 @@ class NodeBuilder:
         words: list[list[Part]] = []
         fresh = True
         for part in self.text(element, written):
-            if not isinstance(part, str):
-                words, fresh = ([*words, [part]], False) if fresh else ([*words[:-1], [*words[-1], part]], False)
-                continue
-            for piece in _pieces(part):
+            for piece in _pieces(part) if isinstance(part, str) else (part,):
                 if piece is None:
                     fresh = True
-                elif fresh:
-                    words, fresh = [*words, [piece]], False
-                else:
-                    words[-1].append(piece)
+                    continue
+                if fresh:
+                    words.append([])
+                words[-1].append(piece)
+                fresh = False
         return tuple(tuple(word) for word in words)
 
 

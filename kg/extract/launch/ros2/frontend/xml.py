@@ -39,17 +39,25 @@ def read_xml(files: Files, file: FilePath, text: bytes, problems: list[LaunchPro
         problems = []  # what is wrong behind that comes of it
     if result.root is None:
         return ()
-    return build(_element(result.root, 0), lambda line: place(files, file, line), problems)
+    deep: list[int] = []
+    root = _element(result.root, 0, deep)
+    if deep:
+        message = f"elements are nested deeper than {_MOST_DEPTH} levels"
+        problems.append(LaunchProblem(LaunchProblemKind.LIMIT, message, place(files, file, deep[0]), subject=file.path))
+    return build(root, lambda line: place(files, file, line), problems)
 
 
-def _element(node: _Element, depth: int) -> Element:
-    attributes: dict[str, Attribute] = {str(name): str(value) for name, value in node.attrib.items()}
-    for name in [name for name in attributes if name.endswith(_SEPARATOR)]:
-        separator = attributes.pop(name)
-        whole = attributes.get(name.removesuffix(_SEPARATOR))
-        if isinstance(whole, str) and isinstance(separator, str) and separator:
-            attributes[name.removesuffix(_SEPARATOR)] = whole.split(separator)
-    children = [child for child in node if isinstance(child.tag, str)] if depth < _MOST_DEPTH else []
-    return Element(
-        str(node.tag), line_of(node), attributes, children=tuple(_element(child, depth + 1) for child in children)
-    )
+def _element(node: _Element, depth: int, deep: list[int]) -> Element:
+    """Return an element with all below; `deep` collects the lines of those that are nested too deep to be read."""
+    written = {str(name): str(value) for name, value in node.attrib.items()}
+    attributes: dict[str, Attribute] = {name: value for name, value in written.items() if not name.endswith(_SEPARATOR)}
+    for name, separator in written.items():
+        whole = name.removesuffix(_SEPARATOR)
+        if name.endswith(_SEPARATOR) and whole in written and separator:
+            attributes[whole] = written[whole].split(separator)
+    children = list(node.iterchildren("*"))
+    if depth >= _MOST_DEPTH:
+        deep.extend(line_of(child) for child in children)
+        children = []
+    below = tuple(_element(child, depth + 1, deep) for child in children)
+    return Element(str(node.tag), line_of(node), attributes, children=below)

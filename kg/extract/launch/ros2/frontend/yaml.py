@@ -83,7 +83,7 @@ class _Walk:
             if _is_elements(value):
                 children += self._below(key.value, value, depth)
             else:
-                attributes[key.value] = _attribute(value)
+                attributes[key.value] = _attribute(value, _line(key))
                 if isinstance(value, yaml.ScalarNode) and value.tag != _TEXT:
                     typed.add(key.value)
         return Element(tag, line, attributes, frozenset(typed), tuple(children))
@@ -110,10 +110,16 @@ def _is_elements(node: yaml.Node) -> bool:
     return isinstance(node, yaml.SequenceNode) and any(isinstance(item, yaml.MappingNode) for item in node.value)
 
 
-def _attribute(node: yaml.Node) -> Attribute:
-    if isinstance(node, yaml.SequenceNode):
-        return [item.value if isinstance(item, yaml.ScalarNode) else of_yaml(item)[0] for item in node.value]
-    return str(node.value) if isinstance(node, yaml.ScalarNode) else of_yaml(node)[0]
+def _attribute(node: yaml.Node, line: int) -> Attribute:
+    if isinstance(node, yaml.ScalarNode):
+        return str(node.value)
+    try:
+        whole = of_yaml(node)[0]
+    except ValueError as error:
+        raise Malformed(f"a value is {error}", line) from error
+    if not isinstance(node, yaml.SequenceNode):
+        return whole
+    return [item.value if isinstance(item, yaml.ScalarNode) else of_yaml(item)[0] for item in node.value]
 
 
 def _line(node: yaml.Node) -> int:
