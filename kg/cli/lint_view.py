@@ -21,6 +21,7 @@ from kg.codes import CATALOGUE
 from kg.errors import Place
 from kg.facts import Location
 from kg.lint.finding import SEVERITIES
+from kg.lint.lines import Lines
 from kg.lint.objects import spelled
 from kg.render.text import count, printable
 
@@ -44,6 +45,7 @@ class LintView:
     def __init__(self, checked: Checked, links: Links, folder: Path, *, color: bool) -> None:
         self._checked = checked
         self._links = links
+        self._lines = Lines(checked.roots)
         self._folder = folder
         self._color = color
         self._helped: set[str] = set()
@@ -58,7 +60,7 @@ class LintView:
         yield head(finding.severity, finding.code, finding.message, color=self._color)
         place = finding.place
         if place is not None:
-            shown = Place(self._spelled(place), place.line, excerpt=self._text(place))
+            shown = Place(self._spelled(place), place.line, excerpt=self._lines.at(place, place.line) or "")
             yield from excerpt(shown, color=self._color, address=self._address(place))
         gutter = " " * len(str(finding.line or ""))
         sign = dim("=", color=self._color)
@@ -92,17 +94,6 @@ class LintView:
 
     def _address(self, place: Evidence) -> str | None:
         return self._links.to(place.repository, Location(place.path, place.line or 1))
-
-    def _text(self, place: Evidence) -> str:
-        """Return the line of source; empty when it is not to be had."""
-        root = self._checked.roots.get(place.repository)
-        if not root or place.line is None:
-            return ""
-        try:
-            with (Path(root) / place.path).open(encoding="utf-8", errors="replace") as file:
-                return next((line.rstrip("\n") for number, line in enumerate(file, 1) if number == place.line), "")
-        except (OSError, ValueError):
-            return ""
 
 
 def summary(checked: Checked) -> Iterator[str]:

@@ -14,11 +14,11 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.codes import CATALOGUE
 from kg.errors import Place, UsageError
+from kg.lint.lines import Lines
 from kg.query.similar import did_you_mean
 
 if TYPE_CHECKING:
@@ -34,7 +34,6 @@ _KEYS: Final = ("code", *_GLOBS, "reason")
 _COMMENT: Final = re.compile(
     r"(?P<sign><!--|#|//|/\*)\s*kg:\s*allow\s+(?P<code>[A-Za-z]+\d+)\b[:,\s]*(?P<reason>.*?)\s*(?:-->|\*/|$)"
 )
-_LARGEST: Final = 4 << 20
 _HEAD: Final = "[[lint.allow]]"
 
 
@@ -103,56 +102,38 @@ def _unusable(message: str, place: Place, hint: str | None = None) -> UsageError
 
 
 class Comments:
-    """Comments that allow a finding, read from the files of the sources, each file once.
+    """Comments that allow a finding, read from the files of the sources.
 
     `roots` are the folders of the sources by name. `without_reason` collects the comments that have none, which
     therefore allow nothing.
     """
 
     def __init__(self, roots: Mapping[str, str]) -> None:
-        self._roots = roots
-        self._lines: dict[tuple[str, str], Sequence[str]] = {}
+        self._lines = Lines(roots)
         self.without_reason: dict[Place, str] = {}
 
     def allow(self, finding: Finding) -> bool:
         """Tell whether a comment at the finding's line, or on a line of its own above, names its code."""
         place = finding.place
-        if place is None or place.line is None or not self._roots.get(place.repository):
+        if place is None or place.line is None:
             return False
-        lines = self._of(place)
-        return any(
-            self._names(lines[number - 1], finding.code, place, number)
-            for number, counts in ((place.line, True), (place.line - 1, place.line > 1))
-            if counts and number <= len(lines) and (number == place.line or _alone(lines[number - 1]))
+        here, above = (self._lines.at(place, number) for number in (place.line, place.line - 1))
+        return (here is not None and self._names(here, finding.code, place, place.line)) or (
+            above is not None and _alone(above) and self._names(above, finding.code, place, place.line - 1)
         )
 
     def _names(self, line: str, code: str, place: Evidence, number: int) -> bool:
         found = [match for match in _COMMENT.finditer(line) if match["code"].upper() == code]
         for match in found:
             if not match["reason"].strip(" -"):
-                where = Place(str(Path(self._roots[place.repository]) / place.path), number)
-                self.without_reason[where] = code
+                self.without_reason[Place(str(self._lines.file(place)), number)] = code
         return any(match["reason"].strip(" -") for match in found)
-
-    def _of(self, place: Evidence) -> Sequence[str]:
-        key = (place.repository, place.path)
-        if key not in self._lines:
-            self._lines[key] = _read(Path(self._roots[place.repository]) / place.path)
-        return self._lines[key]
 
 
 def _alone(line: str) -> bool:
     """Tell whether nothing but a comment stands in a line."""
     match = _COMMENT.search(line)
     return match is not None and not line[: match.start()].strip() and not line[match.end() :].strip()
-
-
-def _read(file: Path) -> list[str]:
-    try:
-        with file.open("rb") as opened:
-            return opened.read(_LARGEST).decode("utf-8", "replace").splitlines()
-    except (OSError, ValueError):
-        return []
 
 
 def allowed_by(entries: Sequence[Allowance], comments: Comments) -> Callable[[Finding], Allowance | bool]:

@@ -7,8 +7,10 @@ from pathlib import Path
 
 import pytest
 from lint.robot import HERE
+from typer.testing import CliRunner
 
 import kg
+from kg.cli.app import app
 from kg.errors import StoreError
 from kg.lint.running import Question, check_store, own_store, read_folders
 from kg.settings import load
@@ -77,6 +79,14 @@ def test_the_folder_of_the_sources_has_the_allow_list(folder: Path) -> None:
         assert kg.findings([folder], level="warning") == []
     finally:
         (folder / "kg.toml").unlink()
+
+
+def test_the_command_reads_folders_without_a_word(folder: Path) -> None:
+    """Off a terminal only findings and their sum are written; remarks name files as seen from the working folder."""
+    result = CliRunner().invoke(app, ["lint", str(folder), "--format", "github", "--level", "warning"])
+    assert result.exit_code == 1
+    assert result.stdout.startswith("::warning file=src/watch/launch/watch.launch,line=5,col=1,title=KG401::")
+    assert result.stderr == "1 system checked: 1 warning\n"
 
 
 def test_a_hook_runs_a_command_that_there_is() -> None:

@@ -1,0 +1,50 @@
+"""The lines of sources that findings are about, read where the sources stand."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from kg.lint.finding import Evidence
+
+__all__ = ["Lines"]
+
+_LARGEST: Final = 4 << 20
+
+
+class Lines:
+    """Reads each file once; `roots` are the folders of the sources by name. Nothing outside of them is read."""
+
+    def __init__(self, roots: Mapping[str, str]) -> None:
+        self._roots = roots
+        self._known: dict[tuple[str, str], Sequence[str]] = {}
+
+    def at(self, place: Evidence, line: int | None) -> str | None:
+        """Return a line of the file that a place is in, counted from one; None when it is not to be had."""
+        if line is None or line < 1:
+            return None
+        key = (place.repository, place.path)
+        if key not in self._known:
+            file = self.file(place)
+            self._known[key] = _read(file) if file is not None else ()
+        lines = self._known[key]
+        return lines[line - 1] if line <= len(lines) else None
+
+    def file(self, place: Evidence) -> Path | None:
+        """Return the file that a place is in; None when its source does not stand here, or it is not in it."""
+        root = self._roots.get(place.repository)
+        if not root:
+            return None
+        file = Path(root) / place.path
+        return file if file.resolve().is_relative_to(Path(root).resolve()) else None
+
+
+def _read(file: Path) -> list[str]:
+    try:
+        with file.open("rb") as opened:
+            return opened.read(_LARGEST).decode("utf-8", "replace").splitlines()
+    except (OSError, ValueError):
+        return []
