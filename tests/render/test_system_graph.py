@@ -4,7 +4,7 @@ from render.systems import CAMERA, end, instance, system
 
 from kg.facts import Role
 from kg.render.system_graph import bundles, system_graph
-from kg.render.system_views import around, collapsed, overlaid
+from kg.render.system_views import around, collapsed, near_changes, overlaid
 
 GRAPH = system_graph(system(CAMERA))
 
@@ -74,3 +74,10 @@ def test_two_systems_laid_over_each_other_tell_what_came_and_went() -> None:
     assert {one.name: one.state for one in both.channels} == {"/x": "gone", "/y": "new"}
     assert {one.channel: one.state for one in both.links} == {"topic /x": "gone", "topic /y": "new"}
     assert overlaid(before, before).states() == frozenset()
+
+
+def test_what_is_far_from_changes_can_be_left_out() -> None:
+    """A node that came stands with those that it is joined to; where nothing changed all of it stays."""
+    after = system_graph(system([*CAMERA, instance("/undock", end(Role.ACTION_CLIENTS, "/dock"))]))
+    assert [one.key for one in near_changes(overlaid(GRAPH, after)).members] == ["/base", "/detector", "/undock"]
+    assert near_changes(GRAPH) == GRAPH

@@ -102,3 +102,11 @@ def test_boxes_do_not_touch(data: st.DataObject) -> None:
         assert box.y >= 0
         assert box.x + box.wide <= places.wide + 0.2
         assert box.y + box.high <= places.high + 0.2
+
+
+def test_parts_of_a_host_that_are_joined_to_nothing_stand_side_by_side() -> None:
+    """Nine of them are not one tower."""
+    parts = [instance(f"/part{number}", host="/host") for number in range(9)]
+    picture = ET.fromstring(system_svg(system_graph(system([instance("/host"), *parts]))))  # noqa: S314 - made above
+    lefts = {box.get("x") for box in picture.iter(f"{SVG}rect") if box.get("class") == "box"}
+    assert len(lefts) == 3
