@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.facts import InstanceInterface, Resolution
 from kg.names import join
+from kg.wiring.families import meant, members
 from kg.wiring.naming import Named, named
 from kg.wiring.values import parsed, shown
 
@@ -41,14 +42,15 @@ class Ends:
         """Yield what the node type declares."""
         made: dict[Location, list[InstanceInterface]] = {}
         later: list[Interface] = []
-        for declared in node.interfaces:
+        for declared in meant(node.interfaces, self.settings):
             if declared.name is not None and (declared.implicit or declared.name.endswith(_CAMERA_INFO)):
                 later.append(declared)
                 continue
-            name = self._named(declared, node, declared.parameter, self.place)
-            end = self._placed(declared, owner, name, self.place, _handle(declared, node))
-            made.setdefault(declared.location, []).append(end)
-            yield end
+            for setting in members(declared, node, self.settings, self.place):
+                name = named(declared, node, setting)
+                end = self._placed(declared, owner, name, self.place, _handle(declared, node))
+                made.setdefault(declared.location, []).append(end)
+                yield end
         for declared in later:
             base = next((end for end in made.get(declared.location, ()) if _made_beside(declared, end)), None)
             if base is not None:

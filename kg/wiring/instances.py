@@ -90,7 +90,7 @@ def finished(draft: Draft, server: Server | None, host: Draft | None) -> NodeIns
     """Return the instance; `server` is that of ROS 1, `host` what it is loaded into, if the configuration has that."""
     above = host.rules if host is not None and draft.ros == 1 and draft.started.kind is StartKind.NODELET else ()
     remapping = Remapping((*draft.rules, *above), draft.ros)
-    settings = Settings(server if draft.ros == 1 else None, draft.started.parameters, remapping)
+    settings = Settings(server if draft.ros == 1 else None, draft.started, remapping)
     overrides = Overrides(settings.own)
     interfaces = _interfaces(draft, Ends(draft.place, settings, remapping, overrides))
     asked = Asked(draft.place, draft.ros, remapping)

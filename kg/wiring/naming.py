@@ -53,11 +53,20 @@ def named(declared: Interface, node: NodeType, setting: LaunchParameter | None) 
         empty = f"the parameter {setting.name} is empty"
         return Named(None, Resolution.UNRESOLVED, setting, empty)
     name = _put(before, value.strip(), after)
+    if name.startswith("/") and _in_own_namespace(declared, node):
+        name = name.lstrip("/")
     if _HOLE in name:
         return Named(name, Resolution.PARTIAL, setting, setting.reason or declared.reason)
     if not sure and not name.startswith(("/", "~")):
         return Named(name, Resolution.PARTIAL, setting, _HANDLE_UNKNOWN)
     return Named(name, Resolution.LAUNCH_ARGUMENT, setting)
+
+
+def _in_own_namespace(declared: Interface, node: NodeType) -> bool:
+    """Tell whether code puts the node's namespace in front of a value that by default is an absolute name."""
+    name = declared.name
+    defaults = _defaults(node, declared.parameter) if name is not None and not name.startswith("/") else ()
+    return any(text.startswith("/") and normalise(text)[1:] == name for text in defaults)
 
 
 def _around(declared: Interface, defaults: Iterable[str]) -> tuple[str, str, bool]:
@@ -87,7 +96,7 @@ def _around(declared: Interface, defaults: Iterable[str]) -> tuple[str, str, boo
 
 def _plain(written: str | None) -> bool:
     """Tell whether an expression is no more than a variable: nothing is joined to its value."""
-    return written is None or all(char.isalnum() or char in "_.:->()" for char in written.strip())
+    return written is None or all(char.isalnum() or char in "_.:->()[]" for char in written.strip())
 
 
 def _put(before: str, value: str, after: str) -> str:

@@ -6,20 +6,26 @@ asked for by the name that code gives it.
 
 from __future__ import annotations
 
+import json
+import re
 from typing import TYPE_CHECKING, Any, Final
 
 import yaml
 
+from kg.facts import LaunchParameter
 from kg.names import normalise
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
 
-    from kg.facts import LaunchParameter
+    from kg.facts import StartedNode
     from kg.wiring.place import Place
     from kg.wiring.remapping import Remapping
 
-__all__ = ["Server", "Settings", "parsed", "shown"]
+__all__ = ["ARGUMENT", "Server", "Settings", "is_text", "parsed", "shown"]
+
+ARGUMENT: Final = re.compile(r"argv\[(\d+)\]")
+"""What stands for a parameter where a name is an argument of the command line, the first of which is `argv[1]`."""
 
 _PLAIN: Final = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ/_~")
 _WORDS: Final = frozenset({"true", "false", "yes", "no", "on", "off", "null", "~", "y", "n"})
@@ -50,6 +56,11 @@ def shown(value: str | None) -> str | None:
     return None if value is None or found is None or isinstance(found, list | dict) else value.strip()
 
 
+def is_text(value: str) -> bool:
+    """Tell whether a value written as YAML is a text."""
+    return isinstance(parsed(value), str)
+
+
 class Server:
     """The parameter server of ROS 1 after the configuration has set everything; the later of two counts."""
 
@@ -76,13 +87,57 @@ class Server:
 class Settings:
     """What one instance can ask for."""
 
-    def __init__(self, server: Server | None, own: Iterable[LaunchParameter], remapping: Remapping) -> None:
+    def __init__(self, server: Server | None, started: StartedNode, remapping: Remapping) -> None:
         self._server = server
         self._remapping = remapping
-        self.own = {parameter.name.removeprefix("~/").lstrip("/"): parameter for parameter in own}
+        self._started = started
+        self._words = _words(started.arguments)
+        self.own = {parameter.name.removeprefix("~/").lstrip("/"): parameter for parameter in started.parameters}
+
+    @property
+    def arguments(self) -> int:
+        """How many arguments the program gets, those not counted that ROS takes for itself."""
+        return len(self._words)
 
     def get(self, name: str, place: Place) -> LaunchParameter | None:
-        """Return what is set for a parameter that code of the instance asks for as `name`."""
+        """Return what is set for a parameter that code of the instance asks for as `name`.
+
+        An argument of the command line comes as a parameter that is set where the node is started.
+        """
+        argument = ARGUMENT.fullmatch(name)
+        if argument is not None:
+            index = int(argument[1])
+            if not 0 < index <= len(self._words):
+                return None
+            written = json.dumps(self._words[index - 1])
+            return LaunchParameter(name, written, self._started.location, self._started.chain, "string")
         if self._server is not None:
             return self._server.all.get(self._remapping.parameter(place.resolve(name)))
         return self.own.get(name.removeprefix("~/").lstrip("/"))
+
+    def absolute(self, name: str, place: Place) -> str:
+        """Return the absolute name of a parameter that code of the instance asks for as `name`."""
+        if self._server is not None:
+            return self._remapping.parameter(place.resolve(name))
+        return place.resolve(f"~/{name.removeprefix('~/').lstrip('/')}")
+
+    def fitting(self, pattern: re.Pattern[str], place: Place) -> Iterator[tuple[str, LaunchParameter]]:
+        """Yield the parameters whose absolute names fit a pattern, with these names."""
+        if self._server is not None:
+            yield from ((name, given) for name, given in self._server.all.items() if pattern.fullmatch(name))
+            return
+        for name, given in self.own.items():
+            absolute = self.absolute(name, place)
+            if pattern.fullmatch(absolute):
+                yield absolute, given
+
+
+def _words(arguments: Iterable[str]) -> list[str]:
+    """Return the arguments that a program sees when ROS has taken its own: remappings and what follows `--ros-args`."""
+    words: list[str] = []
+    for word in (part for argument in arguments for part in argument.split()):
+        if word == "--ros-args":
+            break
+        if ":=" not in word:
+            words.append(word)
+    return words
