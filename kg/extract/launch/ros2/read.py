@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from hashlib import blake2b
 from typing import TYPE_CHECKING, Final
-from weakref import WeakKeyDictionary
 
 from kg.extract.launch.ros2.frontend.xml import read_xml
 from kg.extract.launch.ros2.frontend.yaml import read_yaml
@@ -29,8 +28,11 @@ _MOST_TREES: Final = 4_000
 _MARKUP: Final[dict[tuple[str, FilePath, bytes], Tree]] = {}
 """Files of XML and YAML by the source that they are read for, their name and the digest of their text."""
 
-_PYTHON: Final[WeakKeyDictionary[Files, dict[FilePath, Tree]]] = WeakKeyDictionary()
-"""Files of Python: what is read of them depends on the other files that they import."""
+_PYTHON: Final[dict[Files, dict[FilePath, Tree]]] = {}
+"""Files of Python, for the reader of files that was used last: what is read of them depends on others that they import.
+
+The trees hold on to that reader, so no other is kept.
+"""
 
 
 def dialect_of(file: FilePath) -> LaunchDialect:
@@ -72,6 +74,8 @@ def _markup(context: Context, file: FilePath, content: bytes, dialect: LaunchDia
 def _python(context: Context, file: FilePath, content: bytes) -> Tree:
     from kg.extract.launch.ros2.python.read import read_python  # noqa: PLC0415  (only files of Python need it)
 
+    if context.files not in _PYTHON:
+        _PYTHON.clear()
     trees = _PYTHON.setdefault(context.files, {})
     if file not in trees:
         problems: list[LaunchProblem] = []
