@@ -1,0 +1,60 @@
+"""Statistics and questions are about node types: what launch files start beside them changes no answer."""
+
+from __future__ import annotations
+
+import shutil
+from typing import TYPE_CHECKING
+
+import pytest
+
+from kg.pipeline.build import build
+from kg.pipeline.inferring import Inference
+from kg.query.ask import ask
+from kg.query.result import Solutions
+from kg.query.stored import discover
+from kg.resources import folder
+from kg.settings import load
+from kg.store.embedded import EmbeddedStore
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from kg.store.snapshot import EmbeddedSnapshot
+
+QUERIES = discover()
+
+
+@pytest.fixture(scope="module")
+def levels(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[EmbeddedSnapshot, EmbeddedSnapshot]]:
+    """The example workspace with the graphs of its launch files, and without them."""
+    root = tmp_path_factory.mktemp("levels")
+    shutil.copytree(folder("examples") / "workspace", root / "examples")
+    settings = load({}, environment={})
+    full = EmbeddedStore.create(root / "full")
+    build([str(root / "examples")], full, settings)
+    types = _types_alone(root, full)
+    with full.read() as one, types.read() as other:
+        yield one, other
+
+
+def _types_alone(root: Path, full: EmbeddedStore) -> EmbeddedStore:
+    """Return a copy of a store without the graphs of launch files, with what follows then."""
+    shutil.copytree(full.layout.root, root / "types")
+    store = EmbeddedStore.create(root / "types")
+    with store.write("test") as transaction:
+        launched = [graph for graph in transaction.graphs() if "/graph/launch/" in graph.value]
+        assert launched
+        transaction.replace_graphs({graph: [] for graph in launched})
+        Inference(store, load({}, environment={})).run(transaction)
+    return store
+
+
+@pytest.mark.parametrize("name", QUERIES)
+def test_instances_change_no_answer(levels: tuple[EmbeddedSnapshot, EmbeddedSnapshot], name: str) -> None:
+    """Each stored query answers the same with and without the graphs of launch files."""
+    query = QUERIES[name]
+    with_instances, without = (ask(snapshot, query, {}) for snapshot in levels)
+    assert isinstance(with_instances, Solutions)
+    assert isinstance(without, Solutions)
+    assert sorted(map(str, with_instances.rows)) == sorted(map(str, without.rows))
