@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import replace
+from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
 __all__ = ["LintView", "leftovers", "summary"]
 
 _MOST_EVIDENCE: Final = 4
-"""So many lines of evidence are shown; JSON has them all."""
+"""So many lines of evidence, and findings of one kind at one line, are shown; JSON has them all."""
 
 
 class LintView:
@@ -51,12 +52,13 @@ class LintView:
         self._helped: set[str] = set()
 
     def lines(self) -> Iterator[str]:
-        """Yield the lines of all findings, an empty one behind each."""
-        for finding in self._checked.report.findings:
-            yield from self._finding(finding)
+        """Yield the lines of all findings, an empty one behind each; those of one kind at one line stand together."""
+        for _, alike in groupby(self._checked.report.findings, _kind):
+            first, *others = alike
+            yield from self._finding(first, others)
             yield ""
 
-    def _finding(self, finding: Finding) -> Iterator[str]:
+    def _finding(self, finding: Finding, others: Sequence[Finding]) -> Iterator[str]:
         yield head(finding.severity, finding.code, finding.message, color=self._color)
         place = finding.place
         if place is not None:
@@ -65,6 +67,9 @@ class LintView:
         gutter = " " * len(str(finding.line or ""))
         sign = dim("=", color=self._color)
         yield from (f"{gutter} {sign} {words}" for words in self._remarks(finding))
+        yield from (f"{gutter} {sign} and {printable(one.message)}" for one in others[:_MOST_EVIDENCE])
+        if len(others) > _MOST_EVIDENCE:
+            yield f"{gutter} {sign} and {len(others) - _MOST_EVIDENCE:,} more at this line; --json has them all"
         yield from self._help(finding)
 
     def _remarks(self, finding: Finding) -> Iterator[str]:
@@ -94,6 +99,13 @@ class LintView:
 
     def _address(self, place: Evidence) -> str | None:
         return self._links.to(place.repository, Location(place.path, place.line or 1))
+
+
+def _kind(finding: Finding) -> tuple[object, ...]:
+    """Return what findings have in common that are shown together: code, rule, severity and line."""
+    place = finding.place
+    where = (place.repository, place.path, place.line) if place is not None else finding
+    return finding.code, finding.rule, finding.severity, where
 
 
 def summary(checked: Checked) -> Iterator[str]:

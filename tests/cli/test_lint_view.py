@@ -1,0 +1,55 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+from lint.robot import finding
+
+from kg.cli.links import Links
+from kg.cli.lint_view import LintView, summary
+from kg.lint.finding import Evidence, Finding
+from kg.lint.report import Report
+from kg.lint.running import Checked
+
+
+def lines(*findings: Finding) -> list[str]:
+    """Return how findings are drawn, without their sources."""
+    checked = Checked(Report(findings), (), 1)
+    return list(LintView(checked, Links({}), Path("/"), color=False).lines())
+
+
+def test_findings_of_one_kind_at_one_line_stand_together() -> None:
+    """The first is drawn whole, the others add their message; beyond some they are counted."""
+    alike = [finding(code="X1", message=f"nothing uses /{number}", subjects=(f"/{number}",)) for number in range(7)]
+    assert lines(*alike) == [
+        "warning[X1]: nothing uses /0",
+        "  --> bringup/launch/base.launch:3",
+        *(f"  = and nothing uses /{number}" for number in range(1, 5)),
+        "  = and 2 more at this line; --json has them all",
+        "",
+    ]
+
+
+def test_another_line_is_another_finding() -> None:
+    """Each has its place, and each the empty line behind it."""
+    other = finding(code="X1", place=Evidence("bringup/launch/base.launch", 4, "local/rover"))
+    assert lines(finding(code="X1"), other).count("") == 2
+
+
+def test_evidence_beyond_some_lines_is_counted() -> None:
+    """And where the rest is to be found."""
+    evidence = tuple(Evidence("a.cpp", number, "local/rover", "publishes /a") for number in range(1, 8))
+    drawn = lines(finding(code="X1", evidence=evidence, hint="so"))
+    assert drawn[2:] == [
+        *(f"  = a.cpp:{number} publishes /a" for number in range(1, 5)),
+        "  = and 3 other lines; --json has them all",
+        "help: so",
+        "",
+    ]
+
+
+def test_the_sum_counts_by_severity() -> None:
+    """What was allowed, and what the baseline knows, stands behind it."""
+    found = Report((finding(severity="error"), finding()), allowed=(finding(),), known=(finding(), finding()))
+    assert list(summary(Checked(found, (), 3))) == [
+        "3 systems checked: 1 error, 1 warning; 1 allowed; 2 in the baseline"
+    ]
