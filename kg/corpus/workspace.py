@@ -41,9 +41,9 @@ class Workspace:
         """Return the source of that repository name."""
         return self._by_name.get(repository)
 
-    def package(self, name: str) -> tuple[Source, PackageFolder] | None:
-        """Return the package of that name and its source, the first if several sources have one."""
-        return self._packages.get(name)
+    def package(self, name: str, near: str = "") -> tuple[Source, PackageFolder] | None:
+        """Return the package of that name and its source: of several that of the repository `near`, else the first."""
+        return self._own_packages.get((near, name)) or self._packages.get(name)
 
     def installed_package(self, name: str) -> FilePath | None:
         """Return the folder of an installed package; None when it is not installed."""
@@ -107,6 +107,14 @@ class Workspace:
             for package in source.packages:
                 found.setdefault(package.name, (source, package))
         return found
+
+    @cached_property
+    def _own_packages(self) -> dict[tuple[str, str], tuple[Source, PackageFolder]]:
+        return {
+            (source.repository.name, package.name): (source, package)
+            for source in reversed(self.sources)
+            for package in reversed(source.packages)
+        }
 
     @cached_property
     def _owners(self) -> dict[FilePath, tuple[FileEntry, PackageFolder | None]]:

@@ -94,7 +94,7 @@ def _yaml(text: str | None) -> Any:
         return None
     try:
         value = yaml.safe_load(text)
-    except (yaml.YAMLError, ValueError):
+    except (yaml.YAMLError, ValueError, RecursionError):
         return text
     return value if isinstance(value, str | int | float | bool | list | dict) else text
 

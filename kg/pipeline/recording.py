@@ -35,10 +35,10 @@ class RecordingWorkspace(Workspace):
         super().include("", near=nowhere)
         super().module("", near=nowhere)
 
-    def package(self, name: str) -> tuple[Source, PackageFolder] | None:
+    def package(self, name: str, near: str = "") -> tuple[Source, PackageFolder] | None:
         """Return the package of that name and its source."""
-        found = super().package(name)
-        self.lookups[("package", name)] = _place(found)
+        found = super().package(name, near)
+        self.lookups[("package", name, near)] = _place(found)
         return found
 
     def entry(self, file: FilePath) -> FileEntry | None:
@@ -82,7 +82,7 @@ def answer(workspace: Workspace, lookup: Lookup) -> str:
     """Return what a workspace answers to a look-up that was recorded in another."""
     kind, *asked = lookup
     if kind == "package":
-        return _place(workspace.package(asked[0]))
+        return _place(workspace.package(*asked))
     if kind == "entry":
         return str(workspace.entry(FilePath(*asked)) is not None)
     if kind == "installed":

@@ -14,6 +14,7 @@ import yaml
 
 from kg.facts import LaunchParameter
 from kg.names import normalise
+from kg.yamltext import load_yaml
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -43,7 +44,7 @@ def parsed(value: str | None) -> Any:
     if len(text) > _LONGEST:
         return value
     try:
-        return yaml.load(text, _LOADER)  # noqa: S506 - the safe loader, in C where it is there
+        return load_yaml(text, _LOADER)
     except (yaml.YAMLError, ValueError, RecursionError):
         return value
 

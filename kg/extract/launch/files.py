@@ -26,17 +26,18 @@ class Files:
 
     def __init__(self, reader: Reader) -> None:
         self.reader = reader
+        self._near = reader.source.repository.name
 
     def share(self, package: str) -> str | None:
         """Return the text for the folder of a package; None when it is neither in the build nor installed."""
         workspace = self.reader.workspace
-        known = workspace.package(package) or workspace.installed_package(package)
+        known = workspace.package(package, self._near) or workspace.installed_package(package)
         return f"{SCHEME}{package}" if known else None
 
     def text(self, file: FilePath) -> str:
         """Return the text that names a file of the build, by its package where one owns it."""
         owner = self.reader.workspace.owner(file)
-        if owner is not None and (found := self.reader.workspace.package(owner.name)) and found[1] is owner:
+        if owner is not None and (found := self.reader.workspace.package(owner.name, self._near)) and found[1] is owner:
             inner = file.path if owner.path == "." else file.path.removeprefix(f"{owner.path}/")
             return f"{SCHEME}{owner.name}/{inner}"
         return f"{_LOOSE}{file.repository.replace('/', '!')}/{file.path}"
@@ -53,7 +54,7 @@ class Files:
             return _below(head.replace("!", "/"), "", inner)
         if f"{scheme}//" != SCHEME:
             return None
-        found = self.reader.workspace.package(head)
+        found = self.reader.workspace.package(head, self._near)
         if found is not None:
             return _below(found[0].repository.name, "" if found[1].path == "." else found[1].path, inner)
         installed = self.reader.workspace.installed_package(head)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final
 import yaml
 
 from kg.facts import Access, Location, Parameter, Resolution
+from kg.yamltext import compose_yaml
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -46,7 +47,7 @@ def read_generated(reader: Reader, path: str) -> tuple[Parameter, ...]:
         return ()
     found: list[Parameter] = []
     try:
-        root = yaml.compose(content.decode(), Loader=_LOADER)
+        root = compose_yaml(content.decode(), _LOADER)
         found.extend(_Walk(path).parameters_of(root))
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)

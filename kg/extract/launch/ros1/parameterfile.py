@@ -17,7 +17,7 @@ import yaml
 from kg.extract.launch.ros1.expression import ExpressionError, NotKnownError, UnsupportedError, evaluate_expression
 from kg.extract.launch.ros1.texts import HOLE, shown
 from kg.extract.launch.ros1.values import one_line, type_of
-from kg.extract.yamltext import compose_yaml
+from kg.yamltext import compose_yaml
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

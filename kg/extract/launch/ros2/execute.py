@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from kg.extract.launch.ros2 import actions as kinds
 from kg.extract.launch.ros2.context import HOLE, GlobalFile, Scope
@@ -183,7 +183,7 @@ def _parameters_file(context: Context, action: kinds.SetParametersFromFile) -> N
     context.scope.parameters += (GlobalFile(path, action.file.location, context.chain, action.file.reason),)
 
 
-_HANDLERS: Final[Mapping[type[Action], Callable[[Context, Action], None]]] = {
+_HANDLERS: Final[Mapping[type[Action], Callable[[Context, Any], None]]] = {
     kinds.DeclareArgument: _declare,
     kinds.SetConfiguration: _set,
     kinds.UnsetConfiguration: _unset,

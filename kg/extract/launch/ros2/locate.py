@@ -55,7 +55,7 @@ def find(context: Context, text: str) -> FilePath | None:
 
 def _installed_elsewhere(files: Files, text: str) -> FilePath | None:
     package, _, rest = text.removeprefix(SCHEME).partition("/")
-    known = files.reader.workspace.package(package)
+    known = files.reader.workspace.package(package, files.reader.source.repository.name)
     if known is None or not text.startswith(SCHEME):
         return None
     parts = [part for part in rest.split("/") if part not in ("", ".", "..")]

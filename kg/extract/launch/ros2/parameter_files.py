@@ -13,6 +13,7 @@ import yaml
 
 from kg.extract.launch.ros2.context import HOLE
 from kg.extract.launch.ros2.values import LOADER, of_text, of_yaml
+from kg.yamltext import compose_yaml
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -55,7 +56,7 @@ def entries(content: bytes, flat: str | None = None) -> tuple[Entry, ...]:
 @lru_cache(maxsize=256)
 def _entries(content: bytes, flat: str | None) -> tuple[Entry, ...]:
     try:
-        root = yaml.compose(content.decode(), Loader=LOADER)
+        root = compose_yaml(content.decode(), LOADER)
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         problem = getattr(error, "problem", None) or "cannot be parsed"

@@ -13,6 +13,7 @@ from typing import Final
 import yaml
 
 from kg.extract.launch.ros2.context import HOLE
+from kg.yamltext import compose_yaml, load_yaml
 
 __all__ = ["LOADER", "Performed", "of_object", "of_text", "of_yaml", "quoted"]
 
@@ -47,7 +48,7 @@ def of_text(text: str, wanted: str | None = None) -> tuple[str | None, str | Non
     if wanted == _TEXT or HOLE in text:
         return quoted(text), wanted or _TEXT
     try:
-        node = yaml.compose(text, Loader=LOADER) if text else None
+        node = compose_yaml(text, LOADER) if text else None
         value, kind = of_yaml(node) if node is not None else ('""', _TEXT)
     except (yaml.YAMLError, ValueError, RecursionError):
         return quoted(text), _TEXT
@@ -106,7 +107,7 @@ def quoted(text: str, *, style: str | None = None) -> str:
     if all(part.isidentifier() for part in text.split("/") if part) and text.lower() not in _WORDS:
         return text
     try:
-        same = yaml.load(text, Loader=LOADER) == text  # noqa: S506  (the loader is the safe one)
+        same = load_yaml(text, LOADER) == text
     except (yaml.YAMLError, ValueError):
         same = False
     return text if same else json.dumps(text, ensure_ascii=False)

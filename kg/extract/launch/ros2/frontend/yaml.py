@@ -15,6 +15,7 @@ from kg.extract.launch.ros2.frontend.build import build
 from kg.extract.launch.ros2.frontend.element import Element, Malformed
 from kg.extract.launch.ros2.values import LOADER, of_yaml
 from kg.facts import LaunchProblem, LaunchProblemKind
+from kg.yamltext import compose_yaml
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -45,7 +46,7 @@ def read_yaml(files: Files, file: FilePath, text: bytes, problems: list[LaunchPr
 
 def _root(text: bytes) -> Element:
     try:
-        document = yaml.compose(text.decode(), Loader=LOADER)
+        document = compose_yaml(text.decode(), LOADER)
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         problem = getattr(error, "problem", None) or "cannot be parsed"

@@ -8,7 +8,7 @@ import yaml
 
 from kg.extract.launch.ros2.python.containers import hashable
 from kg.extract.launch.ros2.python.values import Unknown
-from kg.extract.yamltext import compose_yaml
+from kg.yamltext import compose_yaml
 
 if TYPE_CHECKING:
     from collections.abc import Callable

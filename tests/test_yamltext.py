@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 import yaml
 
-from kg.extract.yamltext import compose_yaml
+from kg.yamltext import compose_yaml
 
 LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 

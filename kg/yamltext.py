@@ -10,7 +10,7 @@ import yaml
 if TYPE_CHECKING:
     from yaml import Node
 
-__all__ = ["compose_yaml"]
+__all__ = ["compose_yaml", "load_yaml"]
 
 _MOST_DEPTH: Final = 200
 _HARMLESS: Final = 2000
@@ -23,12 +23,19 @@ def compose_yaml(text: str, loader: Any) -> Node | None:
 
     Raises `yaml.YAMLError` for what is no YAML, also for what nests deeper than 200 levels.
     """
-    if text.count("[") + text.count("{") > _HARMLESS or max(map(len, _LEADING.findall(text))) > _HARMLESS:
-        _require_shallow(text, loader)
+    _require_shallow(text, loader)
     return yaml.compose(text, Loader=loader)
 
 
+def load_yaml(text: str, loader: Any) -> Any:
+    """Return the value of the one document in `text`; `loader` is a safe one. Raises as `compose_yaml`."""
+    _require_shallow(text, loader)
+    return yaml.load(text, loader)  # noqa: S506 - callers give safe loaders
+
+
 def _require_shallow(text: str, loader: Any) -> None:
+    if text.count("[") + text.count("{") <= _HARMLESS >= max(map(len, _LEADING.findall(text))):
+        return
     depth = 0
     for event in yaml.parse(text, Loader=loader):
         if isinstance(event, yaml.CollectionStartEvent):
