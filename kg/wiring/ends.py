@@ -46,8 +46,9 @@ class Ends:
             if declared.name is not None and (declared.implicit or declared.name.endswith(_CAMERA_INFO)):
                 later.append(declared)
                 continue
-            for setting in members(declared, node, self.settings, self.place):
-                name = named(declared, node, setting)
+            for value, whole in members(declared, node, self.settings, self.place):
+                name = named(declared, node, value)
+                name = replace(name, parameter=whole) if name.parameter is not None else name
                 end = self._placed(declared, owner, name, self.place, _handle(declared, node))
                 made.setdefault(declared.location, []).append(end)
                 yield end

@@ -1,20 +1,22 @@
 """Which interfaces an instance has of those that its type may have: families, and names that take turns.
 
 A name that is the value of a parameter `~/imu{}` stands for as many interfaces as parameters are set whose names fit
-(`imu0`, `imu1`). Code that names one interface in several ways, by the arguments or the namespace that it finds, has
-only one of them in an instance.
+(`imu0`, `imu1`), and one of `~/topics[].name` for as many as the list `~/topics` has elements. Code that names one
+interface in several ways, by the arguments or the namespace that it finds, has only one of them in an instance.
 """
 
 from __future__ import annotations
 
+import json
 import re
+from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
-from kg.wiring.values import ARGUMENT, is_text
+from kg.wiring.values import ARGUMENT, is_text, parsed
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from kg.facts import Interface, LaunchParameter, NodeType
     from kg.wiring.place import Place
@@ -23,31 +25,54 @@ if TYPE_CHECKING:
 __all__ = ["meant", "members"]
 
 _HOLE: Final = "{}"
+_EACH: Final = "[]"
 
 
-def members(declared: Interface, node: NodeType, settings: Settings, place: Place) -> Sequence[LaunchParameter | None]:
-    """Return the parameters that give names to an interface, one of which may be None: it keeps its own name.
+def members(
+    declared: Interface, node: NodeType, settings: Settings, place: Place
+) -> Sequence[tuple[LaunchParameter | None, LaunchParameter | None]]:
+    """Return the values that give names to an interface, each with the parameter that holds it.
 
+    Both are one and the same unless the value is part of a parameter, and None where the interface keeps its own name.
     A parameter belongs to the family whose pattern leaves the least open: `imu0_config` is none of `imu{}` where the
     node asks for `imu{}_config` as well.
     """
     parameter = declared.parameter
     if parameter is None:
-        return (None,)
+        return ((None, None),)
+    if _EACH in parameter:
+        whole = settings.get(parameter.partition(_EACH)[0], place)
+        return [(part, whole) for part in _parts(parameter, whole)] if whole is not None else []
     if _HOLE not in parameter:
-        return (settings.get(parameter, place),)
+        found = settings.get(parameter, place)
+        return ((found, found),)
     asked = {one.name for one in node.parameters if one.name is not None and one.name != parameter}
     others = [pattern_of(settings.absolute(name, place)) for name in asked]
     own = pattern_of(settings.absolute(parameter, place))
-    found = [
+    fitting = [
         (name, given)
         for name, given in settings.fitting(own, place)
         if (given.value is None or is_text(given.value))
         and not any(len(other.pattern) > len(own.pattern) and other.fullmatch(name) for other in others)
     ]
-    if not found and declared.name is not None:
-        return (None,)
-    return [given for _, given in sorted(found, key=lambda pair: _natural(pair[0]))]
+    if not fitting and declared.name is not None:
+        return ((None, None),)
+    return [(given, given) for _, given in sorted(fitting, key=lambda pair: _natural(pair[0]))]
+
+
+def _parts(parameter: str, whole: LaunchParameter) -> Iterator[LaunchParameter]:
+    """Yield the texts in the elements of a list that `~/topics[].name` means; one not known if the list is not."""
+    _, _, member = parameter.partition(_EACH)
+    value = parsed(whole.value)
+    if not isinstance(value, list):
+        yield replace(whole, value=None)
+        return
+    for index, element in enumerate(value):
+        text = element
+        for key in member.split(".")[1:]:
+            text = text.get(key) if isinstance(text, dict) else None
+        if isinstance(text, str):
+            yield replace(whole, name=f"{whole.name}[{index}]{member}", value=json.dumps(text))
 
 
 def meant(interfaces: Iterable[Interface], settings: Settings) -> list[Interface]:
