@@ -9,7 +9,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final
 
 if TYPE_CHECKING:
-    from kg.api import build, findings, infer, nodes, open_store, sparql
+    from kg.api import build, findings, infer, instances, nodes, open_store, sparql
     from kg.errors import (
         Exit,
         GraphError,
@@ -36,12 +36,13 @@ __all__ = [
     "build",
     "findings",
     "infer",
+    "instances",
     "nodes",
     "open_store",
     "sparql",
 ]
 
-_API: Final = frozenset({"build", "findings", "infer", "nodes", "open_store", "sparql"})
+_API: Final = frozenset({"build", "findings", "infer", "instances", "nodes", "open_store", "sparql"})
 
 
 def __getattr__(name: str) -> Any:

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from kg.rules.reports import RunReport
     from kg.store.embedded import EmbeddedStore
 
-__all__ = ["build", "findings", "infer", "nodes", "open_store", "sparql"]
+__all__ = ["build", "findings", "infer", "instances", "nodes", "open_store", "sparql"]
 
 
 def open_store(store: str | Path | None = None) -> EmbeddedStore:
@@ -118,6 +118,37 @@ def infer(
 
     given = settings.load({"store": store, "rules": None if rules is None else [str(folder) for folder in rules]})
     return run_on_store(given, full=full, dry_run=dry_run, limits=Limits(deadline=timeout))
+
+
+def instances(
+    launch: str | Path | None = None,
+    *,
+    arguments: Mapping[str, str] | None = None,
+    environment: Mapping[str, str] | None = None,
+    store: str | Path | None = None,
+) -> list[dict[str, Any]]:
+    """Return what launch files start, as `kg instances --json` writes it (docs/formats.md).
+
+    That is every launch file of the store with its default arguments, or the one that `launch` names. `arguments` and
+    environment variables make it be evaluated anew, where its source stands.
+
+    Raises:
+        SourceError: KG101 when its source is not where it was built from.
+        StoreError: KG301 when there is no store.
+        UnknownNameError: KG422 when there is no such launch file.
+        UsageError: KG003 when several are meant, or it has no such argument.
+    """
+    from kg.graph.records import instance_object  # noqa: PLC0415 - who queries needs no records
+    from kg.graph.systems_reading import system_names, systems  # noqa: PLC0415 - the same
+    from kg.pipeline.launching import chosen  # noqa: PLC0415 - the same
+
+    given, target = settings.load({"store": store}), open_store(store)
+    if launch is not None:
+        found = [chosen(given, target, str(launch), arguments, environment)]
+    else:
+        with target.read() as snapshot:
+            found = systems(snapshot, system_names(snapshot), given.base)
+    return [instance_object(system, one) for system in found for one in system.instances]
 
 
 def nodes(*, package: str | None = None, store: str | Path | None = None) -> list[dict[str, Any]]:

@@ -34,6 +34,9 @@ def summary(report: BuildReport, store: Path, *, every: bool) -> Iterator[str]:
         gone = f", {removed:,} gone" if removed else ""
         yield f"read {count(report.read, 'package')} of {sources}{unchanged}{gone} in {report.seconds:.2f} s"
     yield _found(report)
+    if report.systems and report.systems.configurations:
+        instances = count(report.systems.instances, "instance")
+        yield f"wired {instances} of {count(report.systems.configurations, 'launch file')}"
     if report.inferred:
         yield _inferred(report.inferred)
     yield from _unresolved(report, every=every)
@@ -127,6 +130,7 @@ def report_object(report: BuildReport) -> dict[str, Any]:
         "reused": report.reused,
         "counts": {key: report.total(key) for key in keys},
         "unresolved": report.unresolved(),
+        "systems": asdict(report.systems) if report.systems else None,
         "inferred": _inferred_object(report.inferred),
         "sources": [_source_object(source) for source in report.sources],
     }

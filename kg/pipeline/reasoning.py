@@ -177,9 +177,11 @@ def explained_vocabulary(base: str) -> Vocabulary:
     from kg.rules.explain.view import Vocabulary  # noqa: PLC0415 - builds explain nothing
 
     iris = Iris(base)
-    path, line, repository = (NamedNode(RNKG + name) for name in ("path", "line", "repository"))
+    path, line, repository, declared_by = (
+        NamedNode(RNKG + name) for name in ("path", "line", "repository", "declaredBy")
+    )
     inferred, builds = NamedNode(iris.graph("inferred")), NamedNode(iris.graph("builds"))
-    return Vocabulary(inferred, (builds,), path, line, repository, _ontology_line)
+    return Vocabulary(inferred, (builds,), path, line, repository, _ontology_line, declared_by)
 
 
 def _ontology_line(fact: Triple) -> Evidence | None:

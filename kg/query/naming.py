@@ -25,6 +25,7 @@ _PREFIXED: Final = re.compile(r"([A-Za-z][\w.-]*):([\w.-]*)")
 _WRITTEN: Final = re.compile(r"""["'].*|[+-]?\d[\d.eE+-]*|true|false|<<.*""", re.DOTALL)
 _TYPE: Final = NamedNode(PREFIXES["rdf"] + "type")
 _CALLED: Final = "SELECT DISTINCT ?t WHERE { VALUES ?name { %s } ?t rdfs:label|rnkg:name ?name } ORDER BY ?t"
+"""What has a name, exactly, or with the leading slash of ROS names."""
 _ENDING: Final = """SELECT DISTINCT ?t WHERE {
   ?t rdfs:label ?label FILTER(ISIRI(?t) && (STRENDS(STR(?t), %s) || STRENDS(STR(?t), %s)))
 } ORDER BY ?t"""
@@ -47,8 +48,9 @@ def facts(
 ) -> tuple[list[Triple], bool]:
     """Return the facts that three typed words may mean, and whether the store holds them.
 
-    A name that several things have means the ones of which the store holds the fact; where it holds none, those that
-    the property is used with.
+    A name that several things have means the ones of which the store holds the fact, and of these the ones that
+    have exactly this name before those whose name only ends in it; where it holds none, those that the property is used
+    with.
 
     Raises:
         UnknownNameError: KG001 with suggestions for a word that names nothing.
@@ -60,7 +62,9 @@ def facts(
     every = _triples(subjects, predicates, values)
     held = [fact for fact in every if snapshot.query(f"ASK {{ {fact.subject} {fact.predicate} {fact.object} }}")]
     if held:
-        return held, True
+        exact = {*_named(snapshot, subject), *_named(snapshot, value)} if len(held) > 1 else set()
+        ranks = [(fact.subject not in exact) + (fact.object not in exact) for fact in held]
+        return [fact for fact, rank in zip(held, ranks, strict=True) if rank == min(ranks)], True
     if len(predicates) == 1 and max(len(subjects), len(values)) > 1:
         _check_used(snapshot, predicates[0], prefixes)
         subjects = _fitting(snapshot, subjects, f"{{}} {predicates[0]} ?y", f"?x {predicates[0]} ?y", "?x")
@@ -140,6 +144,12 @@ def _property(snapshot: Askable, word: str) -> list[NamedNode]:
         hint = did_you_mean(word, [shorten(iri.value) for iri in known])
         raise UnknownNameError("KG001", f"there is no property `{word}`", hint=hint)
     return found
+
+
+def _named(snapshot: Askable, word: str) -> list[NamedNode]:
+    """Return what has a name, exactly."""
+    rows: Any = snapshot.query(_CALLED % f"{Literal(word)} {Literal(word, language='en')}", prefixes=PREFIXES)
+    return [row[0] for row in rows if isinstance(row[0], NamedNode)]
 
 
 def _called(snapshot: Askable, word: str) -> list[NamedNode]:

@@ -1,7 +1,7 @@
-"""`kg demo`: the example workspace, built, asked five questions, and one inferred fact proven."""
+"""`kg demo`: the example workspace, built, asked five questions, one inferred fact proven, a launch file checked."""
 
 import sys
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
@@ -39,7 +39,7 @@ Keep = Annotated[
 
 
 def demo(context: typer.Context, *, store: Keep = None) -> None:
-    """Build an example workspace, ask it five questions, and prove what a rule inferred.
+    """Build an example workspace, ask it five questions, prove what a rule inferred, and check its launch files.
 
     It has a rover on ROS 1 and a drone on ROS 2. Needs no robot, no ROS and no network.
     """
@@ -55,6 +55,7 @@ def demo(context: typer.Context, *, store: Keep = None) -> None:
         with target.read() as snapshot:
             _ask_all(snapshot, settings, bold)
         _prove(context, str(target.layout.root), bold)
+        _check(context, str(target.layout.root), bold)
     for line in _next(str(chosen) if chosen else None):
         write(line)
 
@@ -113,6 +114,16 @@ def _prove(context: typer.Context, root: str, bold: tuple[str, str]) -> None:
     why(context, list(FACT), store=root)
 
 
+def _check(context: typer.Context, root: str, bold: tuple[str, str]) -> None:
+    """Show what `kg lint` finds in the launch files."""
+    from kg.cli.commands.lint import lint  # noqa: PLC0415 - start-up time
+
+    write(f"\n{bold[0]}{len(QUESTIONS) + 2}. What is wrong in the launch files?{bold[1]}\n")
+    write("    kg lint\n")
+    with suppress(typer.Exit):
+        lint(context, store=root)
+
+
 def _next(kept: str | None) -> list[str]:
     if kept is None:
         return [
@@ -122,6 +133,7 @@ def _next(kept: str | None) -> list[str]:
             "    kg demo --store demo",
             "    kg --store demo nodes",
             "    kg --store demo node flight_controller",
+            "    kg --store demo graph --launch mission.launch.xml",
             "    kg --store demo query --list",
             "",
             "Or read sources of your own:",
@@ -134,6 +146,7 @@ def _next(kept: str | None) -> list[str]:
         "",
         f"    kg --store {kept} nodes",
         f"    kg --store {kept} node flight_controller",
+        f"    kg --store {kept} graph --launch mission.launch.xml",
         f"    kg --store {kept} query --list",
         "",
         "Or read sources of your own:",

@@ -60,6 +60,8 @@ class Vocabulary:
     line: NamedNode | None = None
     repository: NamedNode | None = None
     documents: Callable[[Triple], Evidence | None] | None = None
+    declared_by: NamedNode | None = None
+    """The property that leads from a thing without a line of its own to the one whose line it is."""
 
 
 class View:
@@ -153,7 +155,9 @@ class View:
         path = self._value(thing, self._vocabulary.path)
         line = self._value(thing, self._vocabulary.line)
         if path is None or line is None:
-            return None
+            other = self._vocabulary.declared_by
+            origin = self.objects(thing, other, 1) if other else []
+            return self._place(origin[0]) if origin and origin[0] != thing else None
         return Evidence(path, int(line), self._value(thing, self._vocabulary.repository))
 
     def _value(self, thing: Term, predicate: NamedNode | None) -> str | None:
@@ -174,9 +178,15 @@ class View:
         found = self.objects(term, NamedNode(_LABEL), 1)
         if found and isinstance(found[0], Literal):
             return found[0].value
-        whole, sign, part = term.value.partition("#") if isinstance(term, NamedNode) else ("", "", "")
-        label = self._called(NamedNode(whole)) if sign and part else None
-        return f"{label}#{part}" if label else None
+        if not isinstance(term, NamedNode):
+            return None
+        whole = term.value
+        while "#" in whole:
+            whole = whole[: max(whole.rfind("/", whole.index("#")), whole.index("#"))]
+            found = self.objects(NamedNode(whole), NamedNode(_LABEL), 1)
+            if found and isinstance(found[0], Literal):
+                return f"{found[0].value}#{term.value[len(whole) + 1 :]}"
+        return None
 
     def sentence(self, fact: Triple) -> str:
         """Return a fact as people read it."""
