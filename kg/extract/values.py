@@ -34,6 +34,7 @@ __all__ = [
     "argument_at",
     "concatenate",
     "in_own_namespace",
+    "part_of_parameter",
     "worse",
 ]
 
@@ -137,6 +138,16 @@ def argument_at(index: Value) -> Text:
         return replace(COMMAND_LINE, parameter=None)
     name = f"argv[{int(index.value)}]"
     return replace(COMMAND_LINE, parameter=name, reason=f"it is the argument {name} of the command line")
+
+
+def part_of_parameter(whole: Text, key: Value) -> Text:
+    """Return an element of a list, or a member of a struct, that is the value of a parameter without default.
+
+    `~/topics[]` is an element of the list `~/topics`, whichever; `~/topics[].name` its member.
+    """
+    member = key.known if isinstance(key, Text) else None
+    name = f"{whole.parameter}.{member}" if member is not None else f"{whole.parameter}[]"
+    return replace(whole, parameter=name, reason=f"it is part of a parameter: {name}")
 
 
 def in_own_namespace(pattern: str) -> str | None:

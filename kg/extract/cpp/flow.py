@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 from kg.extract.cpp import syntax
 from kg.extract.cpp.api import ARGUMENT_LISTS
 from kg.extract.cpp.context import Site
+from kg.extract.cpp.objects import OBJECT, emplaced, of_object
 from kg.extract.cpp.sites import accepts, fits
 from kg.extract.cpp.unit import Expr, read_parameters
 from kg.extract.cpp.variables import WriteKind, writes
@@ -303,11 +304,16 @@ class Flow:
         sites = self._evaluator.sites
         constructor = owner is not None and function.name == owner.name
         found = sites.constructions(owner) if constructor and owner is not None else sites.calls(function)
-        return [
+        entered = [
             (site, context.bind(function, site))
-            for site in found
+            for site in (
+                of_object(self._program, found, owner, context) if constructor and owner is not None else found
+            )
             if fits(function, len(site.arguments)) and accepts(function, site.arguments)
         ]
+        return entered or (
+            list(emplaced(self._evaluator, function, owner, context)) if constructor and owner is not None else []
+        )
 
     def _from_sites(self, function: Function, index: int, context: Context) -> Alternatives:
         evaluator = self._evaluator
@@ -412,13 +418,14 @@ class Flow:
     def _anywhere(self, family: list[Class], cls: Class, name: str, context: Context) -> Alternatives:
         """Return the values that any method of a class family, or the declaration, gives a member."""
         key = ("member", cls, name)
-        inner = context.bind(key, True)
+        outer = context.get(OBJECT)
+        inner = context.bind(key, True).bind(OBJECT, cls)
         everyone = [*family, *self._program.derived(cls)]
         found = self.left(everyone, name, inner)
         declared = next((base for base in family if name in base.fields), None)
         if declared is not None and (not found or unfinished(found)):
             found += self.initial(declared, name, inner)
-        return [(value, chosen.bind(key, None)) for value, chosen in settled(found)]
+        return [(value, chosen.bind(key, None).bind(OBJECT, outer)) for value, chosen in settled(found)]
 
     def left(self, classes: Iterable[Class], name: str, context: Context) -> Alternatives:
         """Return what the methods of some classes leave in a member."""

@@ -19,6 +19,7 @@ from kg.extract.values import (
     Value,
     argument_at,
     concatenate,
+    part_of_parameter,
 )
 from kg.facts import Resolution
 
@@ -141,6 +142,8 @@ def at(container: Value, key: Value) -> list[Value]:
         return [argument_at(key)]
     if isinstance(container, Text) and container.resolution is Resolution.LAUNCH_ARGUMENT:
         return [container]
+    if isinstance(container, Text) and container.parameter is not None and container.parts == (HOLE,):
+        return [part_of_parameter(container, key)]
     if isinstance(container, Sequence):
         if isinstance(key, Number):
             index = int(key.value)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from kg.extract.cpp.context import Context
     from kg.extract.cpp.program import Program
     from kg.extract.cpp.sites import Sites
-    from kg.extract.cpp.unit import Unit
+    from kg.extract.cpp.unit import Function, Unit
 
 __all__ = ["TypeName", "Types"]
 
@@ -211,7 +211,8 @@ class Types:
             if index >= 0 and owner is not None and _is_template(owner.node):
                 return self._from_sites(owner, index, default, where, context, self._instantiations(owner))
             if index >= 0:
-                return self._from_sites(function, index, default, where, context, self._sites.calls(function))
+                found = self._from_sites(function, index, default, where, context, self._sites.calls(function))
+                return found or self._deduced(function, name, context)
         cls = self.class_around(where.unit, where.at)
         if cls is None:
             return None
@@ -235,6 +236,20 @@ class Types:
         if not found and default is not None:
             return [(where.child(default), context)]
         return list(found.values())
+
+    def _deduced(self, function: Function, name: str, context: Context) -> list[tuple[Expr, Context]]:
+        """Return what the template parameter of a function is by the arguments of its calls: `T` of `list<T>&`."""
+        chosen = context.get(function)
+        found = []
+        for site in [chosen] if isinstance(chosen, Site) else self._sites.calls(function):
+            for parameter, argument in zip(function.parameters, site.arguments, strict=False):
+                given = syntax.template_arguments(parameter.type) if parameter.type is not None else []
+                names = [syntax.simple_name(one) for one in given]
+                kind = self.of(argument, context) if name in names else None
+                if kind is not None and len(kind.arguments) > names.index(name):
+                    found.append((kind.arguments[names.index(name)], context.bind(function, site)))
+                    break
+        return found
 
     def _constructed_as(self, key: object, context: Context) -> object | None:
         """Return the construction that a choice made before says an object of the class `key` comes from."""
