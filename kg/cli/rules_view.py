@@ -217,10 +217,27 @@ def change_lines(changes: Sequence[Changed], view: View) -> Iterator[Text]:
     from kg.rules.authoring.spelling import spell_triple  # noqa: PLC0415 - start-up time
 
     texts = [" ".join(_called(term, change, view) for term in _terms(change)) for change in changes]
-    alike = Counter(zip(texts, (change.sign for change in changes), strict=True))
-    for text, change in zip(texts, changes, strict=True):
-        clear = text if alike[text, change.sign] == 1 else spell_triple(change.triple, change.prefixes)
+    signs = [change.sign for change in changes]
+    alike = Counter(zip(texts, signs, strict=True))
+    placed = [" ".join(_placed(term, change, view) for term in _terms(change)) for change in changes]
+    still_alike = Counter(zip(placed, signs, strict=True))
+    for text, longer, change in zip(texts, placed, changes, strict=True):
+        if alike[text, change.sign] == 1:
+            clear = text
+        else:
+            longer_is_clear = still_alike[longer, change.sign] == 1
+            clear = longer if longer_is_clear else spell_triple(change.triple, change.prefixes)
         yield changed_line(change.sign, clear, ", ".join(change.rules))
+
+
+def _placed(term: Term, change: Changed, view: View) -> str:
+    """Return what a thing is called, with what it is a part of."""
+    from pyoxigraph import NamedNode  # noqa: PLC0415 - start-up time
+
+    name = _called(term, change, view)
+    whole = NamedNode(term.value.partition("#")[0]) if isinstance(term, NamedNode) and "#" in term.value else None
+    place = view.label(whole) if whole is not None and term != change.triple.predicate else ""
+    return f"{name} (of {place})" if place and whole is not None and place != view.spelt(whole) else name
 
 
 def _terms(change: Changed) -> tuple[Term, Term, Term]:

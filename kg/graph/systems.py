@@ -100,7 +100,7 @@ class _Writing:
 
     def _configuration(self, fact: LaunchConfiguration) -> None:
         writer, subject, iris = self._writer, self._subject, self._scope.iris
-        writer.described(subject, f"{fact.package}: {fact.path}", v.CONFIGURATION)
+        writer.described(subject, fact.name, v.CONFIGURATION)
         writer.add(subject, v.ROS_VERSION, integer(fact.ros))
         writer.add(subject, v.LAUNCH_DIALECT, literal(fact.dialect))
         writer.add(subject, v.OF_PACKAGE, f"<{iris.package(fact.repository, fact.package)}>")

@@ -69,11 +69,18 @@ def facts(
         _check_used(snapshot, predicates[0], prefixes)
         subjects = _fitting(snapshot, subjects, f"{{}} {predicates[0]} ?y", f"?x {predicates[0]} ?y", "?x")
         values = _fitting(snapshot, values, f"?x {predicates[0]} {{}}", f"?x {predicates[0]} ?y", "?y")
+    subjects, values = _exactly(snapshot, subject, subjects), _exactly(snapshot, value, values)
     for word, found in ((subject, subjects), (predicate, predicates), (value, values)):
         if len(found) > 1:
             ways = "\n".join(str(term) for term in found)
             raise UsageError("KG003", f"{len(found)} things are called `{word}`; say which", hint=ways)
     return _triples(subjects, predicates, values), False
+
+
+def _exactly(snapshot: Askable, word: str, found: list[_Term]) -> list[_Term]:
+    """Return those of several things that have exactly this name, or all where none has."""
+    named = _named(snapshot, word) if len(found) > 1 else []
+    return [term for term in found if term in named] or found
 
 
 def _check_used(snapshot: Askable, predicate: _Term, prefixes: Mapping[str, str]) -> None:
