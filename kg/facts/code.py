@@ -132,6 +132,8 @@ class Interface:
     origin: str | None = None
     qos: Qos | None = None
     reason: str | None = None
+    arguments: int = 0
+    """How many arguments the command line has to have for the node to make it."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.facts import Resolution, Role
 from kg.graph import vocabulary as v
-from kg.graph.ntriples import boolean, plain
+from kg.graph.ntriples import boolean, integer, plain
 
 if TYPE_CHECKING:
     from kg.facts import Interface, Qos
@@ -102,6 +102,8 @@ def _details(scope: Scope, part: str, fact: Interface) -> None:
     writer.text(part, v.WRITTEN, fact.written)
     writer.text(part, v.PARAMETER_NAME, fact.parameter)
     writer.text(part, v.ORIGIN, fact.origin)
+    if fact.arguments:
+        writer.add(part, v.LEAST_ARGUMENTS, integer(fact.arguments))
     writer.text(part, v.REASON, fact.reason)
     if fact.qos is not None:
         writer.add(part, v.HAS_QOS, quality(scope, fact.qos))

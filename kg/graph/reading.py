@@ -291,6 +291,7 @@ def _interface(role: Role, properties: Properties, types: Mapping[str, str], qua
         origin=one(properties, v.ORIGIN),
         qos=qualities.get(one(properties, v.HAS_QOS) or ""),
         reason=one(properties, v.REASON),
+        arguments=int(one(properties, v.LEAST_ARGUMENTS) or 0),
     )
 
 

@@ -76,12 +76,12 @@ def _parts(parameter: str, whole: LaunchParameter) -> Iterator[LaunchParameter]:
 
 
 def meant(interfaces: Iterable[Interface], settings: Settings) -> list[Interface]:
-    """Return the interfaces without those whose place at the same line another has.
+    """Return the interfaces that an instance makes, without those whose place at the same line another has.
 
     A name that falls back to an earlier argument of the command line does so where a later one is not given, and one
     that is absolute where the code puts the node's namespace in front of it else is that of the root namespace.
     """
-    listed = list(interfaces)
+    listed = [one for one in interfaces if one.arguments <= settings.arguments]
     last: dict[tuple[object, ...], int] = {}
     relative = set()
     for one in listed:

@@ -80,6 +80,7 @@ def _interface(role: Role, one: str | Mapping[str, Any]) -> Interface:
         origin=row.get("origin"),
         qos=Qos(**row["qos"]) if "qos" in row else None,
         reason=row.get("reason"),
+        arguments=row.get("arguments", 0),
     )
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.extract.cpp import syntax
 from kg.extract.cpp.callbacks import callback_types
+from kg.extract.cpp.command_line import arguments_needed
 from kg.extract.cpp.context import EMPTY, Site
 from kg.extract.cpp.handles import joined_name
 from kg.extract.cpp.matching import Matcher
@@ -52,6 +53,9 @@ class Finder:
         self.parameters: dict[tuple[object, ...], Parameter] = {}
         self.marks: dict[Mark, None] = {}
         self.ros: set[int] = set()
+        self._nodes: dict[Location, tuple[Unit, Node]] = {}
+        mains = [function for function in self._program.functions("main") if function in self._program.reached]
+        self._counts_arguments = any("argc" in function.words and "if" in function.words for function in mains)
 
     def run(self) -> None:
         """Read every unit of the program."""
@@ -331,6 +335,9 @@ class Finder:
                             self.marks.setdefault(Mark(spec.key, place, detail=value.pattern))
 
     def _add(self, made: Interface, mark: str | None) -> None:
+        if self._counts_arguments and made.location in self._nodes:
+            needed = arguments_needed(self._program, self._evaluator.sites, *self._nodes[made.location])
+            made = replace(made, arguments=needed)
         key = (made.role, made.name, made.type, made.location, made.parameter)
         self.interfaces.setdefault(key, made)
         if mark is not None and made.name is not None:
@@ -338,7 +345,9 @@ class Finder:
 
     def _location(self, unit: Unit, node: Node) -> Location:
         other = None if unit.file.repository == self._program.project.repository else unit.file.repository
-        return Location(unit.file.path, unit.line(node.start_byte), other)
+        place = Location(unit.file.path, unit.line(node.start_byte), other)
+        self._nodes.setdefault(place, (unit, node))
+        return place
 
 
 def _interface(  # noqa: PLR0913, PLR0917 - the parts of one fact

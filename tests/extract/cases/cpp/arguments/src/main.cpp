@@ -14,6 +14,11 @@ void received(const boost::shared_ptr<topic_tools::ShapeShifter const>& message)
   output = message->advertise(*node, output_topic, 10);
 }
 
+void play(const std::string& file)
+{
+  ros::Publisher played = node->advertise<std_msgs::String>("played", 1);
+}
+
 int main(int argc, char** argv)
 {
   std::vector<std::string> args;
@@ -29,6 +34,13 @@ int main(int argc, char** argv)
     fallback = argv[3];
   ros::Subscriber input = nh.subscribe(args[1], 10, received);
   ros::Publisher state = nh.advertise<std_msgs::String>(fallback, 1);
-  ros::spin();
+  if (argc == 1)
+  {
+    ros::spin();
+  }
+  else if ((argc >= 4) && (std::string(argv[1]) == "--play"))
+  {
+    play(argv[2]);
+  }
   return 0;
 }
