@@ -20,8 +20,10 @@ __all__ = [
     "LaunchDialect",
     "LaunchInclude",
     "LaunchParameter",
+    "LaunchPlugin",
     "LaunchProblem",
     "LaunchProblemKind",
+    "PluginValue",
     "Remap",
     "StartKind",
     "StartedNode",
@@ -47,6 +49,8 @@ class StartKind(StrEnum):
     CONTAINER = "container"
     LIFECYCLE_NODE = "lifecycle-node"
     TEST = "test"
+    INNER = "inner"
+    """Made by a node of the same process, which no launch file says."""
 
 
 class LaunchProblemKind(StrEnum):
@@ -102,6 +106,9 @@ class LaunchParameter:
     type: str | None = None
     """A ROS parameter type (`bool`, `int`, `double`, `string`, `string_array`, ...)."""
     reason: str | None = None
+    node: str | None = None
+    """The key of a parameter file of ROS 2 that it stands below (`/ns/node`, `/**`), None where it is for the node that
+    has it alone. A process is given whole files, and the key tells which of its nodes a parameter is for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,8 +127,9 @@ class StartedNode:
 
     `name` is without namespace, None where the node's own name is kept (ROS 2); `namespace` is absolute. `executable`
     is what `rosrun`/`ros2 run` start, `plugin` the class of a nodelet or component, `host` the absolute name of the
-    manager or container that it is loaded into. `parameters` are those given to this node (ROS 2; in ROS 1 they stand
-    in the configuration), the later of two of one name counts. `condition` says what has to hold, in the words of the
+    manager or container that it is loaded into. `parameters` are those given to its process (ROS 2; in ROS 1 they stand
+    in the configuration), those left out whose key names another node of the configuration; of two of one name for one
+    node the later counts. `condition` says what has to hold, in the words of the
     file, where that cannot be known; what surely is not started is left out.
     """
 
@@ -153,6 +161,36 @@ class LaunchInclude:
     path: str | None = None
     condition: str | None = None
     reason: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class PluginValue:
+    """What stands in an element of a plugin: `element` is its path (`topicName`, `ros/namespace`, `camera@name`).
+
+    Paths that begin with `../` are of the sensor or model that the plugin stands in.
+    """
+
+    element: str
+    text: str
+    location: Location
+
+
+@dataclass(frozen=True, slots=True)
+class LaunchPlugin:
+    """A plugin of a simulator in the robot description that the parameter `parameter` holds (an absolute name).
+
+    `library` is the file that is loaded, as written; `location` is the line of its `<plugin>`, `chain` the lines that
+    led to it: those of includes of launch files, of the parameter, and of includes of robot descriptions.
+    """
+
+    library: str
+    parameter: str
+    location: Location
+    chain: tuple[Location, ...] = ()
+    name: str | None = None
+    values: tuple[PluginValue, ...] = ()
+    condition: str | None = None
+    """What has to hold for it to be there, in the words of the description, where that cannot be known."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -189,6 +227,8 @@ class LaunchConfiguration:
     files: tuple[tuple[str, str], ...] = ()
     folder: str = "."
     """The folder of the package, relative to the source."""
+    plugins: tuple[LaunchPlugin, ...] = ()
+    """The plugins of simulators in the robot descriptions that parameters hold when everything is set."""
 
     @property
     def name(self) -> str:

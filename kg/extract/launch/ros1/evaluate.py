@@ -89,6 +89,7 @@ class _Evaluation:
             includes=tuple(state.includes),
             problems=tuple(state.problems),
             files=tuple((one.repository, one.path) for one in state.read),
+            plugins=tuple(one for held in state.plugins.values() for one in held),
         )
 
     def _file(self, scope: Scope, file: FilePath, line: int) -> bool:

@@ -22,6 +22,8 @@ from kg.yamltext import compose_yaml
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from kg.facts import LaunchPlugin
+
 __all__ = ["MOST_TEXT", "Leaf", "ParameterTree", "leaf_of", "read_scalar", "read_tree"]
 
 MOST_TEXT: Final = 1 << 20
@@ -46,6 +48,8 @@ class Leaf:
     value: str | None
     type: str | None
     reason: str | None = None
+    plugins: tuple[LaunchPlugin, ...] = ()
+    """Those of the robot description that the value is."""
 
 
 @dataclass(frozen=True, slots=True)

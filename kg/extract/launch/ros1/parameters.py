@@ -7,13 +7,15 @@ from __future__ import annotations
 
 import re
 import shlex
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.launch.files import SCHEME
 from kg.extract.launch.ros1.parameterfile import MOST_TEXT, Leaf, leaf_of, read_tree
 from kg.extract.launch.ros1.scope import Private
-from kg.extract.launch.ros1.texts import HOLE, join
+from kg.extract.launch.ros1.texts import HOLE, join, shown
 from kg.extract.launch.ros1.values import converted
+from kg.extract.launch.xacro.plugins import mappings_of
 from kg.facts import LaunchProblemKind
 
 if TYPE_CHECKING:
@@ -21,6 +23,7 @@ if TYPE_CHECKING:
     from kg.extract.launch.ros1.document import Element
     from kg.extract.launch.ros1.scope import Scope
     from kg.extract.launch.ros1.state import State
+    from kg.facts import LaunchPlugin
 
 __all__ = ["read_param", "read_rosparam"]
 
@@ -35,6 +38,7 @@ _TYPES: Final = {
 }
 _RUN: Final = frozenset({"rosrun", "python", "python2", "python3"})
 _XACRO: Final = frozenset({"xacro", "xacro.py"})
+_DESCRIPTIONS: Final = (".urdf", ".sdf", ".xml", ".gazebo")
 _ROSPACK: Final = re.compile(r"`rospack find ([\w-]+)`")
 
 
@@ -112,7 +116,37 @@ def _only_if(conditions: tuple[str | None, ...]) -> str | None:
 
 
 def _leaves(state: State, scope: Scope, element: Element, name: str) -> tuple[Leaf, ...]:
-    """Return the value of a `<param>` as leaves: one, or those of a YAML mapping."""
+    """Return the value of a `<param>` as leaves: one, which may be a robot description, or those of a YAML mapping."""
+    leaves = _values(state, scope, element, name)
+    plugins = _described(state, scope, element) if len(leaves) == 1 else ()
+    return (replace(leaves[0], plugins=plugins),) if plugins else leaves
+
+
+def _described(state: State, scope: Scope, element: Element) -> tuple[LaunchPlugin, ...]:
+    """Return the plugins of the robot description that a file holds, or that xacro makes of one."""
+    source = next((name for name in ("textfile", "command") if name in element.attributes), None)
+    if source is None or "value" in element.attributes:
+        return ()
+    words = _words(state, scope, element, state.text(scope, element, source) or "") if source == "command" else ["cat"]
+    if source == "textfile":
+        words.append(state.text(scope, element, source) or "")
+    program = words[0].rpartition("/")[2] if words else ""
+    named = next((word for word in words[1:] if not word.startswith("-") and ":=" not in word), None)
+    if named is None or (program not in _XACRO and not (program == "cat" and named.endswith(_DESCRIPTIONS))):
+        return ()
+    file = state.files.at(named)
+    if file is None or not state.files.exists(file):
+        return ()
+    given = {name: shown(text) for name, text in mappings_of(words[1:]).items()} if program in _XACRO else {}
+    chain = (*scope.place.chain, state.location(scope, element.line))
+    found = state.descriptions.read(file, given, chain)
+    state.problems.update(dict.fromkeys(found.problems))
+    state.read.update(dict.fromkeys(found.files))
+    return found.plugins
+
+
+def _values(state: State, scope: Scope, element: Element, name: str) -> tuple[Leaf, ...]:
+    """Return the value of a `<param>` as leaves."""
     kind = (element.attributes.get("type") or "auto").lower().strip()
     given = [source for source in _SOURCES if source in element.attributes]
     if len(given) != 1:
@@ -165,18 +199,26 @@ def _content(state: State, scope: Scope, element: Element, text: str, *, is_text
     return ("", "the file cannot be read") if data is None else (data.decode(), None)
 
 
-def _printed(state: State, scope: Scope, element: Element, command: str) -> tuple[str, str | None]:
-    """Return what a command prints where that is the content of a file, or why it is not known."""
+def _words(state: State, scope: Scope, element: Element, command: str) -> list[str]:
+    """Return the words of a command, what only starts its program left out; none of one that is wrong."""
     try:
         words = shlex.split(_ROSPACK.sub(rf"{SCHEME}\1", command))
     except ValueError as error:
         state.refused(scope, element, f"the command is wrong: {error}")
+        return []
+    while words and words[0].rpartition("/")[2] in _RUN:
+        words = words[2:] if words[0].endswith("rosrun") else words[1:]
+    return words
+
+
+def _printed(state: State, scope: Scope, element: Element, command: str) -> tuple[str, str | None]:
+    """Return what a command prints where that is the content of a file, or why it is not known."""
+    words = _words(state, scope, element, command)
+    if not words:
         return "", "its command is wrong"
     if len(words) == 2 and words[0].rpartition("/")[2] == "cat":  # noqa: PLR2004 - cat FILE
         return _content(state, scope, element, words[1], is_text=True)
-    while words and words[0].rpartition("/")[2] in _RUN:
-        words = words[2:] if words[0].endswith("rosrun") else words[1:]
-    if words and words[0].rpartition("/")[2] in _XACRO:
+    if words[0].rpartition("/")[2] in _XACRO:
         file = next((word for word in words[1:] if not word.startswith("-") and ":=" not in word), None)
         if file is not None:
             _, reason = state.locate(scope, element.line, file)

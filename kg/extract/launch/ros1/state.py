@@ -9,6 +9,7 @@ from kg.extract.launch.files import SCHEME
 from kg.extract.launch.ros1.substitute import Substituter
 from kg.extract.launch.ros1.texts import HOLE, canonical, join, shown
 from kg.extract.launch.ros1.values import truth
+from kg.extract.launch.xacro.plugins import Descriptions
 from kg.facts import LaunchInclude, LaunchParameter, LaunchProblem, LaunchProblemKind, Location, StartedNode
 
 if TYPE_CHECKING:
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from kg.extract.launch.ros1.document import Element
     from kg.extract.launch.ros1.parameterfile import Leaf
     from kg.extract.launch.ros1.scope import Scope
+    from kg.facts import LaunchPlugin
 
 __all__ = ["State"]
 
@@ -46,6 +48,9 @@ class State:
         self.machine: str | None = None
         """The default machine; a later one is in force to the end, whatever scope it stands in."""
         self.machines: dict[str, dict[str, str | None]] = {}
+        self.plugins: dict[str, tuple[LaunchPlugin, ...]] = {}
+        """Those in the robot descriptions that parameters hold."""
+        self.descriptions = Descriptions(files, root, environment)
         self._substituter = Substituter(files, environment)
         self.is_whole = True
         """Nothing was left out because of a limit, so that what is not found is not there."""
@@ -142,6 +147,9 @@ class State:
             name = join(name, key)
         if len(self.parameters) < _MOST_PARAMETERS:
             absolute = shown(canonical(name))
+            self.plugins.pop(absolute, None)
+            if leaf.plugins:
+                self.plugins[absolute] = tuple(replace(one, parameter=absolute) for one in leaf.plugins)
             self.parameters.append(
                 LaunchParameter(absolute, leaf.value, location, chain, leaf.type, leaf.reason or reason)
             )
