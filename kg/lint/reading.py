@@ -98,6 +98,7 @@ def _finding(row: Any, found: _Found) -> Finding:
     mending = next((place for at, place in places if at), None)
     others = dict.fromkeys(place for at, place in places if not at)
     return Finding(
+        iri=iri,
         code=row["code"].value,
         rule=row["rule"].value if row["rule"] else "",
         severity=severity if severity in SEVERITIES else "warning",

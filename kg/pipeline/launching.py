@@ -60,9 +60,8 @@ def find(graph: Queryable, text: str, roots: Mapping[str, str]) -> SystemName:
     if len(found) == 1:
         return found[0]
     if not found:
-        hint = (
-            did_you_mean(wanted, [one.name for one in names]) or "`kg instances` lists the launch files of the store."
-        )
+        known = [one.name for one in names] + [one.name.rpartition("/")[2] for one in names]
+        hint = did_you_mean(wanted, known) or "`kg instances` lists the launch files of the store."
         place = Place(text) if Path(text).exists() else None
         raise UnknownNameError("KG422", f"the store has no launch file `{text}`", place=place, hint=hint)
     ways = "\n".join(f"`--launch {one.name}`  ({one.repository}:{one.path})" for one in found[:_SHOWN])

@@ -44,6 +44,9 @@ Baseline = Annotated[
 WriteBaseline = Annotated[
     str | None, typer.Option("--write-baseline", metavar="FILE", help="Write the findings there, for --baseline.")
 ]
+Why = Annotated[
+    bool, typer.Option("--why", help="Prove each finding, down to the rule and the lines, as `kg why` does.")
+]
 Xunit = Annotated[
     str | None, typer.Option("--xunit-file", metavar="FILE", help="Also write the results as a test of ament.")
 ]
@@ -64,6 +67,7 @@ def lint(  # noqa: PLR0913 - the options of a command
     baseline: Baseline = None,
     write_baseline: WriteBaseline = None,
     xunit_file: Xunit = None,
+    why: Why = False,
     json: Json = False,
     rules: Rules = None,
     rule_families: Families = None,
@@ -88,6 +92,9 @@ def lint(  # noqa: PLR0913 - the options of a command
             raise UsageError("KG003", f"`{word}` is no {what}", hint=f"One of {', '.join(allowed)}.")
     if launch is None and (arg or env):
         raise UsageError("KG003", "arguments are for one launch file", hint="Name it with `--launch FILE`.")
+    if why and (arg or env or form != "text"):
+        hint = "Leave out --arg and --env, whose systems are not kept, and other formats than text."
+        raise UsageError("KG003", "only what the store holds can be proven, and only as text", hint=hint)
     from kg.lint.running import Question  # noqa: PLC0415 - start-up time
     from kg.pipeline.launching import pairs  # noqa: PLC0415 - start-up time
 
@@ -103,7 +110,11 @@ def lint(  # noqa: PLR0913 - the options of a command
         pairs(env or (), "="),
     )
     settings = session(context).settings(store=store, rules=rules, rule_families=rule_families, jobs=jobs)
-    checked = _checked(settings, [Path(path) for path in paths or ()], question, "" if write_baseline else form)
+    settings, checked = _checked(
+        settings, [Path(path) for path in paths or ()], question, "" if write_baseline else form
+    )
+    if why:
+        _prove(context, checked, settings)
     if xunit_file:
         _write_xunit(checked, Path(xunit_file), perf_counter() - began)
     if write_baseline:
@@ -112,8 +123,18 @@ def lint(  # noqa: PLR0913 - the options of a command
         raise typer.Exit(Exit.FOUND)
 
 
-def _checked(settings: "Settings", paths: list[Path], question: "Question", form: str) -> "Checked":
-    """Read what has to be read, write the findings, and return them."""
+def _prove(context: typer.Context, checked: "Checked", settings: "Settings") -> None:
+    """Show the proof of each finding."""
+    from kg.cli.commands.why import why as prove  # noqa: PLC0415 - start-up time
+    from kg.store.opening import layout_of  # noqa: PLC0415 - start-up time
+
+    for finding in checked.report.findings:
+        write("")
+        prove(context, [f"<{finding.iri}>", "rdf:type", "rnkg:Finding"], store=str(layout_of(settings).root))
+
+
+def _checked(settings: "Settings", paths: list[Path], question: "Question", form: str) -> "tuple[Settings, Checked]":
+    """Read what has to be read, write the findings, and return them, with the settings for their store."""
     from kg.lint.running import check_store  # noqa: PLC0415 - start-up time
 
     if paths:
@@ -126,7 +147,7 @@ def _checked(settings: "Settings", paths: list[Path], question: "Question", form
     folder = paths[0] if paths and paths[0].is_dir() else Path.cwd()
     checked = check_store(settings, question, folder.absolute())
     _write(checked, form)
-    return checked
+    return settings, checked
 
 
 def _read(settings: "Settings", paths: list[Path]) -> "Settings":
