@@ -128,14 +128,14 @@ class Unknown:
 Value: TypeAlias = "Text | Number | Truth | Sequence | Mapping | Handle | Unknown"
 
 
-COMMAND_LINE: Final = Text((HOLE,), Resolution.LAUNCH_ARGUMENT, "argv", "it is given on the command line")
+COMMAND_LINE: Final = Text((HOLE,), Resolution.LAUNCH_ARGUMENT, reason="the whole command line gives it")
 """The arguments of the program, the program itself first."""
 
 
-def argument_at(index: Value) -> Text:
+def argument_at(index: object) -> Text:
     """Return one of the arguments of the program: `argv[1]` stands for its parameter."""
     if not isinstance(index, Number) or index.value < 1:
-        return replace(COMMAND_LINE, parameter=None)
+        return replace(COMMAND_LINE, reason="it is given on the command line")
     name = f"argv[{int(index.value)}]"
     return replace(COMMAND_LINE, parameter=name, reason=f"it is the argument {name} of the command line")
 

@@ -49,7 +49,7 @@ def named(declared: Interface, node: NodeType, setting: LaunchParameter | None) 
     if value is None:
         unknown = setting.reason or f"the value of the parameter {setting.name} is not known before run time"
         return Named(_put(before, _HOLE, after), Resolution.PARTIAL, setting, unknown)
-    if not value.strip():
+    if not value.strip() and not (before + after).strip("/~"):
         empty = f"the parameter {setting.name} is empty"
         return Named(None, Resolution.UNRESOLVED, setting, empty)
     name = _put(before, value.strip(), after)

@@ -102,9 +102,9 @@ class Containers(Conditions):
                 else [(COMPUTED, choice)]
             )
         if isinstance(value, Dotted) and value.path == "sys.argv":
-            return [(argument_at(key) if isinstance(key, Number) else COMMAND_LINE, choice)]
+            return [(argument_at(key), choice)]
         if value == COMMAND_LINE:
-            return [(argument_at(key) if isinstance(key, Number) else value, choice)]
+            return [(argument_at(key), choice)]
         return self.stored(key, held, frame, choice) or [(part_of(value), choice)]
 
     def any_item(self, value: Table, place: tuple[int, int], choice: Choice) -> Alternatives:

@@ -180,7 +180,7 @@ class Library(Lookups):
         if key not in self._options:
             self._options[key] = {}
             self._options[key] = self._read_options(parsed)
-        return self._options[key].get(name, replace(COMMAND_LINE, parameter=None))
+        return self._options[key].get(name, replace(COMMAND_LINE, reason="it is given on the command line"))
 
     def _read_options(self, parsed: ArgumentsParsed) -> dict[str, Thing]:
         found: dict[str, Thing] = {}
