@@ -6,7 +6,10 @@ Private names are written `~/name` throughout `kg`; ROS 1 code says `~name`, ROS
 
 from __future__ import annotations
 
-__all__ = ["join", "normalise", "resolve"]
+import re
+from functools import lru_cache
+
+__all__ = ["is_for_node", "join", "normalise", "resolve"]
 
 
 def normalise(name: str) -> str:
@@ -36,3 +39,24 @@ def resolve(name: str, node: str, namespace: str = "/") -> str:
     if written.startswith("~"):
         return normalise(f"/{namespace}/{node}/{written[1:]}")
     return normalise(f"/{namespace}/{written}")
+
+
+def is_for_node(key: str, full: str) -> bool | None:
+    """Tell whether a key of a ROS 2 parameter file is for the node `full`; None where that hangs on a `{}` in its name.
+
+    Source: `rclcpp::parameter_map_from`, where `/*` stands for one part of a name and `/**` for any number of them.
+    """
+    absolute = "/" + key.strip("/")
+    if "{}" not in full:
+        return full == absolute or ("*" in absolute and bool(_pattern(absolute).fullmatch(full)))
+    if absolute == "/**":
+        return True
+    possible = re.compile(".*".join(re.escape(part) for part in full.split("{}")), re.DOTALL)
+    return None if "*" in absolute or possible.fullmatch(absolute) else False
+
+
+@lru_cache(maxsize=1024)
+def _pattern(key: str) -> re.Pattern[str]:
+    r"""Return the expression that a key with wildcards means; a part of a name is `\w+`."""
+    meant = {"/**": r"(?:/\w+)*", "/*": r"/\w+"}
+    return re.compile("".join(meant.get(piece) or re.escape(piece) for piece in re.split(r"(/\*\*|/\*)", key)))

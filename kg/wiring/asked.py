@@ -56,20 +56,23 @@ class Asked:
             name = parameter.name
             if name is None:
                 continue
-            if plugin.framework.each is None or name.startswith(("/", "~")):
-                self._add(self._of_plugin(name, plugin, place), parameter, owner)
+            if self._ros != 1 or plugin.framework.each is None or name.startswith(("/", "~")):
+                for known in self._of_loaded(name, plugin) if self._ros != 1 else [self._absolute(name, place)]:
+                    self._add(known, parameter, owner)
                 continue
             for identifier in ids:
                 below = plugin.framework.below.replace("{id}", identifier)
-                self._add(self._of_plugin(f"~/{below}/{name}", plugin, place), parameter, owner)
+                self._add(self._absolute(f"~/{below}/{name}", place), parameter, owner)
 
-    def _of_plugin(self, name: str, plugin: Loaded, place: Place) -> str:
-        if self._ros == 1:
-            return self._absolute(name, place)
-        own = name.removeprefix("~/").replace("/", ".")
+    def _of_loaded(self, name: str, plugin: Loaded) -> Iterator[str]:
+        """Yield the absolute names that a parameter of a plugin may have in ROS 2: of its own, or of the node."""
+        full, own = self._place.full, name.removeprefix("~/").replace("/", ".")
+        if plugin.framework.each is not None or not own.startswith("{}."):
+            yield f"{full}/{plugin.id}.{own}"
         if own.startswith("{}."):
-            return f"{self._place.full}/{plugin.id}{own.removeprefix('{}')}"
-        return f"{self._place.full}/{own}" if not name.startswith("~/") else f"{self._place.full}/{plugin.id}.{own}"
+            yield f"{full}/{plugin.id}{own.removeprefix('{}')}"
+        elif not name.startswith("~/"):
+            yield f"{full}/{own}"
 
     def _absolute(self, name: str, place: Place) -> str:
         if self._ros == 1:

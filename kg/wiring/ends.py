@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import InstanceInterface, Resolution
@@ -12,9 +12,10 @@ from kg.wiring.naming import Named, named
 from kg.wiring.values import parsed, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from kg.facts import Interface, Location, NodeReference, NodeType
+    from kg.wiring.inner import Spelling
     from kg.wiring.place import Place
     from kg.wiring.plugins import Framework, Loaded
     from kg.wiring.qos import Overrides
@@ -37,6 +38,10 @@ class Ends:
     settings: Settings
     remapping: Remapping
     overrides: Overrides
+    spelling: Spelling | None = None
+    """How names change in a node that is made under another name than its type gives itself."""
+    defaults: Mapping[str, str | None] = field(default_factory=dict)
+    """What the node's own parameters are by default, which its plugins may ask for."""
 
     def of_node(self, owner: NodeReference, node: NodeType) -> Iterator[InstanceInterface]:
         """Yield what the node type declares."""
@@ -45,6 +50,11 @@ class Ends:
         for declared in meant(node.interfaces, self.settings):
             if declared.name is not None and (declared.implicit or declared.name.endswith(_CAMERA_INFO)):
                 later.append(declared)
+                continue
+            spelled = self.spelling.names(declared) if self.spelling is not None else None
+            if spelled is not None:
+                for one in spelled:
+                    yield self._placed(declared, owner, Named(one, Resolution.CONSTANT), self.place)
                 continue
             for value, whole in members(declared, node, self.settings, self.place):
                 name = named(declared, node, value)
@@ -82,11 +92,22 @@ class Ends:
                 continue
             if declared.location.path.endswith(framework.foreign or ("\0",)):
                 continue
-            if framework.each is not None and declared.name is None and _relative(declared.parameter):
+            if framework.each is not None and declared.name is None and _of_element(declared.parameter, node):
                 yield from self._for_each(declared, plugin.found, framework, place)
                 continue
             own = self.place if declared.name in framework.shared else place
-            yield self._placed(declared, owner, self._named(declared, node, declared.parameter, place), own)
+            parameter = _below_id(declared.parameter, node)
+            name = self._named(declared, node, parameter, place)
+            if name.parameter is None and node.ros != 1 and "{}" in (name.name or "{}"):
+                name = self._by_default(declared, parameter) or name
+            yield self._placed(declared, owner, name, own)
+
+    def _by_default(self, declared: Interface, parameter: str | None) -> Named | None:
+        """Return the name that a parameter of the node gives to an interface of a plugin where nothing sets it."""
+        value = shown(self.defaults.get(parameter or ""))
+        if not value or value.startswith("{}"):
+            return None
+        return Named((declared.name or "{}").replace("{}", value), Resolution.PARAMETER_DEFAULT)
 
     def _for_each(
         self, declared: Interface, typed: Typed, framework: Framework, place: Place
@@ -99,7 +120,8 @@ class Ends:
                 chosen = shown(setting.value) if setting is not None else framework.otherwise
                 if chosen is not None and declared.type.rpartition("/")[2] != chosen:
                     continue
-            name = self._named(declared, node, f"{below}/{declared.parameter}", place)
+            asked = (declared.parameter or "").removeprefix("{}." if node.ros != 1 else "")
+            name = self._named(declared, node, f"{below}/{asked}", place)
             if name.parameter is None:
                 name = Named(identifier, Resolution.PARAMETER_DEFAULT)
             elif name.resolution is Resolution.PARTIAL and name.name is not None and "{}" not in name.name:
@@ -156,8 +178,18 @@ def ids_of(framework: Framework, settings: Settings, place: Place) -> list[str]:
     return [str(item) for item in value] if isinstance(value, list) else []
 
 
-def _relative(name: str | None) -> bool:
-    return name is not None and not name.startswith(("/", "~"))
+def _below_id(parameter: str | None, node: NodeType) -> str | None:
+    """Return the parameter of a plugin whose name begins with the id under which it is loaded, as one of its own."""
+    if parameter is None or node.ros == 1 or not parameter.startswith("{}."):
+        return parameter
+    return f"~/{parameter.removeprefix('{}.')}"
+
+
+def _of_element(parameter: str | None, node: NodeType) -> bool:
+    """Tell whether a parameter of a plugin is one of each element of its list (`topic`, in ROS 2 `{}.topic`)."""
+    if parameter is None or parameter.startswith(("/", "~")):
+        return False
+    return node.ros == 1 or parameter.startswith("{}.")
 
 
 def _handle(declared: Interface, node: NodeType) -> str | None:

@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import Access, InstanceRemap, NodeInstance, Resolution, StartKind
 from kg.wiring.asked import Asked
 from kg.wiring.ends import Ends
+from kg.wiring.inner import Spelling, addressed, filled_defaults, inner_nodes, without_inner
 from kg.wiring.place import Place, place_of
 from kg.wiring.plugins import Loaded, loaded_plugins
 from kg.wiring.qos import Overrides
 from kg.wiring.remapping import Remapping, Rule, rules_of
 from kg.wiring.similar import Alike
+from kg.wiring.simulation import Simulated, own_ends
+from kg.wiring.types import own_name
 from kg.wiring.values import Server, Settings, parsed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from kg.facts import InstanceInterface, LaunchParameter, MissingType, NodeType, Remap, StartedNode
+    from kg.wiring.inner import Inner
     from kg.wiring.types import NodeTypes, Typed
 
 __all__ = ["Draft", "draft_of", "finished", "loads"]
@@ -35,6 +39,7 @@ class Draft:
     """An instance while it is made: what is found of one node before all nodes of the configuration are known."""
 
     started: StartedNode
+    """With those parameters only that are for this node of its process."""
     place: Place
     ros: int
     typed: Typed | None
@@ -45,18 +50,49 @@ class Draft:
     set_here: list[tuple[str, LaunchParameter]] = field(default_factory=list)
     """Parameters set for it, by absolute name."""
     used: set[Remap] = field(default_factory=set)
-    """Its remappings that changed a name, here or in a nodelet that it manages."""
+    """Its remappings that changed a name, here, in a nodelet that it manages, or in a node that it makes."""
+    makes: tuple[Inner, ...] = ()
+    """The nodes that it makes itself."""
+    made_by: Inner | None = None
+    """What says that another node makes it."""
+    process: str | None = None
+    """What has the command line that such a node gets, by absolute name."""
+    written: StartedNode | None = None
+    """The node as the configuration starts it; none does that with a node that another makes."""
+    for_many: set[LaunchParameter] = field(default_factory=set)
+    """Parameters that such a node is given with many others, so that it need not have them."""
+    defaults: dict[str, str | None] = field(default_factory=dict)
+    """What its parameters are by default, by names relative to the node, as YAML."""
+    repository: str = ""
+    """The source of the configuration."""
+    simulated: list[Simulated] = field(default_factory=list)
+    """Plugins of robot descriptions that run in it."""
 
 
-def draft_of(started: StartedNode, types: NodeTypes, repository: str, ros: int) -> Draft:
+def draft_of(started: StartedNode, types: NodeTypes, repository: str, ros: int, made_by: Inner | None = None) -> Draft:
     """Return what is known of a node by itself: its type, its place and its rules."""
     typed, missing, reason = types.of(started, repository)
     place = place_of(started, typed[1] if typed is not None else None)
-    draft = Draft(started, place, ros, typed, missing, reason, rules_of(started.remaps, place, ros))
+    makes = inner_nodes(typed) if made_by is None else ()
+    if typed is not None and makes:
+        typed = typed[0], without_inner(typed[1], makes)
+    written = started
     if ros != 1:
-        draft.set_here = [
-            (f"{place.full}/{given.name.lstrip('~/')}", given) for given in _last_each(started.parameters)
-        ]
+        given = addressed(written.parameters, place.full, alone=made_by is None)
+        started = replace(started, parameters=tuple(_last_each(given)))
+    draft = Draft(started, place, ros, typed, missing, reason, rules_of(started.remaps, place, ros))
+    draft.makes, draft.made_by, draft.repository = makes, made_by, repository
+    if made_by is None:
+        draft.written = written
+    else:
+        for_many = (one for one in written.parameters if "*" in (one.node or ""))
+        draft.for_many.update(addressed(for_many, place.full, alone=False))
+    if typed is not None:
+        draft.defaults.update(_defaults(typed[1]))
+    if made_by is not None:
+        draft.defaults.update(filled_defaults(made_by, place))
+    if ros != 1:
+        draft.set_here = [(f"{place.full}/{given.name.lstrip('~/')}", given) for given in started.parameters]
     return draft
 
 
@@ -66,14 +102,21 @@ def _last_each(parameters: Iterable[LaunchParameter]) -> list[LaunchParameter]:
 
 def loads(draft: Draft, types: NodeTypes, repository: str) -> None:
     """Add the plugins that the parameters of an instance name, those that it declares by default among them."""
-    values: dict[str, str | None] = {}
-    if draft.typed is not None:
-        values.update(_defaults(draft.typed[1]))
+    values: dict[str, str | None] = dict(draft.defaults)
     below = f"{draft.place.full}/"
     values.update({name.removeprefix(below): given.value for name, given in draft.set_here})
     if values:
         package = draft.started.package
-        draft.plugins += loaded_plugins(values, types, repository, draft.ros, package)
+        found = loaded_plugins(values, types, repository, draft.ros, package)
+        draft.plugins += (_outside(plugin, draft.makes) for plugin in found)
+
+
+def _outside(plugin: Loaded, makes: tuple[Inner, ...]) -> Loaded:
+    """Return a plugin without what stands in the code of the inner nodes that it is handed."""
+    if plugin.found is None or not makes:
+        return plugin
+    owner, node = plugin.found
+    return replace(plugin, found=(owner, without_inner(node, makes)))
 
 
 def _defaults(node: NodeType) -> dict[str, str | None]:
@@ -92,7 +135,8 @@ def finished(draft: Draft, server: Server | None, host: Draft | None) -> NodeIns
     remapping = Remapping((*draft.rules, *above), draft.ros)
     settings = Settings(server if draft.ros == 1 else None, draft.started, remapping)
     overrides = Overrides(settings.own)
-    interfaces = _interfaces(draft, Ends(draft.place, settings, remapping, overrides))
+    ends = Ends(draft.place, settings, remapping, overrides, _spelling(draft), draft.defaults)
+    interfaces = _interfaces(draft, ends)
     asked = Asked(draft.place, draft.ros, remapping)
     if draft.typed is not None:
         owner, node = draft.typed
@@ -101,30 +145,43 @@ def finished(draft: Draft, server: Server | None, host: Draft | None) -> NodeIns
         asked.add_of_framework(overrides.names, node, owner, "qos_overrides")
     for plugin in draft.plugins:
         asked.add_plugin(plugin, settings)
-    parameters = tuple(asked.settled(draft.set_here))
+    parameters = tuple(one for one in asked.settled(draft.set_here) if one.declared or one.set not in draft.for_many)
     draft.used |= remapping.used
     if host is not None:
         host.used |= remapping.used
     return NodeInstance(
         name=draft.place.full,
         namespace=draft.place.namespace,
-        started=draft.started,
+        started=draft.written or draft.started,
         type=draft.typed[0] if draft.typed is not None else None,
         reason=draft.reason,
         plugins=tuple(dict.fromkeys(plugin.found[0] for plugin in draft.plugins if plugin.found is not None)),
         host=draft.started.host,
         interfaces=interfaces,
         parameters=parameters,
-        remaps=_remaps(draft, interfaces),
+        remaps=tuple(one for one in _remaps(draft, interfaces) if one.used or draft.made_by is None),
         complete=_complete(draft, interfaces),
         missing=draft.missing,
     )
+
+
+def _spelling(draft: Draft) -> Spelling | None:
+    """Return how names change in a node that another makes."""
+    if draft.made_by is None or draft.typed is None:
+        return None
+    row = draft.made_by
+    ids = (one.id for one in draft.plugins if one.parameter.startswith(one.id) and one.class_name not in row.unless)
+    return Spelling(row, own_name(draft.typed[1]), draft.place.name, tuple(ids))
 
 
 def _interfaces(draft: Draft, ends: Ends) -> tuple[InstanceInterface, ...]:
     found = list(ends.of_node(*draft.typed)) if draft.typed is not None else []
     for plugin in draft.plugins:
         found += ends.of_plugin(plugin)
+    if draft.typed is None:
+        found += own_ends(draft.started, draft.place, ends.remapping, draft.ros, draft.repository)
+    for simulated in draft.simulated:
+        found += simulated.ends(draft.place, ends.remapping)
     return tuple(dict.fromkeys(found))
 
 

@@ -6,32 +6,27 @@ The table is `ontology/plugins.toml`; its head explains it.
 from __future__ import annotations
 
 import re
-import tomllib
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any, Final
 
-from kg.errors import Place as ErrorPlace
-from kg.errors import UsageError
 from kg.facts import NodeKind
 from kg.names import normalise
-from kg.resources import folder
 from kg.wiring.place import Place
+from kg.wiring.table import rows
 from kg.wiring.types import class_name
 from kg.wiring.values import parsed
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
-    from pathlib import Path
 
     from kg.wiring.types import NodeTypes, Typed
 
-__all__ = ["Framework", "Loaded", "framework_of", "load_table", "loaded_plugins", "table"]
+__all__ = ["Framework", "Loaded", "framework_of", "loaded_plugins", "table"]
 
-_TABLE_FILE: Final = "plugins.toml"
 _CLASS: Final = re.compile(r"[A-Za-z]\w*(?:(?:::|/)[A-Za-z]\w*)+")
 _CLASS_KEYS: Final = ("type", "plugin")
-_LISTS: Final = ("plugins", "_ids")
+_LISTS: Final = ("plugins", "_ids", "filters", "navigators")
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,18 +155,4 @@ def _last(kind: str) -> str:
 @cache
 def table() -> dict[tuple[str, int], Framework]:
     """Return the rows of the table by base class and version of ROS."""
-    return {(row.base, row.ros): row for row in load_table(folder("ontology") / _TABLE_FILE)}
-
-
-def load_table(path: Path) -> tuple[Framework, ...]:
-    """Return the rows of a table file; a `UsageError` KG002 names what is wrong with one that cannot be used."""
-    try:
-        return tuple(_row(row) for row in tomllib.loads(path.read_text("utf-8"))["plugin"])
-    except (OSError, KeyError, TypeError, ValueError) as error:
-        message = f"the table of plugins cannot be used: {error}"
-        raise UsageError("KG002", message, place=ErrorPlace(str(path))) from error
-
-
-def _row(row: dict[str, Any]) -> Framework:
-    fields: dict[str, Any] = {key: tuple(value) if isinstance(value, list) else value for key, value in row.items()}
-    return Framework(**fields)
+    return {(row.base, row.ros): row for row in rows("plugin", Framework)}

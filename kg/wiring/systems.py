@@ -7,12 +7,17 @@ from typing import TYPE_CHECKING
 
 from kg.facts import System
 from kg.wiring.controllers import attach
+from kg.wiring.inner import started_inner
 from kg.wiring.instances import draft_of, finished, loads
 from kg.wiring.near import near_misses
+from kg.wiring.simulation import simulate
 from kg.wiring.values import Server
 
 if TYPE_CHECKING:
-    from kg.facts import LaunchConfiguration, Location, NodeInstance
+    from collections.abc import Sequence
+
+    from kg.facts import LaunchConfiguration, Location, NodeInstance, StartedNode
+    from kg.wiring.instances import Draft
     from kg.wiring.types import NodeTypes
 
 __all__ = ["wire"]
@@ -26,6 +31,8 @@ def wire(configuration: LaunchConfiguration, types: NodeTypes) -> System:
     """
     repository, ros = configuration.repository, configuration.ros
     drafts = [draft_of(started, types, repository, ros) for started in configuration.nodes]
+    if ros != 1:
+        drafts = _with_inner(drafts, configuration.nodes, types, repository)
     server = Server(configuration.parameters) if ros == 1 else None
     shared: list[str] = []
     if server is not None:
@@ -36,12 +43,13 @@ def wire(configuration: LaunchConfiguration, types: NodeTypes) -> System:
         loads(draft, types, repository)
     if server is not None:
         attach(drafts, server, types, repository)
+    simulate(drafts, configuration)
     by_name = {draft.place.full: draft for draft in reversed(drafts)}
     made: dict[int, NodeInstance] = {}
     # Guests first: what they use of the rules of their manager counts as used by it.
     for index in sorted(range(len(drafts)), key=lambda at: drafts[at].started.host is None):
         draft = drafts[index]
-        made[index] = finished(draft, server, by_name.get(draft.started.host or ""))
+        made[index] = finished(draft, server, by_name.get(draft.process or draft.started.host or ""))
     used = {rule.location for draft in drafts for rule in draft.used}
     instances = tuple(_without_shared(made[index], used) for index in range(len(drafts)))
     return System(
@@ -50,6 +58,24 @@ def wire(configuration: LaunchConfiguration, types: NodeTypes) -> System:
         similar=near_misses(instances, ros),
         shared_parameters=tuple(server.all[name] for name in shared) if server is not None else (),
     )
+
+
+def _with_inner(
+    drafts: Sequence[Draft], nodes: Sequence[StartedNode], types: NodeTypes, repository: str
+) -> list[Draft]:
+    """Return the nodes, each followed by those that it makes; these get the command line of the whole process."""
+    lines = {draft.place.full: started for draft, started in zip(drafts, nodes, strict=True)}
+    found = []
+    for draft, started in zip(drafts, nodes, strict=True):
+        found.append(draft)
+        process = started.host or draft.place.full
+        for row in draft.makes:
+            inner = draft_of(
+                started_inner(row, started, draft.place, lines.get(process)), types, repository, draft.ros, row
+            )
+            inner.process = process
+            found.append(inner)
+    return found
 
 
 def _without_shared(instance: NodeInstance, used: set[Location]) -> NodeInstance:

@@ -114,7 +114,12 @@ class Settings:
             return LaunchParameter(name, written, self._started.location, self._started.chain, "string")
         if self._server is not None:
             return self._server.all.get(self._remapping.parameter(place.resolve(name)))
-        return self.own.get(name.removeprefix("~/").lstrip("/"))
+        plain = name.removeprefix("~/").lstrip("/")
+        prefix = _prefix(place)
+        if not prefix:
+            return self.own.get(plain)
+        below = f"{prefix}.{plain.replace('/', '.')}"
+        return self.own.get(below) if name.startswith("~") else self.own.get(below) or self.own.get(plain)
 
     def absolute(self, name: str, place: Place) -> str:
         """Return the absolute name of a parameter that code of the instance asks for as `name`."""
@@ -131,6 +136,12 @@ class Settings:
             absolute = self.absolute(name, place)
             if pattern.fullmatch(absolute):
                 yield absolute, given
+
+
+def _prefix(place: Place) -> str:
+    """Return what the names of a plugin's parameters begin with in ROS 2 (`FollowPath`)."""
+    private = place.private or place.full
+    return private.removeprefix(f"{place.full}/").replace("/", ".") if private != place.full else ""
 
 
 def _words(arguments: Iterable[str]) -> list[str]:

@@ -92,7 +92,8 @@ def _parameter(one: str | Mapping[str, Any]) -> Parameter:
 
 def _given(name: str, value: object) -> LaunchParameter:
     text = None if value == "?" else yaml.safe_dump(value, default_flow_style=True, width=10_000).strip()
-    return LaunchParameter(name, text.removesuffix("\n...") if text is not None else None, _LINE)
+    node, _, name = name.rpartition(":")
+    return LaunchParameter(name, text.removesuffix("\n...") if text is not None else None, _LINE, node=node or None)
 
 
 def started(row: Mapping[str, Any]) -> StartedNode:

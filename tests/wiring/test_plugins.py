@@ -10,8 +10,10 @@ from kg.errors import UsageError
 from kg.facts import Location as Where
 from kg.facts import NodeKind, NodeReference, NodeType
 from kg.wiring import NodeTypes
+from kg.wiring.inner import Inner
 from kg.wiring.place import Place
-from kg.wiring.plugins import load_table, loaded_plugins, table
+from kg.wiring.plugins import Framework, loaded_plugins, table
+from kg.wiring.table import load_rows, rows
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -38,6 +40,7 @@ def test_the_table_can_be_used_and_says_where_it_is_from() -> None:
     """Each row of the table of the installation has a base class and a source."""
     assert table()
     assert all(row.base and row.source and row.ros in {1, 2} for row in table().values())
+    assert all(row.of and row.name and row.source and row.ros in {1, 2} for row in rows("inner", Inner))
 
 
 @pytest.mark.parametrize(
@@ -48,7 +51,7 @@ def test_a_table_that_cannot_be_used_is_named(tmp_path: Path, text: str) -> None
     path = tmp_path / "plugins.toml"
     path.write_text(text, "utf-8")
     with pytest.raises(UsageError) as caught:
-        load_table(path)
+        load_rows(path, "plugin", Framework)
     assert caught.value.code == "KG002"
     assert caught.value.place is not None
     assert caught.value.place.path == str(path)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from kg.extract.launch.ros2.context import Context
 from kg.extract.launch.ros2.execute import run
+from kg.extract.launch.ros2.parameters import without_others
 from kg.extract.launch.ros2.read import read_actions
 from kg.facts import LaunchConfiguration, LaunchProblemKind
 
@@ -41,7 +42,7 @@ def evaluate(
         dialect=dialect,
         given=tuple(sorted(given.items())),
         arguments=tuple(found.arguments.values()),
-        nodes=tuple(found.nodes),
+        nodes=without_others(found.nodes),
         includes=tuple(found.includes),
         problems=tuple(found.problems),
         files=tuple((one.repository, one.path) for one in found.files),

@@ -1,9 +1,10 @@
-"""The parameters that a node is given: from whom, in which order, and which of a file's are its own.
+"""The parameters that the process of a node is given: from whom, and in which order.
 
 Source: `launch_ros.actions.Node` for the order, `rcl_yaml_param_parser` and `rclcpp`'s `resolve_parameter_overrides`
 for what counts: all files and values of a command line are merged by the name of node that they are written for, in
 the order in which those names come first. What is given by value to a node that is known by its full name is written
-for that name, else for all nodes.
+for that name, else for all nodes. Which of a file's are for a node is told by the name that it turns out to have; a
+process may have nodes that launch knows nothing of.
 """
 
 from __future__ import annotations
@@ -14,18 +15,19 @@ from typing import TYPE_CHECKING, Final
 from kg.extract.launch.ros2.actions import ParameterFile, ParameterValue
 from kg.extract.launch.ros2.context import HOLE, GlobalFile, place
 from kg.extract.launch.ros2.locate import read
-from kg.extract.launch.ros2.matching import fits
 from kg.extract.launch.ros2.parameter_files import Entry, entries, rewritten
 from kg.extract.launch.ros2.values import Performed, of_object, of_text
 from kg.facts import LaunchParameter, LaunchProblemKind
+from kg.names import is_for_node
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from kg.extract.launch.ros2.actions import ParameterSource
     from kg.extract.launch.ros2.context import Context
+    from kg.facts import StartedNode
 
-__all__ = ["Asked", "given_parameter", "node_parameters"]
+__all__ = ["Asked", "given_parameter", "node_parameters", "without_others"]
 
 _ALL: Final = "/**"
 _MOST: Final = 200_000
@@ -44,6 +46,11 @@ class Asked:
     whole: bool = True
     """Whether launch knows the full name, and writes values given to the node for that name alone."""
 
+    @property
+    def full(self) -> str | None:
+        """The absolute name, None where the node keeps its own."""
+        return f"{self.namespace.rstrip('/')}/{self.name}" if self.name else None
+
 
 def given_parameter(context: Context, parameter: ParameterValue) -> LaunchParameter:
     """Return a parameter given by value, as it is now."""
@@ -57,11 +64,11 @@ def given_parameter(context: Context, parameter: ParameterValue) -> LaunchParame
 def node_parameters(
     context: Context, asked: Asked, sources: Sequence[ParameterSource | LaunchParameter | GlobalFile]
 ) -> tuple[LaunchParameter, ...]:
-    """Return the parameters of a node in the order in which they are applied; of two of one name the later counts."""
+    """Return the parameters given to a node in the order in which they are applied, with the keys they stand below."""
     merged: dict[str, dict[str, LaunchParameter]] = {}
     for key, parameter in _written(context, asked, sources):
-        sure = _is_own(key, asked)
-        if sure is False:
+        own = _is_own(key, asked)
+        if asked.loaded and own is False:
             continue
         context.found.parameters += 1
         if context.found.parameters > _MOST:
@@ -69,22 +76,39 @@ def node_parameters(
             break
         known = merged.setdefault("" if asked.loaded else key, {})
         known.pop(parameter.name, None)
-        doubtful = f"it is for the node `{key}`, if this one is called so"
-        known[parameter.name] = parameter if sure else replace(parameter, value=None, reason=doubtful)
+        known[parameter.name] = parameter if own else replace(parameter, node=f"/{key.strip('/')}")
     return tuple(parameter for known in merged.values() for parameter in known.values())
 
 
+def without_others(nodes: Sequence[StartedNode]) -> tuple[StartedNode, ...]:
+    """Return nodes without the parameters that stand below the name of another of them: that one has them itself."""
+    names = {f"{node.namespace.rstrip('/')}/{node.name}" for node in nodes if node.name}
+    return tuple(
+        replace(node, parameters=tuple(given for given in node.parameters if given.node not in names))
+        if node.name and any(given.node in names for given in node.parameters)
+        else node
+        for node in nodes
+    )
+
+
 def _is_own(key: str, asked: Asked) -> bool | None:
-    if asked.loaded and "*" in key:
-        return key.strip("/") == "**"
-    return fits(key, asked.namespace, asked.name)
+    """Tell whether a key is that of the node alone; None where it may be for the node, or for others of its process."""
+    written = f"/{key.strip('/')}"
+    if written == asked.full:
+        return True
+    if not asked.loaded:
+        return None
+    if "*" in key:
+        return written == _ALL
+    possible = asked.full is not None and is_for_node(key, asked.full) is None
+    return None if possible else False
 
 
 def _written(
     context: Context, asked: Asked, sources: Iterable[ParameterSource | LaunchParameter | GlobalFile]
 ) -> Iterator[tuple[str, LaunchParameter]]:
     """Yield the parameters of all sources with the name of node that they are written for."""
-    own = f"{asked.namespace.rstrip('/')}/{asked.name}" if asked.name and asked.whole else _ALL
+    own = asked.full if asked.full is not None and asked.whole else _ALL
     for source in sources:
         if isinstance(source, LaunchParameter):
             yield _addressed(source)

@@ -22,7 +22,7 @@ from kg.extract.launch.ros2.read import dialect_of
 from kg.facts import Repository
 
 if TYPE_CHECKING:
-    from kg.facts import LaunchConfiguration, LaunchProblem, StartedNode
+    from kg.facts import LaunchConfiguration, LaunchParameter, LaunchProblem, StartedNode
 
 Record = dict[str, Any]
 
@@ -56,12 +56,17 @@ def node_record(node: StartedNode) -> Record:
         "line": node.location.line,
         "chain": [str(location) for location in node.chain],
         "remaps": [f"{remap.source} -> {remap.target}" for remap in node.remaps],
-        "parameters": [f"{given.name}: {given.value} @{given.location}" for given in node.parameters],
+        "parameters": [_parameter_text(given) for given in node.parameters],
         "types": [given.type for given in node.parameters],
         "values": {given.name: given.value for given in node.parameters},
         "arguments": list(node.arguments),
         "settings": dict(node.settings),
     }
+
+
+def _parameter_text(given: LaunchParameter) -> str:
+    below = f"{given.node}: " if given.node else ""
+    return f"{below}{given.name}: {given.value} @{given.location}"
 
 
 def problem_text(problem: LaunchProblem) -> str:
