@@ -5,20 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.compare.changes import Kind, Level
+from kg.facts import Role
 
 if TYPE_CHECKING:
     from kg.compare.changes import Difference
 
 __all__ = ["changed_keys", "changed_systems"]
 
-_CHANNELS: Final = {
-    "publishes": "topic",
-    "subscribes": "topic",
-    "services": "service",
-    "clients": "service",
-    "action_servers": "action",
-    "action_clients": "action",
-}
 _CAME_OR_WENT: Final = frozenset({Kind.NEW, Kind.GONE})
 
 
@@ -38,5 +31,5 @@ def changed_keys(difference: Difference, system: str) -> frozenset[str]:
             continue
         found.add(change.owner)
         if change.kind in {Kind.TYPE, Kind.QOS} and change.role:
-            found.add(f"{_CHANNELS[change.role]} {change.name}")
+            found.add(f"{Role(change.role).channel} {change.name}")
     return frozenset(found)

@@ -15,37 +15,30 @@ if TYPE_CHECKING:
 
     from kg.facts import InstanceInterface, LaunchParameter, NodeInstance, System
 
-__all__ = ["system_changes", "system_name"]
+__all__ = ["system_changes"]
 
 _Sides: TypeAlias = "tuple[Side | None, Side | None]"
-_GIVES: Final = {
-    Role.PUBLISHES: (Role.SUBSCRIBES, "topic"),
-    Role.CLIENTS: (Role.SERVICES, "service"),
-    Role.ACTION_CLIENTS: (Role.ACTION_SERVERS, "action"),
-}
-"""What gives to what, and the channel between them."""
-
-
-def system_name(system: System) -> str:
-    """Return the name of a configuration: its package and its path, `husky_bringup/launch/base.launch`."""
-    return system.configuration.name
 
 
 def system_changes(before: Iterable[System], after: Iterable[System], *, every: bool) -> Iterator[Change]:
     """Yield what differs between the systems of one name; a whole system that came or went is one change."""
-    for one, other in paired(sorted(before, key=_order), sorted(after, key=_order), system_name):
+    for one, other in paired(sorted(before, key=_order), sorted(after, key=_order), _name):
         if one and other:
             yield from _Systems(one, other, every=every).changes()
         elif system := one or other:
             launch = system.configuration
-            name = system_name(system)
+            name = launch.name
             side = Side(name, count(len(system.instances), "node"), Location(launch.path, 1), launch.repository)
             kind = Kind.GONE if one else Kind.NEW
             yield Change(Level.SYSTEM, kind, name, side if one else None, None if one else side, system=name)
 
 
+def _name(system: System) -> str:
+    return system.configuration.name
+
+
 def _order(system: System) -> tuple[str, str]:
-    return system_name(system), system.configuration.repository
+    return _name(system), system.configuration.repository
 
 
 class _Systems:
@@ -53,7 +46,7 @@ class _Systems:
 
     def __init__(self, before: System, after: System, *, every: bool) -> None:
         self._sides = (before, after)
-        self._name = system_name(after)
+        self._name = _name(after)
         self._every = every
 
     def changes(self) -> Iterator[Change]:
@@ -190,9 +183,9 @@ def _joined(
     for role, name, instance in ends:
         takers.setdefault((role, name), set()).add(instance)
     return {
-        (instance, _GIVES[role][1], name, target)
+        (instance, role.channel, name, target)
         for role, name, instance in ends
-        if role in _GIVES
-        for target in takers.get((_GIVES[role][0], name), ())
+        if role.outward
+        for target in takers.get((role.opposite, name), ())
         if target != instance
     }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Final
 
 # Imported when the module is, for the caches and property tests make facts from their annotations.
 from kg.facts.launch import LaunchConfiguration  # noqa: TC001 - see above
@@ -51,6 +52,32 @@ class Role(StrEnum):
     CLIENTS = "clients"
     ACTION_SERVERS = "action_servers"
     ACTION_CLIENTS = "action_clients"
+
+    @property
+    def channel(self) -> str:
+        """What it is an end of: a `topic`, `service` or `action`."""
+        return _ENDS[self][0]
+
+    @property
+    def outward(self) -> bool:
+        """Whether the node is the one that begins: it publishes or calls."""
+        return _ENDS[self][1]
+
+    @property
+    def opposite(self) -> Role:
+        """What a node at the other side of the channel does."""
+        return _ENDS[self][2]
+
+
+_ENDS: Final[dict[Role, tuple[str, bool, Role]]] = {
+    Role.PUBLISHES: ("topic", True, Role.SUBSCRIBES),
+    Role.SUBSCRIBES: ("topic", False, Role.PUBLISHES),
+    Role.SERVICES: ("service", False, Role.CLIENTS),
+    Role.CLIENTS: ("service", True, Role.SERVICES),
+    Role.ACTION_SERVERS: ("action", False, Role.ACTION_CLIENTS),
+    Role.ACTION_CLIENTS: ("action", True, Role.ACTION_SERVERS),
+}
+"""The channel of a role, whether it is outward, and its opposite."""
 
 
 class NodeKind(StrEnum):

@@ -15,10 +15,12 @@ from kg.graph import vocabulary as v
 from kg.graph.ntriples import boolean, integer, plain
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from kg.facts import Interface, Qos
     from kg.graph.scope import Scope
 
-__all__ = ["interface", "interface_type", "quality"]
+__all__ = ["SHAPES", "Shape", "interface", "interface_type", "quality"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,12 +33,14 @@ class _TypeShape:
 
 
 @dataclass(frozen=True, slots=True)
-class _Shape:
-    """How a role is written: the component, what it connects to, and the type of that."""
+class Shape:
+    """How a role is written: the component, what it connects to, and the type of that.
+
+    `component` is the part of an IRI, the classes and relations are terms; `type_kind` is msg, srv or action.
+    """
 
     component: str
     component_class: str
-    channel: str
     channel_class: str
     has_type: str
     channel_has_type: str
@@ -60,23 +64,23 @@ _TYPES: Final = {
         ),
     ),
 }
-_ON_TOPIC: Final = ("topic", v.TOPIC, v.ROS_HAS_MESSAGE, v.HAS_MESSAGE, "msg")
-_ON_SERVICE: Final = ("service", v.SERVICE, v.HAS_SERVICE_TYPE, v.HAS_SERVICE_TYPE, "srv")
-_ON_ACTION: Final = ("action", v.ACTION, v.HAS_ACTION_TYPE, v.HAS_ACTION_TYPE, "action")
-_SHAPES: Final = {
-    Role.PUBLISHES: _Shape("publisher", v.PUBLISHER, *_ON_TOPIC),
-    Role.SUBSCRIBES: _Shape("subscriber", v.SUBSCRIBER, *_ON_TOPIC),
-    Role.SERVICES: _Shape("service-server", v.SERVICE_SERVER, *_ON_SERVICE),
-    Role.CLIENTS: _Shape("service-client", v.SERVICE_CLIENT, *_ON_SERVICE),
-    Role.ACTION_SERVERS: _Shape("action-server", v.ACTION_SERVER, *_ON_ACTION),
-    Role.ACTION_CLIENTS: _Shape("action-client", v.ACTION_CLIENT, *_ON_ACTION),
+_ON_TOPIC: Final = (v.TOPIC, v.ROS_HAS_MESSAGE, v.HAS_MESSAGE, "msg")
+_ON_SERVICE: Final = (v.SERVICE, v.HAS_SERVICE_TYPE, v.HAS_SERVICE_TYPE, "srv")
+_ON_ACTION: Final = (v.ACTION, v.HAS_ACTION_TYPE, v.HAS_ACTION_TYPE, "action")
+SHAPES: Final[Mapping[Role, Shape]] = {
+    Role.PUBLISHES: Shape("publisher", v.PUBLISHER, *_ON_TOPIC),
+    Role.SUBSCRIBES: Shape("subscriber", v.SUBSCRIBER, *_ON_TOPIC),
+    Role.SERVICES: Shape("service-server", v.SERVICE_SERVER, *_ON_SERVICE),
+    Role.CLIENTS: Shape("service-client", v.SERVICE_CLIENT, *_ON_SERVICE),
+    Role.ACTION_SERVERS: Shape("action-server", v.ACTION_SERVER, *_ON_ACTION),
+    Role.ACTION_CLIENTS: Shape("action-client", v.ACTION_CLIENT, *_ON_ACTION),
 }
 _NAMELESS: Final = frozenset({Resolution.PARTIAL, Resolution.UNRESOLVED})
 
 
 def interface(scope: Scope, owner: str, fact: Interface) -> None:
     """Write one interface of the node whose IRI is `owner`."""
-    shape, writer = _SHAPES[fact.role], scope.writer
+    shape, writer = SHAPES[fact.role], scope.writer
     node, part = f"<{owner}>", scope.part(owner, shape.component, fact.name)
     writer.add(node, v.HAS_COMPONENT, part)
     writer.add(part, v.TYPE, shape.component_class)
@@ -89,7 +93,7 @@ def interface(scope: Scope, owner: str, fact: Interface) -> None:
     if kind:
         writer.add(part, shape.has_type, kind)
     if fact.resolved is not None and fact.resolution not in _NAMELESS:
-        channel = f"<{scope.iris.channel(shape.channel, fact.resolved)}>"
+        channel = f"<{scope.iris.channel(fact.role.channel, fact.resolved)}>"
         writer.described(channel, fact.resolved, shape.channel_class)
         writer.add(part, v.CONNECTS_TO, channel)
         if kind:

@@ -1,4 +1,4 @@
-"""Node types as other programs read them: the objects of `kg nodes --json`."""
+"""Node types and instances as other programs read them: the objects of `kg nodes --json`, `kg instances --json`."""
 
 from __future__ import annotations
 

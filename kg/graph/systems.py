@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.facts import Role
 from kg.graph import vocabulary as v
-from kg.graph.interfaces import interface_type, quality
+from kg.graph.interfaces import SHAPES, interface_type, quality
 from kg.graph.iris import fragment
 from kg.graph.ntriples import boolean, integer, literal
 from kg.graph.scope import Scope
@@ -38,19 +38,8 @@ if TYPE_CHECKING:
 
 __all__ = ["chain_text", "system_triples"]
 
-_KINDS: Final = {
-    Role.PUBLISHES: ("publisher", v.PUBLISHER, "topic"),
-    Role.SUBSCRIBES: ("subscriber", v.SUBSCRIBER, "topic"),
-    Role.SERVICES: ("service-server", v.SERVICE_SERVER, "service"),
-    Role.CLIENTS: ("service-client", v.SERVICE_CLIENT, "service"),
-    Role.ACTION_SERVERS: ("action-server", v.ACTION_SERVER, "action"),
-    Role.ACTION_CLIENTS: ("action-client", v.ACTION_CLIENT, "action"),
-}
-_CHANNELS: Final = {
-    "topic": (v.TOPIC, "msg", v.ROS_HAS_MESSAGE, v.HAS_MESSAGE),
-    "service": (v.SERVICE, "srv", v.HAS_SERVICE_TYPE, v.HAS_SERVICE_TYPE),
-    "action": (v.ACTION, "action", v.HAS_ACTION_TYPE, v.HAS_ACTION_TYPE),
-}
+_CHANNELS: Final = {role.channel: SHAPES[role].channel_class for role in Role}
+"""The classes of channels."""
 
 
 def system_triples(system: System, records: Mapping[NodeReference, NodeRecord], iris: Iris) -> bytes:
@@ -203,10 +192,10 @@ class _Writing:
         return part
 
     def _end(self, owner: str, fact: InstanceInterface) -> None:
-        name, component, kind = _KINDS[fact.declared.role]
-        part, writer = self._scope.part(owner, name, (fact.resolved or "").lstrip("/") or None), self._writer
+        shape, writer = SHAPES[fact.declared.role], self._writer
+        part = self._scope.part(owner, shape.component, (fact.resolved or "").lstrip("/") or None)
         writer.add(f"<{owner}>", v.HAS_COMPONENT, part)
-        writer.add(part, v.TYPE, component)
+        writer.add(part, v.TYPE, shape.component_class)
         writer.add(part, v.TYPE, v.INSTANCE_END)
         writer.text(part, v.RESOLVED_NAME, fact.resolved)
         writer.add(part, v.RESOLUTION, v.rnkg(fact.resolution))
@@ -217,20 +206,19 @@ class _Writing:
         writer.text(part, v.PARAMETER_NAME, fact.declared.parameter)
         writer.text(part, v.REASON, fact.reason)
         self._causes(owner, part, fact)
-        _, type_kind, has_type, channel_has_type = _CHANNELS[kind]
-        message = fact.declared.type and interface_type(self._scope, type_kind, fact.declared.type)
-        if message:
-            writer.add(part, has_type, message)
+        kind = fact.declared.type and interface_type(self._scope, shape.type_kind, fact.declared.type)
+        if kind:
+            writer.add(part, shape.has_type, kind)
         if fact.qos is not None:
             policies = quality(self._scope, fact.qos)
             writer.add(part, v.HAS_QOS, policies)
             if fact.qos != fact.declared.qos:
                 self._overrides.add(policies)
         if fact.resolved and "{}" not in fact.resolved:
-            channel = self._channel(kind, fact.resolved)
+            channel = self._channel(fact.declared.role.channel, fact.resolved)
             writer.add(part, v.CONNECTS_TO, channel)
-            if message:
-                writer.once(channel, channel_has_type, message)
+            if kind:
+                writer.once(channel, shape.channel_has_type, kind)
 
     def _causes(self, owner: str, part: str, fact: InstanceInterface) -> None:
         remap = fact.remap and self._remaps.get((owner, fact.remap))
@@ -243,7 +231,7 @@ class _Writing:
 
     def _channel(self, kind: str, name: str) -> str:
         iri, writer = f"<{fragment(self._iri, kind, name.lstrip('/'))}>", self._writer
-        if writer.described(iri, name, _CHANNELS[kind][0], v.CHANNEL):
+        if writer.described(iri, name, _CHANNELS[kind], v.CHANNEL):
             writer.add(iri, v.NAME, literal(name))
             writer.add(iri, v.IN_CONFIGURATION, self._subject)
             writer.add(iri, v.IS_NAMED, f"<{self._scope.iris.channel(kind, name)}>")

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from html import escape
 from typing import TYPE_CHECKING, Final
 
+from kg.facts import Role
 from kg.render.text import printable, width
 
 if TYPE_CHECKING:
@@ -27,14 +28,6 @@ _TITLES: Final = {
     "publishes": "publishes",
     "clients": "calls services",
     "action_clients": "calls actions",
-}
-_SHAPES: Final = {
-    "subscribes": "topic",
-    "publishes": "topic",
-    "services": "service",
-    "clients": "service",
-    "action_servers": "action",
-    "action_clients": "action",
 }
 _ROW: Final = 40
 _HEADING: Final = 30
@@ -143,7 +136,7 @@ def _draw_side(side: _Side, top: int, *, outer: int, inner: int, inward: bool) -
 
 def _draw_port(port: Port, x: int, y: int, size: int, wire: tuple[int, int]) -> Iterable[str]:
     """Yield a label from `x` on around the height `y`, and its wire, which always points to the right."""
-    shape = _SHAPES[port.role]
+    shape = Role(port.role).channel
     start, end = wire
     yield f'<g class="{"implicit" if port.implicit else "declared"}">'
     yield f"<title>{_text(f'{_TITLES[port.role]} {port.name} ({port.type})')}</title>"

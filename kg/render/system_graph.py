@@ -11,7 +11,7 @@ from collections import Counter, defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import Role, StartKind
+from kg.facts import StartKind
 from kg.render.text import count
 
 if TYPE_CHECKING:
@@ -25,22 +25,6 @@ FRAMEWORK: Final = frozenset(
     {"/rosout", "/rosout_agg", "/tf", "/tf_static", "/clock", "/diagnostics", "/diagnostics_agg", "/parameter_events"}
 )
 """Names that nearly every node has for the sake of its framework."""
-_OUTWARD: Final = {
-    Role.PUBLISHES: True,
-    Role.SUBSCRIBES: False,
-    Role.CLIENTS: True,
-    Role.SERVICES: False,
-    Role.ACTION_CLIENTS: True,
-    Role.ACTION_SERVERS: False,
-}
-_KINDS: Final = {
-    Role.PUBLISHES: "topic",
-    Role.SUBSCRIBES: "topic",
-    Role.CLIENTS: "service",
-    Role.SERVICES: "service",
-    Role.ACTION_CLIENTS: "action",
-    Role.ACTION_SERVERS: "action",
-}
 _PLAIN: Final = frozenset({StartKind.NODE, StartKind.LIFECYCLE_NODE, StartKind.TEST})
 
 
@@ -150,7 +134,7 @@ def system_graph(system: System, *, every: bool = False, title: str | None = Non
                 continue
             channel = _channel(key, end)
             channels[channel.key] = _joined(channels.get(channel.key), channel)
-            link = Link(key, channel.key, _OUTWARD[end.declared.role])
+            link = Link(key, channel.key, end.declared.role.outward)
             links[link.member, link.channel, link.outward] = link
     hidden = (f"{count(left_out, 'end')} that frameworks make",) if left_out else ()
     return SystemGraph(
@@ -192,7 +176,7 @@ def _of_framework(end: InstanceInterface) -> bool:
 
 
 def _channel(member: str, end: InstanceInterface) -> Channel:
-    kind = _KINDS[end.declared.role]
+    kind = end.declared.role.channel
     types = (end.declared.type,) if end.declared.type else ()
     if end.resolved is None or "{}" in end.resolved:
         name = end.resolved or end.declared.written or "?"
