@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final
 from kg.extract.launch.ros1.substitute import Substituter
 from kg.extract.launch.ros1.texts import HOLE, shown
 from kg.extract.launch.xacro.document import Element, read_document
+from kg.extract.launch.xacro.early import collect
 from kg.extract.launch.xacro.loading import Loading
 from kg.extract.launch.xacro.macros import called, grab_macro
 from kg.extract.launch.xacro.table import Block, Macro, NotKnownError, Table, truth
@@ -114,9 +115,19 @@ class _Evaluation:
         around = Around({name: text.replace("{}", HOLE) for name, text in arguments.items()}, files.folder(file))
         self._files = files
         self._texts = Texts(Substituter(files, environment), around, self._yaml)
+        self._texts.early = self._early
         self._made: list[Made] = []
         self._troubles: dict[tuple[LaunchProblemKind, str, FilePath, int], Trouble] = {}
         self._elements = 0
+        self._root = file
+        self._later: Table | None = None
+
+    def _early(self) -> Table:
+        """Return what is defined anywhere, collected when it is first asked for."""
+        if self._later is None:
+            self._later = Table(self._texts.value)
+            self._later = collect(self._root, self._files, self._loading, self._texts)
+        return self._later
 
     def run(self, file: FilePath) -> None:
         """Evaluate the file that is named."""
@@ -200,7 +211,8 @@ class _Evaluation:
             name = self._texts.text(element.attributes.get("macro", ""), at.table)
         found = at.table.macro(name)
         if command is not None or found is None:
-            return found
+            later = self._early().macro(name) if found is None and command is not None else None
+            return found or (later and (later[0], at.table))
         macro, _ = found
         needed = {name for name, default in macro.parameters.items() if default is None and not name.startswith("*")}
         given = element.attributes.keys()
@@ -285,7 +297,8 @@ class _Evaluation:
         yield from ()
 
     def _do_insert_block(self, at: _At, element: Element, parent: Made | None) -> Iterator[Made]:
-        block = at.table.block(self._texts.text(element.attributes.get("name", ""), at.table))
+        name = self._texts.text(element.attributes.get("name", ""), at.table)
+        block = at.table.block(name) or self._early().block(name)
         if block is not None:
             inner = replace(at, table=block.scope or at.table, file=block.file)
             yield from self._children(inner, block.elements, parent)

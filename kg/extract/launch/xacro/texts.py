@@ -51,6 +51,8 @@ class Texts:
         self.around = around
         self.why: dict[str, None] = {}
         """What is not known, in words."""
+        self.early: Callable[[], Table] | None = None
+        """Returns what is defined only later; asked where a name is not known."""
         self._substituter = substituter
         self._functions: dict[str, Callable[..., object]] = {
             **BUILTINS,
@@ -97,7 +99,7 @@ class Texts:
         if HOLE in expression:
             return HOLE
         try:
-            return evaluate_expression(expression, _Names(table), self._functions)
+            return evaluate_expression(expression, _Names(table, self._functions, self.early), self._functions)
         except NotKnownError:
             return HOLE
         except ExpressionError as error:
@@ -121,8 +123,19 @@ class Texts:
 class _Names(Mapping[str, object]):
     """The names that an expression can use: properties, also those of namespaces and dictionaries, and constants."""
 
-    def __init__(self, table: Table) -> None:
+    def __init__(self, table: Table, functions: Mapping[str, object], early: Callable[[], Table] | None) -> None:
         self._table = table
+        self._functions = functions
+        self._early = early
+
+    def _scope(self, name: str) -> Table | None:
+        """Return the scope that has a property: the one that is in force, else that of later definitions."""
+        if name in self._table:
+            return self._table
+        if self._early is None or name in self._functions or name in _PYTHON:
+            return None
+        later = self._early()
+        return later if name in later else None
 
     def __iter__(self) -> Iterator[str]:
         """Yield the names of constants; those of properties are looked up only."""
@@ -134,14 +147,17 @@ class _Names(Mapping[str, object]):
 
     def __contains__(self, name: object) -> bool:
         """Tell whether a name, which may have dots, is known."""
-        return isinstance(name, str) and (name in _PYTHON or name.partition(".")[0] in self._table)
+        return isinstance(name, str) and (
+            name in _PYTHON or (name not in self._functions and self._scope(name.partition(".")[0]) is not None)
+        )
 
     def __getitem__(self, name: str) -> object:
         """Return a value; `NotKnownError` where it, or a part of it, is not known."""
         first, *rest = name.split(".")
-        if first not in self._table:
+        scope = self._scope(first)
+        if scope is None:
             return _PYTHON[name]
-        value = self._table[first]
+        value = scope[first]
         for key in rest:
             value = value[key] if isinstance(value, dict | Table) else _missing(name)
         if isinstance(value, Table) or (isinstance(value, str) and HOLE in value):
