@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.extract.cpp import syntax
 from kg.extract.cpp.callbacks import callback_types
-from kg.extract.cpp.command_line import arguments_needed
+from kg.extract.cpp.command_line import CommandLine
 from kg.extract.cpp.context import EMPTY, Site
 from kg.extract.cpp.handles import joined_name
 from kg.extract.cpp.matching import Matcher
@@ -54,6 +54,7 @@ class Finder:
         self.marks: dict[Mark, None] = {}
         self.ros: set[int] = set()
         self._nodes: dict[Location, tuple[Unit, Node]] = {}
+        self._command_line = CommandLine(evaluator.program, evaluator.sites)
         mains = [function for function in self._program.functions("main") if function in self._program.reached]
         self._counts_arguments = any("argc" in function.words and "if" in function.words for function in mains)
 
@@ -336,7 +337,7 @@ class Finder:
 
     def _add(self, made: Interface, mark: str | None) -> None:
         if self._counts_arguments and made.location in self._nodes:
-            needed = arguments_needed(self._program, self._evaluator.sites, *self._nodes[made.location])
+            needed = self._command_line.needed(*self._nodes[made.location])
             made = replace(made, arguments=needed)
         key = (made.role, made.name, made.type, made.location, made.parameter)
         self.interfaces.setdefault(key, made)

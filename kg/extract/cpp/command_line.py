@@ -12,25 +12,42 @@ if TYPE_CHECKING:
 
     from kg.extract.cpp.program import Program
     from kg.extract.cpp.sites import Sites
-    from kg.extract.cpp.unit import Unit
+    from kg.extract.cpp.unit import Function, Unit
 
-__all__ = ["arguments_needed"]
+__all__ = ["CommandLine"]
 
 _COUNT: Final = re.compile(r"\bargc\s*(==|!=|>=|<=|>|<)\s*(\d+)")
 _MOST_CALLS: Final = 4
 """How many calls deep a branch of `main` is looked for."""
 
 
-def arguments_needed(program: Program, sites: Sites, unit: Unit, node: Node, depth: int = 0) -> int:
-    """Return how many arguments the command line has, at least, when the code at a node runs."""
-    here = _in_branches(node)
-    function = unit.function_at(node.start_byte)
-    if function is None or function.name == "main" or depth >= _MOST_CALLS or program.is_entry(function):
-        return here
-    calls = [site.where for site in sites.calls(function)]
-    if not calls:
-        return here
-    return max(here, min(arguments_needed(program, sites, call.unit, call.node, depth + 1) for call in calls))
+class CommandLine:
+    """How many arguments the code of a program needs; what is found for a function is kept."""
+
+    def __init__(self, program: Program, sites: Sites) -> None:
+        self._program = program
+        self._sites = sites
+        self._found: dict[tuple[Function, int], int] = {}
+
+    def needed(self, unit: Unit, node: Node, depth: int = 0) -> int:
+        """Return how many arguments the command line has, at least, when the code at a node runs."""
+        here = _in_branches(node)
+        function = unit.function_at(node.start_byte)
+        if function is None or function.name == "main" or depth >= _MOST_CALLS or self._program.is_entry(function):
+            return here
+        return max(here, self._by_callers(function, depth))
+
+    def _by_callers(self, function: Function, depth: int) -> int:
+        key = (function, depth)
+        if key not in self._found:
+            fewest: int | None = None
+            for site in self._sites.calls(function):
+                needed = self.needed(site.where.unit, site.where.node, depth + 1)
+                fewest = needed if fewest is None else min(fewest, needed)
+                if fewest == 0:
+                    break
+            self._found[key] = fewest or 0
+        return self._found[key]
 
 
 def _in_branches(node: Node) -> int:
