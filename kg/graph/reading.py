@@ -31,12 +31,14 @@ __all__ = [
     "NodeRecord",
     "Properties",
     "Queryable",
+    "end_of",
     "grouped",
     "node_names",
     "node_records",
     "one",
     "programs",
     "qualities",
+    "type_of",
     "word",
 ]
 
@@ -193,6 +195,18 @@ def grouped(rows: Iterable[Any]) -> dict[str, dict[str, list[str]]]:
     return {subject: dict(properties) for subject, properties in found.items()}
 
 
+def end_of(properties: Properties, types: Mapping[str, str]) -> Interface | None:
+    """Return the interface that an end with properties of its own says; `types` are names of types by IRI."""
+    roles = [_ROLES[kind] for kind in properties.get(v.bare(v.TYPE), ()) if kind in _ROLES]
+    return _interface(roles[0], properties, types, {}) if roles else None
+
+
+def type_of(properties: Properties) -> str | None:
+    """Return the IRI of the type of an end."""
+    terms = (v.ROS_HAS_MESSAGE, v.HAS_SERVICE_TYPE, v.HAS_ACTION_TYPE)
+    return next((iri for term in terms if (iri := one(properties, term))), None)
+
+
 def _listed(rows: Iterable[Any]) -> dict[str, list[str]]:
     found: defaultdict[str, list[str]] = defaultdict(list)
     for row in rows:
@@ -276,8 +290,7 @@ def _order(fact: Interface | Parameter) -> tuple[str, str, str, int, str]:
 
 
 def _interface(role: Role, properties: Properties, types: Mapping[str, str], qualities: Mapping[str, Qos]) -> Interface:
-    terms = (v.ROS_HAS_MESSAGE, v.HAS_SERVICE_TYPE, v.HAS_ACTION_TYPE)
-    type_iri = next((iri for term in terms if (iri := one(properties, term))), None)
+    type_iri = type_of(properties)
     return Interface(
         role=role,
         name=one(properties, v.NAME),

@@ -65,6 +65,8 @@ class _Writing:
         self._remaps: dict[tuple[str, Remap], str] = {}
         self._settings: dict[tuple[str, LaunchParameter], str] = {}
         self._overrides: set[str] = set()
+        self._described: set[str] = set()
+        """Types that perhaps no code of the build uses."""
 
     def run(self) -> bytes:
         self._configuration(self._system.configuration)
@@ -84,7 +86,10 @@ class _Writing:
     def _own(self, content: bytes) -> bytes:
         """Leave out what the graph of what sources share has already, by way of the node types."""
         own, shared = split(content, self._scope.iris)
-        anew = tuple(f"{iri} ".encode() for iri in sorted(self._overrides))
+        alone = {f"{iri} " for iri in self._overrides}
+        anew = tuple(
+            text.encode() for text in sorted(alone | {f"{iri}{end}" for iri in self._described for end in ">#/"})
+        )
         return b"".join([*own, *(line for line in shared if anew and line.startswith(anew))])
 
     def _configuration(self, fact: LaunchConfiguration) -> None:
@@ -201,14 +206,19 @@ class _Writing:
         writer.add(part, v.RESOLUTION, v.rnkg(fact.resolution))
         writer.add(part, v.IMPLICIT, boolean(fact.declared.implicit))
         record = self._records.get(fact.owner)
+        foreign = record is None and fact.declared.origin is not None and not fact.declared.implicit
         if record is not None and fact.declared in record.ends:
             writer.add(part, v.DECLARED_BY, f"<{record.ends[fact.declared]}>")
+        elif foreign:
+            self._foreign(part, fact)
         writer.text(part, v.PARAMETER_NAME, fact.declared.parameter)
         writer.text(part, v.REASON, fact.reason)
         self._causes(owner, part, fact)
         kind = fact.declared.type and interface_type(self._scope, shape.type_kind, fact.declared.type)
         if kind:
             writer.add(part, shape.has_type, kind)
+            if foreign:
+                self._described.add(kind[:-1])
         if fact.qos is not None:
             policies = quality(self._scope, fact.qos)
             writer.add(part, v.HAS_QOS, policies)
@@ -219,6 +229,15 @@ class _Writing:
             writer.add(part, v.CONNECTS_TO, channel)
             if kind:
                 writer.once(channel, shape.channel_has_type, kind)
+
+    def _foreign(self, part: str, fact: InstanceInterface) -> None:
+        """Add the evidence of an end that no node type declares: a plugin's, whose code is not in the build."""
+        declared, writer = fact.declared, self._writer
+        writer.text(part, v.LOADS_LIBRARY, f"{fact.owner.package}/{fact.owner.node}")
+        writer.text(part, v.NAME, declared.name)
+        writer.text(part, v.WRITTEN, declared.written)
+        writer.text(part, v.ORIGIN, declared.origin)
+        self._evidence(part, declared.location)
 
     def _causes(self, owner: str, part: str, fact: InstanceInterface) -> None:
         remap = fact.remap and self._remaps.get((owner, fact.remap))

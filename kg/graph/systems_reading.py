@@ -6,7 +6,7 @@ given, the files that it read, and which line an include stands in.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import (
@@ -32,7 +32,7 @@ from kg.facts import (
 )
 from kg.graph import vocabulary as v
 from kg.graph.iris import Iris
-from kg.graph.reading import Queryable, grouped, node_records, one, qualities, word
+from kg.graph.reading import Queryable, end_of, grouped, node_records, one, qualities, type_of, word
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from kg.facts import Interface, Parameter, Qos
     from kg.graph.reading import NodeRecord, Properties
 
-__all__ = ["SystemName", "system_names", "systems"]
+__all__ = ["SystemName", "included", "system_names", "systems"]
 
 _PREFIXES: Final = {"ros": v.ROS, "rnkg": v.RNKG}
 _NAMES: Final = """
@@ -49,6 +49,7 @@ SELECT ?configuration ?name ?path ?repository ?ros WHERE {
                  rnkg:ofPackage ?package .
   ?owner rnkg:contains ?package ; rnkg:name ?repository .
 }"""
+_INCLUDED: Final = "SELECT DISTINCT ?name WHERE { ?other rnkg:includes/rnkg:name ?name }"
 _GRAPH: Final = "SELECT ?s ?p ?o WHERE { GRAPH <%s> { ?s ?p ?o } }"
 
 
@@ -68,6 +69,11 @@ def system_names(graph: Queryable) -> list[SystemName]:
     return sorted(
         SystemName(row["repository"].value, row["path"].value, row["name"].value, int(row["ros"].value)) for row in rows
     )
+
+
+def included(graph: Queryable) -> frozenset[str]:
+    """Return the names of the configurations that others include."""
+    return frozenset(row["name"].value for row in graph.query(_INCLUDED, prefixes=_PREFIXES))
 
 
 def systems(graph: Queryable, names: Iterable[SystemName], base: str) -> list[System]:
@@ -256,9 +262,10 @@ class _Reading:
     ) -> InstanceInterface | None:
         """Return an end; None when the node type that declares it is not in the store any more."""
         own = self._content[iri]
-        owner, declared = self._records.ends.get(one(own, v.DECLARED_BY) or "", (None, None))
-        if owner is None or declared is None:
+        known = self._records.ends.get(one(own, v.DECLARED_BY) or "") or self._foreign(own)
+        if known is None:
             return None
+        owner, declared = known
         remap, setting = remaps.get(one(own, v.REMAPPED_BY) or ""), one(own, v.NAMED_BY)
         return InstanceInterface(
             declared=declared,
@@ -270,6 +277,17 @@ class _Reading:
             qos=self._records.qualities.get(one(own, v.HAS_QOS) or ""),
             reason=one(own, v.REASON),
         )
+
+    def _foreign(self, own: Properties) -> tuple[NodeReference, Interface] | None:
+        """Return what is declared by a plugin whose code is not in the build, and whose evidence the end has itself."""
+        library, iri = one(own, v.LOADS_LIBRARY), type_of(own)
+        thing = self._iris.parse(iri) if iri else None
+        declared = end_of(own, {iri: "/".join(thing.parts)} if iri and thing else {})
+        if library is None or declared is None:
+            return None
+        package, _, name = library.partition("/")
+        owner = NodeReference(declared.location.repository or self._name.repository, package, name)
+        return owner, replace(declared, resolved=None, parameter=None)
 
     def _similar(self) -> tuple[tuple[str, str, str], ...]:
         found = set()

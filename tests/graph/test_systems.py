@@ -11,6 +11,7 @@ from kg.facts import (
     InstanceInterface,
     InstanceParameter,
     InstanceRemap,
+    Interface,
     LaunchArgument,
     LaunchConfiguration,
     LaunchDialect,
@@ -23,6 +24,8 @@ from kg.facts import (
     NodeInstance,
     NodeReference,
     Remap,
+    Resolution,
+    Role,
     StartedNode,
     StartKind,
     System,
@@ -42,6 +45,38 @@ CHAIN: Final = (
 REFERENCE: Final = NodeReference(ROVER, "rover_base", "driver")
 REMAP: Final = Remap("/rover/cmd_vel", "/rover/cmd", LINE, CHAIN)
 PORT: Final = LaunchParameter("/rover/driver/port", "/dev/ttyACM0", LINE, CHAIN, "string")
+
+
+CAMERA: Final = InstanceInterface(
+    Interface(
+        Role.PUBLISHES,
+        "camera/image_raw",
+        "sensor_msgs/Image",
+        Resolution.LITERAL,
+        Location("urdf/rover.xacro", 12, "github.com/other/base"),
+        written="image_raw",
+        origin="gazebo plugin",
+    ),
+    NodeReference("github.com/other/base", "gazebo_plugins", "libgazebo_ros_camera.so"),
+    "/rover/camera/image_raw",
+    Resolution.LITERAL,
+)
+"""What a plugin of a simulator makes, whose code is not in the build."""
+CALIBRATION: Final = InstanceInterface(
+    Interface(
+        Role.SERVICES,
+        "camera/set_camera_info",
+        "sensor_msgs/SetCameraInfo",
+        Resolution.PARAMETER_DEFAULT,
+        Location("urdf/rover.xacro", 9),
+        origin="gazebo plugin",
+        reason="the plugin is there only if $(arg camera)",
+    ),
+    NodeReference(ROVER, "gazebo_plugins", "libgazebo_ros_camera.so"),
+    "/rover/camera/set_camera_info",
+    Resolution.PARAMETER_DEFAULT,
+    reason="the plugin is there only if $(arg camera)",
+)
 
 
 def ends() -> tuple[InstanceInterface, ...]:
@@ -112,6 +147,7 @@ SYSTEM: Final = System(
             missing=MissingType.UNKNOWN_PACKAGE,
             reason="the build has no package x",
             host="/rover/driver",
+            interfaces=(CALIBRATION, CAMERA),
         ),
     ),
     similar=(("topic", "/rover/cmd", "/rover/odom"),),
@@ -177,10 +213,10 @@ def test_ends_lead_to_the_line_of_code(store: Store) -> None:
 
 
 def test_what_is_shared_is_not_said_again(store: Store) -> None:
-    """Message types and the like are described once, by the node types; only changed qualities are added."""
+    """Message types are described once, and by systems where no node type uses them; changed qualities are added."""
     quads = store.quads_for_pattern(None, None, None, NamedNode(IRIS.launch_graph(ROVER, LAUNCH)))
     own = {str(quad.subject)[1:-1] for quad in quads}
-    assert not [iri for iri in own if iri.startswith(f"{BASE}message/")]
+    assert [iri for iri in own if iri.startswith(f"{BASE}message/")] == [f"{BASE}message/sensor_msgs/Image"]
     assert [iri for iri in own if iri.startswith(f"{BASE}qos/")]
 
 
@@ -190,11 +226,11 @@ def test_the_same_facts_make_the_same_bytes(store: Store) -> None:
 
 
 def test_an_end_without_its_node_type_is_left_out() -> None:
-    """A system whose node types are gone from the store can still be read."""
+    """A system whose node types are gone from the store can still be read; plugins' ends have their own evidence."""
     store = Store()
     content = system_triples(SYSTEM, {}, IRIS)
     store.load(source_triples(REPOSITORY, [], IRIS), RdfFormat.N_TRIPLES)
     store.load(source_triples(REPOSITORY, [replace(FACTS, nodes=())], IRIS), RdfFormat.N_TRIPLES)
     store.load(content, RdfFormat.N_TRIPLES, to_graph=NamedNode(IRIS.launch_graph(ROVER, LAUNCH)))
     (found,) = systems(Union(store), system_names(Union(store)), BASE)
-    assert [len(one.interfaces) for one in found.instances] == [0, 0]
+    assert [len(one.interfaces) for one in found.instances] == [0, 2]
