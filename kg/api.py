@@ -136,18 +136,13 @@ def instances(
         SourceError: KG101 when its source is not where it was built from.
         StoreError: KG301 when there is no store.
         UnknownNameError: KG422 when there is no such launch file.
-        UsageError: KG003 when several are meant, or it has no such argument.
+        UsageError: KG003 when several are meant, it has no such argument, or arguments are given for none.
     """
     from kg.graph.records import instance_object  # noqa: PLC0415 - who queries needs no records
-    from kg.graph.systems_reading import system_names, systems  # noqa: PLC0415 - the same
     from kg.pipeline.launching import chosen  # noqa: PLC0415 - the same
 
     given, target = settings.load({"store": store}), open_store(store)
-    if launch is not None:
-        found = [chosen(given, target, str(launch), arguments, environment)]
-    else:
-        with target.read() as snapshot:
-            found = systems(snapshot, system_names(snapshot), given.base)
+    found = chosen(given, target, None if launch is None else str(launch), arguments or {}, environment or {})
     return [instance_object(system, one) for system in found for one in system.instances]
 
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, field, fields
-from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 from types import MappingProxyType
@@ -330,6 +329,8 @@ def _from_file(file: Path) -> Iterator[tuple[Declaration, object, Origin, Path]]
             continue
         place = Place(str(file), _line_of(name, text))
         if name not in DECLARED:
+            from difflib import get_close_matches  # noqa: PLC0415 - start-up time
+
             close = get_close_matches(name, DECLARED, n=1)
             hint = f"Did you mean `{close[0]}`?" if close else f"The settings are {', '.join(DECLARED)}."
             raise UsageError("KG002", f"there is no setting `{name}`", place=place, hint=hint)

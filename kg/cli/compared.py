@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from kg.cli.links import Links
     from kg.compare import Finding, Side, Sources
     from kg.graph.source_states import SourceState
+    from kg.graph.systems_reading import SystemName
     from kg.lint.finding import Finding as Found
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
@@ -40,10 +41,11 @@ class Sides:
 
 @dataclass(frozen=True, slots=True)
 class Known:
-    """One side, read: what is compared, and the states of its sources by name."""
+    """One side, read: what is compared, the states of its sources by name, and the names of all its launch files."""
 
     sources: Sources
     states: Mapping[str, SourceState]
+    launches: Sequence[SystemName]
 
 
 def sides(named: Sequence[str], repository: str | None) -> Sides:
@@ -83,20 +85,22 @@ def stores(asked: Sides, settings: Settings) -> tuple[EmbeddedStore, EmbeddedSto
 
 
 def known(store: EmbeddedStore, settings: Settings, launch: str | None) -> Known:
-    """Return what is known of a side; with `launch` only of launch files whose names end with it."""
+    """Return what is known of a side; with `launch` only of the launch files that it may mean."""
     from kg.compare import Sources  # noqa: PLC0415 - start-up time
     from kg.graph.reading import node_records  # noqa: PLC0415 - start-up time
     from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
     from kg.graph.systems_reading import system_names, systems  # noqa: PLC0415 - start-up time
     from kg.lint.reading import read_findings  # noqa: PLC0415 - start-up time
+    from kg.pipeline.launch_names import matching  # noqa: PLC0415 - start-up time
 
     with store.read() as snapshot:
-        names = [one for one in system_names(snapshot) if launch is None or f"/{one.name}".endswith(f"/{launch}")]
+        every = system_names(snapshot)
+        names = every if launch is None else matching(every, launch)
         chosen = {one.name for one in names}
         findings = [_finding(one) for one in read_findings(snapshot, settings.base) if one.system in chosen]
         nodes = node_records(snapshot) if launch is None else []
         found = Sources(nodes, systems(snapshot, names, settings.base), findings)
-        return Known(found, {one.name: one for one in sources(snapshot)})
+        return Known(found, {one.name: one for one in sources(snapshot)}, every)
 
 
 def address(links: tuple[Links, Links], side: Side, *, is_after: bool) -> str | None:

@@ -74,7 +74,7 @@ class LintView:
 
     def _remarks(self, finding: Finding) -> Iterator[str]:
         others = f", and in {count(len(finding.also), 'other system')}" if finding.also else ""
-        if finding.place is None or others or finding.system.partition("/")[2] not in finding.place.path:
+        if others or not finding.in_own_file:
             yield f"in {printable(finding.system)}{others}"
         if finding.place is not None and finding.place.chain:
             yield f"included by {printable(finding.place.chain)}"

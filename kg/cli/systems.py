@@ -1,4 +1,4 @@
-"""What commands about launch configurations share: their options, and the system that these choose."""
+"""What commands about launch configurations share: their options, and the systems that these choose."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from kg.facts import System
     from kg.settings import Settings
 
-__all__ = ["Arguments", "Environment", "Launch", "chosen_system"]
+__all__ = ["Arguments", "Environment", "Launch", "chosen_systems", "given"]
 
 Launch = Annotated[
     str | None,
@@ -40,12 +40,23 @@ Environment = Annotated[
 ]
 
 
-def chosen_system(
-    settings: Settings, launch: str, arguments: Sequence[str] | None, environment: Sequence[str] | None
-) -> System:
-    """Return the system that the options choose; raises as `kg.pipeline.launching.chosen`."""
-    from kg.pipeline.launching import chosen, pairs  # noqa: PLC0415 - start-up time
+def given(
+    launch: str | None, arguments: Sequence[str] | None, environment: Sequence[str] | None
+) -> tuple[dict[str, str], dict[str, str]]:
+    """Return the arguments and the environment variables of the options; KG003 for those that cannot be used."""
+    from kg.pipeline.launch_names import assignments, check_given  # noqa: PLC0415 - start-up time
+
+    found = assignments(arguments or ()), assignments(environment or (), "=")
+    check_given(launch, *found)
+    return found
+
+
+def chosen_systems(
+    settings: Settings, launch: str | None, arguments: Sequence[str] | None, environment: Sequence[str] | None
+) -> Sequence[System]:
+    """Return the systems that the options choose, all without `launch`; raises as `kg.pipeline.launching.chosen`."""
+    values = given(launch, arguments, environment)
+    from kg.pipeline.launching import chosen  # noqa: PLC0415 - start-up time
     from kg.store.opening import existing  # noqa: PLC0415 - start-up time
 
-    given, variables = pairs(arguments or ()), pairs(environment or (), "=")
-    return chosen(settings, existing(settings), launch, given, variables)
+    return chosen(settings, existing(settings), launch, *values)

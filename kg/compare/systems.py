@@ -72,7 +72,7 @@ class _Systems:
         return Side(name, value, location, self._sides[number].configuration.repository)
 
     def _started(self, instance: NodeInstance, number: int) -> Side:
-        return self._side(number, instance.name, _type(instance), instance.started.location)
+        return self._side(number, instance.name, instance.started_type, instance.started.location)
 
     def _instance(self, one: NodeInstance, other: NodeInstance) -> Iterator[Change]:
         for kind, say in _TOLD.items():
@@ -136,15 +136,8 @@ class _Systems:
         return self._every or not end.declared.implicit
 
 
-def _type(instance: NodeInstance) -> str:
-    if instance.type:
-        return f"{instance.type.package}/{instance.type.node}"
-    started = instance.started
-    return f"{started.package or '?'}/{started.plugin or started.executable or '?'}"
-
-
 _TOLD: Final[Mapping[Kind, Callable[[NodeInstance], str]]] = {
-    Kind.TYPE: _type,
+    Kind.TYPE: lambda instance: instance.started_type,
     Kind.HOST: lambda instance: instance.host or "",
     Kind.CONDITION: lambda instance: instance.started.condition or "",
     Kind.KNOWN: lambda instance: "" if instance.type else instance.reason or "not known",

@@ -117,6 +117,13 @@ class NodeInstance:
     complete: bool = False
     missing: MissingType | None = None
 
+    @property
+    def started_type(self) -> str:
+        """The package and the name of its node type; else what the launch file starts, `?` for what it does not say."""
+        if self.type is not None:
+            return f"{self.type.package}/{self.type.node}"
+        return f"{self.started.package or '?'}/{self.started.plugin or self.started.executable or '?'}"
+
 
 @dataclass(frozen=True, slots=True)
 class System:

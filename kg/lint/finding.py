@@ -63,6 +63,12 @@ class Finding:
         return self.place.line if self.place else None
 
     @property
+    def in_own_file(self) -> bool:
+        """Whether its line stands in the launch file that the system is named by."""
+        rest = self.system.partition("/")[2]
+        return self.place is not None and bool(rest) and f"/{self.place.path}".endswith(f"/{rest}")
+
+    @property
     def fingerprint(self) -> str:
         """What stays the same when lines move: a digest of code, rule, system and subjects."""
         parts = (self.code, self.rule, self.system, *sorted(self.subjects))

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from kg.graph.reading import Queryable
 
-__all__ = ["included", "read_findings"]
+__all__ = ["read_findings"]
 
 _PREFIXES: Final = {"ros": v.ROS, "rnkg": v.RNKG, "rdf": v.RDF}
 _FINDINGS: Final = """
@@ -50,7 +50,6 @@ SELECT DISTINCT ?thing ?kind ?name ?from ?to WHERE {
   BIND(COALESCE(?given, ?resolved) AS ?name)
   OPTIONAL { ?thing rnkg:from ?from ; rnkg:to ?to }
 }"""
-_INCLUDED: Final = "SELECT DISTINCT ?name WHERE { ?other rnkg:includes/rnkg:name ?name }"
 _VERBS: Final = {
     v.bare(v.PUBLISHER): "publishes",
     v.bare(v.SUBSCRIBER): "subscribes",
@@ -82,12 +81,6 @@ def read_findings(graph: Queryable, base: str) -> list[Finding]:
     found = _Found(_subjects(graph), _places(graph, base))
     rows: Iterable[Any] = graph.query(_FINDINGS, prefixes=_PREFIXES)
     return sorted((_finding(row, found) for row in rows), key=lambda one: one.order)
-
-
-def included(graph: Queryable) -> frozenset[str]:
-    """Return the names of the configurations that others include."""
-    rows: Iterable[Any] = graph.query(_INCLUDED, prefixes=_PREFIXES)
-    return frozenset(row["name"].value for row in rows)
 
 
 def _finding(row: Any, found: _Found) -> Finding:

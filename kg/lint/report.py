@@ -110,11 +110,5 @@ def merged(findings: Iterable[Finding]) -> list[Finding]:
 
 
 def _one(group: list[Finding]) -> Finding:
-    first = min(group, key=lambda one: (not _own(one), one.system, one.message))
+    first = min(group, key=lambda one: (not one.in_own_file, one.system, one.message))
     return replace(first, also=tuple(sorted({one.system for one in group} - {first.system})))
-
-
-def _own(finding: Finding) -> bool:
-    """Tell whether the line stands in the file that the system is named by."""
-    rest = finding.system.partition("/")[2]
-    return finding.place is not None and bool(rest) and f"/{finding.place.path}".endswith(f"/{rest}")

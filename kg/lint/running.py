@@ -6,7 +6,6 @@ folder and does not touch a store that is there; the second check of the same fo
 
 from __future__ import annotations
 
-import os
 import time
 from dataclasses import dataclass, field, replace
 from hashlib import blake2b
@@ -15,12 +14,14 @@ from typing import TYPE_CHECKING, Final
 
 from kg.errors import StoreError
 from kg.graph.source_states import SourceState, sources
-from kg.graph.systems_reading import system_names
+from kg.graph.systems_reading import included, system_names
 from kg.lint import baseline as baselines
 from kg.lint.allowing import Comments, allowances
-from kg.lint.reading import included, read_findings
+from kg.lint.reading import read_findings
 from kg.lint.report import Choice, Report, report
+from kg.pipeline.launch_names import find
 from kg.settings import Settings, table
+from kg.store.layout import user_cache
 from kg.store.opening import existing, writable
 
 if TYPE_CHECKING:
@@ -71,12 +72,10 @@ class Checked:
 
 
 def own_store(folders: Iterable[Path]) -> Path:
-    """Return where the store of some folders stands: below `$XDG_CACHE_HOME`, by default `~/.cache`."""
+    """Return where the store of some folders stands in the user's cache."""
     named = sorted(str(folder.resolve()) for folder in folders)
     digest = blake2b("\0".join(named).encode(errors="surrogateescape"), digest_size=8).hexdigest()
-    given = os.environ.get("XDG_CACHE_HOME", "")
-    cache = Path(given) if Path(given).is_absolute() else Path.home() / ".cache"
-    return cache / "kg" / "lint" / f"{Path(named[0]).name}-{digest}"
+    return user_cache() / "lint" / f"{Path(named[0]).name}-{digest}"
 
 
 def read_folders(
@@ -120,7 +119,7 @@ def check_store(settings: Settings, question: Question, folder: Path) -> Checked
             return check(snapshot, question, settings, folder)
     from kg.pipeline.launching import chosen, trial  # noqa: PLC0415 - few ask, and it loads the readers of sources
 
-    system = chosen(settings, store, question.launch or "", question.arguments, question.environment)
+    (system,) = chosen(settings, store, question.launch, question.arguments, question.environment)
     with trial(settings, store, system) as transaction:
         return check(transaction, question, settings, folder)
 
@@ -131,7 +130,7 @@ def check(graph: Queryable, question: Question, settings: Settings, folder: Path
     roots = {one.name: one.root for one in states if one.root}
     names = system_names(graph)
     findings = read_findings(graph, settings.base)
-    chosen = _systems(graph, question, names, roots)
+    chosen = _systems(question, names, roots)
     choice = Choice(chosen, question.codes, question.level, every=question.every)
     entries = allowances(table("lint", folder), {one.code for one in findings})
     known = baselines.read(question.baseline) if question.baseline else None
@@ -140,14 +139,10 @@ def check(graph: Queryable, question: Question, settings: Settings, folder: Path
     return Checked(found, states, len(names) if chosen is None else len(chosen))
 
 
-def _systems(
-    graph: Queryable, question: Question, names: Sequence[SystemName], roots: Mapping[str, str]
-) -> frozenset[str] | None:
+def _systems(question: Question, names: Sequence[SystemName], roots: Mapping[str, str]) -> frozenset[str] | None:
     """Return the names of the configurations that are asked about; None for all."""
     if question.launch is not None:
-        from kg.pipeline.launching import find  # noqa: PLC0415 - few ask, and it loads the readers of sources
-
-        return frozenset({find(graph, question.launch, roots).name})
+        return frozenset({find(names, question.launch, roots).name})
     if question.package is not None:
         source, _, package = question.package.rpartition(":")
         mine = [one for one in names if source in {"", one.repository}]

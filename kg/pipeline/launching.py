@@ -1,4 +1,4 @@
-"""Launch configurations by name, and those evaluated with other arguments than their defaults.
+"""Launch configurations evaluated with other arguments than their defaults.
 
 A store holds every launch file with its default arguments. With others, the file is evaluated again where its source
 stands, and wired with the node types of the store.
@@ -8,17 +8,18 @@ from __future__ import annotations
 
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 from pyoxigraph import NamedNode
 
 from kg.corpus.reading import Reader
 from kg.corpus.workspace import Workspace, scan_tree
-from kg.errors import Place, SourceError, UnknownNameError, UsageError
+from kg.errors import Place, SourceError, UsageError
 from kg.graph.iris import Iris
 from kg.graph.systems import system_triples
-from kg.graph.systems_reading import SystemName, system_names, systems
+from kg.graph.systems_reading import system_names, systems
 from kg.pipeline.inferring import Inference
+from kg.pipeline.launch_names import check_given, find
 from kg.pipeline.sources import installed_folders
 from kg.pipeline.state import State, load
 from kg.pipeline.systems import node_types, used_packages
@@ -31,87 +32,36 @@ if TYPE_CHECKING:
     from kg.corpus.workspace import PackageFolder, Source
     from kg.facts import System
     from kg.graph.reading import Queryable
+    from kg.graph.systems_reading import SystemName
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
     from kg.store.transaction import EmbeddedTransaction
 
-__all__ = ["chosen", "evaluate", "find", "pairs", "trial"]
-
-_SHOWN: Final = 8
-
-
-def find(graph: Queryable, text: str, roots: Mapping[str, str]) -> SystemName:
-    """Return the configuration that `text` names.
-
-    That is a path on disk, a name (`package/launch/x.launch`), a path in a source, or the end of either by whole
-    segments, `package x.launch` too. `roots` has the folder of each source.
-
-    Raises:
-        UnknownNameError: KG422 when there is none.
-        UsageError: KG003 when there are several.
-    """
-    names = system_names(graph)
-    wanted = "/".join(text.split())
-    found = _on_disk(names, Path(text), roots) or [one for one in names if wanted in {one.name, one.path}]
-    found = found or [
-        one for one in names if f"/{one.name}".endswith(f"/{wanted}") or f"/{one.path}".endswith(f"/{wanted}")
-    ]
-    found = found or [one for one in names if _package_and_file(one, text.split())]
-    if len(found) == 1:
-        return found[0]
-    if not found:
-        known = [one.name for one in names] + [one.name.rpartition("/")[2] for one in names]
-        hint = did_you_mean(wanted, known) or "`kg instances` lists the launch files of the store."
-        place = Place(text) if Path(text).exists() else None
-        raise UnknownNameError("KG422", f"the store has no launch file `{text}`", place=place, hint=hint)
-    ways = "\n".join(f"`--launch {one.name}`  ({one.repository}:{one.path})" for one in found[:_SHOWN])
-    raise UsageError("KG003", f"{len(found)} launch files are called `{text}`; say which", hint=ways)
-
-
-def _on_disk(names: Sequence[SystemName], path: Path, roots: Mapping[str, str]) -> list[SystemName]:
-    if not path.is_file():
-        return []
-    real = path.resolve()
-    return [
-        one for one in names if one.repository in roots and (Path(roots[one.repository]) / one.path).resolve() == real
-    ]
-
-
-def _package_and_file(name: SystemName, words: Sequence[str]) -> bool:
-    """Tell whether words are those of `roslaunch package file`."""
-    package, _, inner = name.name.partition("/")
-    return len(words) == 2 and words[0] == package and f"/{inner}".endswith(f"/{words[1]}")  # noqa: PLR2004 - as above
-
-
-def pairs(texts: Sequence[str], sign: str = ":=") -> dict[str, str]:
-    """Return `x:=y` as names and values; UsageError KG003 for a text without the sign."""
-    found = {}
-    for text in texts:
-        name, mark, value = text.partition(sign)
-        if not mark or not name.strip():
-            raise UsageError("KG003", f"`{text}` is not written as NAME{sign}VALUE")
-        found[name.strip()] = value
-    return found
+__all__ = ["chosen", "evaluate", "trial"]
 
 
 def chosen(
     settings: Settings,
     store: EmbeddedStore,
-    launch: str,
-    arguments: Mapping[str, str] | None = None,
-    environment: Mapping[str, str] | None = None,
-) -> System:
-    """Return the system of a launch file: as the store has it, or evaluated with arguments and environment variables.
+    launch: str | None,
+    arguments: Mapping[str, str],
+    environment: Mapping[str, str],
+) -> list[System]:
+    """Return the systems of the store, or that of `launch`, evaluated anew where anything is given.
 
-    Raises as `find` and `evaluate`.
+    Raises as `find` and `check_given` of `kg.pipeline.launch_names`, and as `evaluate`.
     """
+    check_given(launch, arguments, environment)
+    if launch is None:
+        with store.read() as snapshot:
+            return systems(snapshot, system_names(snapshot), settings.base)
     state = load(store.layout.cache)
     roots = {name: source.repository.root for name, source in state.sources.items()}
     with store.read() as snapshot:
-        name = find(snapshot, launch, roots)
+        name = find(system_names(snapshot), launch, roots)
         if not arguments and not environment:
-            return systems(snapshot, [name], settings.base)[0]
-        return evaluate(settings, snapshot, state, name, arguments or {}, environment or {})
+            return systems(snapshot, [name], settings.base)
+        return [evaluate(settings, snapshot, state, name, arguments, environment)]
 
 
 def evaluate(  # noqa: PLR0913, PLR0917 - what a configuration depends on

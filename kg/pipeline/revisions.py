@@ -7,7 +7,6 @@ fetched.
 
 from __future__ import annotations
 
-import os
 import shutil
 import subprocess
 from dataclasses import replace
@@ -23,7 +22,7 @@ from kg.pipeline.inferring import digest
 from kg.pipeline.plan import version
 from kg.store.embedded import EmbeddedStore
 from kg.store.failure import translated
-from kg.store.layout import Layout
+from kg.store.layout import Layout, user_cache
 
 if TYPE_CHECKING:
     from kg.pipeline.report import Report
@@ -75,7 +74,7 @@ def revision_store(folder: Path, revision: Revision, settings: Settings, report:
         StoreError: as a build.
     """
     top = _top(folder)
-    root = _cache() / _key(top, revision, settings)
+    root = user_cache() / "revisions" / _key(top, revision, settings)
     if root.is_dir() and Layout(root).current() is not None:
         return EmbeddedStore(Layout(root))
     with translated(str(root)):
@@ -97,11 +96,6 @@ def _keep(made: Path, root: Path) -> None:
         except OSError:
             if not root.is_dir():
                 raise
-
-
-def _cache() -> Path:
-    given = os.environ.get("XDG_CACHE_HOME", "")
-    return (Path(given) if Path(given).is_absolute() else Path.home() / ".cache") / "kg" / "revisions"
 
 
 def _key(top: Path, revision: Revision, settings: Settings) -> str:

@@ -17,15 +17,13 @@ import json
 import os
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from pathlib import Path
+from typing import Final
 
 from kg.errors import Place, StoreError
 from kg.store.failure import translated
 
-if TYPE_CHECKING:
-    from pathlib import Path
-
-__all__ = ["FOLDER", "LAYOUT", "Layout", "create", "find", "folder_bytes", "write_atomically"]
+__all__ = ["FOLDER", "LAYOUT", "Layout", "create", "find", "folder_bytes", "user_cache", "write_atomically"]
 
 FOLDER: Final = ".kg"
 """Name of the folder of a store."""
@@ -131,6 +129,12 @@ def _sync_folder(path: Path) -> None:
         os.fsync(folder)
     finally:
         os.close(folder)
+
+
+def user_cache() -> Path:
+    """Return the folder for stores that nobody named, which may be deleted: below `$XDG_CACHE_HOME` or `~/.cache`."""
+    given = Path(os.environ.get("XDG_CACHE_HOME", ""))
+    return (given if given.is_absolute() else Path.home() / ".cache") / "kg"
 
 
 def find(start: Path) -> Layout:

@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from kg.cli.drawing import Output, Svg, deliver, form_of
-from kg.cli.names import unknown
 from kg.cli.options import Families, Jobs, Json, Rules
 from kg.cli.output import json_line
 from kg.cli.session import session
@@ -66,13 +65,14 @@ def diff(  # noqa: PLR0913 - the options of a command
     """
     from kg.cli.compared import known, sides, stores  # noqa: PLC0415 - start-up time
     from kg.compare import compare  # noqa: PLC0415 - start-up time
+    from kg.pipeline.launch_names import unknown_launch  # noqa: PLC0415 - start-up time
 
     form = form_of({"svg": svg, "markdown": markdown, "json": json}, output)
     asked = sides(named or (), repository)
     settings = session(context).settings(jobs=jobs, rules=rules, rule_families=rule_families)
     before, after = (known(store, settings, launch) for store in stores(asked, settings))
     if launch is not None and not (before.sources.systems or after.sources.systems):
-        raise unknown("launch file", launch, [], otherwise="`kg instances` lists those of a store.")
+        raise unknown_launch([*before.launches, *after.launches], launch)
     found = compare(before.sources, after.sources, every=every)
     deliver(_written(found, asked, (before, after), form, every=every), form, output, "diff")
     if found and exit_code:

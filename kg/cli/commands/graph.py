@@ -11,8 +11,8 @@ from kg.cli.names import unknown
 from kg.cli.options import Json, Store
 from kg.cli.output import Column, json_line, listing, terminal
 from kg.cli.session import session
-from kg.cli.systems import Arguments, Environment, Launch, chosen_system
-from kg.errors import UsageError
+from kg.cli.systems import Arguments, Environment, Launch, chosen_systems
+from kg.errors import UnknownNameError, UsageError
 from kg.store.opening import reading
 
 if TYPE_CHECKING:
@@ -69,7 +69,7 @@ def graph(  # noqa: PLR0913 - the options of a command
 
     form = form_of({"svg": svg, "dot": dot, "mermaid": mermaid, "json": json}, output)
     settings = session(context).settings(store=store)
-    system = chosen_system(settings, launch or _only(settings), arg, env)
+    (system,) = chosen_systems(settings, launch or _only(settings), arg, env)
     found = system_graph(system, every=every)
     if focus is not None:
         found = around(found, _focused(found, focus), depth)
@@ -107,8 +107,7 @@ def _table(graph: "SystemGraph") -> None:
 
 def _only(settings: "Settings") -> str:
     """Return the only launch file of the store; KG003 with those that no other one includes where there are several."""
-    from kg.graph.systems_reading import system_names  # noqa: PLC0415 - start-up time
-    from kg.lint.reading import included  # noqa: PLC0415 - start-up time
+    from kg.graph.systems_reading import included, system_names  # noqa: PLC0415 - start-up time
 
     with reading(settings) as snapshot:
         names = sorted({one.name for one in system_names(snapshot)})
@@ -116,7 +115,8 @@ def _only(settings: "Settings") -> str:
     if len(names) == 1:
         return names[0]
     if not names:
-        raise UsageError("KG422", "the store has no launch file", hint="`kg build FOLDER` reads those of a workspace.")
+        hint = "`kg build FOLDER` reads those of a workspace."
+        raise UnknownNameError("KG422", "the store has no launch file", hint=hint)
     outer = [name for name in names if name not in inner] or names
     more = f"\n... and {len(outer) - _SHOWN} more; `kg instances` lists all" if len(outer) > _SHOWN else ""
     hint = "\n".join(f"`kg graph --launch {name}`" for name in outer[:_SHOWN]) + more

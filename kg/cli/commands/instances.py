@@ -9,16 +9,13 @@ from kg.cli.diagnostics import note
 from kg.cli.options import Json, Store
 from kg.cli.output import Column, listing, terminal
 from kg.cli.session import session
-from kg.cli.systems import Arguments, Environment, Launch, chosen_system
-from kg.errors import UsageError
+from kg.cli.systems import Arguments, Environment, Launch, chosen_systems
 from kg.render.text import count
-from kg.store.opening import reading
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kg.facts import NodeInstance, System
-    from kg.settings import Settings
 
 __all__ = ["instances"]
 
@@ -54,9 +51,7 @@ def instances(  # noqa: PLR0913 - the options of a command
     from kg.graph.records import instance_object  # noqa: PLC0415 - start-up time
 
     settings = session(context).settings(store=store)
-    if launch is None and (arg or env):
-        raise UsageError("KG003", "arguments are for one launch file", hint="Name it with `--launch FILE`.")
-    found = [chosen_system(settings, launch, arg, env)] if launch else _every(settings)
+    found = chosen_systems(settings, launch, arg, env)
     objects = (instance_object(system, one) for system in found for one in system.instances)
     rows = [
         _row(one) if launch else (system.configuration.name, *_row(one)) for system in found for one in system.instances
@@ -66,27 +61,14 @@ def instances(  # noqa: PLR0913 - the options of a command
         _notes(found, len(rows), one=launch is not None)
 
 
-def _every(settings: "Settings") -> "Sequence[System]":
-    from kg.graph.systems_reading import system_names, systems  # noqa: PLC0415 - start-up time
-
-    with reading(settings) as snapshot:
-        return systems(snapshot, system_names(snapshot), settings.base)
-
-
 def _row(instance: "NodeInstance") -> tuple[object, ...]:
     from kg.facts import Role  # noqa: PLC0415 - start-up time
 
-    started, kind = instance.started, instance.type
-    what = (
-        f"{kind.package}/{kind.node}"
-        if kind
-        else f"{started.package or '?'}/{started.plugin or started.executable or '?'}"
-    )
     roles = [one.declared.role for one in instance.interfaces if not one.declared.implicit]
     actions = roles.count(Role.ACTION_SERVERS) + roles.count(Role.ACTION_CLIENTS)
     counts = [roles.count(role) for role in (Role.PUBLISHES, Role.SUBSCRIBES, Role.SERVICES, Role.CLIENTS)]
-    numbers = (*counts, actions, len(instance.parameters)) if kind else ("",) * len(_COUNTS)
-    return instance.name, what, str(started.kind), *numbers, str(started.location)
+    numbers = (*counts, actions, len(instance.parameters)) if instance.type else ("",) * len(_COUNTS)
+    return instance.name, instance.started_type, str(instance.started.kind), *numbers, str(instance.started.location)
 
 
 def _notes(found: "Sequence[System]", rows: int, *, one: bool) -> None:

@@ -11,8 +11,9 @@ from kg.cli.diagnostics import colored, note, say
 from kg.cli.options import Families, Jobs, Json, PackageName, Rules, Store
 from kg.cli.output import json_lines, write
 from kg.cli.session import session
-from kg.cli.systems import Arguments, Environment, Launch
+from kg.cli.systems import Arguments, Environment, Launch, given
 from kg.errors import Exit, UsageError
+from kg.lint.finding import SEVERITIES
 from kg.store.opening import reading
 
 if TYPE_CHECKING:
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
 __all__ = ["lint"]
 
 _FORMATS: Final = ("text", "json", "sarif", "github")
-_SEVERITIES: Final = ("error", "warning", "note")
 
 Paths = Annotated[
     list[str] | None,
@@ -87,16 +87,14 @@ def lint(  # noqa: PLR0913 - the options of a command
     """
     began = perf_counter()
     form = "json" if json else form
-    for word, allowed, what in ((form, _FORMATS, "format"), (level, _SEVERITIES, "severity")):
+    for word, allowed, what in ((form, _FORMATS, "format"), (level, SEVERITIES, "severity")):
         if word not in allowed:
             raise UsageError("KG003", f"`{word}` is no {what}", hint=f"One of {', '.join(allowed)}.")
-    if launch is None and (arg or env):
-        raise UsageError("KG003", "arguments are for one launch file", hint="Name it with `--launch FILE`.")
+    arguments, environment = given(launch, arg, env)
     if why and (arg or env or form != "text"):
         hint = "Leave out --arg and --env, whose systems are not kept, and other formats than text."
         raise UsageError("KG003", "only what the store holds can be proven, and only as text", hint=hint)
     from kg.lint.running import Question  # noqa: PLC0415 - start-up time
-    from kg.pipeline.launching import pairs  # noqa: PLC0415 - start-up time
 
     chosen = frozenset(code.upper() for code in codes or ())
     question = Question(
@@ -106,13 +104,17 @@ def lint(  # noqa: PLR0913 - the options of a command
         level,
         every,
         Path(baseline) if baseline else None,
-        pairs(arg or ()),
-        pairs(env or (), "="),
+        arguments,
+        environment,
     )
     settings = session(context).settings(store=store, rules=rules, rule_families=rule_families, jobs=jobs)
-    settings, checked = _checked(
-        settings, [Path(path) for path in paths or ()], question, "" if write_baseline else form
-    )
+    folders = [Path(path) for path in paths or ()]
+    if folders:
+        settings = _read(settings, folders)
+    checked = _checked(settings, folders, question)
+    if not write_baseline:
+        _write(checked, form)
+    _say(checked)
     if why:
         _prove(context, checked, settings)
     if xunit_file:
@@ -133,24 +135,20 @@ def _prove(context: typer.Context, checked: "Checked", settings: "Settings") -> 
         prove(context, [f"<{finding.iri}>", "rdf:type", "rnkg:Finding"], store=str(layout_of(settings).root))
 
 
-def _checked(settings: "Settings", paths: list[Path], question: "Question", form: str) -> "tuple[Settings, Checked]":
-    """Read what has to be read, write the findings, and return them, with the settings for their store."""
+def _checked(settings: "Settings", folders: list[Path], question: "Question") -> "Checked":
+    """Return what is found; kg.toml is looked for in the first of the folders, or in the working folder."""
     from kg.lint.running import check_store  # noqa: PLC0415 - start-up time
 
-    if paths:
-        settings = _read(settings, paths)
     if question.package is not None:
         from kg.cli.names import known_package  # noqa: PLC0415 - start-up time
 
         with reading(settings) as snapshot:
             known_package(snapshot, question.package)
-    folder = paths[0] if paths and paths[0].is_dir() else Path.cwd()
-    checked = check_store(settings, question, folder.absolute())
-    _write(checked, form)
-    return settings, checked
+    folder = folders[0] if folders and folders[0].is_dir() else Path.cwd()
+    return check_store(settings, question, folder.absolute())
 
 
-def _read(settings: "Settings", paths: list[Path]) -> "Settings":
+def _read(settings: "Settings", folders: list[Path]) -> "Settings":
     """Read folders, with a bar on a terminal and without a word elsewhere; return the settings for their store."""
     import sys  # noqa: PLC0415 - start-up time
 
@@ -159,16 +157,17 @@ def _read(settings: "Settings", paths: list[Path]) -> "Settings":
     from kg.lint.running import read_folders  # noqa: PLC0415 - start-up time
 
     with for_this_stream() if sys.stderr.isatty() else nullcontext() as progress:
-        given, found = read_folders(paths, settings, progress)
+        own, found = read_folders(folders, settings, progress)
     left_out(found.inferred)
-    return given
+    return own
 
 
 def _write(checked: "Checked", form: str) -> None:
+    """Write the findings to standard output."""
     import sys  # noqa: PLC0415 - start-up time
 
     from kg.cli.links import Links  # noqa: PLC0415 - start-up time
-    from kg.cli.lint_view import LintView, leftovers, summary  # noqa: PLC0415 - start-up time
+    from kg.cli.lint_view import LintView  # noqa: PLC0415 - start-up time
     from kg.lint.objects import as_object, remark  # noqa: PLC0415 - start-up time
     from kg.render.sarif import annotation, document  # noqa: PLC0415 - start-up time
 
@@ -181,9 +180,15 @@ def _write(checked: "Checked", form: str) -> None:
     elif form == "github":
         for one in findings:
             write(annotation(remark(one, checked.roots, here)))
-    elif form:
+    else:
         for line in LintView(checked, Links.of(checked.sources), here, color=colored(sys.stdout)).lines():
             write(line)
+
+
+def _say(checked: "Checked") -> None:
+    """Say how much was found, and what the allow-list and the baseline have too much."""
+    from kg.cli.lint_view import leftovers, summary  # noqa: PLC0415 - start-up time
+
     for words in leftovers(checked.report):
         note(words)
     for words in summary(checked):

@@ -8,7 +8,6 @@ import typer
 from kg.cli.diagnostics import note, say
 from kg.cli.options import Families, Json, Rules, Store, Timeout
 from kg.cli.output import Column, json_lines, listing, terminal
-from kg.cli.progress import waiting
 from kg.cli.session import session
 from kg.errors import UsageError
 from kg.render.text import count
@@ -92,6 +91,7 @@ def run(  # noqa: PLR0913 - the options of a command
     if usual and (done := _nothing_to_do(settings)):
         _show(done, verbose=verbose, json=json)
         return
+    from kg.cli.progress import waiting  # noqa: PLC0415 - start-up time
     from kg.pipeline import rule_runs  # noqa: PLC0415 - start-up time
 
     with waiting("running the rules"):

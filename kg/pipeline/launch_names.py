@@ -1,0 +1,93 @@
+"""Launch configurations by the names that people give them, and the arguments that they give to these."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from kg.errors import Place, UnknownNameError, UsageError
+from kg.query.similar import did_you_mean
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from kg.graph.systems_reading import SystemName
+
+__all__ = ["assignments", "check_given", "find", "matching", "unknown_launch"]
+
+_SHOWN: Final = 8
+
+
+def find(names: Sequence[SystemName], text: str, roots: Mapping[str, str]) -> SystemName:
+    """Return the one of `names` that `text` means: the path of a file on disk, or a name as `matching` takes it.
+
+    `roots` has the folder of each source.
+
+    Raises:
+        UnknownNameError: KG422 when there is none.
+        UsageError: KG003 when there are several.
+    """
+    found = _on_disk(names, Path(text), roots) or matching(names, text)
+    if not found:
+        raise unknown_launch(names, text)
+    if len(found) > 1:
+        ways = "\n".join(f"`--launch {one.name}`  ({one.repository}:{one.path})" for one in found[:_SHOWN])
+        raise UsageError("KG003", f"{len(found)} launch files are called `{text}`; say which", hint=ways)
+    return found[0]
+
+
+def matching(names: Sequence[SystemName], text: str) -> list[SystemName]:
+    """Return those of `names` that `text` may mean, by the first of these ways that fits any.
+
+    It is a name (`package/launch/x.launch`) or a path in a source, the end of either by whole segments, or
+    `package x.launch` as roslaunch takes it.
+    """
+    words = text.split()
+    wanted = "/".join(words)
+    return (
+        [one for one in names if wanted in {one.name, one.path}]
+        or [one for one in names if f"/{one.name}".endswith(f"/{wanted}") or f"/{one.path}".endswith(f"/{wanted}")]
+        or [one for one in names if _package_and_file(one, words)]
+    )
+
+
+def unknown_launch(names: Sequence[SystemName], text: str) -> UnknownNameError:
+    """Return the error KG422: `text` means none of `names`, with the ones that were probably meant."""
+    known = [one.name for one in names] + [one.name.rpartition("/")[2] for one in names]
+    hint = did_you_mean("/".join(text.split()), known)
+    place = Place(text) if Path(text).exists() else None
+    message = f"the store has no launch file `{text}`"
+    return UnknownNameError(
+        "KG422", message, place=place, hint=hint or "`kg instances` lists the launch files of the store."
+    )
+
+
+def assignments(texts: Sequence[str], sign: str = ":=") -> dict[str, str]:
+    """Return `x:=y` as names and values; UsageError KG003 for a text without the sign."""
+    found = {}
+    for text in texts:
+        name, mark, value = text.partition(sign)
+        if not mark or not name.strip():
+            raise UsageError("KG003", f"`{text}` is not written as NAME{sign}VALUE")
+        found[name.strip()] = value
+    return found
+
+
+def check_given(launch: str | None, arguments: Mapping[str, str], environment: Mapping[str, str]) -> None:
+    """Raise UsageError KG003 where arguments or environment variables are given, and no launch file for them."""
+    if launch is None and (arguments or environment):
+        raise UsageError("KG003", "arguments are for one launch file", hint="Name it with `--launch FILE`.")
+
+
+def _on_disk(names: Sequence[SystemName], path: Path, roots: Mapping[str, str]) -> list[SystemName]:
+    if not path.is_file():
+        return []
+    real = path.resolve()
+    return [
+        one for one in names if one.repository in roots and (Path(roots[one.repository]) / one.path).resolve() == real
+    ]
+
+
+def _package_and_file(name: SystemName, words: Sequence[str]) -> bool:
+    package, _, inner = name.name.partition("/")
+    return len(words) == 2 and words[0] == package and f"/{inner}".endswith(f"/{words[1]}")  # noqa: PLR2004 - as above

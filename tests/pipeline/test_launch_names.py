@@ -1,0 +1,77 @@
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from kg.errors import UnknownNameError, UsageError
+from kg.graph.systems_reading import SystemName
+from kg.pipeline.launch_names import assignments, check_given, find, matching
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+BASE = SystemName("base", "bringup/launch/base.launch", "bringup/launch/base.launch", 1)
+OTHER = SystemName("base", "tests/launch/base.launch", "tests/launch/base.launch", 1)
+ARM = SystemName("arm", "src/arm/launch/left/arm.launch.py", "arm/launch/left/arm.launch.py", 2)
+NAMES = [BASE, OTHER, ARM]
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("bringup/launch/base.launch", [BASE]),
+        ("src/arm/launch/left/arm.launch.py", [ARM]),
+        ("base.launch", [BASE, OTHER]),
+        ("launch/left/arm.launch.py", [ARM]),
+        ("arm arm.launch.py", [ARM]),
+        ("arm base.launch", []),
+        ("se.launch", []),
+    ],
+)
+def test_launch_files_have_names_paths_and_ends_of_both(text: str, expected: list[SystemName]) -> None:
+    """Names and paths fit whole or by their last segments; a package and a file fit as roslaunch takes them."""
+    assert matching(NAMES, text) == expected
+
+
+def test_a_file_on_disk_is_found_in_its_source(tmp_path: Path) -> None:
+    """The path of a file means the launch file of the source that stands there, whatever else has its name."""
+    file = tmp_path / BASE.path
+    file.parent.mkdir(parents=True)
+    file.touch()
+    assert find(NAMES, str(file), {"base": str(tmp_path)}) == BASE
+
+
+def test_what_several_are_called_is_refused_with_all_of_them() -> None:
+    """KG003 lists the full names."""
+    with pytest.raises(UsageError, match="2 launch files are called") as caught:
+        find(NAMES, "base.launch", {})
+    assert caught.value.hint is not None
+    assert BASE.name in caught.value.hint
+    assert OTHER.name in caught.value.hint
+
+
+def test_what_none_is_called_is_refused_with_what_was_meant() -> None:
+    """KG422 suggests a name that is written alike."""
+    with pytest.raises(UnknownNameError, match="KG422") as caught:
+        find(NAMES, "bringup/launch/bas.launch", {})
+    assert caught.value.hint is not None
+    assert BASE.name in caught.value.hint
+
+
+def test_assignments_are_names_and_values() -> None:
+    """The first sign parts them; a text without it, or without a name, is refused."""
+    assert assignments(["x:=1", "y:=a:=b", "z:="]) == {"x": "1", "y": "a:=b", "z": ""}
+    assert assignments(["HOME=/root"], "=") == {"HOME": "/root"}
+    for text in ("x", ":=1"):
+        with pytest.raises(UsageError, match="KG003"):
+            assignments([text])
+
+
+def test_arguments_need_the_launch_file_that_they_are_for() -> None:
+    """Arguments and environment variables are refused without a launch file, and go with one."""
+    check_given(None, {}, {})
+    check_given("x.launch", {"a": "1"}, {})
+    for arguments, environment in ((["a:=1"], []), ([], ["A:=1"])):
+        with pytest.raises(UsageError, match="KG003: arguments are for one launch file"):
+            check_given(None, assignments(arguments), assignments(environment))
