@@ -269,7 +269,7 @@ class Flow:
         call = Expr.of(write.unit, write.node)
         given = [call.child(a) for a in syntax.arguments(write.node.child_by_field_name("arguments"))]
         targets = []
-        for other in self._program.functions(called.name, write.unit):
+        for other in self._meant(called, call):
             if write.index < len(other.parameters) and fits(other, len(given)) and _mutable(other, write.index):
                 everything = writes(other.unit, other.parameters[write.index].name, other.start, other.end)
                 inside = [w for w in everything if w.owner is None and w.kind is not WriteKind.PARAMETER]
@@ -280,6 +280,17 @@ class Flow:
             spec.output == write.index for spec in self._evaluator.api.parameters.get(called.name, ())
         )
         return (called, given, targets) if targets or read else None
+
+    def _meant(self, called: syntax.Callee, call: Expr) -> list[Function]:
+        """Return the functions that a call may mean; a bare name in a class means its own before those of others."""
+        program = self._program
+        found = program.functions(called.name, call.unit)
+        if len(found) > 1 and called.receiver is None and not called.scope:
+            around = self._evaluator.types.class_around(call.unit, call.at)
+            if around is not None:
+                related = {*program.family(around), *program.derived(around)}
+                found = [function for function in found if program.owner(function) in related] or found
+        return found
 
     def _parameter(self, write: Write, context: Context) -> Alternatives:
         unit = write.unit
