@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from kg.corpus.files import FilePath
     from kg.extract.launch.files import Files
     from kg.extract.launch.ros2.actions import Text
-    from kg.facts import LaunchArgument, LaunchInclude, LaunchParameter, Remap, StartedNode
+    from kg.facts import LaunchArgument, LaunchInclude, LaunchParameter, LaunchPlugin, Remap, StartedNode
 
 __all__ = ["HOLE", "Context", "Found", "GlobalFile", "Scope", "place"]
 
@@ -68,6 +68,10 @@ class Found:
     """How many actions were executed, for the limit of them."""
     parameters: int = 0
     """How many parameters nodes were given, for the limit of them."""
+    printed: tuple[LaunchPlugin, ...] = ()
+    """The plugins of the robot description that the text performed last is."""
+    described: dict[tuple[str, Location, tuple[Location, ...]], tuple[LaunchPlugin, ...]] = field(default_factory=dict)
+    """The plugins of descriptions by name and place of the parameters that hold them."""
 
 
 class Context:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kg.extract.launch.ros2.context import Context
+from kg.extract.launch.ros2.descriptions import described
 from kg.extract.launch.ros2.execute import run
 from kg.extract.launch.ros2.parameters import without_others
 from kg.extract.launch.ros2.read import read_actions
@@ -34,6 +35,7 @@ def evaluate(
         context.problem(LaunchProblemKind.LIMIT, "something is nested too deep to be read")
     owner = files.reader.workspace.owner(file)
     found = context.found
+    nodes = without_others(found.nodes)
     return LaunchConfiguration(
         repository=file.repository,
         package=owner.name if owner else "",
@@ -42,8 +44,9 @@ def evaluate(
         dialect=dialect,
         given=tuple(sorted(given.items())),
         arguments=tuple(found.arguments.values()),
-        nodes=without_others(found.nodes),
+        nodes=nodes,
         includes=tuple(found.includes),
         problems=tuple(found.problems),
         files=tuple((one.repository, one.path) for one in found.files),
+        plugins=tuple(described(found, nodes)),
     )

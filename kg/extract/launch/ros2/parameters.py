@@ -54,11 +54,20 @@ class Asked:
 
 def given_parameter(context: Context, parameter: ParameterValue) -> LaunchParameter:
     """Return a parameter given by value, as it is now."""
+    _forget(context)
     value, kind = _value(context, parameter)
+    printed = context.found.printed
     unknown = parameter.reason or "it depends on what is known only when it runs"
     reason = unknown if value is None or HOLE in value else None
     name = context.perform(parameter.name)
+    if printed:
+        context.found.described[name, parameter.location, context.chain] = printed
     return LaunchParameter(name, value, parameter.location, context.chain, parameter.type or kind, reason)
+
+
+def _forget(context: Context) -> None:
+    """Begin anew to look for a robot description in what is performed."""
+    context.found.printed = ()
 
 
 def node_parameters(

@@ -26,11 +26,16 @@ _TEXT: Final = frozenset(
     }
 )  # fmt: skip
 
+_PRINTED: Final = frozenset({"toxml", "toprettyxml"})
+"""Methods of what `xacro.process_file` gives; here that is its text already."""
+
 
 def text_method(call: Call, receiver: str | Words, name: str) -> Value:
     """Return what a method of `str` gives."""
     if name == "join":
         return _join(call, receiver)
+    if name in _PRINTED and isinstance(receiver, Words):
+        return receiver
     text = known(receiver, call.machine.context)
     if text is None:
         return Unknown(reason_of(receiver))

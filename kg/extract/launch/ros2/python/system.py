@@ -123,7 +123,17 @@ def _default_table(call: Call) -> Value:
     return table
 
 
+def _described(call: Call) -> Value:
+    """Return the text that xacro prints of a file: `xacro.process_file(path, mappings={...})`."""
+    words: list[str | Substitution] = ["xacro ", *to_text(call.value("input_file_name", 0))]
+    mappings = call.value("mappings")
+    for name, value in mappings.items() if isinstance(mappings, Table) else ():
+        words += [f" {name}:=", *to_text(value)]
+    return Words((Substitution("command", (tuple(words),)),), lazy=True)
+
+
 SYSTEM: Final[dict[str, Callable[[Call], Value]]] = {
+    "xacro.process_file": _described,
     "os.path.join": _join,
     "os.path.dirname": lambda call: paths.parent(_own_path(call.value("p", 0))),
     "os.path.basename": lambda call: paths.base(_own_path(call.value("p", 0))),
