@@ -18,6 +18,7 @@ LARGEST = 1_000_000
 SYSTEM = "bug_system"
 """The package that the runner writes."""
 LINK = b"120000"
+PROGRAM = b"100755"
 
 
 class MissingError(Exception):
@@ -73,6 +74,7 @@ def unpack(git: Path, commit: str, target: Path) -> None:
         (meta.split(), path) for meta, _, path in (entry.partition(b"\t") for entry in listing.split(b"\0")) if path
     ]
     blobs = {path: meta[2] for meta, path in entries if meta[1] == b"blob"}
+    programs = {path for meta, path in entries if meta[0] == PROGRAM}
     links = {path for meta, path in entries if meta[0] == LINK}
     small = _small(git, set(blobs.values()))
     contents = _contents(git, small)
@@ -80,7 +82,7 @@ def unpack(git: Path, commit: str, target: Path) -> None:
         if blob in contents and path in links:
             _link(target, path.decode("utf-8", "replace"), contents[blob].decode("utf-8", "replace"))
         elif blob in contents:
-            _write(target, path.decode("utf-8", "replace"), contents[blob])
+            _write(target, path.decode("utf-8", "replace"), contents[blob], program=path in programs)
 
 
 def _link(target: Path, name: str, leads_to: str) -> None:
@@ -137,13 +139,15 @@ def _contents(git: Path, blobs: list[bytes]) -> dict[bytes, bytes]:
     return found
 
 
-def _write(folder: Path, path: str, content: bytes) -> None:
+def _write(folder: Path, path: str, content: bytes, *, program: bool = False) -> None:
     pure = PurePosixPath(path)
     if pure.is_absolute() or ".." in pure.parts:
         raise MissingError(f"{path} leads out of its tree")
     target = folder / pure
     target.parent.mkdir(parents=True, exist_ok=True)
     target.write_bytes(content)
+    if program:
+        target.chmod(0o755)
 
 
 def _launch(plan: Plan, *, counterpart: bool) -> str:

@@ -72,7 +72,7 @@ def _programs(package: PackageFolder, build: BuildModel) -> tuple[str, ...]:
     alone = (one.executable for one in build.plugins if one.executable)
     installed = [*(one.name for one in build.scripts), *(one.name for one in build.entry_points)]
     files = (PurePosixPath(entry.path).name for entry in package.files if entry.executable)
-    return tuple(sorted({*built, *alone, *installed, *files}))
+    return tuple(sorted({*built, *alone, *installed, *build.programs, *files}))
 
 
 def _nodes(reader: Reader, package: PackageFolder, build: BuildModel) -> tuple[NodeType, ...]:

@@ -43,6 +43,7 @@ def read_build(reader: Reader, package: PackageFolder) -> BuildModel:
         plugins=tuple(plugins),
         scripts=tuple(scripts),
         entry_points=tuple(setup.entry_points.values()),
+        programs=tuple(collected.program_names),
         parameter_libraries=(*collected.parameter_libraries, *setup.parameter_modules),
         reconfigure_files=tuple(reconfigure),
     )

@@ -49,6 +49,8 @@ class Collected:
     aliases: dict[str, str] = field(default_factory=dict)
     plugins: list[PluginClass] = field(default_factory=list)
     programs: dict[tuple[str, str], Location] = field(default_factory=dict)
+    program_names: dict[str, None] = field(default_factory=dict)
+    """Under which names files are installed as programs, whatever they are and whether the source has them."""
     parameter_libraries: dict[tuple[str, str], None] = field(default_factory=dict)
     reconfigure_files: dict[str, None] = field(default_factory=dict)
     plugin_executables: dict[str, str] = field(default_factory=dict)
@@ -226,8 +228,10 @@ class _Targets:
         rename = words[words.index("RENAME") + 1] if "RENAME" in words[:-1] else None
         for written in files:
             path = run.files.locate(strip_generators(written), run.folder)
+            name = rename or posixpath.basename(written)
+            if words[0] == "PROGRAMS" and name and "$" not in name:
+                self.model.program_names.setdefault(name)
             if path and run.files.exists(path):
-                name = rename or posixpath.basename(path)
                 self.model.programs.setdefault((name, path), run.location)
 
     def _install_folders(self, run: Run, words: list[str]) -> None:

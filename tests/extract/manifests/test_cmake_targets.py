@@ -94,6 +94,7 @@ install(PROGRAMS scripts/gone.py run.sh DESTINATION lib)
         "e.py": ("demo/tools/e.py", "demo/CMakeLists.txt:4"),
         "b.py": ("demo/nodes/b.py", "demo/nodes/b.py:1"),
     }
+    assert model.programs == ("a.py", "b", "c", "d.py", "gone.py", "run.sh")
 
 
 def test_parameter_and_reconfigure_files(tmp_path: Path) -> None:
