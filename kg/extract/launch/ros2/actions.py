@@ -49,12 +49,14 @@ class Substitution:
     `kind` is that of the XML form: `var`, `env`, `find-pkg-share`, `find-pkg-prefix`, `find-exec`, `dirname`,
     `filename`, `eval`, `command`, `anon`, `not`, `and`, `or`, `any`, `all`, `equals`, `not-equals`, `if`,
     `file-content`, `path-join`, `local`, `unknown` (then `reason` tells why). `arguments` are its operands in order; a
-    missing default is left out.
+    missing default is left out. Two have no form in XML: `replaced-file` gives the name of a copy of a file (operands:
+    the file, whether texts are replaced, and old and new texts in turn), `rewritten-file` that of a copy of `file`.
     """
 
     kind: str
     arguments: tuple[Text, ...] = ()
     reason: str | None = None
+    file: ParameterFile | None = None
 
 
 Part: TypeAlias = str | Substitution

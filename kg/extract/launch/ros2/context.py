@@ -18,9 +18,12 @@ if TYPE_CHECKING:
     from kg.corpus.files import FilePath
     from kg.extract.launch.files import Files
     from kg.extract.launch.ros2.actions import Text
+    from kg.extract.launch.ros2.generated import Generated
     from kg.facts import LaunchArgument, LaunchInclude, LaunchParameter, LaunchPlugin, Remap, StartedNode
 
 __all__ = ["HOLE", "Context", "Found", "GlobalFile", "Scope", "place"]
+
+_MOST_PLACES: Final = 2_000_000
 
 HOLE: Final = "{}"
 """Stands in a text for a part that cannot be known."""
@@ -62,16 +65,31 @@ class Found:
     arguments: dict[str, LaunchArgument] = field(default_factory=dict)
     problems: dict[LaunchProblem, None] = field(default_factory=dict)
     files: dict[FilePath, None] = field(default_factory=dict)
+    generated: dict[str, Generated] = field(default_factory=dict)
+    """Files that are made when the configuration runs, by name."""
     containers: dict[int, str] = field(default_factory=dict)
     """The absolute names of containers by the identity of the action that starts them."""
     actions: int = 0
     """How many actions were executed, for the limit of them."""
+    is_cut: bool = False
+    """There were too many actions."""
     parameters: int = 0
     """How many parameters nodes were given, for the limit of them."""
     printed: tuple[LaunchPlugin, ...] = ()
     """The plugins of the robot description that the text performed last is."""
     described: dict[tuple[str, Location, tuple[Location, ...]], tuple[LaunchPlugin, ...]] = field(default_factory=dict)
     """The plugins of descriptions by name and place of the parameters that hold them."""
+    substitutions: int = 0
+    """How many substitutions were performed, for the limit of them."""
+    places: int = 0
+    """How many lines nodes, remappings, parameters and includes are told with, for the limit of them."""
+    bytes: int = 0
+    """How much of files was read, for the limit of it."""
+
+    def has_room(self, *chains: tuple[Location, ...]) -> bool:
+        """Tell whether facts with these chains of includes may be kept, and count them."""
+        self.places += len(chains) + sum(map(len, chains))
+        return self.places <= _MOST_PLACES
 
 
 class Context:

@@ -18,6 +18,9 @@ __all__ = ["find", "read", "unreadable"]
 
 def read(context: Context, text: str) -> tuple[FilePath, bytes] | None:
     """Return the file that a text names, and its content; None, and a problem, where it cannot be read."""
+    made = context.found.generated.get(text)
+    if made is not None:
+        return made.file, made.content
     file = find(context, text)
     if file is None:
         return None

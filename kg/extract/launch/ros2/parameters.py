@@ -145,8 +145,13 @@ def _of_file(
     file, content = found
     if isinstance(source, ParameterFile) and source.substitutions:
         content = _substituted(context, content)
+    made = context.found.generated.get(path)
     try:
-        listed: Sequence[Entry] = entries(content, flat)
+        listed: Sequence[Entry] = (
+            entries(content, flat)
+            if made is None or made.entries is None
+            else _performed(context, made.entries, source)
+        )
     except ValueError as error:
         line = error.args[1] if len(error.args) > 1 else 1
         context.problem(
@@ -160,6 +165,18 @@ def _of_file(
         reason = source.reason or ("it depends on what is known only when it runs" if value is None else None)
         where = entry.location or place(context.files, file, entry.line)
         yield entry.node, LaunchParameter(".".join(entry.names), value, where, context.chain, entry.type, reason)
+
+
+def _performed(context: Context, listed: Sequence[Entry], source: ParameterFile | GlobalFile) -> list[Entry]:
+    """Return parameters with the substitutions in their values performed, where their file has such."""
+    found = []
+    for entry in listed:
+        if isinstance(source, ParameterFile) and source.substitutions and "$(" in entry.value:
+            value, kind = of_text(_substituted(context, entry.value.encode()).decode())
+            found.append(replace(entry, value=HOLE if value is None else value, type=kind))
+        else:
+            found.append(entry)
+    return found
 
 
 def _substituted(context: Context, content: bytes) -> bytes:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final
 from kg.extract.launch.expressions import BUILTINS, MATHEMATICS, ExpressionError, evaluate_expression
 from kg.extract.launch.files import SCHEME
 from kg.extract.launch.ros2.context import HOLE
+from kg.extract.launch.ros2.generated import replaced_file, rewritten_file
 from kg.facts import LaunchParameter, LaunchProblemKind
 
 if TYPE_CHECKING:
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
 __all__ = ["holds", "perform", "truth"]
 
 _MOST_TEXT: Final = 200_000
+_MOST_SUBSTITUTIONS: Final = 500_000
+"""Of one configuration; Python code can put the same one into many others, and those into many."""
 _TRUE: Final = {"true", "1"}
 _FALSE: Final = {"false", "0"}
 _YAML_TRUE: Final = _TRUE | {"yes", "on"}
@@ -64,6 +67,13 @@ def truth(text: str) -> bool | None:
 
 
 def _perform(context: Context, part: Substitution) -> str:
+    if part.file is not None:
+        return rewritten_file(context, part.file)
+    context.found.substitutions += 1
+    if context.found.substitutions > _MOST_SUBSTITUTIONS:
+        if context.found.substitutions == _MOST_SUBSTITUTIONS + 1:
+            context.problem(LaunchProblemKind.LIMIT, f"more than {_MOST_SUBSTITUTIONS} substitutions are performed")
+        return HOLE
     known = _KINDS.get(part.kind)
     if known is None:
         return context.unresolved(part.reason or f"`$({part.kind})` is known only when it runs", part.kind)
@@ -260,5 +270,6 @@ _KINDS: Final[Mapping[str, tuple[Callable[..., str], int, int]]] = {
     "not-equals": (_differs, 2, 2),
     "if": (_if, 2, 3),
     "param": (_parameter, 1, 1),
+    "replaced-file": (replaced_file, 2, _MANY),
 }
 """Substitutions by name, with the least and the most operands that they take."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.ros2.actions import Group, Include, ParameterFile
+from kg.extract.launch.ros2.actions import Group, Include
 from kg.extract.launch.ros2.python.conditions import condition_of
 from kg.extract.launch.ros2.python.flatten import actions_of
 from kg.extract.launch.ros2.python.texts import reason_of, to_text
@@ -88,9 +88,6 @@ def _arguments(call: Call) -> tuple[tuple[Text, Text], ...]:
             call.machine.unresolved(reason, call.place("launch_arguments", 1))
             continue
         name, given = pair
-        if isinstance(given, ParameterFile) and given.rewrites:
-            reason = "a file of parameters is passed on without what is rewritten in it"
-            call.machine.unresolved(reason, call.place("launch_arguments", 1))
         found.append((to_text(name), to_text(Unknown(reason_of(item)) if isinstance(item, Guarded) else given)))
     return tuple(found)
 

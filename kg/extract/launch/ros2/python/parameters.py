@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.launch.ros2.actions import ParameterFile, ParameterValue, Substitution
+from kg.extract.launch.ros2.python.conditions import condition_of
 from kg.extract.launch.ros2.python.texts import join, reason_of, to_text, unknown_text
 from kg.extract.launch.ros2.python.values import (
     Choice,
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 __all__ = ["PARAMETERS", "Typed", "file_of", "sources_of", "value_of"]
 
 _MAX_DEPTH: Final = 20
+_MAX_ENTRIES: Final = 20_000
 
 
 class Typed:
@@ -100,7 +102,9 @@ def _source(item: Value, location: Location) -> list[ParameterSource]:
     if isinstance(item, Guarded):
         return [ParameterFile(unknown_text(f"it depends on `{item.condition.written}`"), location)]
     if isinstance(item, Table):
-        return list(_entries(item, (), location, 0))
+        found: list[ParameterSource] = []
+        _enter(found, item, (), location)
+        return found
     if isinstance(item, ParameterFile | ParameterValue):
         return [item]
     if isinstance(item, str | Words | PathValue | Items | tuple):
@@ -110,18 +114,19 @@ def _source(item: Value, location: Location) -> list[ParameterSource]:
     )
 
 
-def _entries(table: Table, prefix: Text, location: Location, depth: int) -> list[ParameterSource]:
-    found: list[ParameterSource] = []
+def _enter(found: list[ParameterSource], table: Table, prefix: Text, location: Location, depth: int = 0) -> None:
+    """Add the entries of a dictionary, which may hold the same one many times, to what was found."""
     for key, value in table.items():
+        if len(found) >= _MAX_ENTRIES:
+            return
         place = table.places.get(key, location)
         name = (*prefix, ".", *to_text(key)) if prefix else to_text(key)
         if isinstance(value, Table) and depth < _MAX_DEPTH:
-            found += _entries(value, name, place, depth + 1)
+            _enter(found, value, name, place, depth + 1)
         elif value is not None:
             found.append(value_of(join(list(name)), value, place))
     if table.rest is not None:
         found.append(ParameterFile(unknown_text(f"more parameters: {table.rest.reason}"), location))
-    return found
 
 
 def _parameter_file(call: Call) -> Value:
@@ -166,10 +171,16 @@ def _pairs(call: Call, name: str) -> tuple[tuple[Text, Text], ...]:
 
 
 def _replaced(call: Call) -> Value:
-    """Return nav2's `ReplaceString`: texts of a file are replaced, which the file is read without."""
-    source = to_text(call.value("source_file", 0))
-    call.machine.unresolved("texts of a file are replaced when it runs", call.location)
-    return Words(source, lazy=True) if source else Words((Substitution("unknown", reason="no file is named"),))
+    """Return nav2's `ReplaceString`: the name of a copy of a file in which texts are replaced."""
+    condition = condition_of(call)
+    held: Text = ("true",)
+    if condition is not None and condition.value is None:
+        held = unknown_text(f"it depends on `{condition.words}`")
+    elif condition is not None and condition.value is not None:
+        held = (Substitution("not", (condition.value,)),) if condition.negated else condition.value
+    pairs = _pairs(call, "replacements")
+    operands = (to_text(call.value("source_file", 0)), held, *(text for pair in pairs for text in pair))
+    return Words((Substitution("replaced-file", operands),), lazy=True)
 
 
 PARAMETERS: Final[dict[str, Callable[[Call], Value]]] = {

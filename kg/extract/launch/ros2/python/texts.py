@@ -60,7 +60,8 @@ def to_text(value: Value) -> Text:
     if isinstance(value, PathValue):
         return to_text(value.text)
     if isinstance(value, ParameterFile):
-        return value.path
+        changed = value.rewrites or value.root or value.keys
+        return (Substitution("rewritten-file", file=value),) if changed else value.path
     if isinstance(value, bool | int | float):
         return (str(value),)
     if isinstance(value, Items | tuple):
