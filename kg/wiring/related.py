@@ -1,5 +1,6 @@
 """Names of which one has more to it: `imu/data` and `imu/data_compass`, `found/objects` and `found/tracker/objects`.
 
+Names of the same words in another order are related too, if they end alike: `camera/left/image`, `left_camera/image`.
 By itself that says little, since many topics of a node are named so. Where one end of each is missing, or the types
 agree and only one name has both ends, it is how a topic gets lost when a part of a system is renamed.
 """
@@ -27,29 +28,39 @@ class Related:
     def __init__(self, names: Iterable[str]) -> None:
         self._whole: defaultdict[Words, list[str]] = defaultdict(list)
         self._parts: defaultdict[Words, list[str]] = defaultdict(list)
+        self._ordered: defaultdict[tuple[str, ...], list[str]] = defaultdict(list)
         for name in sorted({name for name in names if "{}" not in name}):
             words = words_of(name)
             self._whole[words].append(name)
+            self._ordered[_ordered(words)].append(name)
             for part in _parts(words):
                 self._parts[part].append(name)
 
     def find(self, name: str) -> list[str]:
-        """Return the names that have more to them than `name`, or less, sorted."""
+        """Return the names that have more to them than `name`, or less, or the same in another order, sorted."""
         if "{}" in name:
             return []
         words = words_of(name)
-        found = set(self._parts.get(words, ()))
+        found = {*self._ordered.get(_ordered(words), ())} - {*self._whole.get(words, ())}
+        found.update(self._parts.get(words, ()))
         for part in _parts(words):
             found.update(self._whole.get(part, ()))
         return sorted(found - {name})
 
 
 def related(one: str, other: str) -> bool:
-    """Tell whether one of two names has words in one of its segments, or a namespace, that the other lacks."""
+    """Tell whether one of two names has words or a namespace that the other lacks, or the same in another order."""
     if "{}" in one or "{}" in other:
         return False
     words, others = words_of(one), words_of(other)
-    return others in _parts(words) or words in _parts(others)
+    if others in _parts(words) or words in _parts(others):
+        return True
+    return words != others and _ordered(words) == _ordered(others)
+
+
+def _ordered(words: Words) -> tuple[str, ...]:
+    """Return the words of a name in one order, behind those of its last segment, which stay where they are."""
+    return *(words[-1] if words else ()), "/", *sorted(word for segment in words[:-1] for word in segment)
 
 
 def _parts(words: Words) -> Iterator[Words]:

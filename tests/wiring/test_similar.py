@@ -48,13 +48,14 @@ MORE = [
     ("/camera/depth/image_raw", "/camera/depth_registered/image_raw"),
     ("/detection/object_tracker/objects", "/detection/objects"),
     ("/a_opponent_controller/path", "/a_controller/path"),
+    ("/camera/left/image_raw", "/left_camera/image_raw"),
 ]
 NO_MORE = [("/scan_1", "/scan"), ("/camera/image_raw", "/camera/image_rect"), ("/a/b/c", "/c/d"), ("/x", "/x")]
 
 
 @pytest.mark.parametrize(("one", "other"), MORE)
 def test_names_with_more_to_them_are_related(one: str, other: str) -> None:
-    """A word or two in one segment, or a namespace, are too many."""
+    """A word or two in one segment, or a namespace, are too many, or the words stand in another order."""
     assert related(one, other)
     assert Related([one]).find(other) == [one]
     assert Related([other]).find(one) == [other]
