@@ -8,8 +8,13 @@ from __future__ import annotations
 
 import re
 from functools import lru_cache
+from typing import Final
 
 __all__ = ["is_for_node", "join", "normalise", "resolve"]
+
+_PART: Final = re.compile(r"/\w+")
+_MOST_NAME: Final = 1000
+"""Characters of a name of a node, of which ROS takes 255."""
 
 
 def normalise(name: str) -> str:
@@ -48,15 +53,37 @@ def is_for_node(key: str, full: str) -> bool | None:
     """
     absolute = "/" + key.strip("/")
     if "{}" not in full:
-        return full == absolute or ("*" in absolute and bool(_pattern(absolute).fullmatch(full)))
+        return full == absolute or ("*" in absolute and _fits(absolute, full))
     if absolute == "/**":
         return True
     possible = re.compile(".*".join(re.escape(part) for part in full.split("{}")), re.DOTALL)
     return None if "*" in absolute or possible.fullmatch(absolute) else False
 
 
-@lru_cache(maxsize=1024)
-def _pattern(key: str) -> re.Pattern[str]:
-    r"""Return the expression that a key with wildcards means; a part of a name is `\w+`."""
-    meant = {"/**": r"(?:/\w+)*", "/*": r"/\w+"}
-    return re.compile("".join(meant.get(piece) or re.escape(piece) for piece in re.split(r"(/\*\*|/\*)", key)))
+@lru_cache(maxsize=4096)
+def _fits(key: str, full: str) -> bool:
+    """Tell whether a key with wildcards means a name: all places that it may have come to are followed at once.
+
+    A regular expression takes far too long for a key with many wildcards.
+    """
+    if max(len(key), len(full)) > _MOST_NAME:
+        return False
+    places = {0}
+    for piece in re.split(r"(/\*\*|/\*)", key):
+        if piece == "/*":
+            places = {end for place in places for end in _ends(full, place)}
+        elif piece == "/**":
+            waiting = list(places)
+            while waiting:
+                new = set(_ends(full, waiting.pop())) - places
+                places |= new
+                waiting += new
+        else:
+            places = {place + len(piece) for place in places if full.startswith(piece, place)}
+    return len(full) in places
+
+
+def _ends(name: str, place: int) -> range:
+    """Return where a part of a name that begins at a place may end."""
+    part = _PART.match(name, place)
+    return range(place + 2, part.end() + 1) if part else range(0)

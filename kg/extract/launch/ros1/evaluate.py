@@ -61,6 +61,7 @@ class _Evaluation:
         self._arguments: dict[str, LaunchArgument] = {}
         self._open: list[tuple[FilePath, tuple[tuple[str, str], ...]]] = []
         self._levels = 0
+        self._is_cut = False
         self._readers = {"node": read_node, "test": read_node, "param": read_param, "rosparam": read_rosparam}
 
     def run(self, file: FilePath) -> None:
@@ -204,6 +205,11 @@ class _Evaluation:
 
     def _include(self, scope: Scope, inner: Scope, element: Element) -> None:
         state = self._state
+        if len(state.includes) >= _MOST_INCLUDES:
+            if not self._is_cut:
+                state.limit(scope, element.line, f"the configuration has more than {_MOST_INCLUDES} includes")
+            self._is_cut = True
+            return
         written = state.text(scope, element, "file")
         if written is None:
             state.refused(scope, element, "it has no 'file'")
@@ -213,8 +219,6 @@ class _Evaluation:
         location = state.location(scope, element.line)
         if file is not None and reason is None:
             reason = self._stopped(scope, inner, element, file)
-        if len(state.includes) > _MOST_INCLUDES:
-            return
         state.includes.append(
             LaunchInclude(
                 written=shown(written),
@@ -287,10 +291,5 @@ class _Evaluation:
         if len(self._open) >= _MOST_DEPTH:
             reason = f"includes are nested deeper than {_MOST_DEPTH} levels"
             state.limit(scope, element.line, reason)
-            return reason
-        if len(state.includes) >= _MOST_INCLUDES:
-            reason = f"the configuration has more than {_MOST_INCLUDES} includes"
-            if len(state.includes) == _MOST_INCLUDES:
-                state.limit(scope, element.line, reason)
             return reason
         return None

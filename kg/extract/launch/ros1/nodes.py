@@ -176,7 +176,7 @@ def _inside(state: State, scope: Scope, element: Element, what: tuple[str, str |
             read_rosparam(state, parameters, child)
         elif tag == "env":
             read_environment(state, scope, inner, child)
-    for one in (*scope.private, *parameters.private):
+    for one in () if state.has_all_parameters else (*scope.private, *parameters.private):
         for leaf in one.leaves:
             private = f"{parameters.namespace}{one.name.removeprefix('~')}"
             state.add_leaf(private, leaf, one.location, one.chain, one.reason)

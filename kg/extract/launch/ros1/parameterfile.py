@@ -83,7 +83,7 @@ def read_tree(text: str) -> ParameterTree:
     """Return the parameters of a YAML document; what stands before an error of its meaning is kept."""
     if len(text) > MOST_TEXT:
         return ParameterTree(problems=((f"the file is longer than {MOST_TEXT} characters", 1),), too_large=True)
-    return _cached(text) if len(text) <= _CACHED else _read(text)
+    return _cached(text) if len(text) <= _CACHED else _last(text)
 
 
 def read_scalar(text: str) -> object:
@@ -129,6 +129,11 @@ def _read(text: str) -> ParameterTree:
         problem = (f"{error}; the parameters before that were read", walk.line)
         return ParameterTree(tuple(leaves), (*walk.problems, problem), too_large=True)
     return ParameterTree(tuple(leaves), tuple(walk.problems), is_mapping=isinstance(root, yaml.MappingNode))
+
+
+@lru_cache(maxsize=1)
+def _last(text: str) -> ParameterTree:
+    return _read(text)
 
 
 @lru_cache(maxsize=512)

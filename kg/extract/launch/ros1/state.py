@@ -30,6 +30,14 @@ _MOST_NODES: Final = 20_000
 _MOST_PARAMETERS: Final = 200_000
 _MOST_PROBLEMS: Final = 2000
 _MOST_ELEMENTS: Final = 200_000
+_MOST_PLACES: Final = 2_000_000
+_PLACES_OF_A_REMAP: Final = 20
+"""Lines that nodes, remappings and parameters are told with, those of the includes that led to them too."""
+_MOST_CACHED: Final = 1 << 18
+_COST_OF_LARGE: Final = 4
+"""So much more files count that are larger than what is kept of those read before."""
+_MOST_BYTES: Final = 16 << 20
+"""Read of files, each time that one is included or loaded."""
 
 
 class State:
@@ -52,9 +60,11 @@ class State:
         """Those in the robot descriptions that parameters hold."""
         self.descriptions = Descriptions(files, root, environment)
         self._substituter = Substituter(files, environment)
+        self.has_all_parameters = False
+        """There are as many parameters as can be kept; no more are read."""
         self.is_whole = True
         """Nothing was left out because of a limit, so that what is not found is not there."""
-        self._elements = 0
+        self._elements = self._places = self._bytes = 0
 
     def location(self, scope: Scope, line: int, file: FilePath | None = None) -> Location:
         """Return the location of a line of the file that is evaluated, or of another one."""
@@ -133,19 +143,30 @@ class State:
         self.problem(scope, line, LaunchProblemKind.LIMIT, message)
 
     def add_node(self, scope: Scope, node: StartedNode) -> None:
-        """Add a node."""
-        if len(self.nodes) < _MOST_NODES:
-            self.nodes.append(node)
-        else:
+        """Add a node; where it is one too many, nothing more is read."""
+        if len(self.nodes) >= _MOST_NODES:
             self.limit(scope, node.location.line, f"the configuration has more than {_MOST_NODES} nodes")
+        elif not self._has_room(node.chain, *(remap.chain for remap in node.remaps), remaps=len(node.remaps)):
+            self.limit(scope, node.location.line, "nodes, remappings and parameters are more than can be kept")
+        else:
+            self.nodes.append(node)
+            return
+        self._elements = _MOST_ELEMENTS + 1
+
+    def _has_room(self, *chains: tuple[Location, ...], remaps: int = 0) -> bool:
+        """Tell whether facts with these chains of includes may be kept, and count them."""
+        self._places += len(chains) + sum(map(len, chains)) + _PLACES_OF_A_REMAP * remaps
+        return self._places <= _MOST_PLACES
 
     def add_leaf(
         self, name: str, leaf: Leaf, location: Location, chain: tuple[Location, ...], reason: str | None = None
     ) -> None:
         """Add a parameter below `name`, which is absolute or private to roslaunch."""
+        if self.has_all_parameters:
+            return
         for key in leaf.keys:
             name = join(name, key)
-        if len(self.parameters) < _MOST_PARAMETERS:
+        if len(self.parameters) < _MOST_PARAMETERS and self._has_room(chain):
             absolute = shown(canonical(name))
             self.plugins.pop(absolute, None)
             if leaf.plugins:
@@ -154,7 +175,8 @@ class State:
                 LaunchParameter(absolute, leaf.value, location, chain, leaf.type, leaf.reason or reason)
             )
         else:
-            message = f"the configuration has more than {_MOST_PARAMETERS} parameters"
+            self.has_all_parameters, self.is_whole = True, False
+            message = f"the configuration has more than {_MOST_PARAMETERS} parameters, or too many"
             self.problems[LaunchProblem(LaunchProblemKind.LIMIT, message, location, chain)] = None
 
     def locate(self, scope: Scope, line: int, text: str) -> tuple[FilePath | None, str | None]:
@@ -180,7 +202,14 @@ class State:
 
     def open(self, scope: Scope, line: int, file: FilePath) -> bytes | None:
         """Return the text of a file, which is recorded as read; None, and a problem, when it cannot be read."""
+        if self._bytes > _MOST_BYTES:
+            return None
         data = self.files.read(file)
+        size = len(data or b"")
+        self._bytes += size if size <= _MOST_CACHED else _COST_OF_LARGE * size
+        if self._bytes > _MOST_BYTES:
+            self.limit(scope, line, f"the configuration reads more than {_MOST_BYTES} bytes of files")
+            return None
         if data is None:
             self.limit(scope, line, f"the file {file.path} is not read: it is binary or too large")
         else:

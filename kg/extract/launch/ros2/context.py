@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 __all__ = ["HOLE", "Context", "Found", "GlobalFile", "Scope", "place"]
 
 _MOST_PLACES: Final = 2_000_000
+_PLACES_OF_A_REMAP: Final = 20
 
 HOLE: Final = "{}"
 """Stands in a text for a part that cannot be known."""
@@ -86,9 +87,10 @@ class Found:
     bytes: int = 0
     """How much of files was read, for the limit of it."""
 
-    def has_room(self, *chains: tuple[Location, ...]) -> bool:
-        """Tell whether facts with these chains of includes may be kept, and count them."""
-        self.places += len(chains) + sum(map(len, chains))
+    def has_room(self, node: StartedNode) -> bool:
+        """Tell whether a node may be kept with its remappings and parameters, and count their lines."""
+        chains = [node.chain, *(one.chain for one in node.remaps), *(one.chain for one in node.parameters)]
+        self.places += len(chains) + sum(map(len, chains)) + _PLACES_OF_A_REMAP * len(node.remaps)
         return self.places <= _MOST_PLACES
 
 

@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 __all__ = ["run"]
 
 _MOST_ACTIONS: Final = 50_000
+_ACTIONS_OF_A_FUNCTION: Final = 25
+"""How many actions the body of an `OpaqueFunction` counts for, as it is read each time."""
 _MOST_DEPTH: Final = 200
 
 
@@ -39,7 +41,8 @@ def run(context: Context, actions: Sequence[Action], depth: int = 0) -> None:
     for action in actions:
         context.found.actions += 1
         if context.found.actions > _MOST_ACTIONS:
-            if context.found.actions == _MOST_ACTIONS + 1:
+            if not context.found.is_cut:
+                context.found.is_cut = True
                 context.problem(LaunchProblemKind.LIMIT, f"more than {_MOST_ACTIONS} actions are executed")
             return
         with context.at(action.location):
@@ -55,6 +58,7 @@ def _execute(context: Context, action: Action, depth: int) -> None:
     if isinstance(action, kinds.Group):
         _group(context, action, depth)
     elif isinstance(action, kinds.Opaque):
+        context.found.actions += _ACTIONS_OF_A_FUNCTION
         run(context, action.run(context), depth + 1)
     elif isinstance(action, kinds.Include):
         include(context, action, lambda actions: run(context, actions, 0))

@@ -23,10 +23,14 @@ if TYPE_CHECKING:
 __all__ = ["include"]
 
 _MOST_DEPTH: Final = 100
+_MOST_INCLUDES: Final = 5_000
 
 
 def include(context: Context, action: Include, run: Callable[[Sequence[Action]], None]) -> None:
     """Execute the file of an include with `run`; note it as an include whether there is such a file or not."""
+    if len(context.found.includes) >= _MOST_INCLUDES:
+        context.problem(LaunchProblemKind.LIMIT, f"more than {_MOST_INCLUDES} files are included")
+        return
     written = HOLE if action.path is None else context.perform(action.path)
     reason = action.reason if action.path is None else None
     if HOLE in written:

@@ -174,6 +174,8 @@ def _record(context: Context, start: _Start) -> str:
 def _append(context: Context, node: StartedNode) -> None:
     if len(context.found.nodes) >= _MOST_NODES:
         context.problem(LaunchProblemKind.LIMIT, f"more than {_MOST_NODES} nodes are started")
+    elif not context.found.has_room(node):
+        context.problem(LaunchProblemKind.LIMIT, "nodes, remappings and parameters are more than can be kept")
     else:
         context.found.nodes.append(node)
 

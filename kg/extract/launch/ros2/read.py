@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 from kg.extract.launch.ros2.frontend.xml import read_xml
 from kg.extract.launch.ros2.frontend.yaml import read_yaml
 from kg.extract.launch.ros2.locate import unreadable
-from kg.facts import LaunchDialect
+from kg.facts import LaunchDialect, LaunchProblemKind
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -24,6 +24,8 @@ __all__ = ["dialect_of", "read_actions"]
 Tree = tuple["Sequence[Action]", "tuple[LaunchProblem, ...]"]
 
 _MOST_TREES: Final = 4_000
+_MOST_BYTES: Final = 64 << 20
+"""Read of launch files for one configuration, each time that one is included."""
 
 _MARKUP: Final[dict[tuple[str, FilePath, bytes], Tree]] = {}
 """Files of XML and YAML by the source that they are read for, their name and the digest of their text."""
@@ -50,6 +52,10 @@ def read_actions(context: Context, file: FilePath, dialect: LaunchDialect) -> Se
         unreadable(context, file)
         return ()
     context.found.files.setdefault(file)
+    context.found.bytes += len(content)
+    if context.found.bytes > _MOST_BYTES:
+        context.problem(LaunchProblemKind.LIMIT, f"more than {_MOST_BYTES} bytes of launch files are read")
+        return ()
     actions, problems = (
         _python(context, file, content)
         if dialect is LaunchDialect.ROS2_PYTHON
