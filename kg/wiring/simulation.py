@@ -46,7 +46,7 @@ class Simulated:
         if self.row.ros == 1:
             yield from self._made(self._beside(node), remapping)
             return
-        place, own = self._own_node(node)
+        place, own = self._own_node()
         yield from self._made(place, own)
 
     def _values(self) -> dict[str, str]:
@@ -61,9 +61,9 @@ class Simulated:
             namespace = self.model
         return Place(node.resolve(namespace) if namespace else node.namespace, node.name, node.full)
 
-    def _own_node(self, node: Place) -> tuple[Place, Remapping]:
-        """Return the place of the plugin's own node, and its rules (ROS 2)."""
-        namespace = self._values().get("ros/namespace") or self.namespace or node.namespace
+    def _own_node(self) -> tuple[Place, Remapping]:
+        """Return the place of the plugin's own node, and its rules (ROS 2); the simulator itself stands at the root."""
+        namespace = self._values().get("ros/namespace") or self.namespace
         place = Place(normalise(f"/{namespace}"), self.plugin.name or "{}")
         remaps = []
         for one in self.plugin.values:

@@ -41,7 +41,7 @@ _COMMANDS: Final = frozenset({"property", "macro", "include", "insert_block", "i
 class Made:
     """An element of the description that has or is a plugin; `file`, `line` and `steps` tell where it stands.
 
-    `steps` are the places of the includes of descriptions that led to it.
+    `steps` are the places of the includes and calls of macros that led to it.
     """
 
     tag: str
@@ -225,7 +225,8 @@ class _Evaluation:
             Block((one,), at.table, at.file) for one in self._flat(at, element.children) if isinstance(one, Element)
         ]
         scope = called(macro, around, (element, at.table), blocks, self._texts)
-        inside = replace(at, table=scope, file=macro.file, open=(*at.open, macro.name))
+        steps = (*at.steps, (at.file, element.line))
+        inside = replace(at, table=scope, file=macro.file, steps=steps, open=(*at.open, macro.name))
         yield from self._children(inside, macro.body.children, parent)
 
     def _flat(self, at: _At, children: Iterable[Element | str]) -> Iterator[Element | str]:
