@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.facts import InstanceInterface, Resolution
 from kg.names import join
+from kg.wiring.called import handed
 from kg.wiring.families import meant, members
 from kg.wiring.naming import Named, named
 from kg.wiring.values import parsed, shown
@@ -48,13 +49,13 @@ class Ends:
         made: dict[Location, list[InstanceInterface]] = {}
         later: list[Interface] = []
         for declared in meant(node.interfaces, self.settings):
-            if declared.name is not None and (declared.implicit or declared.name.endswith(_CAMERA_INFO)):
-                later.append(declared)
-                continue
             spelled = self.spelling.names(declared) if self.spelling is not None else None
             if spelled is not None:
                 for one in spelled:
                     yield self._placed(declared, owner, Named(one, Resolution.CONSTANT), self.place)
+                continue
+            if declared.name is not None and (declared.implicit or declared.name.endswith(_CAMERA_INFO)):
+                later.append(declared)
                 continue
             for value, whole in members(declared, node, self.settings, self.place):
                 name = named(declared, node, value)
@@ -92,6 +93,8 @@ class Ends:
                 continue
             if declared.location.path.endswith(framework.foreign or ("\0",)):
                 continue
+            if self.spelling is not None and declared.name in self.spelling.row.outside:
+                continue
             if framework.each is not None and declared.name is None and _of_element(declared.parameter, node):
                 yield from self._for_each(declared, plugin.found, framework, place)
                 continue
@@ -100,6 +103,9 @@ class Ends:
             name = self._named(declared, node, parameter, place)
             if name.parameter is None and node.ros != 1 and "{}" in (name.name or "{}"):
                 name = self._by_default(declared, parameter) or name
+            given = framework.handed.get(handed(declared.reason) or "") if name.name is None else None
+            if given is not None:
+                name = Named(given.replace("{id}", plugin.id), Resolution.CONSTANT)
             yield self._placed(declared, owner, name, own)
 
     def _by_default(self, declared: Interface, parameter: str | None) -> Named | None:

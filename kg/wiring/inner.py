@@ -37,6 +37,7 @@ class Inner:
     source: str
     below: str = ""
     code: tuple[str, ...] = ()
+    outside: tuple[str, ...] = ()
     named: tuple[str, ...] = ()
     defaults: Mapping[str, str] = field(default_factory=dict)
     each: bool = False
@@ -58,6 +59,8 @@ class Spelling:
 
     def names(self, declared: Interface) -> tuple[str, ...] | None:
         """Return the names that an interface has here; None where it keeps its own."""
+        if declared.name in self.row.outside:
+            return ()
         if declared.implicit or declared.parameter is not None:
             return None
         for pattern in self.row.named:
@@ -80,12 +83,14 @@ def inner_nodes(typed: Typed | None) -> tuple[Inner, ...]:
 
 def without_inner(node: NodeType, made: Iterable[Inner]) -> NodeType:
     """Return a node type without what stands in the code of the nodes that it makes."""
-    code = tuple(path for row in made for path in row.code)
+    rows_of = list(made)
+    code = tuple(path for row in rows_of for path in row.code)
+    outside = {name for row in rows_of for name in row.outside}
     if not code:
         return node
     return replace(
         node,
-        interfaces=tuple(one for one in node.interfaces if not one.location.path.endswith(code)),
+        interfaces=tuple(one for one in node.interfaces if one.name in outside or not one.location.path.endswith(code)),
         parameters=tuple(one for one in node.parameters if not one.location.path.endswith(code)),
     )
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.facts import Access, InstanceRemap, NodeInstance, Resolution, StartKind
 from kg.wiring.asked import Asked
+from kg.wiring.called import called
 from kg.wiring.ends import Ends
 from kg.wiring.inner import Spelling, addressed, filled_defaults, inner_nodes, without_inner
 from kg.wiring.place import Place, place_of
@@ -182,7 +183,7 @@ def _interfaces(draft: Draft, ends: Ends) -> tuple[InstanceInterface, ...]:
         found += own_ends(draft.started, draft.place, ends.remapping, draft.ros, draft.repository)
     for simulated in draft.simulated:
         found += simulated.ends(draft.place, ends.remapping)
-    return tuple(dict.fromkeys(found))
+    return tuple(called(dict.fromkeys(found)))
 
 
 def _remaps(draft: Draft, interfaces: Sequence[InstanceInterface]) -> tuple[InstanceRemap, ...]:

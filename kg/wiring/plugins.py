@@ -6,7 +6,7 @@ The table is `ontology/plugins.toml`; its head explains it.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from typing import TYPE_CHECKING, Any, Final
 
@@ -41,6 +41,7 @@ class Framework:
     by: tuple[str, ...] = ()
     shared: tuple[str, ...] = ()
     foreign: tuple[str, ...] = ()
+    handed: Mapping[str, str] = field(default_factory=dict)
     each: str | None = None
     below: str = "{id}"
     chosen: str | None = None
