@@ -8,11 +8,11 @@ so that nothing is told by colour alone. The same node always gives the same byt
 from __future__ import annotations
 
 from dataclasses import dataclass
-from html import escape
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import Role
-from kg.render.text import printable, width
+from kg.render.svg import ROLE, dimensions, escaped, label, short
+from kg.render.text import width
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -38,7 +38,6 @@ _CHARACTER: Final = 7.85
 _SMALL: Final = 6.65
 _LONGEST: Final = 44
 _LONGEST_LINE: Final = 72
-_ROLE: Final = 'role="img" aria-labelledby="title desc"'
 _STYLE: Final = """
 svg { background: #ffffff; font-family: ui-monospace, SFMono-Regular, Menlo, Consolas, "DejaVu Sans Mono", monospace; }
 .box { fill: #eef3f8; stroke: #34495e; stroke-width: 2; }
@@ -89,30 +88,29 @@ def draw(title: str, lines: Sequence[str], ports: Iterable[Port], *, more: str =
     every = sorted(ports, key=lambda port: (port.implicit, port.name, port.type))
     left, right = _side(_LEFT, every), _side(_RIGHT, every)
     texts = [(title, 10.3), *((line, 7.3) for line in lines), (more, 7.3)]
-    box = int(max(200, *(width(_short(text, _LONGEST_LINE)) * size + 40 for text, size in texts)))
+    box = int(max(200, *(width(short(text, _LONGEST_LINE)) * size + 40 for text, size in texts)))
     head = _HEAD + 17 * max(0, len(lines) - 1)
     height = head + max(left.height, right.height, _ROW) + (34 if more else 12)
     box_x = _MARGIN + (left.label_width + _WIRE if left.groups else 0)
     whole = box_x + box + (right.label_width + _WIRE if right.groups else 0) + _MARGIN
     middle = box_x + box / 2
     parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" {_size(whole, height + 2 * _MARGIN)} {_ROLE}>',
-        f'<title id="title">{_text(f"Node {title}")}</title>',
-        f'<desc id="desc">{_text(_description(every, more))}</desc>',
+        f'<svg xmlns="http://www.w3.org/2000/svg" {dimensions(whole, height + 2 * _MARGIN)} {ROLE}>',
+        f'<title id="title">{escaped(f"Node {title}")}</title>',
+        f'<desc id="desc">{escaped(_description(every, more))}</desc>',
         f"<style>{_STYLE}</style>",
         f'<rect class="box" x="{box_x}" y="{_MARGIN}" width="{box}" height="{height}" rx="10"/>',
-        _label("title", middle, _MARGIN + 28, title, _LONGEST_LINE),
-        *(_label("sub", middle, _MARGIN + 48 + 17 * number, line, _LONGEST_LINE) for number, line in enumerate(lines)),
+        label("title", middle, _MARGIN + 28, title, "middle", _LONGEST_LINE),
+        *(
+            label("sub", middle, _MARGIN + 48 + 17 * number, line, "middle", _LONGEST_LINE)
+            for number, line in enumerate(lines)
+        ),
         *_draw_side(left, _MARGIN + head, outer=_MARGIN, inner=box_x, inward=True),
         *_draw_side(right, _MARGIN + head, outer=whole - _MARGIN, inner=box_x + box, inward=False),
     ]
     if more:
-        parts.append(_label("more", middle, _MARGIN + height - 12, more, _LONGEST_LINE))
+        parts.append(label("more", middle, _MARGIN + height - 12, more, "middle", _LONGEST_LINE))
     return "\n".join([*parts, "</svg>", ""])
-
-
-def _size(wide: int, high: int) -> str:
-    return f'width="{wide}" height="{high}" viewBox="0 0 {wide} {high}"'
 
 
 def _side(roles: Sequence[str], ports: Sequence[Port]) -> _Side:
@@ -139,12 +137,12 @@ def _draw_port(port: Port, x: int, y: int, size: int, wire: tuple[int, int]) -> 
     shape = Role(port.role).channel
     start, end = wire
     yield f'<g class="{"implicit" if port.implicit else "declared"}">'
-    yield f"<title>{_text(f'{_TITLES[port.role]} {port.name} ({port.type})')}</title>"
+    yield f"<title>{escaped(f'{_TITLES[port.role]} {port.name} ({port.type})')}</title>"
     yield f'<path class="wire {shape}" d="M{start} {y}H{end - 6}"/>'
     yield f'<path class="head {shape}" d="M{end} {y}l-9 -6v12z"/>'
     yield f'<path class="port {shape}" d="{_outline(shape, x, y - 17, size, 34)}"/>'
-    yield _label("name", x + size / 2, y - 2, port.name)
-    yield _label("type", x + size / 2, y + 12, port.type) + "</g>"
+    yield label("name", x + size / 2, y - 2, port.name, "middle", _LONGEST)
+    yield label("type", x + size / 2, y + 12, port.type, "middle", _LONGEST) + "</g>"
 
 
 def _outline(shape: str, x: int, y: int, w: int, h: int) -> str:
@@ -155,24 +153,8 @@ def _outline(shape: str, x: int, y: int, w: int, h: int) -> str:
     return f"M{x + 14} {y}h{w - 28}a14 17 0 0 1 0 {h}h{28 - w}a14 17 0 0 1 0 {-h}z"
 
 
-def _label(style: str, x: float, y: float, text: str, longest: int = _LONGEST) -> str:
-    shown = _text(_short(text, longest))
-    return f'<text class="{style}" x="{x:g}" y="{y:g}" text-anchor="middle">{shown}</text>'
-
-
 def _label_width(port: Port) -> int:
-    return int(max(width(_short(port.name)) * _CHARACTER, width(_short(port.type)) * _SMALL)) + 34
-
-
-def _short(text: str, longest: int = _LONGEST) -> str:
-    """Return `text` with its middle left out when it is long; the whole stands in the title of its group."""
-    safe = printable(text)
-    half = longest // 2
-    return safe if len(safe) <= longest else f"{safe[: half - 1]}…{safe[-half:]}"
-
-
-def _text(text: str) -> str:
-    return escape(printable(text), quote=True)
+    return int(max(width(short(port.name, _LONGEST)) * _CHARACTER, width(short(port.type, _LONGEST)) * _SMALL)) + 34
 
 
 def _description(ports: Sequence[Port], more: str) -> str:

@@ -6,18 +6,17 @@ cut corners and thick lines; what is new has a `+`, what is gone a `-`, what cha
 
 from __future__ import annotations
 
-from html import escape
 from typing import Final
 
-from kg.render.text import printable, width
+from kg.render.svg import short
+from kg.render.text import width
 
-__all__ = ["NAME", "SIGNS", "SMALL", "STYLE", "TERM", "escaped", "label", "outline", "short", "wide"]
+__all__ = ["NAME", "SIGNS", "SMALL", "STYLE", "TERM", "outline", "wide"]
 
 NAME: Final = 7.9
 """Width of a letter of a name, in pixels, as wide as those of generic monospace fonts get."""
 TERM: Final = 7.3
 SMALL: Final = 6.7
-LONGEST: Final = 38
 SIGNS: Final = {"": "", "new": "+ ", "gone": "- ", "changed": "~ "}
 STYLE: Final = """
 svg { background: #ffffff; font-family: ui-monospace, SFMono-Regular, Menlo, Consolas, "DejaVu Sans Mono", monospace; }
@@ -54,23 +53,6 @@ svg { background: #14191f; } .box { fill: #1f2933; stroke: #9fb3c8; } .host { fi
 def wide(text: str, letter: float) -> float:
     """Return how many pixels `text` takes with letters of the width `letter`, shortened as it is shown."""
     return width(short(text)) * letter
-
-
-def short(text: str, longest: int = LONGEST) -> str:
-    """Return `text` with its middle left out when it is long; the whole stands in the title of its group."""
-    safe = printable(text)
-    half = longest // 2
-    return safe if len(safe) <= longest else f"{safe[: half - 1]}…{safe[-half:]}"
-
-
-def escaped(text: str) -> str:
-    """Return `text` as it may stand in XML, without signs that steer."""
-    return escape(printable(text), quote=True)
-
-
-def label(style: str, x: float, y: float, text: str, anchor: str = "start") -> str:
-    """Return a line of text at `x` on the base line `y`, shortened where it is long."""
-    return f'<text class="{style}" x="{x:g}" y="{y:g}" text-anchor="{anchor}">{escaped(short(text))}</text>'
 
 
 def outline(kind: str, x: float, y: float, w: float, h: float) -> str:

@@ -12,8 +12,9 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 from kg.render.layered import Node, lay_out
+from kg.render.svg import ROLE, arrow, before_tip, dimensions, escaped, label, rounded
 from kg.render.system_graph import State, bundles
-from kg.render.system_style import NAME, SIGNS, SMALL, STYLE, TERM, escaped, label, outline, wide
+from kg.render.system_style import NAME, SIGNS, SMALL, STYLE, TERM, outline, wide
 from kg.render.text import width
 
 if TYPE_CHECKING:
@@ -27,15 +28,11 @@ __all__ = ["system_svg"]
 _MARGIN: Final = 24
 _HEAD: Final = 82
 _LINE: Final = 15
-_ROUND: Final = 7.0
 _PORT: Final = 8
 """Height between two lines that end at one side of a box."""
-_TIP: Final = 7.0
-"""How far before its target a line ends, where its head begins."""
 _MOST_LINES: Final = 6
 _MOST_LOOSE: Final = ((12, 8), (30, 5), (10_000, 3))
 """How many ends that lead nowhere a node shows, by the number of nodes in the picture."""
-_ROLE: Final = 'role="img" aria-labelledby="title desc"'
 _WORDS: Final = {"topic": "topic", "service": "service, from who calls it", "action": "action, from who calls it"}
 
 
@@ -137,7 +134,7 @@ def system_svg(graph: SystemGraph) -> str:
     size_x, size_y = int(across + 2 * _MARGIN), int(_HEAD + places.high + _MARGIN + (22 if notes else 0))
     compared = bool(graph.states())
     parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" {_size(size_x, size_y)} {_ROLE}>',
+        f'<svg xmlns="http://www.w3.org/2000/svg" {dimensions(size_x, size_y)} {ROLE}>',
         f'<title id="title">{escaped(graph.title)}</title>',
         f'<desc id="desc">{escaped(_description(graph))}</desc>',
         f"<style>{STYLE}</style>",
@@ -160,10 +157,6 @@ def system_svg(graph: SystemGraph) -> str:
         *([f'<text class="key" x="{_MARGIN}" y="{size_y - 14}">{escaped(notes)}</text>'] if notes else []),
     ]
     return "\n".join([*parts, "</svg>", ""])
-
-
-def _size(x: int, y: int) -> str:
-    return f'width="{x}" height="{y}" viewBox="0 0 {x} {y}"'
 
 
 def _within(bundle: Bundle, hosts: Mapping[str, str | None]) -> str | None:
@@ -261,38 +254,9 @@ def _way(  # noqa: PLR0913 - what a line says
     style = " ".join(filter(None, [bundle.kind, state or ("still" if compared else "")]))
     return (
         f"<g><title>{escaped(about)}</title>"
-        f'<path class="way {style}" d="{_rounded(_before_tip(points))}"/>'
-        f'<path class="head {style}" d="{_arrow(points)}"/></g>'
+        f'<path class="way {style}" d="{rounded(before_tip(points))}"/>'
+        f'<path class="head {style}" d="{arrow(points)}"/></g>'
     )
-
-
-def _before_tip(points: Sequence[tuple[float, float]]) -> Sequence[tuple[float, float]]:
-    (ax, ay), (bx, by) = points[-2:]
-    far = abs(bx - ax) + abs(by - ay)
-    if far <= _TIP:
-        return points
-    return [*points[:-1], (bx - (bx - ax) * _TIP / far, by - (by - ay) * _TIP / far)]
-
-
-def _rounded(points: Sequence[tuple[float, float]]) -> str:
-    path = f"M{points[0][0]:g} {points[0][1]:g}"
-    for (ax, ay), (bx, by), (cx, cy) in zip(points, points[1:], points[2:], strict=False):
-        before, after = abs(bx - ax) + abs(by - ay), abs(cx - bx) + abs(cy - by)
-        if not before or not after:
-            continue
-        start, end = min(_ROUND, before / 2) / before, min(_ROUND, after / 2) / after
-        path += f"L{bx + (ax - bx) * start:g} {by + (ay - by) * start:g}"
-        path += f"Q{bx:g} {by:g} {bx + (cx - bx) * end:g} {by + (cy - by) * end:g}"
-    return f"{path}L{points[-1][0]:g} {points[-1][1]:g}"
-
-
-def _arrow(points: Sequence[tuple[float, float]]) -> str:
-    x, y = points[-1]
-    back = next((one for one in reversed(points[:-1]) if one != points[-1]), (x - 1, y))
-    across, down = x - back[0], y - back[1]
-    if abs(across) >= abs(down):
-        return f"M{x:g} {y:g}l{-8 if across > 0 else 8} -4.5v9z"
-    return f"M{x:g} {y:g}l-4.5 {-8 if down > 0 else 8}h9z"
 
 
 def _legend(graph: SystemGraph) -> tuple[list[str], float]:
@@ -321,11 +285,14 @@ def _legend(graph: SystemGraph) -> tuple[list[str], float]:
 def _description(graph: SystemGraph) -> str:
     """Return in words, member by member, what it gives and takes."""
     names = {channel.key: f"{channel.kind} {channel.name}" for channel in graph.channels}
+    gives: dict[str, list[str]] = {member.key: [] for member in graph.members}
+    takes: dict[str, list[str]] = {member.key: [] for member in graph.members}
+    for link in graph.links:
+        (gives if link.outward else takes)[link.member].append(names[link.channel])
     sentences = []
     for member in graph.members:
-        gives = [names[link.channel] for link in graph.links if link.member == member.key and link.outward]
-        takes = [names[link.channel] for link in graph.links if link.member == member.key and not link.outward]
-        told = [f"{verb} {', '.join(which)}" for verb, which in (("sends to", gives), ("serves", takes)) if which]
+        ends = (("sends to", gives[member.key]), ("serves", takes[member.key]))
+        told = [f"{verb} {', '.join(which)}" for verb, which in ends if which]
         state = f" ({member.state})" if member.state else ""
         sentences.append(f"{member.name}{state}{' ' if told else ''}{' and '.join(told)}.")
     return " ".join([*sentences, *(f"Not shown: {one}." for one in graph.hidden)])

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from dataclasses import dataclass, replace
-from graphlib import TopologicalSorter
-from typing import TYPE_CHECKING, Any, Final, TypeAlias
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
 
 from pyoxigraph import NamedNode
 
@@ -39,7 +38,6 @@ class RuleNode:
 
     name: str
     title: str
-    column: int
     strata: tuple[int, ...]
     recursive: bool
 
@@ -57,14 +55,10 @@ class RuleNode:
 
 @dataclass(frozen=True, slots=True)
 class RuleGraph:
-    """Rules, who derives a term that others read, and who reads it; True where its absence or number is asked for.
-
-    `terms` have a column too: rules stand in even ones, terms in odd ones. Terms stand behind what derives them, a rule
-    behind what it reads; one that is several, cut to a schema, stands where the first of them does.
-    """
+    """Rules, who derives a term that others read, and who reads it; True where its absence or number is asked for."""
 
     rules: tuple[RuleNode, ...]
-    terms: Mapping[str, int]
+    terms: tuple[str, ...]
     derives: Mapping[tuple[str, str], None]
     reads: Mapping[tuple[str, str], bool]
 
@@ -85,20 +79,12 @@ class RuleGraph:
         derives = {pair: None for pair in self.derives if pair[0] in names or pair[1] in read}
         reads = {pair: absent for pair, absent in self.reads.items() if pair[1] in names or pair[0] in derived}
         kept = {*names, *(writer for writer, _ in derives), *(reader for _, reader in reads)}
-        rules = [node for node in self.rules if node.name in kept]
-        terms = {term: self.terms[term] for term in self.terms if term in read | derived}
-        pairs = sorted({column // 2 for column in (*terms.values(), *(node.column for node in rules))})
-        place = {pair: rank for rank, pair in enumerate(pairs)}
         return RuleGraph(
-            tuple(replace(node, column=2 * place[node.column // 2]) for node in rules),
-            {term: 2 * place[column // 2] + 1 for term, column in terms.items()},
+            tuple(node for node in self.rules if node.name in kept),
+            tuple(term for term in self.terms if term in read | derived),
             derives,
             reads,
         )
-
-
-_Before: TypeAlias = "Mapping[int | str, set[int | str]]"
-"""Rules by number and terms by name, with those that they directly depend on."""
 
 
 def rule_graph(files: Sequence[RuleFile], schema: Iterable[Triple] = ()) -> RuleGraph:
@@ -117,15 +103,9 @@ def rule_graph(files: Sequence[RuleFile], schema: Iterable[Triple] = ()) -> Rule
                 term = f"steps of {rules[writer].name}" if is_inner(head) else _passed(head, read.atom, prefixes)
                 derives[writer, term] = None
                 readers[term, number] = readers.get((term, number), False) or read.negated
-    before: dict[int | str, set[int | str]] = {number: set() for number in range(len(rules))}
-    for writer, term in derives:
-        before.setdefault(term, set()).add(writer)
-    for term, number in readers:
-        before[number].add(term)
-    columns = _columns(before)
     return RuleGraph(
-        _nodes(files, rules, columns),
-        {term: columns[term] for term in sorted(term for term in columns if isinstance(term, str))},
+        _nodes(files, rules),
+        tuple(sorted({term for _, term in derives})),
         {(rules[writer].name, term): None for writer, term in derives},
         _merged(readers, rules),
     )
@@ -139,8 +119,8 @@ def _merged(readers: Mapping[tuple[str, int], bool], rules: Sequence[Rule]) -> d
     return found
 
 
-def _nodes(files: Sequence[RuleFile], rules: Sequence[Rule], columns: Mapping[int | str, int]) -> tuple[RuleNode, ...]:
-    """Return a node for each file; it stands where the first of its rules does."""
+def _nodes(files: Sequence[RuleFile], rules: Sequence[Rule]) -> tuple[RuleNode, ...]:
+    """Return a node for each file, with the strata of all its rules."""
     titles = {file.name: file.documentation.title for file in files}
     where = {id(rule): stratum for stratum in stratify(rules) for rule in stratum.rules}
     members: dict[str, list[int]] = defaultdict(list)
@@ -151,8 +131,7 @@ def _nodes(files: Sequence[RuleFile], rules: Sequence[Rule], columns: Mapping[in
         strata = [where[id(rules[number])] for number in numbers]
         ran = tuple(sorted({stratum.level for stratum in strata}))
         recursive = any(stratum.recursive for stratum in strata)
-        column = min(columns[number] for number in numbers)
-        nodes.append(RuleNode(name, titles[name], column, ran, recursive))
+        nodes.append(RuleNode(name, titles[name], ran, recursive))
     return tuple(sorted(nodes, key=lambda node: node.name))
 
 
@@ -188,11 +167,8 @@ def spell_atom(atom: Atom, prefixes: Mapping[str, str] = PREFIXES) -> str:
 
 def graph_picture(graph: RuleGraph, title: str) -> str:
     """Return the graph as SVG."""
-    boxes = [
-        Box(node.name, node.column, node.name.rpartition("/")[2], node.family, _about(node), node.when)
-        for node in graph.rules
-    ]
-    boxes += [Box(f"={term}", column, term) for term, column in graph.terms.items()]
+    boxes = [Box(node.name, node.name.rpartition("/")[2], node.family, _about(node), node.when) for node in graph.rules]
+    boxes += [Box(f"={term}", term) for term in graph.terms]
     flows = [Flow(key, f"={term}") for key, term in graph.derives]
     flows += [Flow(f"={term}", key, absent=absent) for (term, key), absent in graph.reads.items()]
     return draw_flow(title, boxes, flows)
@@ -201,48 +177,6 @@ def graph_picture(graph: RuleGraph, title: str) -> str:
 def _about(node: RuleNode) -> str:
     recursive = ", feeds itself" if node.recursive else ""
     return f"{node.name}: {node.title} ({node.when}{recursive})"
-
-
-def _columns(before: _Before) -> dict[int | str, int]:
-    """Return the column of each rule (even) and term (odd): behind all that it depends on, cycles beside each other."""
-    home = _components(before)
-    needs: dict[int | str, set[int | str]] = {key: set() for key in dict.fromkeys(home.values())}
-    members: dict[int | str, list[int | str]] = defaultdict(list)
-    for key, sources in before.items():
-        needs[home[key]] |= {home[source] for source in sources} - {home[key]}
-        members[home[key]].append(key)
-    columns: dict[int | str, int] = {}
-    for component in TopologicalSorter(needs).static_order():
-        columns.update(_column_of(members[component], before, columns))
-    return columns
-
-
-def _column_of(members: Sequence[int | str], before: _Before, columns: Mapping[int | str, int]) -> dict[int | str, int]:
-    """Return the columns of rules and terms that feed each other: all rules in one, all terms in the next."""
-    first = 0
-    for key in members:
-        for source in before[key] - set(members):
-            first = max(first, columns[source] + 1 - isinstance(key, str))
-    return {key: first + isinstance(key, str) for key in members}
-
-
-def _components(before: _Before) -> dict[int | str, int | str]:
-    """Return for each node one of those that it feeds and is fed by, the same for all of them."""
-    reach = {key: _reached(key, before) for key in before}
-    found: dict[int | str, int | str] = {}
-    for key, reached in reach.items():
-        if key not in found:
-            found.update({other: key for other in reached if key in reach[other]})
-    return found
-
-
-def _reached(start: int | str, before: _Before) -> set[int | str]:
-    seen, waiting = {start}, [start]
-    while waiting:
-        fresh = before[waiting.pop()] - seen
-        seen |= fresh
-        waiting.extend(fresh)
-    return seen
 
 
 def mermaid(graph: RuleGraph) -> str:

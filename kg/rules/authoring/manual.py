@@ -100,7 +100,7 @@ def _graph(library: Library, schema: Iterable[Triple]) -> tuple[RuleGraph, RuleE
     try:
         return rule_graph(files, schema), errors[0] if errors else None
     except RuleError as error:
-        return RuleGraph((), {}, {}, {}), error
+        return RuleGraph((), (), {}, {}), error
 
 
 def _examples(entry: Entry, problem: RuleError | None) -> tuple[tuple[Example, ...], RuleError | None]:
