@@ -34,6 +34,8 @@ __all__ = [
     "argument_at",
     "concatenate",
     "in_own_namespace",
+    "is_whole_parameter",
+    "keys_of_parameter",
     "part_of_parameter",
     "worse",
 ]
@@ -143,10 +145,26 @@ def argument_at(index: object) -> Text:
 def part_of_parameter(whole: Text, key: Value) -> Text:
     """Return an element of a list, or a member of a struct, that is the value of a parameter without default.
 
-    `~/topics[]` is an element of the list `~/topics`, whichever; `~/topics[].name` its member.
+    `~/topics[]` is an element of the list `~/topics`, whichever; `~/topics[].name` its member. Of a dictionary it is
+    what one of its keys stands for.
     """
     member = key.known if isinstance(key, Text) else None
-    name = f"{whole.parameter}.{member}" if member is not None else f"{whole.parameter}[]"
+    return _part(whole, f".{member}" if member is not None else "[]")
+
+
+def keys_of_parameter(whole: Text) -> Text:
+    """Return a key of a dictionary that is the value of a parameter without default: `~/topics[key]`."""
+    return _part(whole, "[key]")
+
+
+def is_whole_parameter(value: object) -> bool:
+    """Tell whether a value is that of a parameter without default, or of a part of one, with nothing joined to it."""
+    named = isinstance(value, Text) and value.parts == (HOLE,) and value.parameter is not None
+    return named and isinstance(value, Text) and value.resolution is not Resolution.LAUNCH_ARGUMENT
+
+
+def _part(whole: Text, which: str) -> Text:
+    name = f"{whole.parameter}{which}"
     return replace(whole, parameter=name, reason=f"it is part of a parameter: {name}")
 
 

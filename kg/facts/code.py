@@ -142,9 +142,11 @@ class Interface:
     (resolution `partial`); None when nothing of it is known (`unresolved`). `resolved` is the same name
     for a node started alone, under its own name, in the root namespace and without remapping.
     `written` is the expression in the code. `type` is `package/Type`. `parameter` names the parameter
-    whose value the name is (its default is then in `name`); `argv[1]` is the first argument of the command line, and
-    `~/imu{}` stands for as many parameters as are set whose names fit it, one interface for each. `origin` says through
-    which framework or table the fact came when it is `implicit`. `reason` tells why something stayed unresolved.
+    whose value the name is (its default is then in `name`); `argv[1]` is the first argument of the command line,
+    `argv[--topic|-t]` what an option gives; `~/imu{}` stands for as many parameters as are set whose names fit it, one
+    interface for each, `~/topics[].name` for members of the elements of one, `~/topics[key]` for a dictionary's keys.
+    `origin` says through which framework or table the fact came when it is `implicit`. `reason` tells why something
+    stayed unresolved.
     """
 
     role: Role
@@ -161,6 +163,8 @@ class Interface:
     reason: str | None = None
     arguments: int = 0
     """How many arguments the command line has to have for the node to make it."""
+    switches: tuple[str, ...] = ()
+    """Boolean parameters that have to be true for the node to make it; those that must not be have a `!` in front."""
 
 
 @dataclass(frozen=True, slots=True)

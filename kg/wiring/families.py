@@ -1,8 +1,9 @@
 """Which interfaces an instance has of those that its type may have: families, and names that take turns.
 
 A name that is the value of a parameter `~/imu{}` stands for as many interfaces as parameters are set whose names fit
-(`imu0`, `imu1`), and one of `~/topics[].name` for as many as the list `~/topics` has elements. Code that names one
-interface in several ways, by the arguments or the namespace that it finds, has only one of them in an instance.
+(`imu0`, `imu1`), one of `~/topics[].name` for as many as the list or dictionary `~/topics` has elements, and one of
+`~/topics[key]` for as many as the dictionary has keys. Code that names one interface in several ways, by the arguments
+or the namespace that it finds, has only one of them in an instance.
 """
 
 from __future__ import annotations
@@ -13,12 +14,13 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
-from kg.wiring.values import ARGUMENT, is_text, parsed
+from kg.facts import LaunchParameter
+from kg.wiring.values import ARGUMENT, COMMAND_LINE, OPTION, is_text, parsed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from kg.facts import Interface, LaunchParameter, NodeType
+    from kg.facts import Interface, NodeType
     from kg.wiring.place import Place
     from kg.wiring.values import Settings
 
@@ -26,6 +28,9 @@ __all__ = ["meant", "members"]
 
 _HOLE: Final = "{}"
 _EACH: Final = "[]"
+_KEY: Final = "[key]"
+_STEP: Final = re.compile(r"\[(?:key)?\]|\.[^.\[\]]+")
+"""A step into a parameter: each element of a list or dictionary, each key of a dictionary, a member of an element."""
 
 
 def members(
@@ -40,9 +45,8 @@ def members(
     parameter = declared.parameter
     if parameter is None:
         return ((None, None),)
-    if _EACH in parameter:
-        whole = settings.get(parameter.partition(_EACH)[0], place)
-        return [(part, whole) for part in _parts(parameter, whole)] if whole is not None else []
+    if "[" in parameter and not parameter.startswith(COMMAND_LINE):
+        return list(_elements(parameter, declared, settings, place)) if _HOLE not in parameter else ((None, None),)
     if _HOLE not in parameter:
         found = settings.get(parameter, place)
         return ((found, found),)
@@ -60,19 +64,61 @@ def members(
     return [(given, given) for _, given in sorted(fitting, key=lambda pair: _natural(pair[0]))]
 
 
-def _parts(parameter: str, whole: LaunchParameter) -> Iterator[LaunchParameter]:
-    """Yield the texts in the elements of a list that `~/topics[].name` means; one not known if the list is not."""
-    _, _, member = parameter.partition(_EACH)
-    value = parsed(whole.value)
-    if not isinstance(value, list):
-        yield replace(whole, value=None)
+def _elements(
+    parameter: str, declared: Interface, settings: Settings, place: Place
+) -> Iterator[tuple[LaunchParameter | None, LaunchParameter | None]]:
+    """Yield the texts that a part of a parameter means (`~/topics[].name`), each with the parameter that holds it.
+
+    One that is not known stands for a value that is not; what a dictionary lacks has the default of the code if any.
+    """
+    base = parameter.partition("[")[0]
+    whole = settings.tree(base, place)
+    for text, holder in _walk(whole, _STEP.findall(parameter[len(base) :]), None):
+        if holder is None:
+            if text is None and declared.name is not None and _HOLE not in declared.name:
+                yield None, None
+        else:
+            yield replace(holder, value=None if text is None else json.dumps(text)), holder
+
+
+def _walk(
+    value: object, steps: Sequence[str], holder: LaunchParameter | None
+) -> Iterator[tuple[str | None, LaunchParameter | None]]:
+    """Yield the texts at the end of `steps` in a value; no text and no parameter for a member that is not there."""
+    if isinstance(value, LaunchParameter):
+        holder, value = value, parsed(value.value)
+        if holder.value is None:
+            yield None, holder
+            return
+    if not steps:
+        if isinstance(value, str):
+            yield value, holder
         return
-    for index, element in enumerate(value):
-        text = element
-        for key in member.split(".")[1:]:
-            text = text.get(key) if isinstance(text, dict) else None
-        if isinstance(text, str):
-            yield replace(whole, name=f"{whole.name}[{index}]{member}", value=json.dumps(text))
+    step, rest = steps[0], steps[1:]
+    if step == _EACH and isinstance(value, list):
+        for element in value:
+            yield from _walk(element, rest, holder)
+    elif step == _EACH and isinstance(value, dict):
+        named = [found for element in value.values() for found in _walk(element, rest, holder)]
+        yield from named if named or rest else _walk(value, [_KEY], holder)
+    elif step == _KEY and isinstance(value, dict):
+        for key, element in value.items():
+            yield str(key), holder or _first(element)
+    elif step.startswith("."):
+        inner = value.get(step[1:]) if isinstance(value, dict) else None
+        if inner is None:
+            yield None, None
+        else:
+            yield from _walk(inner, rest, holder)
+    elif value is not None:
+        yield None, holder
+
+
+def _first(value: object) -> LaunchParameter | None:
+    """Return the first parameter of a tree of them."""
+    while isinstance(value, dict) and value:
+        value = next(iter(value.values()))
+    return value if isinstance(value, LaunchParameter) else None
 
 
 def meant(interfaces: Iterable[Interface], settings: Settings) -> list[Interface]:
@@ -80,8 +126,9 @@ def meant(interfaces: Iterable[Interface], settings: Settings) -> list[Interface
 
     A name that falls back to an earlier argument of the command line does so where a later one is not given, and one
     that is absolute where the code puts the node's namespace in front of it else is that of the root namespace.
+    One that an option gives is there with the option, others of that line without it.
     """
-    listed = [one for one in interfaces if one.arguments <= settings.arguments]
+    listed = _by_options([one for one in interfaces if one.arguments <= settings.arguments], settings)
     last: dict[tuple[object, ...], int] = {}
     relative = set()
     for one in listed:
@@ -102,6 +149,31 @@ def meant(interfaces: Iterable[Interface], settings: Settings) -> list[Interface
     return kept
 
 
+def _by_options(interfaces: list[Interface], settings: Settings) -> list[Interface]:
+    """Return interfaces without those that an option of the command line rules out at their line.
+
+    Code that ends what an option gives with a slash where there is none has both forms: only the one with it is meant.
+    """
+    of_option = {id(one): settings.word(one.parameter or "") for one in interfaces if OPTION.match(one.parameter or "")}
+    if not of_option:
+        return interfaces
+    given = {_end(one) for one in interfaces if of_option.get(id(one)) is not None}
+    without = {_end(one) for one in interfaces if id(one) not in of_option}
+    forms = {(_end(one), one.name) for one in interfaces if id(one) in of_option}
+
+    def excluded(one: Interface) -> bool:
+        word, name, slashed = of_option.get(id(one)), one.name or "", f"{_HOLE}/"
+        if id(one) not in of_option:
+            return _end(one) in given
+        if word is None:
+            return _end(one) in without
+        if slashed in name:
+            return word.endswith("/") and (_end(one), name.replace(slashed, _HOLE, 1)) in forms
+        return not word.endswith("/") and _HOLE in name and (_end(one), name.replace(_HOLE, slashed, 1)) in forms
+
+    return [one for one in interfaces if not excluded(one)]
+
+
 @lru_cache(maxsize=4096)
 def pattern_of(name: str) -> re.Pattern[str]:
     """Return what fits a name with holes, each of which is within one segment."""
@@ -110,6 +182,10 @@ def pattern_of(name: str) -> re.Pattern[str]:
 
 def _line(one: Interface) -> tuple[object, ...]:
     return one.role, one.location
+
+
+def _end(one: Interface) -> tuple[object, ...]:
+    return one.role, one.location, one.type
 
 
 def _argument(one: Interface) -> int | None:

@@ -6,6 +6,7 @@ A fact has the name with the parameter's default in it (`~/front/scan`, of the p
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 __all__ = ["Named", "named"]
 
 _HOLE: Final = "{}"
+_MEMBER: Final = re.compile(r"\[(['\"])\w+\1\]|\.get\([^()]*\)")
 _HANDLE_UNKNOWN: Final = "the namespace of the node handle is not known"
 
 
@@ -74,7 +76,7 @@ def _around(declared: Interface, defaults: Iterable[str]) -> tuple[str, str, boo
     name = declared.name
     if name is None:
         return "", "", not (declared.written or "").strip() or _plain(declared.written)
-    if name.count(_HOLE) == 1 and (declared.parameter or "") in (declared.reason or ""):
+    if _HOLE in name and (declared.parameter or "") in (declared.reason or ""):
         before, _, after = name.partition(_HOLE)
         return before, after, True
     texts = sorted({normalise(text) for text in defaults if text}, key=len, reverse=True)
@@ -95,8 +97,9 @@ def _around(declared: Interface, defaults: Iterable[str]) -> tuple[str, str, boo
 
 
 def _plain(written: str | None) -> bool:
-    """Tell whether an expression is no more than a variable: nothing is joined to its value."""
-    return written is None or all(char.isalnum() or char in "_.:->()[]" for char in written.strip())
+    """Tell whether an expression is no more than a variable or a member of one: nothing is joined to its value."""
+    bare = _MEMBER.sub("", (written or "").strip())
+    return all(char.isalnum() or char in "_.:->()[]" for char in bare)
 
 
 def _put(before: str, value: str, after: str) -> str:

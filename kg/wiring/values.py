@@ -23,10 +23,16 @@ if TYPE_CHECKING:
     from kg.wiring.place import Place
     from kg.wiring.remapping import Remapping
 
-__all__ = ["ARGUMENT", "Server", "Settings", "is_text", "parsed", "shown"]
+__all__ = ["ARGUMENT", "COMMAND_LINE", "OPTION", "Server", "Settings", "is_text", "parsed", "shown"]
 
 ARGUMENT: Final = re.compile(r"argv\[(\d+)\]")
 """What stands for a parameter where a name is an argument of the command line, the first of which is `argv[1]`."""
+
+OPTION: Final = re.compile(r"argv\[(-[^\]]+)\]")
+"""The same for the value of an option, with all of its spellings: `argv[--namespace|-n]`."""
+
+COMMAND_LINE: Final = "argv["
+"""What both begin with."""
 
 _PLAIN: Final = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ/_~")
 _WORDS: Final = frozenset({"true", "false", "yes", "no", "on", "off", "null", "~", "y", "n"})
@@ -105,21 +111,53 @@ class Settings:
 
         An argument of the command line comes as a parameter that is set where the node is started.
         """
-        argument = ARGUMENT.fullmatch(name)
-        if argument is not None:
-            index = int(argument[1])
-            if not 0 < index <= len(self._words):
-                return None
-            written = json.dumps(self._words[index - 1])
-            return LaunchParameter(name, written, self._started.location, self._started.chain, "string")
+        if name.startswith(COMMAND_LINE):
+            word = self.word(name)
+            written = json.dumps(word)
+            found = LaunchParameter(name, written, self._started.location, self._started.chain, "string")
+            return found if word is not None else None
         if self._server is not None:
-            return self._server.all.get(self._remapping.parameter(place.resolve(name)))
+            return self._server.all.get(self._remapping.parameter(place.resolve(name.replace(".", "/"))))
         plain = name.removeprefix("~/").lstrip("/")
         prefix = _prefix(place)
         if not prefix:
             return self.own.get(plain)
         below = f"{prefix}.{plain.replace('/', '.')}"
         return self.own.get(below) if name.startswith("~") else self.own.get(below) or self.own.get(plain)
+
+    def word(self, name: str) -> str | None:
+        """Return what the command line gives for an argument or option; None where it gives nothing."""
+        argument, option = ARGUMENT.fullmatch(name), OPTION.fullmatch(name)
+        if argument is not None:
+            index = int(argument[1])
+            return self._words[index - 1] if 0 < index <= len(self._words) else None
+        spellings = option[1].split("|") if option is not None else ()
+        for word, following in zip(self._words, [*self._words[1:], None], strict=True):
+            spelling, given, value = word.partition("=")
+            if spelling in spellings:
+                return value if given else following
+        return None
+
+    def tree(self, name: str, place: Place) -> LaunchParameter | dict[str, Any] | None:
+        """Return what is set for a parameter or, where it has parts, these by their names; None where nothing is."""
+        given = self.get(name, place)
+        if given is not None:
+            return given
+        if self._server is not None:
+            above = f"{self._remapping.parameter(place.resolve(name))}/"
+            below = [(full, one) for full, one in self._server.all.items() if full.startswith(above)]
+        else:
+            above = ".".join(part for part in (_prefix(place), name.removeprefix("~/").strip("/")) if part) + "."
+            below = [(full.replace(".", "/"), one) for full, one in self.own.items() if full.startswith(above)]
+        tree: dict[str, Any] = {}
+        for full, one in below:
+            *parts, last = full[len(above) :].split("/")
+            inside = tree
+            for part in parts:
+                held = inside.setdefault(part, {})
+                inside = held if isinstance(held, dict) else {}
+            inside[last] = one
+        return tree or None
 
     def absolute(self, name: str, place: Place) -> str:
         """Return the absolute name of a parameter that code of the instance asks for as `name`."""

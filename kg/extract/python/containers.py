@@ -18,7 +18,16 @@ from kg.extract.python.entities import (
 from kg.extract.python.flow import END
 from kg.extract.python.qos import FIELDS, changed, quality
 from kg.extract.python.syntax import code
-from kg.extract.values import COMMAND_LINE, HOLE, Number, Text, Unknown, argument_at
+from kg.extract.values import (
+    COMMAND_LINE,
+    HOLE,
+    Number,
+    Text,
+    Unknown,
+    argument_at,
+    is_whole_parameter,
+    part_of_parameter,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -78,6 +87,8 @@ class Containers(Conditions):
             return list(value.items[:_MAX_ROUNDS])
         if isinstance(value, Table):
             return [key for key, _ in value.items[:_MAX_ROUNDS]]
+        if isinstance(value, Text) and is_whole_parameter(value):
+            return [part_of_parameter(value, COMPUTED)]
         return None
 
     def item(self, value: Thing, key: Thing, node: Node, frame: Frame, choice: Choice) -> Alternatives:
@@ -105,7 +116,10 @@ class Containers(Conditions):
             return [(argument_at(key), choice)]
         if value == COMMAND_LINE:
             return [(argument_at(key), choice)]
-        return self.stored(key, held, frame, choice) or [(part_of(value), choice)]
+        stored = self.stored(key, held, frame, choice)
+        if not stored and isinstance(value, Text) and is_whole_parameter(value) and not _sliced(node):
+            return [(part_of_parameter(value, key if isinstance(key, Text) else COMPUTED), choice)]
+        return stored or [(part_of(value), choice)]
 
     def any_item(self, value: Table, place: tuple[int, int], choice: Choice) -> Alternatives:
         """Return the values of a dictionary for a key that is not known, the same for every use of the key."""
@@ -130,6 +144,12 @@ def part_of(value: Thing) -> Thing:
     """Return what stands for an element of something that is not known, with the parameter that it comes from."""
     unset = isinstance(value, Text) and value.parameter is not None and HOLE in value.parts
     return value if unset or isinstance(value, Unknown) else COMPUTED
+
+
+def _sliced(node: Node) -> bool:
+    """Tell whether `value[key]` takes a slice, such as the rest of a text without its first letter."""
+    key = node.child_by_field_name("subscript")
+    return key is not None and key.type == "slice"
 
 
 def unpacked(value: Thing, path: tuple[int, ...]) -> Thing:

@@ -12,7 +12,7 @@ from kg.extract.python.library import declared_pairs
 from kg.extract.python.program import GENERATED
 from kg.extract.python.qos import quality
 from kg.extract.python.syntax import code
-from kg.extract.values import HOLE, Number, Text, Truth, Unknown
+from kg.extract.values import HOLE, OWN_NAMESPACE, Number, Text, Truth, Unknown, in_own_namespace
 from kg.facts import Access, Interface, Location, Parameter, Resolution, Role
 from kg.names import join, normalise, resolve
 
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 __all__ = ["Declarations", "declare", "plugin_asked"]
 
 _NO_REASON: Final = "it is computed when the program runs"
+_OWN_NAMESPACE: Final = "the namespace of the node is part of it"
 _MAX_ROWS: Final = 64
 _STEPS_FOR_A_SITE: Final = 800
 _STEPS_FOR_A_NODE: Final = 12_000
@@ -139,11 +140,12 @@ class _Reader:
         for values, _ in _known_only(rows):
             name, kind, qos, node = values
             holder = self.holder(node if api.node is not None else site.receiver)
-            text = _as_name(name)
+            text = _placed(_as_name(name))
             pattern = _pattern(text)
             namespace = self.namespaces.get(holder or 0, "")
+            inside = in_own_namespace(pattern) if pattern is not None else None
             if pattern is not None:
-                pattern = join(namespace, normalise(pattern))
+                pattern = join(namespace, normalise(pattern)) if inside is None else inside
             self.found.interfaces.append(
                 Interface(
                     role=api.role,
@@ -236,6 +238,23 @@ def _as_name(value: Thing) -> Text:
     return Text((HOLE,), Resolution.UNRESOLVED, reason=reason)
 
 
+def _placed(text: Text) -> Text:
+    """Return a name with the node's namespace in front of it alone, which makes it relative; elsewhere it is a hole."""
+    parts: list[str | None] = []
+    for index, part in enumerate(text.parts if text.resolution is not Resolution.LITERAL else ()):
+        body = part[1:] if part is not None and not index and part.startswith(f"/{OWN_NAMESPACE}") else part
+        if body is None:
+            parts.append(HOLE)
+            continue
+        front = OWN_NAMESPACE if not index and body.startswith(OWN_NAMESPACE) else ""
+        first, *others = body.removeprefix(front).split(OWN_NAMESPACE)
+        parts.append(front + first)
+        parts.extend(piece for other in others for piece in (HOLE, other))
+    if not parts:
+        return text
+    return replace(text, parts=tuple(parts), reason=text.reason if HOLE not in parts else text.reason or _OWN_NAMESPACE)
+
+
 def _pattern(text: Text) -> str | None:
     """Return the name with `{}` for what is not known; the node's own name in front is the private namespace."""
     pattern = text.pattern
@@ -317,7 +336,8 @@ def _tidied(found: Declarations) -> Declarations:
     """Drop repetitions, waits for services that a client names too, and untyped twins of typed interfaces."""
     kept: dict[tuple[object, ...], Interface] = {}
     for item in found.interfaces:
-        kept.setdefault((item.role, item.name, item.type, item.location if item.name is None else None), item)
+        told = (item.location, item.parameter) if "{}" in (item.name or "{}") else None
+        kept.setdefault((item.role, item.name, item.type, told), item)
     typed = {(item.role, item.name) for item in kept.values() if item.type is not None}
     found.interfaces = sorted(
         (item for item in kept.values() if item.type is not None or (item.role, item.name) not in typed),

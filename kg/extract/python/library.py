@@ -15,11 +15,12 @@ from kg.extract.python.entities import (
     Made,
     Nothing,
     ParameterRead,
+    Table,
     plain,
 )
 from kg.extract.python.lookup import Lookups
 from kg.extract.python.pure import PURE
-from kg.extract.values import COMMAND_LINE, HOLE, Text, Unknown, concatenate
+from kg.extract.values import COMMAND_LINE, HOLE, OWN_NAMESPACE, Text, Unknown, concatenate
 from kg.facts import Resolution
 from kg.names import normalise
 
@@ -183,12 +184,10 @@ class Library(Lookups):
         return self._options[key].get(name, replace(COMMAND_LINE, reason="it is given on the command line"))
 
     def _read_options(self, parsed: ArgumentsParsed) -> dict[str, Thing]:
+        calls = [(scope, call) for scope in parsed.unit.scopes for call in scope.calls if call.name in _OPTIONS]
         found: dict[str, Thing] = {}
-        for scope in parsed.unit.scopes:
-            for call in scope.calls:
-                if call.name in ("add_argument", "add_option"):
-                    frame = self.program.scope_frame(scope)
-                    found.update(self._read_option(read_arguments(call.node, frame)))
+        for scope, call in calls:
+            found.update(self._read_option(read_arguments(call.node, self.program.scope_frame(scope))))
         return found
 
     def _read_option(self, arguments: Arguments) -> dict[str, Thing]:
@@ -198,13 +197,18 @@ class Library(Lookups):
         target = (
             plain(self.thunk(named, {})[0][0]) if named else (long[0].lstrip("-").replace("-", "_") if long else "")
         )
-        default = arguments.named.get("default")
-        if not target or default is None:
+        if not target:
             return {}
-        value = self.thunk(default, {})[0][0]
+        default = arguments.named.get("default")
+        value = self.thunk(default, {})[0][0] if default is not None else Nothing()
+        single = flags[0].startswith("-") and not {"nargs", "action"} & arguments.named.keys()
+        parameter = f"argv[{'|'.join(flags)}]" if single else None
         if isinstance(value, Text):
-            value = replace(value, resolution=Resolution.LAUNCH_ARGUMENT)
-        return {str(target): value}
+            return {str(target): replace(value, resolution=Resolution.LAUNCH_ARGUMENT, parameter=parameter)}
+        if not isinstance(value, Nothing):
+            return {str(target): value}
+        reason = f"it is the option {parameter} of the command line"
+        return {str(target): replace(COMMAND_LINE, parameter=parameter, reason=reason)} if single else {}
 
 
 def parameter_value(name: Thing, default: Thing | None) -> Thing:
@@ -212,7 +216,7 @@ def parameter_value(name: Thing, default: Thing | None) -> Thing:
     asked = name.pattern if isinstance(name, Text) else None
     written = normalise(asked) if asked else None
     reason = f"the parameter {written or ''} has no default in the code".replace("  ", " ")
-    if default is None or isinstance(default, Nothing):
+    if default is None or isinstance(default, Nothing) or (isinstance(default, Items | Table) and not default.items):
         return Text((HOLE,), Resolution.UNRESOLVED, written, reason)
     return _marked(default, written, reason)
 
@@ -248,6 +252,7 @@ _SPECIAL: Final[dict[str, Callable[[Library, Dotted | Bound, Arguments, Frame, C
     "parameter.get_parameter_value": Library.parameter_object,
 }
 
+_OPTIONS: Final = frozenset({"add_argument", "add_option"})
 _PARSERS: Final = frozenset({"parse_args", "parse_known_args", "parse_intermixed_args"})
 
 
@@ -260,7 +265,7 @@ def _own_namespace(
     self: Library, value: Dotted | Bound, arguments: Arguments, frame: Frame, choice: Choice
 ) -> Alternatives:
     del self, value, arguments, frame
-    return [(Text.of("", Resolution.CONSTANT), choice)]
+    return [(Text.of(OWN_NAMESPACE, Resolution.CONSTANT), choice)]
 
 
 _NODE_METHODS: Final[dict[str, Callable[[Library, Dotted | Bound, Arguments, Frame, Choice], Alternatives]]] = {

@@ -9,13 +9,23 @@ from kg.extract.python import formatting
 from kg.extract.python.core import COMPUTED
 from kg.extract.python.entities import Dotted, Items, Nothing, QosValue, Table, plain
 from kg.extract.python.qos import lasting, preset, read_qos
-from kg.extract.values import COMMAND_LINE, Number, Text, concatenate
+from kg.extract.values import (
+    COMMAND_LINE,
+    OWN_NAMESPACE,
+    Number,
+    Text,
+    concatenate,
+    is_whole_parameter,
+    keys_of_parameter,
+    part_of_parameter,
+)
 from kg.facts import Resolution
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from kg.extract.python.entities import Thing
+    from kg.extract.values import Value
 
 __all__ = ["PURE"]
 
@@ -90,6 +100,8 @@ def _dictionary(receiver: Thing, values: list[Thing], named: dict[str, Thing]) -
 
 
 def _elements(value: Thing) -> tuple[Thing, ...] | None:
+    if isinstance(value, Text) and is_whole_parameter(value):
+        return (part_of_parameter(value, COMPUTED),)
     if isinstance(value, Items):
         return value.items
     return tuple(key for key, _ in value.items) if isinstance(value, Table) else None
@@ -168,24 +180,39 @@ def _first(receiver: Thing, values: list[Thing], named: dict[str, Thing]) -> Thi
 
 def _pairs(receiver: Thing, values: list[Thing], named: dict[str, Thing]) -> Thing:
     del values, named
+    if isinstance(receiver, Text) and is_whole_parameter(receiver):
+        return Items((Items((keys_of_parameter(receiver), part_of_parameter(receiver, COMPUTED))),))
     return Items(tuple(Items(pair) for pair in receiver.items)) if isinstance(receiver, Table) else COMPUTED
 
 
 def _keys(receiver: Thing, values: list[Thing], named: dict[str, Thing]) -> Thing:
     del values, named
+    if isinstance(receiver, Text) and is_whole_parameter(receiver):
+        return Items((keys_of_parameter(receiver),))
     return Items(tuple(key for key, _ in receiver.items)) if isinstance(receiver, Table) else COMPUTED
 
 
 def _held(receiver: Thing, values: list[Thing], named: dict[str, Thing]) -> Thing:
     del values, named
+    if isinstance(receiver, Text) and is_whole_parameter(receiver):
+        return Items((part_of_parameter(receiver, COMPUTED),))
     return Items(tuple(value for _, value in receiver.items)) if isinstance(receiver, Table) else COMPUTED
 
 
 def _get(receiver: Thing, values: list[Thing], named: dict[str, Thing]) -> Thing:
     del named
+    if isinstance(receiver, Text) and values and is_whole_parameter(receiver):
+        part, default = part_of_parameter(receiver, _as_value(values[0])), values[-1]
+        if len(values) == 1 or not isinstance(default, Text):
+            return part
+        return replace(default, parameter=part.parameter, resolution=Resolution.PARAMETER_DEFAULT)
     if not isinstance(receiver, Table) or not values:
         return COMPUTED
     return receiver.get(values[0]) or (values[1] if len(values) > 1 else Nothing())
+
+
+def _as_value(value: Thing) -> Value:
+    return value if isinstance(value, Text) else COMPUTED
 
 
 def _text(text: str) -> Callable[[Thing, list[Thing], dict[str, Thing]], Thing]:
@@ -240,13 +267,12 @@ PURE: Final[dict[str, Callable[[Thing, list[Thing], dict[str, Thing]], Thing]]] 
     "str.format": _format,
     "str.split": _split,
     **{f"str.{name}": _string_method(name) for name in formatting.STRING_METHODS},
-    **{f"dict.{name}": _pairs for name in ("items", "iteritems", "viewitems")},
-    **{f"dict.{name}": _keys for name in ("keys", "iterkeys")},
-    **{f"dict.{name}": _held for name in ("values", "itervalues")},
-    "dict.get": _get,
+    **{f"{kind}.{name}": _pairs for kind in ("dict", "str") for name in ("items", "iteritems", "viewitems")},
+    **{f"{kind}.{name}": _keys for kind in ("dict", "str") for name in ("keys", "iterkeys")},
+    **{f"{kind}.{name}": _held for kind in ("dict", "str") for name in ("values", "itervalues")},
+    **dict.fromkeys(("dict.get", "str.get"), _get),
     **{f"rospy.{name}": _text("~") for name in ("get_name", "get_caller_id", "names.get_caller_id")},
-    "rospy.get_namespace": _text(""),
-    "rospy.names.get_namespace": _text(""),
+    **{f"rospy.{name}": _text(OWN_NAMESPACE) for name in ("get_namespace", "names.get_namespace")},
     "roslib.message.get_message_class": _class_of("msg"),
     "roslib.message.get_service_class": _class_of("srv"),
     "rospy.myargv": _command_line,
@@ -255,4 +281,6 @@ PURE: Final[dict[str, Callable[[Thing, list[Thing], dict[str, Thing]], Thing]]] 
     "rclpy.qos.QoSPresetProfiles.get_from_short_key": _preset,
     **dict.fromkeys(("rclpy.duration.Duration", "rclpy.time.Duration", "rclpy.qos.Duration"), _duration),
 }  # fmt: skip
-"""Functions that need nothing but their arguments, by full name; methods under `str`, `dict`, `list`."""
+"""Functions that need nothing but their arguments, by full name; methods under `str`, `dict`, `list`.
+
+The value of a parameter without default is a text that is not known, whatever it turns out to be."""
