@@ -14,7 +14,18 @@ from kg.wiring.table import load_rows
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["Device", "End", "Simulator", "Spawner", "device_of", "filled", "read_end", "simulator_of", "spawner_of"]
+__all__ = [
+    "Device",
+    "End",
+    "Simulator",
+    "Spawner",
+    "device_of",
+    "filled",
+    "load",
+    "read_end",
+    "simulator_of",
+    "spawner_of",
+]
 
 _FILE: Final = "simulation.toml"
 _END: Final = re.compile(
@@ -125,12 +136,12 @@ def device_of(library: str, ros: int) -> Device | None:
 
 def simulator_of(package: str | None, executable: str | None, ros: int) -> Simulator | None:
     """Return the row for a program that loads plugins."""
-    return next((row for row in _simulators() if _is_of(row, package, executable, ros)), None)
+    return next((row for row in load()[1] if _is_of(row, package, executable, ros)), None)
 
 
 def spawner_of(package: str | None, executable: str | None, ros: int) -> Spawner | None:
     """Return the row for a program that hands descriptions to a simulator."""
-    return next((row for row in _spawners() if _is_of(row, package, executable, ros)), None)
+    return next((row for row in load()[2] if _is_of(row, package, executable, ros)), None)
 
 
 def _is_of(row: Simulator | Spawner, package: str | None, executable: str | None, ros: int) -> bool:
@@ -138,16 +149,16 @@ def _is_of(row: Simulator | Spawner, package: str | None, executable: str | None
 
 
 @cache
+def load() -> tuple[tuple[Device, ...], tuple[Simulator, ...], tuple[Spawner, ...]]:
+    """Return the rows of the table of the installation; a `UsageError` KG002 names what is wrong with it."""
+    path = folder("ontology") / _FILE
+    return (
+        load_rows(path, "device", Device),
+        load_rows(path, "simulator", Simulator),
+        load_rows(path, "spawner", Spawner),
+    )
+
+
+@cache
 def _devices() -> dict[tuple[str, int], Device]:
-    rows = load_rows(folder("ontology") / _FILE, "device", Device)
-    return {(name, row.ros): row for row in rows for name in row.library}
-
-
-@cache
-def _simulators() -> tuple[Simulator, ...]:
-    return load_rows(folder("ontology") / _FILE, "simulator", Simulator)
-
-
-@cache
-def _spawners() -> tuple[Spawner, ...]:
-    return load_rows(folder("ontology") / _FILE, "spawner", Spawner)
+    return {(name, row.ros): row for row in load()[0] for name in row.library}

@@ -87,7 +87,7 @@ BOMB = "".join(f'<xacro:property name="p{n + 1}" value="${{p{n}}}${{p{n}}}"/>' f
     "text",
     [
         '<r><xacro:macro name="m" params=""><xacro:m/><xacro:m/></xacro:macro><xacro:m/></r>',
-        '<r><xacro:macro name="a" params="*b"><xacro:a><xacro:insert_block name="b"/></xacro:a></xacro:macro><xacro:a/></r>',
+        '<r><xacro:macro name="a" params="*b"><xacro:a><xacro:insert_block name="b"/></xacro:a></xacro:macro><a/></r>',
         "<r>" + "<a>" * 500 + "</a>" * 500 + "</r>",
         '<!DOCTYPE r [<!ENTITY x "y">]><r>&x;</r>',
     ],
