@@ -108,6 +108,8 @@ def _details(scope: Scope, part: str, fact: Interface) -> None:
     writer.text(part, v.ORIGIN, fact.origin)
     if fact.arguments:
         writer.add(part, v.LEAST_ARGUMENTS, integer(fact.arguments))
+    for switch in fact.switches:
+        writer.text(part, v.SWITCHED_BY, switch)
     writer.text(part, v.REASON, fact.reason)
     if fact.qos is not None:
         writer.add(part, v.HAS_QOS, quality(scope, fact.qos))

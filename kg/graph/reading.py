@@ -305,6 +305,7 @@ def _interface(role: Role, properties: Properties, types: Mapping[str, str], qua
         qos=qualities.get(one(properties, v.HAS_QOS) or ""),
         reason=one(properties, v.REASON),
         arguments=int(one(properties, v.LEAST_ARGUMENTS) or 0),
+        switches=tuple(sorted(properties.get(v.bare(v.SWITCHED_BY), ()))),
     )
 
 

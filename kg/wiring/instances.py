@@ -17,6 +17,7 @@ from kg.wiring.qos import Overrides
 from kg.wiring.remapping import Remapping, Rule, rules_of
 from kg.wiring.similar import Alike
 from kg.wiring.simulation import Simulated, own_ends
+from kg.wiring.switches import switched_on
 from kg.wiring.types import own_name
 from kg.wiring.values import Server, Settings, parsed
 
@@ -176,9 +177,15 @@ def _spelling(draft: Draft) -> Spelling | None:
 
 
 def _interfaces(draft: Draft, ends: Ends) -> tuple[InstanceInterface, ...]:
-    found = list(ends.of_node(*draft.typed)) if draft.typed is not None else []
+    found: list[InstanceInterface] = []
+    if draft.typed is not None:
+        owner, node = draft.typed
+        found += ends.of_node(owner, switched_on(node, ends.settings, draft.place))
     for plugin in draft.plugins:
-        found += ends.of_plugin(plugin)
+        if plugin.found is not None:
+            owner, node = plugin.found
+            node = switched_on(node, ends.settings, plugin.place(draft.place))
+            found += ends.of_plugin(replace(plugin, found=(owner, node)))
     if draft.typed is None:
         found += own_ends(draft.started, draft.place, ends.remapping, draft.ros, draft.repository)
     for simulated in draft.simulated:

@@ -64,6 +64,7 @@ def interface_record(item: Interface) -> Record:
     del record["role"], record["location"]
     if item.qos is not None:
         record["qos"] = quality(item.qos)
+    record["switches"] = list(item.switches)
     return {**record, "resolution": item.resolution.value, "file": item.location.path, "line": item.location.line}
 
 

@@ -81,6 +81,7 @@ def _interface(role: Role, one: str | Mapping[str, Any]) -> Interface:
         qos=Qos(**row["qos"]) if "qos" in row else None,
         reason=row.get("reason"),
         arguments=row.get("arguments", 0),
+        switches=tuple(row.get("switches", ())),
     )
 
 

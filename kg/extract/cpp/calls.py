@@ -18,6 +18,7 @@ from kg.extract.cpp.parameters import read_listed, read_parameter
 from kg.extract.cpp.qos import read_qos
 from kg.extract.cpp.sites import call_around
 from kg.extract.cpp.specifications import specifications, specified, specified_qos
+from kg.extract.cpp.switches import Switches
 from kg.extract.cpp.unit import Expr
 from kg.extract.marks import Mark
 from kg.extract.values import Handle, Text, Truth, Unknown, worse
@@ -55,6 +56,7 @@ class Finder:
         self.ros: set[int] = set()
         self._nodes: dict[Location, tuple[Unit, Node]] = {}
         self._command_line = CommandLine(evaluator.program, evaluator.sites)
+        self._switches = Switches(evaluator.program)
         mains = [function for function in self._program.functions("main") if function in self._program.reached]
         self._counts_arguments = any("argc" in function.words and "if" in function.words for function in mains)
 
@@ -70,6 +72,9 @@ class Finder:
                 self._types(unit, name)
             for name in unit.having(tuple(api.marks)):
                 self._marked(unit, name, api.marks[name])
+        for key, made in self.interfaces.items():
+            if made.location in self._nodes and (asked := self._switches.around(self._nodes[made.location][1])):
+                self.interfaces[key] = replace(made, switches=asked)
 
     def _uses(self, unit: Unit, name: str) -> Iterator[tuple[Node, Expr, syntax.Callee, list[Expr]]]:
         """Yield each call of a name in code that runs: the name, the call, what is called, and its arguments."""
@@ -207,6 +212,7 @@ class Finder:
                 many = read_parameter(self._evaluator, spec, where, called, given, place)
             for found in many:
                 self.parameters.setdefault((found.name, found.access, found.location), found)
+                self._switches.note(spec, where.node, given, found)
 
     @cached_property
     def _aliases(self) -> tuple[str, ...]:

@@ -1,0 +1,42 @@
+#include <nav_msgs/OccupancyGrid.h>
+#include <ros/ros.h>
+#include <std_msgs/String.h>
+
+class Localizer
+{
+public:
+  Localizer() : use_map_topic_(false), changed_(false)
+  {
+    ros::NodeHandle pnh("~");
+    pnh.param("use_map_topic", use_map_topic_, false);
+    pnh.param<bool>("quiet", quiet_, true);
+    pnh.param("changed", changed_, false);
+    bool debug = pnh.param("debug", false);
+    if (use_map_topic_)
+      map_ = nh_.subscribe("map", 1, &Localizer::map, this);
+    else
+      grid_ = nh_.subscribe("grid", 1, &Localizer::map, this);
+    if (!quiet_ && debug)
+      words_ = nh_.advertise<std_msgs::String>("words", 1);
+    changed_ = words_.getNumSubscribers() > 0;
+    if (changed_)
+      more_ = nh_.advertise<std_msgs::String>("more", 1);
+    if (quiet_ || debug)
+      either_ = nh_.advertise<std_msgs::String>("either", 1);
+  }
+  void map(const nav_msgs::OccupancyGrid::ConstPtr& grid) {}
+
+private:
+  ros::NodeHandle nh_;
+  ros::Subscriber map_, grid_;
+  ros::Publisher words_, more_, either_;
+  bool use_map_topic_, quiet_, changed_;
+};
+
+int main(int argc, char** argv)
+{
+  ros::init(argc, argv, "localizer");
+  Localizer localizer;
+  ros::spin();
+  return 0;
+}
