@@ -21,6 +21,8 @@ SIGNATURES: Final = {
     "level: 'str' = 'note', store: 'str | Path | None' = None) -> 'list[dict[str, Any]]'",
     "infer": "(*, rules: 'Sequence[str | Path] | None' = None, full: 'bool' = False, dry_run: 'bool' = False, "
     "timeout: 'float | None' = None, store: 'str | Path | None' = None) -> 'RunReport'",
+    "instances": "(launch: 'str | Path | None' = None, *, arguments: 'Mapping[str, str] | None' = None, "
+    "environment: 'Mapping[str, str] | None' = None, store: 'str | Path | None' = None) -> 'list[dict[str, Any]]'",
     "nodes": "(*, package: 'str | None' = None, store: 'str | Path | None' = None) -> 'list[dict[str, Any]]'",
     "open_store": "(store: 'str | Path | None' = None) -> 'EmbeddedStore'",
     "sparql": "(text: 'str', *, parameters: 'Mapping[str, NamedNode | Literal] | None' = None, "

@@ -91,9 +91,8 @@ def lint(  # noqa: PLR0913 - the options of a command
         if word not in allowed:
             raise UsageError("KG003", f"`{word}` is no {what}", hint=f"One of {', '.join(allowed)}.")
     arguments, environment = given(launch, arg, env)
-    if why and (arg or env or form != "text"):
-        hint = "Leave out --arg and --env, whose systems are not kept, and other formats than text."
-        raise UsageError("KG003", "only what the store holds can be proven, and only as text", hint=hint)
+    if why:
+        _require_provable(stored=not (arg or env), form=form)
     from kg.lint.running import Question  # noqa: PLC0415 - start-up time
 
     chosen = frozenset(code.upper() for code in codes or ())
@@ -123,6 +122,12 @@ def lint(  # noqa: PLR0913 - the options of a command
         _keep(checked, Path(write_baseline))
     elif checked.report.failed:
         raise typer.Exit(Exit.FOUND)
+
+
+def _require_provable(*, stored: bool, form: str) -> None:
+    if not stored or form != "text":
+        hint = "Leave out --arg and --env, whose systems are not kept, and other formats than text."
+        raise UsageError("KG003", "only what the store holds can be proven, and only as text", hint=hint)
 
 
 def _prove(context: typer.Context, checked: "Checked", settings: "Settings") -> None:

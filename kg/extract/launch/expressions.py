@@ -286,7 +286,7 @@ def _method(owner: object, name: str) -> Callable[..., object]:
         if name == "join" and isinstance(owner, str) and arguments:
             _refuse_over(_size(arguments[0], 0) * (len(owner) + 1))
         found: object = getattr(owner, name)(*arguments)
-        return list(found) if isinstance(owner, dict) and name != "get" else found  # type: ignore[call-overload]
+        return list(found) if isinstance(owner, dict) and name != "get" else found  # type: ignore[call-overload]  # views
 
     return bounded
 

@@ -85,8 +85,8 @@ def _replaced_in(entry: Entry, replacements: Sequence[tuple[str, str]]) -> Entry
 def rewritten_file(context: Context, source: ParameterFile) -> str:
     """Return the name of a file of parameters with what is rewritten in it."""
     from kg.extract.launch.ros2.locate import read  # noqa: PLC0415  (which needs this module's users)
-    from kg.extract.launch.ros2.parameter_files import entries, rewritten  # noqa: PLC0415
-    from kg.extract.launch.ros2.substitute import perform  # noqa: PLC0415
+    from kg.extract.launch.ros2.parameter_files import entries, rewritten  # noqa: PLC0415  (the same)
+    from kg.extract.launch.ros2.substitute import perform  # noqa: PLC0415  (the same)
 
     path = perform(context, source.path)
     found = None if HOLE in path else read(context, path)
