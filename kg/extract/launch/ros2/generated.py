@@ -41,7 +41,7 @@ def replaced_file(context: Context, source: Text, condition: Text, *pairs: Text)
     Each line is taken through all replacements in their order.
     """
     from kg.extract.launch.ros2.locate import read  # noqa: PLC0415  (which needs this module's users)
-    from kg.extract.launch.ros2.substitute import perform, truth  # noqa: PLC0415
+    from kg.extract.launch.ros2.substitute import perform, truth  # noqa: PLC0415  (the same)
 
     path, held = perform(context, source), truth(perform(context, condition))
     if held is False or HOLE in path:
