@@ -184,7 +184,12 @@ class Expressions(Containers):
                 value = Unknown(value.reason, self.location(element, frame))
             spread = self.iterate(value) if starred else None
             found += spread if spread is not None else [value]
-        return tuple(found) if isinstance(node, ast.Tuple) else self.items(found)
+        if isinstance(node, ast.Tuple):
+            return tuple(found)
+        made = self.items(found)
+        if len(node.elts) == len(found):
+            made.places = tuple(self.location(element, frame) for element in node.elts)
+        return made
 
     def mapping(self, node: ast.Dict, frame: Frame) -> Value:
         """Return a dictionary, each entry with its place."""

@@ -136,12 +136,10 @@ def _remaps(call: Call) -> tuple[tuple[Text, Text, Location], ...]:
     if value is None:
         return ()
     found = call.machine.iterate(value)
-    elements = getattr(call.expression("remappings"), "elts", [])
+    places = value.places if isinstance(value, Items) else ()
     remaps: list[tuple[Text, Text, Location]] = []
     for number, item in enumerate(found if found is not None else [Unknown(reason_of(value))]):
-        place = call.place("remappings")
-        if found is not None and len(elements) == len(found):
-            place = call.machine.location(elements[number], call.frame)
+        place = places[number] if found is not None and len(places) == len(found) else call.place("remappings")
         written = item.value if isinstance(item, Guarded) else item
         pair = pair_of(written)
         if pair is None:

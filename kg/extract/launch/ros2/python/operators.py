@@ -90,7 +90,9 @@ def add(left: Value, right: Value) -> Value:
     if isinstance(left, str) and isinstance(right, str):
         return left + right if len(left) + len(right) <= MAX_TEXT else Unknown("a text is too long")
     if isinstance(left, Items) and isinstance(right, Items):
-        return Items([*left, *right], left.guards) if len(left) + len(right) <= MAX_ITEMS else Unknown("too many items")
+        if len(left) + len(right) > MAX_ITEMS:
+            return Unknown("too many items")
+        return Items([*left, *right], left.guards, left.places + right.places)
     if isinstance(left, tuple) and isinstance(right, tuple):
         return left + right if len(left) + len(right) <= MAX_ITEMS else Unknown("too many items")
     if isinstance(left, str | Words) and isinstance(right, str | Words | Unknown | Choice):

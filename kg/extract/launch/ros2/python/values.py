@@ -106,11 +106,14 @@ def pair_of(value: Value) -> tuple[Value, Value] | None:
 
 
 class Items(list[Value]):
-    """A list; `guards` are the conditions under which it was made."""
+    """A list; `guards` are the conditions under which it was made, `places` where its items stand, if that is known."""
 
-    def __init__(self, items: Iterable[Value] = (), guards: tuple[Condition, ...] = ()) -> None:
+    def __init__(
+        self, items: Iterable[Value] = (), guards: tuple[Condition, ...] = (), places: tuple[Location, ...] = ()
+    ) -> None:
         super().__init__(items)
         self.guards = guards
+        self.places = places if len(places) == len(self) else ()
 
 
 class Table(dict[Value, Value]):

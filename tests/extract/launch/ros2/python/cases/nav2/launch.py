@@ -19,13 +19,14 @@ def generate_launch_description():
         allow_substs=True,
     )
     lifecycle_nodes = ["a", "b"]
+    remappings = [("/tf", "tf"), ("/tf_static", "tf_static")]
     return LaunchDescription(
         [
             Node(
                 package="nav2_lifecycle_manager",
                 executable="lifecycle_manager",
                 parameters=[configured, {"node_names": lifecycle_nodes}],
-                remappings=[("/tf", "tf"), ("/tf_static", "tf_static")],
+                remappings=remappings + [("cmd_vel", "cmd_vel_nav")],
             )
         ]
     )
