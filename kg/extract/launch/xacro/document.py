@@ -1,20 +1,19 @@
-"""The XML of robot descriptions as elements that know their lines, read by expat; entities are refused."""
+"""The XML of robot descriptions: its elements, and which of them are commands of xacro."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import lru_cache
 from typing import TYPE_CHECKING, Final
-from xml.parsers import expat
+
+from kg.extract.launch.markup import Markup, kept_if_small
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from kg.extract.launch.markup import Problem
+
 __all__ = ["Document", "Element", "read_document"]
 
-_MOST_DEPTH: Final = 60
-_LARGE_BYTES: Final = 1 << 20
-"""Files above this are parsed each time, so that the cache stays small."""
 _PREFIX: Final = "xacro:"
 _OLD_STYLE: Final = {
     "property": {"name"},
@@ -54,68 +53,28 @@ class Document:
     """The root element as far as it could be read, and what is wrong with the file as message and line."""
 
     root: Element | None
-    problem: tuple[str, int] | None = None
+    problem: Problem | None = None
 
 
-class _RefusedError(Exception):
-    """The text is well-formed so far, but is not read on."""
+def _child(parent: Element, child: Element) -> None:
+    parent.children.append(child)
+
+
+def _text(parent: Element, text: str, _line: int) -> None:
+    if not text.isspace():
+        parent.children.append(text)
+
+
+_MARKUP: Final = Markup(Element, _child, _text, whole_texts=True)
+
+
+def _parse(text: bytes) -> Document:
+    return Document(*_MARKUP.read(text))
+
+
+_kept: Final = kept_if_small(_parse, 512)
 
 
 def read_document(text: bytes) -> Document:
     """Return the document of UTF-8 `text`; what stands before an error in it is kept."""
-    return _parse(text) if len(text) > _LARGE_BYTES else _cached(text)
-
-
-class _Builder:
-    """Makes elements of what the parser reports."""
-
-    def __init__(self) -> None:
-        self.root: Element | None = None
-        self._open: list[Element] = []
-        self._parser = expat.ParserCreate("utf-8")
-        self._parser.buffer_text = True
-        self._parser.StartElementHandler = self._start
-        self._parser.EndElementHandler = self._end
-        self._parser.CharacterDataHandler = self._text
-        self._parser.EntityDeclHandler = self._entity
-
-    def read(self, text: bytes) -> tuple[str, int] | None:
-        """Parse the text; return what is wrong with it."""
-        try:
-            self._parser.Parse(text, True)
-        except expat.ExpatError as error:
-            return f"the file is no well-formed XML: {expat.ErrorString(error.code)}", error.lineno
-        except _RefusedError as error:
-            return str(error), self._parser.CurrentLineNumber
-        return None
-
-    def _start(self, tag: str, attributes: dict[str, str]) -> None:
-        if len(self._open) >= _MOST_DEPTH:
-            raise _RefusedError(f"elements are nested deeper than {_MOST_DEPTH} levels; the file is not read on")
-        element = Element(tag, attributes, self._parser.CurrentLineNumber)
-        if self._open:
-            self._open[-1].children.append(element)
-        else:
-            self.root = element
-        self._open.append(element)
-
-    def _end(self, _: str) -> None:
-        self._open.pop()
-
-    def _text(self, text: str) -> None:
-        if not text.isspace():
-            self._open[-1].children.append(text)
-
-    def _entity(self, name: str, *_: object) -> None:
-        raise _RefusedError(f"the file defines the entity '{name}'; entities are refused")
-
-
-def _parse(text: bytes) -> Document:
-    builder = _Builder()
-    problem = builder.read(text)
-    return Document(builder.root, problem)
-
-
-@lru_cache(maxsize=512)
-def _cached(text: bytes) -> Document:
-    return _parse(text)
+    return _kept(text)
