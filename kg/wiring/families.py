@@ -51,13 +51,15 @@ def members(
         found = settings.get(parameter, place)
         return ((found, found),)
     asked = {one.name for one in node.parameters if one.name is not None and one.name != parameter}
-    others = [pattern_of(settings.absolute(name, place)) for name in asked]
-    own = pattern_of(settings.absolute(parameter, place))
+    own_text = settings.absolute(parameter, place)
+    texts = (settings.absolute(name, place) for name in asked)
+    closer = [pattern_of(text) for text in texts if _told(text) > _told(own_text)]
+    own = pattern_of(own_text)
     fitting = [
         (name, given)
         for name, given in settings.fitting(own, place)
         if (given.value is None or is_text(given.value))
-        and not any(len(other.pattern) > len(own.pattern) and other.fullmatch(name) for other in others)
+        and not any(other.fullmatch(name) for other in closer)
     ]
     if not fitting and declared.name is not None:
         return ((None, None),)
@@ -178,6 +180,11 @@ def _by_options(interfaces: list[Interface], settings: Settings) -> list[Interfa
 def pattern_of(name: str) -> re.Pattern[str]:
     """Return what fits a name with holes, each of which is within one segment."""
     return re.compile(r"[^/.]+".join(re.escape(part) for part in name.split(_HOLE)))
+
+
+def _told(name: str) -> int:
+    """Return how many letters of a name are known."""
+    return len(name.replace(_HOLE, ""))
 
 
 def _line(one: Interface) -> tuple[object, ...]:

@@ -153,7 +153,10 @@ _CALLS: Final[dict[str, tuple[CallSpec, ...]]] = {
     "waitForService": (CallSpec(1, Role.CLIENTS, scopes=_SERVICE),),
     "exists": (CallSpec(1, Role.CLIENTS, scopes=_SERVICE),),
     "createClient": (CallSpec(1, Role.CLIENTS, scopes=_SERVICE, template=0, service=True),),
-    "waitForMessage": (CallSpec(1, Role.SUBSCRIBES, scopes=frozenset({"topic"}), template=0),),
+    "waitForMessage": (
+        CallSpec(1, Role.SUBSCRIBES, scopes=frozenset({"topic"}), template=0, handle=1, least=3, most=3),
+        CallSpec(1, Role.SUBSCRIBES, scopes=frozenset({"topic"}), template=0),
+    ),
 }
 
 _HANDLED: Final = {"ros": 1, "receivers": _NODE_HANDLE}
