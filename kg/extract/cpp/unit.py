@@ -42,7 +42,8 @@ _STRUCTURE: Final = """
 [(preproc_arg) (namespace_identifier) (statement_identifier)] @silent
 """
 _NAMES: Final = frozenset({"identifier", "field_identifier", "type_identifier", "namespace_identifier"})
-_SHELLS: Final = frozenset({"translation_unit", "expression_statement", "parenthesized_expression", "comma_expression"})
+_ROW: Final = "comma_expression"
+_SHELLS: Final = frozenset({"translation_unit", "expression_statement", "parenthesized_expression"})
 _CLASS_HEAD: Final = 200
 """Bytes that `class MACRO Name` fits in."""
 _WORD: Final = frozenset(b"abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_")
@@ -294,9 +295,14 @@ class Unit:
         """
         tree = syntax.parse_range(self.source, node)
         found = [tree.root_node.descendant_for_byte_range(node.start_byte, node.end_byte)]
-        while found and found[0] is not None and found[0].type in _SHELLS:
-            found[:1] = found[0].named_children
-        return [inner for inner in found if inner is not None and inner.type != "comment"]
+        given: list[Node] = []
+        while found:
+            inner = found.pop(0)
+            if inner is not None and (inner.type == _ROW or (not given and inner.type in _SHELLS)):
+                found[:0] = inner.named_children
+            elif inner is not None and inner.type != "comment":
+                given.append(inner)
+        return given
 
     def line(self, at: int) -> int:
         """Return the line of a byte, from one."""
