@@ -10,6 +10,7 @@ from kg.corpus.files import FilePath
 from kg.extract.launch.files import Files
 from kg.extract.launch.ros1.evaluate import evaluate as evaluate_roslaunch
 from kg.extract.launch.ros2.evaluate import evaluate as evaluate_ros2
+from kg.extract.launch.ros2.read import dialect_by_ending
 from kg.facts import FileKind, LaunchDialect
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from kg.corpus.reading import Reader
     from kg.facts import LaunchConfiguration
 
-__all__ = ["dialect_of", "read_configuration", "read_launches"]
+__all__ = ["read_configuration", "read_launches"]
 
 _NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
 _ROS2: Final = 2
@@ -45,7 +46,7 @@ def read_configuration(
     """
     file = FilePath(reader.source.repository.name, path)
     text = reader.read(file)
-    dialect = dialect_of(path, text or b"", ros)
+    dialect = _dialect_of(file, text or b"", ros)
     if text is None or dialect is None:
         return None
     evaluate = evaluate_roslaunch if dialect is LaunchDialect.ROSLAUNCH else evaluate_ros2
@@ -53,12 +54,13 @@ def read_configuration(
     return replace(found, package=reader.package.name, folder=reader.package.path)
 
 
-def dialect_of(path: str, text: bytes, ros: int) -> LaunchDialect | None:
+def _dialect_of(file: FilePath, text: bytes, ros: int) -> LaunchDialect | None:
     """Return the language of a launch file by its ending, its content and its package's version of ROS."""
-    if path.endswith(".py"):
-        return LaunchDialect.ROS2_PYTHON if b"generate_launch_description" in text else None
-    if path.endswith((".yaml", ".yml")):
-        return LaunchDialect.ROS2_YAML
-    if b"<launch" not in text:
-        return None
-    return LaunchDialect.ROS2_XML if ros == _ROS2 else LaunchDialect.ROSLAUNCH
+    dialect = dialect_by_ending(file)
+    if dialect is LaunchDialect.ROS2_PYTHON:
+        return dialect if b"generate_launch_description" in text else None
+    if dialect is LaunchDialect.ROS2_XML:
+        if b"<launch" not in text:
+            return None
+        return dialect if ros == _ROS2 else LaunchDialect.ROSLAUNCH
+    return dialect

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 from kg.extract.launch.ros2.actions import DeclareArgument
 from kg.extract.launch.ros2.context import HOLE
 from kg.extract.launch.ros2.locate import find
-from kg.extract.launch.ros2.read import dialect_of, read_actions
+from kg.extract.launch.ros2.read import dialect_by_ending, read_actions
 from kg.facts import LaunchInclude, LaunchProblemKind
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ def _may_enter(context: Context, file: FilePath) -> bool:
 
 def _enter(context: Context, action: Include, file: FilePath, run: Callable[[Sequence[Action]], None]) -> None:
     arguments = _arguments(context, action, file)
-    actions = read_actions(context, file, dialect_of(file))
+    actions = read_actions(context, file, dialect_by_ending(file))
     given = {name for name, _ in arguments}
     context.scope.configurations.update(arguments)
     for inner in actions:

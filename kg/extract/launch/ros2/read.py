@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from kg.extract.launch.ros2.context import Context
     from kg.facts import LaunchProblem
 
-__all__ = ["dialect_of", "read_actions"]
+__all__ = ["dialect_by_ending", "read_actions"]
 
 Tree = tuple["Sequence[Action]", "tuple[LaunchProblem, ...]"]
 
@@ -37,7 +37,7 @@ The trees hold on to that reader, so no other is kept.
 """
 
 
-def dialect_of(file: FilePath) -> LaunchDialect:
+def dialect_by_ending(file: FilePath) -> LaunchDialect:
     """Return the language of a file by its ending, as `AnyLaunchDescriptionSource` tells them apart."""
     ending = file.path.rpartition(".")[2]
     if ending == "py":

@@ -18,7 +18,7 @@ from kg.corpus.reading import Reader
 from kg.corpus.workspace import Workspace, scan
 from kg.extract.launch.files import Files
 from kg.extract.launch.ros2.evaluate import evaluate
-from kg.extract.launch.ros2.read import dialect_of
+from kg.extract.launch.ros2.read import dialect_by_ending
 from kg.facts import Repository
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ def evaluated(case: Path, path: str, given: dict[str, str], environment: dict[st
     source = scan(case, Repository(f"local/{case.name}", str(case)))
     files = Files(Reader(Workspace([source]), source, source.packages[0]))
     file = FilePath(source.repository.name, path)
-    return evaluate(files, file, dialect_of(file), given, environment)
+    return evaluate(files, file, dialect_by_ending(file), given, environment)
 
 
 def node_record(node: StartedNode) -> Record:

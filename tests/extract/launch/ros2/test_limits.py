@@ -12,7 +12,7 @@ from kg.corpus.workspace import Workspace, scan
 from kg.extract.launch.files import Files
 from kg.extract.launch.ros2 import execute, nodes, parameters
 from kg.extract.launch.ros2.evaluate import evaluate
-from kg.extract.launch.ros2.read import dialect_of
+from kg.extract.launch.ros2.read import dialect_by_ending
 from kg.facts import LaunchProblemKind, Repository
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ def evaluated(folder: Path, files: dict[str, str]) -> LaunchConfiguration:
         (folder / name).write_text(text)
     source = scan(folder, Repository("local/demo", str(folder)))
     file = FilePath("local/demo", next(iter(files)))
-    return evaluate(Files(Reader(Workspace([source]), source, source.packages[0])), file, dialect_of(file), {}, {})
+    return evaluate(Files(Reader(Workspace([source]), source, source.packages[0])), file, dialect_by_ending(file), {}, {})
 
 
 def include(number: int) -> str:
