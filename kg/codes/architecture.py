@@ -1,4 +1,4 @@
-"""The codes of findings in the wiring of systems, which the rules of `rules/architecture/` make: KG401 to KG414."""
+"""The codes of findings in the wiring of systems, which the rules of `rules/architecture/` make: KG401 to KG416."""
 
 from __future__ import annotations
 
@@ -82,5 +82,18 @@ CODES: Final = {
         "no such node",
         "A launch file starts a program, or loads a class, that its package does not have.",
         "Correct the name of the program or of the package.",
+    ),
+    "KG415": CodeEntry(
+        "launch file cannot be read",
+        "A launch file, or a file of parameters that it loads, is no XML, YAML or Python, or has what launch refuses: "
+        "an element without a required attribute, a condition that is neither true nor false. What stands behind the "
+        "line is not known.",
+        "Correct the line. An error of XML is often found at the end of the element that it began in.",
+    ),
+    "KG416": CodeEntry(
+        "parameter of another type",
+        "A parameter is set to a value of another type than the node reads it with. A node of ROS 2 ends when it "
+        "declares the parameter; one of ROS 1 goes on with its default, or ends.",
+        "Write a value of the type that the code declares; in ROS 2 a whole number for a double has a point (`1.0`).",
     ),
 }
