@@ -4,7 +4,8 @@
 
 MIRRORS has a git directory for each repository of `*.json` (`owner+name`, `owner/name`, bare or not). The repositories
 become one workspace with a launch file that starts the whole system; `kg build` reads it, `kg instances --launch` says
-what it starts. One row a system: precision and recall over (node, role, name), for nodes that have source there.
+what it starts. Rows for each system: precision and recall over (node, role, name), for nodes that have source there,
+for those of them that had started when they were observed, and for those whose code the peer read.
 `--misses` lists what was missed and what was too much. `--unpack` only makes the workspaces.
 """
 
@@ -54,8 +55,10 @@ def _run(graph: dict[str, Any], mirrors: Path, folder: Path) -> list[tuple[str, 
     instances = answers("instances", launch, store, environment(graph["environment"]))
     with_source = [node for node in graph["nodes"] if node["source"]]
     from_code = [node for node in with_source if node["peer"] == "code"]
+    started = [node for node in with_source if not node.get("partial")]
     return [
         (f"{system}, nodes with source", compare(with_source, instances)),
+        (f"{system}, nodes with source that had started", compare(started, instances)),
         (f"{system}, nodes whose code the peer read", compare(from_code, instances)),
     ]
 
