@@ -10,7 +10,12 @@ import re
 from functools import lru_cache
 from typing import Final
 
-__all__ = ["is_for_node", "join", "normalise", "resolve"]
+__all__ = ["FRAMEWORK", "is_for_node", "join", "normalise", "resolve"]
+
+FRAMEWORK: Final = frozenset(
+    {"/rosout", "/rosout_agg", "/tf", "/tf_static", "/clock", "/diagnostics", "/diagnostics_agg", "/parameter_events"}
+)
+"""Names that nearly every node has for the sake of its framework."""
 
 _PART: Final = re.compile(r"/\w+")
 _MOST_NAME: Final = 1000

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import StartKind
+from kg.names import FRAMEWORK
 from kg.render.text import count
 
 if TYPE_CHECKING:
@@ -19,12 +20,8 @@ if TYPE_CHECKING:
 
     from kg.facts import InstanceInterface, NodeInstance, System
 
-__all__ = ["FRAMEWORK", "Bundle", "Channel", "Link", "Member", "State", "SystemGraph", "bundles", "system_graph"]
+__all__ = ["Bundle", "Channel", "Link", "Member", "State", "SystemGraph", "bundles", "system_graph"]
 
-FRAMEWORK: Final = frozenset(
-    {"/rosout", "/rosout_agg", "/tf", "/tf_static", "/clock", "/diagnostics", "/diagnostics_agg", "/parameter_events"}
-)
-"""Names that nearly every node has for the sake of its framework."""
 _PLAIN: Final = frozenset({StartKind.NODE, StartKind.LIFECYCLE_NODE, StartKind.TEST})
 
 

@@ -6,6 +6,7 @@ from collections import defaultdict
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import Role
+from kg.names import FRAMEWORK
 from kg.wiring.related import Related
 from kg.wiring.similar import Alike, words_of
 
@@ -27,9 +28,6 @@ _ENDS: Final = {
 """What kind of name a role has, and whether it gives (0) or takes (1)."""
 _ACTION_TOPICS: Final = {"goal": 1, "cancel": 1, "status": 0, "feedback": 0, "result": 0}
 """The topics of an action of ROS 1, and which end of them its server has."""
-_FRAMEWORK: Final = frozenset(
-    {"/tf", "/tf_static", "/rosout", "/rosout_agg", "/clock", "/parameter_events", "/diagnostics", "/diagnostics_agg"}
-)
 _TO_LOOK_AT: Final = frozenset({f"sensor_msgs/{name}" for name in ("Image", "CameraInfo", "CompressedImage")})
 """What is offered in many forms for whoever wants to see it, so that nobody has to hear each."""
 _COMMON_WORDS: Final = frozenset({"array", "stamped", "list", "info", "state", "data", "with", "covariance"})
@@ -95,7 +93,7 @@ def near_misses(instances: Iterable[NodeInstance], ros: int) -> tuple[tuple[str,
     kinds: defaultdict[str, _Channels] = defaultdict(_Channels)
     for instance in instances:
         for end in instance.interfaces:
-            if end.resolved is not None and "{}" not in end.resolved and end.resolved not in _FRAMEWORK:
+            if end.resolved is not None and "{}" not in end.resolved and end.resolved not in FRAMEWORK:
                 _enter(kinds, end, end.resolved, ros)
     return tuple(sorted({(kind, *pair) for kind, channels in kinds.items() for pair in channels.pairs()}))
 
