@@ -96,7 +96,10 @@ def without_inner(node: NodeType, made: Iterable[Inner]) -> NodeType:
 
 
 def started_inner(row: Inner, maker: StartedNode, place: Place, process: StartedNode | None) -> StartedNode:
-    """Return what a node makes as if it were started; `process` is what has the command line, if that is known."""
+    """Return what a node makes as if it were started; `process` is what has the command line, if that is known.
+
+    It shares the container of its maker; who made it stands among its settings as `made-by`.
+    """
     package, _, executable = row.type.partition("/")
     return replace(
         maker,
@@ -106,11 +109,10 @@ def started_inner(row: Inner, maker: StartedNode, place: Place, process: Started
         package=package,
         executable=executable,
         plugin=None,
-        host=place.full,
         remaps=tuple(one for one in process.remaps if not one.source.startswith("__")) if process is not None else (),
         parameters=process.parameters if process is not None else (),
         arguments=(),
-        settings=(),
+        settings=(("made-by", place.full),),
     )
 
 

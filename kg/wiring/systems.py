@@ -46,10 +46,10 @@ def wire(configuration: LaunchConfiguration, types: NodeTypes) -> System:
     simulate(drafts, configuration)
     by_name = {draft.place.full: draft for draft in reversed(drafts)}
     made: dict[int, NodeInstance] = {}
-    # Guests first: what they use of the rules of their manager counts as used by it.
-    for index in sorted(range(len(drafts)), key=lambda at: drafts[at].started.host is None):
+    # Guests first: what they use of the rules of their manager or maker counts as used by it.
+    for index in sorted(range(len(drafts)), key=lambda at: _line_of(drafts[at]) is None):
         draft = drafts[index]
-        made[index] = finished(draft, server, by_name.get(draft.process or draft.started.host or ""))
+        made[index] = finished(draft, server, by_name.get(_line_of(draft) or ""))
     used = {rule.location for draft in drafts for rule in draft.used}
     instances = tuple(_without_shared(made[index], used) for index in range(len(drafts)))
     return System(
@@ -58,6 +58,11 @@ def wire(configuration: LaunchConfiguration, types: NodeTypes) -> System:
         similar=near_misses(instances, ros),
         shared_parameters=tuple(server.all[name] for name in shared) if server is not None else (),
     )
+
+
+def _line_of(draft: Draft) -> str | None:
+    """Return the name of what has the command line of a node that has none of its own."""
+    return draft.process or draft.started.host
 
 
 def _with_inner(
