@@ -103,6 +103,9 @@ _FOREIGN: Final = tuple(
         "NodeT",
         "ros::param",
         "ros::service",
+        "ros::Publisher",
+        "ros::Subscriber",
+        "ros::Service",
     )
 )
 _ALIASES: Final = re.compile(rb"\btypedef\b[^;{}()]*?\b([A-Za-z_]\w*)\s*;|\busing\s+([A-Za-z_]\w*)\s*=")
