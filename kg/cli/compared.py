@@ -67,7 +67,7 @@ def stores(asked: Sides, settings: Settings) -> tuple[EmbeddedStore, EmbeddedSto
     """Return both stores; commits that were not read before are read now. Raises as `kg.pipeline.revisions` does."""
     from dataclasses import replace  # noqa: PLC0415 - start-up time
 
-    from kg.cli.progress import for_this_stream  # noqa: PLC0415 - start-up time
+    from kg.cli.progress import for_people  # noqa: PLC0415 - start-up time
     from kg.pipeline.revisions import merge_base, resolve, revision_store  # noqa: PLC0415 - start-up time
     from kg.store.opening import existing  # noqa: PLC0415 - start-up time
 
@@ -79,7 +79,7 @@ def stores(asked: Sides, settings: Settings) -> tuple[EmbeddedStore, EmbeddedSto
         before = merge_base(asked.repository, before, after)
     found = []
     for revision in (before, after):
-        with for_this_stream() as progress:
+        with for_people() as progress:
             found.append(revision_store(asked.repository, revision, settings, progress))
     return found[0], found[1]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import TYPE_CHECKING, Final, Self
 
 from kg.cli.diagnostics import say
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from kg.facts import Problem, Repository
     from kg.pipeline.report import PackageResult
 
-__all__ = ["Bar", "Lines", "for_this_stream", "waiting"]
+__all__ = ["Bar", "Lines", "for_people", "for_this_stream", "waiting"]
 
 _LONGEST_NAME: Final = 32
 
@@ -133,6 +133,11 @@ class Bar(Silent):
 def for_this_stream() -> Bar | Lines:
     """Return what suits standard error."""
     return Bar() if sys.stderr.isatty() else Lines()
+
+
+def for_people() -> AbstractContextManager[Silent]:
+    """Return what suits standard error for commands whose answer is not the build: a bar, and elsewhere nothing."""
+    return Bar() if sys.stderr.isatty() else nullcontext(Silent())
 
 
 @contextmanager

@@ -21,9 +21,12 @@ class Level(StrEnum):
     INTERFACE = "interface"
     PARAMETER = "parameter"
     SYSTEM = "system"
+    ARGUMENT = "argument"
+    NAMESPACE = "namespace"
     INSTANCE = "instance"
     END = "end"
     SETTING = "setting"
+    REMAP = "remap"
     CONNECTION = "connection"
     FINDING = "finding"
 
@@ -61,7 +64,8 @@ class Side:
 class Change:
     """One difference: `owner` is the node type or instance, `system` the launch file; `role` what an end does.
 
-    `before` is None for what is new, `after` for what is gone.
+    `before` is None for what is new, `after` for what is gone. `owner_before` is the name that an instance had where it
+    has another now.
     """
 
     level: Level
@@ -71,6 +75,7 @@ class Change:
     after: Side | None
     role: str = ""
     system: str = ""
+    owner_before: str = ""
 
     @property
     def name(self) -> str:
@@ -80,7 +85,9 @@ class Change:
 
     def mirrored(self) -> Change:
         """Return the change of the way back."""
-        return replace(self, kind=_MIRRORED.get(self.kind, self.kind), before=self.after, after=self.before)
+        owners = (self.owner_before, self.owner) if self.owner_before else (self.owner, "")
+        kind = _MIRRORED.get(self.kind, self.kind)
+        return replace(self, kind=kind, before=self.after, after=self.before, owner=owners[0], owner_before=owners[1])
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,8 +1,9 @@
 """The comparison of two states of sources; `compare(b, a)` is the mirror of `compare(a, b)`.
 
 Things are paired by what names them: node types by package and name, interfaces by what they do and their name,
-instances by their absolute name. What finds no partner is new or gone. It is renamed only where that is sure: where of
-one node just one interface of a role and type went and just one came, in the same file.
+instances by their absolute name, or by the place that starts them. What finds no partner is new or gone. An
+interface is renamed only where that is sure: where of one node just one of a role and type went and just one came, in
+the same file. What follows from a change that is told is not told again.
 """
 
 from __future__ import annotations
@@ -12,11 +13,12 @@ from typing import TYPE_CHECKING
 
 from kg.compare.changes import Change, Difference, Kind, Level, Side
 from kg.compare.pairing import paired
-from kg.compare.systems import system_changes
+from kg.compare.renaming import Renames
+from kg.compare.systems import Wiring
 from kg.compare.wording import qos_words
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator, Mapping
 
     from kg.compare.changes import Finding, Record, Sources
     from kg.facts import Interface, NodeType, Parameter
@@ -26,13 +28,10 @@ __all__ = ["compare"]
 
 def compare(before: Sources, after: Sources, *, every: bool = False) -> Difference:
     """Return what differs; without `every` what frameworks make by themselves is left out."""
-    return Difference.of(
-        [
-            *_node_changes(before.nodes, after.nodes, every=every),
-            *system_changes(before.systems, after.systems, every=every),
-            *_finding_changes(before.findings, after.findings),
-        ]
-    )
+    code = list(_node_changes(before.nodes, after.nodes, every=every))
+    wiring = Wiring(code, every=every)
+    systems = list(wiring.changes(before.systems, after.systems))
+    return Difference.of([*code, *systems, *_finding_changes(before.findings, after.findings, wiring.renames)])
 
 
 def _node_changes(before: Iterable[Record], after: Iterable[Record], *, every: bool) -> Iterator[Change]:
@@ -157,8 +156,16 @@ def _told(accesses: list[Parameter]) -> str:
     return " ".join(filter(None, ["|".join(types), f"= {' or '.join(defaults)}" if defaults else ""]))
 
 
-def _finding_changes(before: Iterable[Finding], after: Iterable[Finding]) -> Iterator[Change]:
-    for one, other in paired(sorted(before, key=_finding_key), sorted(after, key=_finding_key), _finding_key):
+def _finding_changes(
+    before: Iterable[Finding], after: Iterable[Finding], renames: Mapping[str, Renames]
+) -> Iterator[Change]:
+    """Yield the findings that came or went; one whose names were renamed is the same."""
+
+    def known(finding: Finding) -> tuple[str, str, str, str]:
+        neutral = renames.get(finding.system, Renames()).neutral
+        return finding.system, finding.code, neutral(finding.subject), neutral(finding.message)
+
+    for one, other in paired(sorted(before, key=_finding_key), sorted(after, key=_finding_key), known):
         found = one or other
         if found is None or (one and other):
             continue

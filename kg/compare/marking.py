@@ -12,20 +12,20 @@ if TYPE_CHECKING:
 
 __all__ = ["changed_keys", "changed_systems"]
 
+_OF_NODES: Final = frozenset({Level.INSTANCE, Level.END, Level.SETTING, Level.REMAP})
 _CAME_OR_WENT: Final = frozenset({Kind.NEW, Kind.GONE})
 
 
 def changed_systems(difference: Difference) -> tuple[str, ...]:
     """Return the names of the launch files whose wiring differs, sorted."""
-    wiring = {Level.SYSTEM, Level.INSTANCE, Level.END, Level.SETTING, Level.CONNECTION}
-    return tuple(sorted({change.system for change in difference.changes if change.level in wiring}))
+    return tuple(sorted({one.system for one in difference.changes if one.system and one.level is not Level.FINDING}))
 
 
 def changed_keys(difference: Difference, system: str) -> frozenset[str]:
     """Return the nodes with another type, host, condition, name or setting, and the channels with other ends."""
     found = set()
     for change in difference.changes:
-        if change.system != system or change.level not in {Level.INSTANCE, Level.END, Level.SETTING}:
+        if change.system != system or change.level not in _OF_NODES:
             continue
         if change.level is Level.INSTANCE and change.kind in _CAME_OR_WENT:
             continue

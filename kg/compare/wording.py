@@ -28,9 +28,12 @@ _NOUNS: Final = {
     Level.INTERFACE: "interface",
     Level.PARAMETER: "parameter",
     Level.SYSTEM: "launch file",
+    Level.ARGUMENT: "argument",
+    Level.NAMESPACE: "namespace",
     Level.INSTANCE: "node",
     Level.END: "name in launch files",
     Level.SETTING: "parameter set",
+    Level.REMAP: "remapping",
     Level.CONNECTION: "connection",
     Level.FINDING: "finding",
 }
@@ -78,7 +81,8 @@ def change_words(change: Change) -> str:
     if change.before is None or change.after is None:
         return f"{what} ({side.value})" if side.value else what
     if change.kind is Kind.RENAMED:
-        return f"{_verb(change)} {change.before.name} -> {change.after.name}"
+        along = f" and {side.value} with it" if side.value else ""
+        return f"{_verb(change)} {change.before.name} -> {change.after.name}{along}"
     return f"{what}: {_ASPECTS[change.kind]} {change.before.value or 'none'} -> {change.after.value or 'none'}"
 
 
@@ -98,9 +102,10 @@ def summary(difference: Difference) -> str:
 def _verb(change: Change) -> str:
     if change.level in {Level.INTERFACE, Level.END}:
         return _ROLES[change.role]
-    return {Level.PARAMETER: "parameter", Level.SETTING: "sets", Level.INSTANCE: "starts"}.get(change.level, "")
+    return {Level.PARAMETER: "parameter", Level.SETTING: "sets", Level.INSTANCE: "starts"}.get(
+        change.level, _NOUNS[change.level]
+    )
 
 
 def _what(change: Change, side: Side) -> str:
-    verb = _verb(change)
-    return f"{verb} {side.name}" if verb else f"{_NOUNS[change.level]} {side.name}"
+    return f"{_verb(change)} {side.name}"

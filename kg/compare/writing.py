@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from kg.compare.changes import Level
 from kg.compare.wording import change_words, sign, summary
@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from kg.compare.changes import Change, Difference, Side
 
 __all__ = ["Link", "difference_lines", "difference_markdown", "difference_objects"]
+
+_BELOW_NODES: Final = frozenset({Level.END, Level.SETTING, Level.REMAP})
 
 Link: TypeAlias = "Callable[[Side, bool], str | None]"
 """Gives the address of a side's line; the flag tells whether it is the side after."""
@@ -48,6 +50,7 @@ def difference_objects(difference: Difference) -> Iterator[dict[str, Any]]:
             "change": str(change.kind),
             "system": change.system or None,
             "owner": change.owner,
+            "owner_before": change.owner_before or None,
             "role": change.role or None,
             "before": _side_object(change.before),
             "after": _side_object(change.after),
@@ -77,7 +80,7 @@ def _groups(difference: Difference) -> Iterator[tuple[str, list[Change]]]:
 def _heading(change: Change) -> str:
     if not change.system:
         return "node types" if change.level is Level.NODE else change.owner
-    if change.level in {Level.SYSTEM, Level.CONNECTION, Level.FINDING, Level.INSTANCE}:
+    if change.level not in _BELOW_NODES or change.owner == change.system:
         return change.system
     return f"{change.owner} in {change.system}"
 

@@ -173,10 +173,12 @@ NODES = st.builds(
     st.lists(INTERFACES, max_size=5),
     st.lists(PARAMETERS, max_size=3),
 )
-ENDS = st.builds(end, st.sampled_from(Role), st.sampled_from(["/a", "/b", "/{}", None]), st.sampled_from(TYPES))
+ENDS = st.builds(
+    end, st.sampled_from(Role), st.sampled_from(["/a", "/b", "/a/c", "/b/c", "/{}", None]), st.sampled_from(TYPES)
+)
 INSTANCES = st.builds(
     lambda name, ends, condition: instance(name, *ends, condition=condition),
-    st.sampled_from(["/x", "/y", "/z"]),
+    st.sampled_from(["/x", "/y", "/z", "/a/x", "/b/x", "/b/y", "/a/b/x"]),
     st.lists(ENDS, max_size=4),
     st.sampled_from([None, "maybe"]),
 )
