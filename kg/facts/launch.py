@@ -95,8 +95,8 @@ class LaunchParameter:
     """A parameter that a configuration sets; `value` is written as YAML in one line, None where it is not known.
 
     In ROS 1 `name` is absolute (`/move_base/controller_frequency`); in ROS 2 it is that of the node's parameter
-    (`controller_frequency`, `FollowPath.plugin`). `chain` are the lines of the includes that led to it, outermost
-    first.
+    (`controller_frequency`, `FollowPath.plugin`), `{}` for those of a file that is not known. `chain` are the lines of
+    the includes that led to it, outermost first.
     """
 
     name: str

@@ -31,6 +31,7 @@ __all__ = ["Asked", "given_parameter", "node_parameters", "without_others"]
 
 _ALL: Final = "/**"
 _MOST: Final = 200_000
+_UNREAD: Final = "what its parameter file says is not known"
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,7 +141,9 @@ def _of_file(
 ) -> Iterator[tuple[str, LaunchParameter]]:
     path = source.path if isinstance(source, GlobalFile) else context.perform(source.path)
     found = read(context, path)
+    unread = flat or _ALL, LaunchParameter(HOLE, None, source.location, context.chain, reason=_UNREAD)
     if found is None:
+        yield unread
         return
     file, content = found
     if isinstance(source, ParameterFile) and source.substitutions:
@@ -157,6 +160,7 @@ def _of_file(
         context.problem(
             LaunchProblemKind.MALFORMED, f"`{file.path}` {error.args[0]}", file.path, place(context.files, file, line)
         )
+        yield unread
         return
     if isinstance(source, ParameterFile) and (source.rewrites or source.root or source.keys):
         listed = rewritten(context, listed, source)
