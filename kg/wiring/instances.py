@@ -226,7 +226,7 @@ def _complete(draft: Draft, interfaces: Iterable[InstanceInterface]) -> bool:
         return False
     if all(end.declared.implicit for end in interfaces):
         return False  # a node that talks to nobody: more likely nothing of it was found
-    if any(_names_plugins(name, given) for name, given in draft.set_here):
+    if any(given.name == "{}" or _names_plugins(name, given) for name, given in draft.set_here):
         return False
     return all(
         end.resolved is not None and "{}" not in end.resolved and end.resolution is not Resolution.PARTIAL
