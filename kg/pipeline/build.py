@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
     from contextlib import AbstractContextManager
 
-    from kg.corpus.workspace import FileEntry, PackageFolder, Source
+    from kg.corpus.workspace import PackageFolder, Source
     from kg.pipeline.plan import Key, Plan
     from kg.pipeline.pool import Pool
     from kg.pipeline.report import Inferred, Report, SystemsReport
@@ -222,8 +222,10 @@ class _Build:
             for outcome in pool.outcomes() if pool else ():
                 source, package = places[outcome.result.source, outcome.result.path]
                 self._report.done(outcome.result)
-                found = self._kept(source, package, outcome, entries)
-                results[source.repository.name, package.path] = found
+                name = source.repository.name
+                mark = stamp(workspace, name, package, outcome.inputs, entries)
+                found = self._kept(package, outcome, mark)
+                results[name, package.path] = found
                 writing.add(source, found)
         self._report.writing(writing.triples)
         return writing.finish(changed, results, self._started)
@@ -243,9 +245,7 @@ class _Build:
         tasks = [Task(source.repository.name, package.name, package.path) for source, package in largest]
         return Pool(Job(workspace, self._settings.base, self._settings.max_file_bytes), tasks, self._jobs)
 
-    def _kept(
-        self, source: Source, package: PackageFolder, outcome: Outcome, entries: dict[str, FileEntry]
-    ) -> PackageState:
+    def _kept(self, package: PackageFolder, outcome: Outcome, mark: str) -> PackageState:
         """Put a result into the cache and return what the next build compares with."""
         with translated(str(self._cache)):
             name = cache.store(self._cache, outcome.packed)
@@ -254,7 +254,7 @@ class _Build:
             name=result.name,
             path=result.path,
             listing=listing(package) if outcome.reusable else "",
-            stamp=stamp(source.repository.name, package, outcome.inputs, entries),
+            stamp=mark,
             inputs=outcome.inputs,
             result=name,
             counts=dict(result.counts),

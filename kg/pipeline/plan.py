@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg import resources
 from kg.corpus.reading import digest
+from kg.corpus.workspace import INSTALLED
 from kg.pipeline import cache
 from kg.pipeline.recording import answer
 
@@ -74,14 +75,17 @@ def listing(package: PackageFolder) -> str:
     return _digest([f"{package.name} {package.manifest}", *lines])
 
 
-def stamp(source: str, package: PackageFolder, inputs: Iterable[str], entries: dict[str, FileEntry]) -> str:
+def stamp(
+    workspace: Workspace, source: str, package: PackageFolder, inputs: Iterable[str], entries: dict[str, FileEntry]
+) -> str:
     """Return what stands for size and time of all files that the result of a package depends on."""
     own = {f"{source}:{entry.path}": entry for entry in package.files}
     lines = [f"{key} {entry.bytes} {entry.mtime_ns}" for key, entry in own.items()]
     for key in inputs:
         if key not in own:
             entry = entries.get(key)
-            lines.append(f"{key} {entry.bytes} {entry.mtime_ns}" if entry else f"{key} gone")
+            now = f"{entry.bytes} {entry.mtime_ns}" if entry else _size_and_time(workspace, key)
+            lines.append(f"{key} {now}")
     return _digest(lines)
 
 
@@ -125,7 +129,7 @@ def _still_holds(  # noqa: PLR0913, PLR0917 - called in one place
     """Return the earlier result, with its stamp brought up to date, if nothing that it was read from differs."""
     if earlier.listing != listing(package) or not cache.exists(folder, earlier.result):
         return None
-    now = stamp(source.repository.name, package, earlier.inputs, entries)
+    now = stamp(workspace, source.repository.name, package, earlier.inputs, entries)
     if now == earlier.stamp:
         return earlier
     same = all(_content(workspace, key) == before for key, before in earlier.inputs.items())
@@ -134,12 +138,30 @@ def _still_holds(  # noqa: PLR0913, PLR0917 - called in one place
 
 def _content(workspace: Workspace, key: str) -> str | None:
     """Return the digest of a file as it is now; None when it cannot be read."""
-    repository, _, path = key.partition(":")
-    source = workspace.source(repository)
+    path = _path(workspace, key)
     try:
-        return digest((source.root / path).read_bytes()) if source else None
+        return digest(path.read_bytes()) if path else None
     except OSError:
         return None
+
+
+def _size_and_time(workspace: Workspace, key: str) -> str:
+    """Return what tells whether a file changed that no scan lists: one of another ending, or installed."""
+    path = _path(workspace, key)
+    try:
+        status = path.stat() if path else None
+    except OSError:
+        status = None
+    return f"{status.st_size} {status.st_mtime_ns}" if status else "gone"
+
+
+def _path(workspace: Workspace, key: str) -> Path | None:
+    """Return where a file that was read stands on disk; None where its source is no part of the build."""
+    repository, _, path = key.partition(":")
+    source = workspace.source(repository)
+    if source is not None:
+        return source.root / path
+    return Path("/", path) if repository == INSTALLED else None
 
 
 def _same_answers(workspace: Workspace, folder: Path, earlier: PackageState) -> bool:
