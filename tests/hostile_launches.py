@@ -1,0 +1,69 @@
+"""Reads launch files that mean harm in a process of its own, and prints what it did meanwhile, as JSON.
+
+    python hostile_launches.py FOLDER_OF_PACKAGES FOLDER_OF_INSTALLED_PACKAGES
+
+Each folder of the first is a package `odd` with a launch file `launch/main.*`. An audit hook of the interpreter sees
+every file that is opened, every process and connection that is begun, and every piece of code that is run.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import time
+from importlib import import_module
+from pathlib import Path
+
+import msgspec
+
+from kg.corpus.reading import Reader
+from kg.corpus.workspace import Workspace, scan
+from kg.extract.launch import read_configuration
+from kg.facts import Repository
+
+_FORBIDDEN = ("subprocess.", "os.system", "os.exec", "os.fork", "os.posix_spawn", "socket.", "urllib.", "pty.")
+
+
+class Watch:
+    """What happened while a file was read."""
+
+    def __init__(self) -> None:
+        self.on = False
+        self.opened: list[str] = []
+        self.begun: list[str] = []
+
+    def see(self, event: str, arguments: tuple[object, ...]) -> None:
+        """Note what matters."""
+        if not self.on:
+            return
+        if event == "open" and isinstance(arguments[0], str):
+            self.opened.append(os.path.realpath(arguments[0]))
+        elif event.startswith(_FORBIDDEN):
+            self.begun.append(f"{event} {arguments}"[:200])
+
+
+def main(packages: Path, installed: Path) -> None:
+    """Read the launch file of each package."""
+    import_module("kg.extract.launch.ros2.python.read")  # which is loaded late, before anything is watched
+    watch, found = Watch(), {}
+    sys.addaudithook(watch.see)
+    for folder in sorted(packages.iterdir()):
+        source = scan(folder, Repository("local/odd", str(folder)))
+        path = next(path.relative_to(folder) for path in (folder / "launch").iterdir() if path.stem.startswith("main"))
+        reader = Reader(Workspace([source], [installed]), source, source.packages[0])
+        watch.opened, watch.begun, began = [], [], time.process_time()
+        watch.on = True
+        read = read_configuration(reader, str(path), 1 if path.suffix == ".launch" else 2)
+        watch.on = False
+        found[folder.name] = {
+            "seconds": time.process_time() - began,
+            "opened": watch.opened,
+            "begun": watch.begun,
+            "text": msgspec.json.encode(read).decode(),
+        }
+    print(json.dumps(found))  # noqa: T201 - the answer of this program
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), Path(sys.argv[2]))
