@@ -116,6 +116,8 @@ class NodeInstance:
     remaps: tuple[InstanceRemap, ...] = ()
     complete: bool = False
     missing: MissingType | None = None
+    similar: tuple[str, ...] = ()
+    """Packages of the build that the one it is started from is likely meant to be, where that is not in the build."""
 
     @property
     def started_type(self) -> str:

@@ -149,6 +149,8 @@ class _Writing:
         writer.text(subject, v.CONDITION, started.condition)
         writer.text(subject, v.MISSING, fact.missing)
         writer.text(subject, v.REASON, fact.reason)
+        for name in fact.similar:
+            writer.text(subject, v.RESEMBLES_NAME, name)
         writer.add(subject, v.COMPLETE, boolean(fact.complete))
         if fact.host is not None and fact.host in names:
             writer.add(subject, v.HOST, f"<{names[fact.host]}>")

@@ -225,6 +225,7 @@ class _Reading:
                 for fact in remaps.values()
             ),
             complete=one(own, v.COMPLETE) == "true",
+            similar=tuple(sorted(own.get(v.bare(v.RESEMBLES_NAME), ()))),
         )
 
     def _started(self, own: Properties, remaps: tuple[Remap, ...]) -> StartedNode:

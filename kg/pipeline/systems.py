@@ -19,6 +19,7 @@ from kg.graph.systems import system_triples
 from kg.pipeline import cache
 from kg.pipeline.report import totals
 from kg.pipeline.state import PackageSystems
+from kg.wiring.similar import Alike
 from kg.wiring.systems import wire
 from kg.wiring.types import NodeTypes
 
@@ -115,6 +116,8 @@ class _Work:
             self._results.setdefault(package.name, []).append(f"{source} {path} {package.result}")
         self._loadable = {package.name for package in packages.values() if package.counts.get("loadable")}
         self._shared = self._digest(sorted(self._loadable))
+        self._names = Alike(self._results)
+        """What a package that is not there may mean."""
 
     def kept(self, key: Key, earlier: PackageSystems, present: set[str]) -> PackageSystems | None:
         """Return the systems of a package where nothing that they depend on changed, and their graphs are there."""
@@ -141,7 +144,9 @@ class _Work:
         return found
 
     def _basis(self, key: Key, uses: Iterable[str]) -> str:
-        return _mark(f"{self._packages[key].result} {self._shared} {self._digest(uses)}".encode())
+        names = list(uses)
+        alike = ",".join(name for use in names if use not in self._results for name in self._names.find(use))
+        return _mark(f"{self._packages[key].result} {self._shared} {self._digest(names)} {alike}".encode())
 
     def _digest(self, names: Iterable[str]) -> str:
         return _mark("\n".join(line for name in names for line in (name, *self._results.get(name, ()))).encode())

@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import Access, InstanceRemap, NodeInstance, Resolution, StartKind
+from kg.facts import Access, InstanceRemap, MissingType, NodeInstance, Resolution, StartKind
 from kg.wiring.asked import Asked
 from kg.wiring.called import called
 from kg.wiring.ends import Ends
@@ -15,7 +15,7 @@ from kg.wiring.place import Place, place_of
 from kg.wiring.plugins import Loaded, loaded_plugins
 from kg.wiring.qos import Overrides
 from kg.wiring.remapping import Remapping, Rule, rules_of
-from kg.wiring.similar import Alike
+from kg.wiring.similar import Alike, alike_when_short
 from kg.wiring.simulation import Simulated, own_ends
 from kg.wiring.switches import switched_on
 from kg.wiring.types import own_name
@@ -24,7 +24,7 @@ from kg.wiring.values import Server, Settings, parsed
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from kg.facts import InstanceInterface, LaunchParameter, MissingType, NodeType, Remap, StartedNode
+    from kg.facts import InstanceInterface, LaunchParameter, NodeType, Remap, StartedNode
     from kg.wiring.inner import Inner
     from kg.wiring.types import NodeTypes, Typed
 
@@ -69,6 +69,8 @@ class Draft:
     """The source of the configuration."""
     simulated: list[Simulated] = field(default_factory=list)
     """Plugins of robot descriptions that run in it."""
+    similar: tuple[str, ...] = ()
+    """Packages that the unknown one it is started from may mean."""
 
 
 def draft_of(started: StartedNode, types: NodeTypes, repository: str, ros: int, made_by: Inner | None = None) -> Draft:
@@ -84,6 +86,8 @@ def draft_of(started: StartedNode, types: NodeTypes, repository: str, ros: int, 
         started = replace(started, parameters=tuple(_last_each(given)))
     draft = Draft(started, place, ros, typed, missing, reason, rules_of(started.remaps, place, ros))
     draft.makes, draft.made_by, draft.repository = makes, made_by, repository
+    if missing is MissingType.UNKNOWN_PACKAGE and started.package:
+        draft.similar = types.like(started.package)
     if made_by is None:
         draft.written = written
     else:
@@ -164,6 +168,7 @@ def finished(draft: Draft, server: Server | None, host: Draft | None) -> NodeIns
         remaps=tuple(one for one in _remaps(draft, interfaces) if one.used or draft.made_by is None),
         complete=_complete(draft, interfaces),
         missing=draft.missing,
+        similar=draft.similar,
     )
 
 
@@ -196,14 +201,17 @@ def _interfaces(draft: Draft, ends: Ends) -> tuple[InstanceInterface, ...]:
 def _remaps(draft: Draft, interfaces: Sequence[InstanceInterface]) -> tuple[InstanceRemap, ...]:
     """Return the remappings; those that changed nothing with the names, not remapped either, that they may mean."""
     own: Alike | None = None
+    names: list[str] = []
     found = []
     for rule in draft.rules:
         used = rule.remap in draft.used
         similar: tuple[str, ...] = ()
         if not used:
             if own is None:
-                own = Alike(_unmapped(interfaces))
-            similar = tuple(own.find(rule.source))
+                names = sorted(_unmapped(interfaces))
+                own = Alike(names)
+            short = (name for name in names if alike_when_short(rule.source, name))
+            similar = tuple(own.find(rule.source) or short)
         found.append(InstanceRemap(rule.source, rule.target, rule.remap, used, similar))
     return tuple(found)
 

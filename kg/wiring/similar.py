@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-__all__ = ["Alike", "Words", "alike", "words_of"]
+__all__ = ["Alike", "Words", "alike", "alike_when_short", "words_of"]
 
 Words: TypeAlias = "tuple[tuple[str, ...], ...]"
 """The words of each segment of a name, in small letters."""
@@ -41,6 +41,24 @@ def alike(one: str, other: str) -> bool:
     if longer[-1:] == shorter[-1:] and (_tail(longer, shorter) or _tail(shorter, longer)):
         return True
     return _misspelt(words_of(one), words_of(other))
+
+
+def alike_when_short(one: str, other: str) -> bool:
+    """Tell whether a letter was put into a name, left out or swapped, in a word that is too short for `alike`.
+
+    So many short words are one letter apart that this says little, unless one of the names is known to be wrong.
+    """
+    words, others = words_of(one), words_of(other)
+    if "{}" in one or "{}" in other or len(words) != len(others):
+        return False
+    pairs = [(a, b) for a, b in zip(words, others, strict=True) if a != b]
+    if len(pairs) != 1 or len(pairs[0][0]) != len(pairs[0][1]) or not one[-1:].isalpha():
+        return False
+    wrong = [(a, b) for a, b in zip(*pairs[0], strict=True) if a != b]
+    if len(wrong) != 1 or max(sum(map(len, segment)) for segment in pairs[0]) < _SHORT:
+        return False
+    (a, b), whole = wrong[0], (wrong[0][0] + wrong[0][1]).isalpha()
+    return whole and a[0] == b[0] and _distance(a, b) == 1 and (len(a) != len(b) or sorted(a) == sorted(b))
 
 
 class Alike:

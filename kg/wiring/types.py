@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 from kg.facts import MissingType, NodeKind
 from kg.names import normalise
+from kg.wiring.similar import Alike
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -45,6 +46,15 @@ class NodeTypes:
         self._sources: defaultdict[str, set[str]] = defaultdict(set)
         for reference, node in pairs:
             self._add(reference, node)
+        self._alike: Alike | None = None
+
+    def like(self, package: str) -> tuple[str, ...]:
+        """Return the packages of the build that the name of one which is not there is likely meant to be."""
+        if package in self.packages:
+            return ()
+        if self._alike is None:
+            self._alike = Alike(self.packages)
+        return tuple(self._alike.find(package))
 
     def _add(self, reference: NodeReference, node: NodeType) -> None:
         package = reference.package

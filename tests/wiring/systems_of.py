@@ -149,6 +149,7 @@ def seen(system: System) -> dict[str, Any]:
                 "type": str(instance.type).partition(":")[2] if instance.type else "",
                 "missing": instance.missing.value if instance.missing else "",
                 "reason": instance.reason or "",
+                "like": list(instance.similar),
                 "plugins": [str(plugin).partition(":")[2] for plugin in instance.plugins],
                 "ends": [
                     f"{end.declared.role.value} {end.resolved or '?'} {end.resolution.value}"

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kg.wiring.related import Related, related
-from kg.wiring.similar import Alike, alike
+from kg.wiring.similar import Alike, alike, alike_when_short
 
 _WORD = st.sampled_from(["scan", "camera", "cameras", "velocity", "velocty", "min", "cmd", "Odom", "odom", "x1", "x2"])
 _SEGMENT = (
@@ -107,3 +107,19 @@ def test_odd_names_can_be_compared(one: str, other: str) -> None:
     """No text is a reason to fail."""
     assert alike(one, other) == alike(other, one)
     assert other not in Alike([one, other]).find(other)
+
+
+@pytest.mark.parametrize(("one", "other"), [("/cmd_vell", "/cmd_vel"), ("/cmd_vle", "/cmd_vel"), ("/a/odo", "/a/odom")])
+def test_short_words_are_alike_where_one_of_them_is_wrong(one: str, other: str) -> None:
+    """A letter too many, too few, or swapped; by themselves such names are both meant."""
+    assert alike_when_short(one, other)
+    assert not alike(one, other)
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [("/min_x", "/max_x"), ("/x_pos", "/y_pos"), ("/tf", "/tf2"), ("/in", "/inn"), ("/a/b", "/a"), ("/a", "/a")],
+)
+def test_short_words_that_mean_something_else(one: str, other: str) -> None:
+    """Other letters, numbers, very short words."""
+    assert not alike_when_short(one, other)

@@ -40,6 +40,8 @@ _SCALARS: Final = {
     "string": "string",
     "String": "string",
 }
+_DYNAMIC: Final = b"dynamic_typing"
+"""In a descriptor, lets a parameter of ROS 2 take values of any type; for which ones is not followed."""
 
 
 def read_parameter(  # noqa: PLR0913, PLR0917 - the parts of one call
@@ -55,6 +57,8 @@ def read_parameter(  # noqa: PLR0913, PLR0917 - the parts of one call
         for name, chosen in evaluator.texts(given[spec.name], after):
             default = _default(evaluator, spec, given, chosen)
             kind = _type(evaluator, spec, called, where, given, chosen) or _type_of_value(default)
+            if _DYNAMIC in where.unit.source:
+                kind = None
             if isinstance(name, Unknown):
                 reason = name.reason
                 yield Parameter(None, kind, yaml(default), spec.access, place, Resolution.UNRESOLVED, reason=reason)

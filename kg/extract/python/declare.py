@@ -191,6 +191,8 @@ class _Reader:
         text = _as_name(name)
         pattern = _pattern(text)
         kind, written = parameter_type(default), None if site.api.access is Access.WRITE else as_yaml(default)
+        if _DYNAMIC in site.frame.scope.unit.source:
+            kind = None
         if site.api.access is None:
             return
         self.found.parameters.append(
@@ -293,6 +295,8 @@ def configuration(value: Thing) -> str | None:
     return f"{parts[0]}/{parts[-1].removesuffix('Config')}"
 
 
+_DYNAMIC: Final = b"dynamic_typing"
+"""In a descriptor, lets a parameter of ROS 2 take values of any type; for which ones is not followed."""
 _SCALARS: Final = {bool: "bool", int: "int", float: "double"}
 
 
