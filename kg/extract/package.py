@@ -59,9 +59,10 @@ def extract_package(
             )
         ),
         files=tuple(_files(reader, package)),
+        launches=_guard(reader, launch.read_launches, (), reader, package, described.ros),
+        # Last, as reading adds to both.
         problems=tuple(sorted(reader.problems, key=lambda found: (found.path, found.line or 0, found.code))),
         inputs=reader.inputs,
-        launches=_guard(reader, launch.read_launches, (), reader, package, described.ros),
         programs=_programs(package, build),
     )
 
