@@ -58,8 +58,7 @@ def members(
     fitting = [
         (name, given)
         for name, given in settings.fitting(own, place)
-        if (given.value is None or is_text(given.value))
-        and not any(other.fullmatch(name) for other in closer)
+        if (given.value is None or is_text(given.value)) and not any(other.fullmatch(name) for other in closer)
     ]
     if not fitting and declared.name is not None:
         return ((None, None),)
