@@ -166,10 +166,6 @@ class Iris:
         """Return the IRI of the named graph of what one launch file starts."""
         return f"{self.base}graph/launch/{_placed(repository, path)}"
 
-    def launch_graphs(self, repository: str) -> str:
-        """Return what the IRIs of the graphs of all launch files of a source begin with."""
-        return self.launch_graph(repository, "")
-
     def parse(self, iri: str) -> Thing | None:
         """Return what `iri` (without fragment) was made of; None when it is none of the kinds of this base."""
         kind, _, rest = iri.removeprefix(self.base).partition("/")

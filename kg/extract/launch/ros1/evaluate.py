@@ -148,15 +148,10 @@ class _Evaluation:
             self._include(scope, inner, element)
 
     def _argument(self, scope: Scope, element: Element) -> None:
-        state = self._state
-        counts, words = state.condition(scope, element)
-        if not counts:
+        state, written = self._state, self._written(scope, element)
+        if written is None:
             return
-        name = state.text(scope, element, "name")
-        if not name:
-            state.refused(scope, element, "it has no 'name'")
-            return
-        value, default = state.text(scope, element, "value"), state.text(scope, element, "default")
+        name, value, default, words = written
         if value is not None and default is not None:
             state.refused(scope, element, f"the argument '{name}' has both a value and a default")
         refused = scope.declare(name, value, default, certain=words is None)
@@ -164,6 +159,18 @@ class _Evaluation:
             state.problem(scope, element.line, refused[0], refused[1], name)
         if not scope.place.chain:
             self._declared(scope, element, (name, value, default))
+
+    def _written(self, scope: Scope, element: Element) -> tuple[str, str | None, str | None, str | None] | None:
+        """Return name, value, default and unknown condition of an `<arg>`; None for one that does not count."""
+        state = self._state
+        counts, words = state.condition(scope, element)
+        if not counts:
+            return None
+        name = state.text(scope, element, "name")
+        if not name:
+            state.refused(scope, element, "it has no 'name'")
+            return None
+        return name, state.text(scope, element, "value"), state.text(scope, element, "default"), words
 
     def _declared(self, scope: Scope, element: Element, what: tuple[str, str | None, str | None]) -> None:
         """Keep an argument of the file that is started; one that nobody gives is not known."""
@@ -255,15 +262,10 @@ class _Evaluation:
         return given
 
     def _pass(self, scope: Scope, passing: Scope, element: Element, given: dict[str, Given]) -> None:
-        state = self._state
-        counts, words = state.condition(scope, element)
-        if not counts:
+        state, written = self._state, self._written(scope, element)
+        if written is None:
             return
-        name = state.text(scope, element, "name")
-        if not name:
-            state.refused(scope, element, "it has no 'name'")
-            return
-        value, default = state.text(scope, element, "value"), state.text(scope, element, "default")
+        name, value, default, words = written
         if value is None and default is None:
             state.refused(scope, element, f"the argument '{name}' is passed without a value")
             return

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 from weakref import WeakKeyDictionary
 
@@ -32,10 +32,6 @@ class Read:
     plugins: tuple[LaunchPlugin, ...] = ()
     problems: tuple[LaunchProblem, ...] = ()
     files: tuple[FilePath, ...] = ()
-
-    def held_by(self, parameter: str) -> tuple[LaunchPlugin, ...]:
-        """Return the plugins with the name of the parameter that holds the description."""
-        return tuple(replace(plugin, parameter=parameter) for plugin in self.plugins)
 
 
 class Descriptions:
