@@ -147,6 +147,8 @@ class _Writing:
         for name, value in started.settings:
             writer.once(subject, v.START_SETTING, literal(f"{name}={value}"))
         writer.text(subject, v.CONDITION, started.condition)
+        if started.name is None and not any(one.source == "__node" for one in started.remaps):
+            writer.add(subject, v.KEEPS_OWN_NAME, boolean(value=True))
         writer.text(subject, v.MISSING, fact.missing)
         writer.text(subject, v.REASON, fact.reason)
         for name in fact.similar:

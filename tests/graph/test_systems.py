@@ -145,6 +145,7 @@ SYSTEM: Final = System(
                 "camera", "/rover", StartKind.NODELET, LINE, package="nodelet", executable="nodelet", plugin="x/Y"
             ),
             missing=MissingType.UNKNOWN_PACKAGE,
+            similar=("xy",),
             reason="the build has no package x",
             host="/rover/driver",
             interfaces=(CALIBRATION, CAMERA),

@@ -12,6 +12,7 @@ from kg.extract.launch.ros2.context import HOLE
 from kg.extract.launch.ros2.locate import find
 from kg.extract.launch.ros2.read import dialect_by_ending, read_actions
 from kg.facts import LaunchInclude, LaunchProblemKind
+from kg.wiring.similar import alike, alike_when_short
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -71,6 +72,7 @@ def _enter(context: Context, action: Include, file: FilePath, run: Callable[[Seq
     for inner in actions:
         if isinstance(inner, DeclareArgument) and inner.condition is None and inner.default is None:
             _require(context, inner.name, given, file)
+    _misspelt(context, given, {one.name for one in actions if isinstance(one, DeclareArgument)}, file)
     with context.inside(file):
         run(actions)
 
@@ -82,6 +84,18 @@ def _arguments(context: Context, action: Include, file: FilePath) -> list[tuple[
         return [(context.perform(name), context.perform(value)) for name, value in action.arguments]
     finally:
         context.file = own
+
+
+def _misspelt(context: Context, given: set[str], declared: set[str], file: FilePath) -> None:
+    """Note an argument that the file does not declare, where it declares one of a like name that is not passed.
+
+    Launch takes arguments that nothing declares.
+    """
+    for name in sorted(given - declared):
+        like = next((one for one in sorted(declared - given) if alike(name, one) or alike_when_short(name, one)), None)
+        if like is not None and HOLE not in name:
+            message = f"`{file.path}` declares no argument `{name}`, but `{like}`, which the include does not pass"
+            context.problem(LaunchProblemKind.UNDECLARED_ARGUMENT, message, name)
 
 
 def _require(context: Context, name: str, given: set[str], file: FilePath) -> None:
