@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.facts import Role
 from kg.names import FRAMEWORK
+from kg.wiring.elsewhere import elsewhere, first_namespace
 from kg.wiring.related import Related
 from kg.wiring.similar import Alike, words_of
 
@@ -41,6 +42,10 @@ class _Channels:
         self.types: defaultdict[str, set[str]] = defaultdict(set)
         self.named: set[str] = set()
         """Those that code of a node names; frameworks make the others."""
+
+    def met(self) -> Iterator[str]:
+        """Yield the names that code of nodes names and that have both ends."""
+        return (name for name in self.named if len(self.ends[name]) > 1)
 
     def pairs(self) -> Iterator[tuple[str, str]]:
         """Yield names of which only one end is there, with alike or related names that have the other."""
@@ -95,7 +100,14 @@ def near_misses(instances: Iterable[NodeInstance], ros: int) -> tuple[tuple[str,
         for end in instance.interfaces:
             if end.resolved is not None and "{}" not in end.resolved and end.resolved not in FRAMEWORK:
                 _enter(kinds, end, end.resolved, ros)
-    return tuple(sorted({(kind, *pair) for kind, channels in kinds.items() for pair in channels.pairs()}))
+    met = {first_namespace(name) for channels in kinds.values() for name in channels.met()}
+    found = {(kind, *pair) for kind, channels in kinds.items() for pair in channels.pairs()}
+    moved = {
+        (kind, *pair)
+        for kind, channels in kinds.items()
+        for pair in elsewhere(channels.ends, channels.types, channels.named, met)
+    }
+    return tuple(sorted(found | moved))
 
 
 def _enter(kinds: defaultdict[str, _Channels], end: InstanceInterface, name: str, ros: int) -> None:
