@@ -69,7 +69,7 @@ def _unresolved(report: BuildReport, *, every: bool) -> Iterator[str]:
         yield f"  {number:>5,}  {printable(reason)}"
     rest = total - sum(number for _, number in shown)
     if rest > 0:
-        yield f"  {rest:>5,}  other reasons (--problems lists all)"
+        yield f"  {rest:>5,}  other reasons (`kg build --problems` lists all)"
 
 
 def _problems(report: BuildReport, *, every: bool) -> Iterator[str]:
@@ -85,7 +85,7 @@ def _problems(report: BuildReport, *, every: bool) -> Iterator[str]:
     for source, problem in listed[: None if every else _FEW]:
         yield f"  {_place(source, problem)}: {problem.code} {printable(problem.message)}"
     if not every and len(listed) > _FEW:
-        yield f"  and {len(listed) - _FEW:,} more (--problems lists all)"
+        yield f"  and {len(listed) - _FEW:,} more (`kg build --problems` lists all)"
 
 
 def _place(source: SourceReport, problem: Problem) -> str:
@@ -96,7 +96,7 @@ def _place(source: SourceReport, problem: Problem) -> str:
 def _near(path: Path) -> str:
     """Return a path as short as it can be typed in the working folder."""
     relative = os.path.relpath(path)
-    return str(path) if relative.startswith("..") else relative
+    return str(path.resolve()) if relative.startswith("..") else relative
 
 
 def left_out(inferred: Inferred | None) -> bool:

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from kg.lint.report import Report
     from kg.lint.running import Checked
 
-__all__ = ["LintView", "leftovers", "summary"]
+__all__ = ["LintView", "gone_sources", "leftovers", "summary"]
 
 _MOST_EVIDENCE: Final = 4
 """So many lines of evidence, and findings of one kind at one line, are shown; JSON has them all."""
@@ -119,6 +119,17 @@ def summary(checked: Checked) -> Iterator[str]:
         if group
     ]
     yield f"{count(checked.systems, 'system')} checked: {'; '.join([told, *aside])}"
+    repeated = sorted(code for code, number in Counter(one.code for one in found.findings).items() if number > 1)
+    if repeated:
+        yield f"{', '.join(f'`kg explain {code}`' for code in repeated)}: what is meant, and the way out"
+
+
+def gone_sources(checked: Checked) -> Iterator[str]:
+    """Yield notes: sources that are not on disk any more, so that no lines and no comments of them are read."""
+    for one in checked.sources:
+        if one.root and not Path(one.root).is_dir():
+            said = "lines are not shown, and comments that allow are not read"
+            yield f"{printable(one.name)} is not in {printable(one.root)} any more: {said}"
 
 
 def leftovers(found: Report) -> Iterator[str]:

@@ -41,12 +41,13 @@ _UNBOUNDED = 100_000
 class Column:
     """A column of a table: `kind` is text, number, name (bold) or dim.
 
-    A `spare` one is left out where the lines are too short for the table, the last one first.
+    A `spare` one is left out where the lines are too short for the table: those of the highest number first, of one
+    number the last.
     """
 
     title: str
     kind: str = "text"
-    spare: bool = False
+    spare: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,13 +168,12 @@ def make_table(columns: Sequence[Column], rows: Iterable[Sequence[object]], *, t
     styles = {"name": "bold", "dim": "dim"}
     for index in kept:
         column = columns[index]
-        number = column.kind == "number"
         table.add_column(
             column.title,
             style=styles.get(column.kind),
-            justify="right" if number else "left",
+            justify="right" if column.kind == "number" else "left",
             overflow="fold",
-            no_wrap=number,
+            no_wrap=column.kind in {"number", "name"},
         )
     for row in cells:
         table.add_row(*(_drawn(row[index]) for index in kept))
@@ -199,11 +199,11 @@ def _fitting(columns: Sequence[Column], cells: Sequence[Sequence[str | Linked]])
         for index, column in enumerate(columns)
     ]
     kept = list(range(len(columns)))
-    for index in reversed(range(len(columns))):
+    spare = [index for index, column in enumerate(columns) if column.spare]
+    for index in sorted(spare, key=lambda index: (-columns[index].spare, -index)):
         if sum(widths[one] for one in kept) - _GAP <= line_width():
             break
-        if columns[index].spare:
-            kept.remove(index)
+        kept.remove(index)
     return kept
 
 

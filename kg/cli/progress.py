@@ -57,9 +57,9 @@ class Lines(Silent):
         problems = f", {count(len(result.problems), 'problem')}" if result.problems else ""
         say(f"read {printable(result.name)}: {found}{problems} ({result.seconds:.2f} s)")
 
-    def writing(self, triples: int) -> None:
+    def writing(self, triples: int) -> None:  # noqa: ARG002 - most of them may be in the store already
         """Write that the store is written."""
-        say(f"writing {count(triples, 'triple')}")
+        say("writing")
 
     def inferring(self) -> None:
         """Write that the rules run."""
@@ -116,9 +116,9 @@ class Bar(Silent):
             self._progress.advance(self._task)
             self._show(f"read {result.name}")
 
-    def writing(self, triples: int) -> None:
+    def writing(self, triples: int) -> None:  # noqa: ARG002 - most of them may be in the store already
         """Show that the store is written."""
-        self._show(f"writing {count(triples, 'triple')}")
+        self._show("writing")
 
     def inferring(self) -> None:
         """Show that the rules run."""

@@ -55,8 +55,8 @@ COLUMNS: Final = (
     Column("rule", "name"),
     Column("title"),
     Column("notation", "dim"),
-    Column("since", "dim", spare=True),
-    Column("state", "dim", spare=True),
+    Column("since", "dim", spare=1),
+    Column("state", "dim", spare=1),
 )
 
 
@@ -276,7 +276,7 @@ def element_table(rule: RuleProfile) -> Iterator[RenderableType]:
         Column("rows out", "number"),
         Column("seconds", "number"),
         *((Column("part", "number"),) if several else ()),
-        Column("line", "number", spare=True),
+        Column("line", "number", spare=1),
         Column("element"),
     )
     rows = [

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 __all__ = ["COLUMNS", "list_rows", "manual", "query_object"]
 
-COLUMNS = (Column("query", "name"), Column("answers"), Column("parameters", spare=True))
+COLUMNS = (Column("query", "name"), Column("answers"), Column("parameters", spare=1))
 
 
 def list_rows(queries: Iterable[StoredQuery]) -> list[tuple[str, str, str]]:

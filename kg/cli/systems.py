@@ -7,14 +7,16 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from kg.cli.completion import launches
+from kg.cli.diagnostics import note
+from kg.errors import UsageError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from kg.facts import System
     from kg.settings import Settings
 
-__all__ = ["Arguments", "Environment", "Launch", "chosen_systems", "given"]
+__all__ = ["Arguments", "Environment", "File", "Launch", "chosen_systems", "given", "named"]
 
 Launch = Annotated[
     str | None,
@@ -23,6 +25,14 @@ Launch = Annotated[
         "-l",
         metavar="FILE",
         help="A launch file: its path, or `package/launch/x.launch`, or any end of these.",
+        autocompletion=launches,
+    ),
+]
+File = Annotated[
+    list[str] | None,
+    typer.Argument(
+        metavar="[PACKAGE] [FILE] [NAME:=VALUE]...",
+        help="The same as --launch and --arg, in the words of roslaunch and ros2 launch.",
         autocompletion=launches,
     ),
 ]
@@ -38,6 +48,20 @@ Environment = Annotated[
         "--env", metavar="NAME=VALUE", help="The same with an environment variable; the real ones are not read."
     ),
 ]
+
+
+def named(
+    words: Sequence[str] | None, launch: str | None, arguments: Sequence[str] | None
+) -> tuple[str | None, list[str]]:
+    """Return the launch file and the arguments that words and options name; KG003 where both name a file."""
+    files = [word for word in words or () if ":=" not in word]
+    if files and launch is not None:
+        raise UsageError("KG003", f"`{' '.join(files)}` and --launch both name a launch file", hint="Leave out one.")
+    most = 2
+    if len(files) > most:
+        hint = "A launch file is named by `FILE` or by `PACKAGE FILE`; its arguments are written `NAME:=VALUE`."
+        raise UsageError("KG003", f"`{' '.join(files)}` names no launch file", hint=hint)
+    return " ".join(files) or launch, [*(word for word in words or () if ":=" in word), *(arguments or ())]
 
 
 def given(
@@ -59,4 +83,15 @@ def chosen_systems(
     from kg.pipeline.launching import chosen  # noqa: PLC0415 - start-up time
     from kg.store.opening import existing  # noqa: PLC0415 - start-up time
 
-    return chosen(settings, existing(settings), launch, *values)
+    found = chosen(settings, existing(settings), launch, *values)
+    if values[1]:
+        tell_unread(settings, found, values[1])
+    return found
+
+
+def tell_unread(settings: Settings, systems: Sequence[System], environment: Mapping[str, str]) -> None:
+    """Say which environment variables were given that no file of the systems reads."""
+    from kg.pipeline.launching import unread  # noqa: PLC0415 - start-up time
+
+    for name in unread(settings, systems, environment):
+        note(f"no file of {systems[0].configuration.name} reads the environment variable `{name}`")

@@ -37,6 +37,8 @@ _NOUNS: Final = {
     Level.CONNECTION: "connection",
     Level.FINDING: "finding",
 }
+_TAKING_ALONG: Final = frozenset({Level.NAMESPACE, Level.INSTANCE})
+"""Levels of things whose other names lead to more of them."""
 _PLURALS: Final = {Level.END: "names in launch files", Level.SETTING: "parameters set"}
 _WORDS: Final = {Kind.NEW: "new", Kind.GONE: "gone"}
 _ASPECTS: Final = {
@@ -81,7 +83,7 @@ def change_words(change: Change) -> str:
     if change.before is None or change.after is None:
         return f"{what} ({side.value})" if side.value else what
     if change.kind is Kind.RENAMED:
-        along = f" and {side.value} with it" if side.value else ""
+        along = f" and {side.value} with it" if side.value and change.level in _TAKING_ALONG else ""
         return f"{_verb(change)} {change.before.name} -> {change.after.name}{along}"
     return f"{what}: {_ASPECTS[change.kind]} {change.before.value or 'none'} -> {change.after.value or 'none'}"
 

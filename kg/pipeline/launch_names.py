@@ -63,12 +63,14 @@ def unknown_launch(names: Sequence[SystemName], text: str) -> UnknownNameError:
 
 
 def assignments(texts: Sequence[str], sign: str = ":=") -> dict[str, str]:
-    """Return `x:=y` as names and values; UsageError KG003 for a text without the sign."""
+    """Return `x:=y` as names and values; UsageError KG003 for a text with another sign, or none."""
     found = {}
     for text in texts:
         name, mark, value = text.partition(sign)
-        if not mark or not name.strip():
-            raise UsageError("KG003", f"`{text}` is not written as NAME{sign}VALUE")
+        if not mark or not name.strip() or name.endswith(":"):
+            given, _, meant = text.replace(":=", "=", 1).partition("=")
+            hint = f"Write `{given.strip()}{sign}{meant}`." if given.strip() and "=" in text else None
+            raise UsageError("KG003", f"`{text}` is not written as NAME{sign}VALUE", hint=hint)
         found[name.strip()] = value
     return found
 

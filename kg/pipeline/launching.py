@@ -6,14 +6,14 @@ stands, and wired with the node types of the store.
 
 from __future__ import annotations
 
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pyoxigraph import NamedNode
 
 from kg.corpus.reading import Reader
-from kg.corpus.workspace import Workspace, scan_tree
+from kg.corpus.workspace import INSTALLED, Workspace, scan_tree
 from kg.errors import Place, SourceError, UsageError
 from kg.graph.iris import Iris
 from kg.graph.systems import system_triples
@@ -24,10 +24,11 @@ from kg.pipeline.sources import installed_folders
 from kg.pipeline.state import State, load
 from kg.pipeline.systems import node_types, used_packages
 from kg.query.similar import did_you_mean
+from kg.store.opening import layout_of
 from kg.wiring.systems import wire
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from kg.corpus.workspace import PackageFolder, Source
     from kg.facts import System
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
     from kg.store.embedded import EmbeddedStore
     from kg.store.transaction import EmbeddedTransaction
 
-__all__ = ["chosen", "evaluate", "trial"]
+__all__ = ["chosen", "evaluate", "trial", "unread"]
 
 
 def chosen(
@@ -102,6 +103,19 @@ def evaluate(  # noqa: PLR0913, PLR0917 - what a configuration depends on
     }
     types, _ = node_types(graph, loadable | used_packages([configuration]))
     return wire(configuration, types)
+
+
+def unread(settings: Settings, systems: Iterable[System], environment: Iterable[str]) -> list[str]:
+    """Return those of the environment variables that no file which the systems were read from names."""
+    state = load(layout_of(settings).cache)
+    roots = {name: Path(source.repository.root) for name, source in state.sources.items()}
+    roots[INSTALLED] = Path("/")
+    missing = list(environment)
+    for repository, path in {file for system in systems for file in system.configuration.files}:
+        with suppress(OSError, KeyError):
+            text = (roots[repository] / path).read_bytes()
+            missing = [name for name in missing if name.encode() not in text]
+    return missing
 
 
 def _owner(sources: Sequence[Source], name: SystemName) -> tuple[Source, PackageFolder]:

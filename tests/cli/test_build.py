@@ -61,7 +61,7 @@ def test_problems_are_listed_by_file_as_one_can_open_it(kg: Program, workspace: 
     assert run.code == 0
     assert "problems 12 in 12 files; the rest was built:" in run.err
     assert "  ws/rover/rover_core/msg/Bad0.msg:1: KG118 " in run.err
-    assert "  and 2 more (--problems lists all)" in run.err
+    assert "  and 2 more (`kg build --problems` lists all)" in run.err
     assert run.err.count("KG118") == 10
     assert kg("build", "--problems").err.count("KG118") == 12
 

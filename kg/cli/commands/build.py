@@ -125,8 +125,8 @@ def status(
         Column("commit"),
         Column("changed"),
         *(Column(title, "number") for title in ("packages", "nodes", "unresolved", "problems")),
-        Column("read", spare=True),
-        Column("folder", "dim", spare=True),
+        Column("read", spare=1),
+        Column("folder", "dim", spare=1),
     )
     rows = [_row(one, changed) for one in states]
     listing(columns, rows, objects=(_object(one, changed) for one in states) if json else None)

@@ -50,7 +50,7 @@ def show(context: typer.Context, *, json: Json = False) -> None:
     if json:
         json_lines(rows)
         return
-    columns = (Column("setting", "name"), Column("value"), Column("origin"), Column("about", "dim", spare=True))
+    columns = (Column("setting", "name"), Column("value"), Column("origin"), Column("about", "dim", spare=1))
     print_table(columns, [(row["setting"], _text(row["value"]), row["origin"], row["about"]) for row in rows])
 
 

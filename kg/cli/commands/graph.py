@@ -11,7 +11,7 @@ from kg.cli.names import unknown
 from kg.cli.options import Json, Store
 from kg.cli.output import Column, json_line, listing, terminal
 from kg.cli.session import session
-from kg.cli.systems import Arguments, Environment, Launch, chosen_systems
+from kg.cli.systems import Arguments, Environment, File, Launch, chosen_systems, named
 from kg.errors import UnknownNameError, UsageError
 from kg.store.opening import reading
 
@@ -28,7 +28,10 @@ Focus = Annotated[
     str | None, typer.Option("--focus", metavar="NODE", help="Only what is near this node: its name, or the end of it.")
 ]
 Depth = Annotated[
-    int, typer.Option("--depth", metavar="N", min=0, help="How many topics, services or actions away from --focus.")
+    int | None,
+    typer.Option(
+        "--depth", metavar="N", min=0, help="How many topics, services or actions away from --focus; 1 by default."
+    ),
 ]
 Expand = Annotated[
     list[str] | None,
@@ -39,12 +42,13 @@ All = Annotated[bool, typer.Option("--all", "-a", help="Also what frameworks mak
 
 def graph(  # noqa: PLR0913 - the options of a command
     context: typer.Context,
+    file: File = None,
     *,
     launch: Launch = None,
     arg: Arguments = None,
     env: Environment = None,
     focus: Focus = None,
-    depth: Depth = 1,
+    depth: Depth = None,
     expand: Expand = None,
     every: All = False,
     svg: Svg = False,
@@ -58,21 +62,25 @@ def graph(  # noqa: PLR0913 - the options of a command
 
     Nodes with all they publish, subscribe, offer and call, after namespaces, remappings and parameters, and who is at
     the other side; nothing is run. Where there are many nodes, pictures show namespaces as one box each. What leads
-    nowhere and what is not known is marked. For example:
+    nowhere and what is not known is marked. `kg node NAME` shows one of the nodes with the lines behind all that. For
+    example:
 
-        kg graph --launch rover.launch
-        kg graph --launch rover.launch -o rover.svg
+        kg graph rover.launch
+        kg graph rover_robot rover.launch camera:=false -o rover.svg
         kg graph --launch rover.launch --focus move_base --mermaid
     """
     from kg.render.system_graph import system_graph  # noqa: PLC0415 - start-up time
     from kg.render.system_views import around, collapsed  # noqa: PLC0415 - start-up time
 
     form = form_of({"svg": svg, "dot": dot, "mermaid": mermaid, "json": json}, output)
+    if depth is not None and focus is None:
+        raise UsageError("KG003", "--depth is counted from a node", hint="Name it with `--focus NODE`.")
     settings = session(context).settings(store=store)
+    launch, arg = named(file, launch, arg)
     (system,) = chosen_systems(settings, launch or _only(settings), arg, env)
     found = system_graph(system, every=every)
     if focus is not None:
-        found = around(found, _focused(found, focus), depth)
+        found = around(found, _focused(found, focus), 1 if depth is None else depth)
     if form not in {"text", "json"}:
         found = collapsed(found, expand or ())
     if form == "text" and output is None and not terminal():
@@ -119,7 +127,7 @@ def _only(settings: "Settings") -> str:
         raise UnknownNameError("KG422", "the store has no launch file", hint=hint)
     outer = [name for name in names if name not in inner] or names
     more = f"\n... and {len(outer) - _SHOWN} more; `kg instances` lists all" if len(outer) > _SHOWN else ""
-    hint = "\n".join(f"`kg graph --launch {name}`" for name in outer[:_SHOWN]) + more
+    hint = "\n".join(f"`kg graph {name}`" for name in outer[:_SHOWN]) + more
     raise UsageError("KG003", f"the store has {len(names)} launch files; say which", hint=hint)
 
 
@@ -128,5 +136,6 @@ def _focused(graph: "SystemGraph", name: str) -> list[str]:
     keys = [member.key for member in graph.members]
     found = [key for key in keys if key == name] or [key for key in keys if key.endswith(f"/{name.strip('/')}")]
     if not found:
-        raise unknown("node", name, keys, otherwise="`kg instances --launch FILE` lists the nodes.")
+        ends = [key.rpartition("/")[2] for key in keys] if "/" not in name.strip("/") else []
+        raise unknown("node", name, [*keys, *ends], otherwise="`kg instances FILE` lists the nodes.")
     return found

@@ -9,7 +9,7 @@ from kg.cli.diagnostics import note
 from kg.cli.options import Json, Store
 from kg.cli.output import Column, listing, terminal
 from kg.cli.session import session
-from kg.cli.systems import Arguments, Environment, Launch, chosen_systems
+from kg.cli.systems import Arguments, Environment, File, Launch, chosen_systems, named
 from kg.render.text import count
 
 if TYPE_CHECKING:
@@ -22,16 +22,25 @@ __all__ = ["instances"]
 _COUNTS: Final = ("pub", "sub", "srv", "cli", "act", "par")
 _ONE: Final = (
     Column("instance", "name"),
-    Column("node"),
-    Column("kind"),
-    *(Column(title, "number") for title in _COUNTS),
-    Column("file:line", "dim", spare=True),
+    Column("node", spare=1),
+    Column("kind", spare=2),
+    *(Column(title, "number", spare=4) for title in _COUNTS),
+    Column("remark", spare=4),
+    Column("file:line", "dim", spare=3),
 )
+_REMARKS: Final = {
+    "unknown-package": "package not in the store",
+    "unknown-node": "not in its package",
+    "no-node": "a program without a node",
+    "not-said": "not said which",
+}
+"""Why an instance has no counts, in few words; JSON has the whole reason."""
 _ALL: Final = (Column("system"), *_ONE)
 
 
 def instances(  # noqa: PLR0913 - the options of a command
     context: typer.Context,
+    file: File = None,
     *,
     launch: Launch = None,
     arg: Arguments = None,
@@ -42,22 +51,27 @@ def instances(  # noqa: PLR0913 - the options of a command
     """List every node that launch files start, with the name it has then.
 
     Launch files are evaluated, never run: includes, namespaces, remappings, parameters and conditions as roslaunch and
-    ros2 launch take them. Without --launch all launch files of the store are listed, each with its default arguments.
-    A node whose package is not in the store has no counts. For example:
+    ros2 launch take them. Without a file all launch files of the store are listed, each with its default arguments.
+    A node whose package is not in the store has no counts; `kg node NAME` shows one with its remappings, parameters and
+    lines. For example:
 
-        kg instances --launch rover_bringup/launch/rover.launch
-        kg instances --launch rover.launch --arg camera:=false --json
+        kg instances rover.launch
+        kg instances rover_robot rover.launch camera:=false
+        kg instances --launch rover_robot/launch/rover.launch --json
     """
     from kg.graph.records import instance_object  # noqa: PLC0415 - start-up time
 
     settings = session(context).settings(store=store)
+    launch, arg = named(file, launch, arg)
     found = chosen_systems(settings, launch, arg, env)
     objects = (instance_object(system, one) for system in found for one in system.instances)
     rows = [
         _row(one) if launch else (system.configuration.name, *_row(one)) for system in found for one in system.instances
     ]
     listing(_ONE if launch else _ALL, rows, objects=objects if json else None)
-    if terminal() and not json:
+    if not found and not json:
+        note("no launch file in the store; `kg build FOLDER` reads those of a workspace")
+    elif terminal() and not json:
         _notes(found, len(rows), one=launch is not None)
 
 
@@ -68,7 +82,9 @@ def _row(instance: "NodeInstance") -> tuple[object, ...]:
     actions = roles.count(Role.ACTION_SERVERS) + roles.count(Role.ACTION_CLIENTS)
     counts = [roles.count(role) for role in (Role.PUBLISHES, Role.SUBSCRIBES, Role.SERVICES, Role.CLIENTS)]
     numbers = (*counts, actions, len(instance.parameters)) if instance.type else ("",) * len(_COUNTS)
-    return instance.name, instance.started_type, str(instance.started.kind), *numbers, str(instance.started.location)
+    remark = _REMARKS.get(str(instance.missing), "") if not instance.type else ""
+    started = instance.started
+    return instance.name, instance.started_type, str(started.kind), *numbers, remark, str(started.location)
 
 
 def _notes(found: "Sequence[System]", rows: int, *, one: bool) -> None:
@@ -78,4 +94,5 @@ def _notes(found: "Sequence[System]", rows: int, *, one: bool) -> None:
     for problem in [problem for system in found for problem in system.configuration.problems][:5] if one else ():
         note(f"{problem.location}: {problem.message}")
     files = f" of {count(len(found), 'launch file')}" if not one else ""
-    note(f"{count(rows, 'instance')}{files}; `kg graph --launch FILE` draws them, `kg lint` says what is wrong")
+    ways = "`kg node NAME` shows one, `kg graph FILE` draws them, `kg lint` says what is wrong"
+    note(f"{count(rows, 'instance')}{files}; {ways}")

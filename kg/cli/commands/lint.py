@@ -192,9 +192,9 @@ def _write(checked: "Checked", form: str) -> None:
 
 def _say(checked: "Checked") -> None:
     """Say how much was found, and what the allow-list and the baseline have too much."""
-    from kg.cli.lint_view import leftovers, summary  # noqa: PLC0415 - start-up time
+    from kg.cli.lint_view import gone_sources, leftovers, summary  # noqa: PLC0415 - start-up time
 
-    for words in leftovers(checked.report):
+    for words in (*gone_sources(checked), *leftovers(checked.report)):
         note(words)
     for words in summary(checked):
         say(words)

@@ -33,8 +33,8 @@ def packages(context: typer.Context, *, json: Json = False, store: Store = None)
         Column("package", "name"),
         Column("version"),
         *(Column(title, "number") for title in ("ros", "nodes", "definitions", "problems")),
-        Column("source", "dim", spare=True),
-        Column("folder", "dim", spare=True),
+        Column("source", "dim", spare=1),
+        Column("folder", "dim", spare=1),
     )
     rows = [
         (one.name, one.version, one.ros, one.nodes, one.definitions, one.problems, one.repository, one.folder)

@@ -23,7 +23,7 @@ COLUMNS: Final = (
     Column("node", "name"),
     Column("kind"),
     *(Column(title, "number") for title in ("ros", "pub", "sub", "srv", "cli", "act", "par")),
-    Column("file:line", "dim", spare=True),
+    Column("file:line", "dim", spare=1),
 )
 Kind = Annotated[
     str | None,

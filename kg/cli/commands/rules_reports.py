@@ -26,11 +26,11 @@ _ENDINGS: Final = {".svg": "svg", ".mmd": "mermaid", ".mermaid": "mermaid", ".js
 _PROFILE: Final = (
     Column("rule", "name"),
     Column("seconds", "number"),
-    Column("share", "number", spare=True),
+    Column("share", "number", spare=1),
     Column("derived", "number"),
     Column("rounds", "number"),
-    Column("stratum", "number", spare=True),
-    Column("rules", "number", spare=True),
+    Column("stratum", "number", spare=1),
+    Column("rules", "number", spare=1),
 )
 _COVERAGE: Final = (Column("rule", "name"), Column("parts", "number"), Column("covered", "number"), Column("never"))
 

@@ -26,8 +26,8 @@ _COLUMNS: Final = (
     Column("rule", "name"),
     Column("derived", "number"),
     Column("seconds", "number"),
-    Column("rounds", "number", spare=True),
-    Column("stratum", "number", spare=True),
+    Column("rounds", "number", spare=1),
+    Column("stratum", "number", spare=1),
 )
 _REMOTE_COLUMNS: Final = (
     Column("stratum", "number"),
