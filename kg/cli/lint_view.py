@@ -119,7 +119,8 @@ def summary(checked: Checked) -> Iterator[str]:
         if group
     ]
     yield f"{count(checked.systems, 'system')} checked: {'; '.join([told, *aside])}"
-    repeated = sorted(code for code, number in Counter(one.code for one in found.findings).items() if number > 1)
+    numbers = Counter(one.code for one in found.findings)
+    repeated = sorted(code for code, number in numbers.items() if number > 1 and code in CATALOGUE)
     if repeated:
         yield f"{', '.join(f'`kg explain {code}`' for code in repeated)}: what is meant, and the way out"
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from kg.codes import CATALOGUE
 from kg.errors import Place, UsageError
@@ -35,6 +35,8 @@ _COMMENT: Final = re.compile(
     r"(?P<sign><!--|#|//|/\*)\s*kg:\s*allow\s+(?P<code>[A-Za-z]+\d+)\b[:,\s]*(?P<reason>.*?)\s*(?:-->|\*/|$)"
 )
 _HEAD: Final = "[[lint.allow]]"
+_Fault: TypeAlias = "tuple[str, Place, str | None]"
+"""What is wrong with an entry, where, and what to do."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,37 +66,59 @@ def allowances(table: Table | None, known: Iterable[str]) -> list[Allowance]:
     """Return the entries of the table `lint`; `known` are codes of findings beside those of the catalogue.
 
     Raises:
-        UsageError: KG421 for an entry without reason, without known code, or with a key that means nothing.
+        UsageError: KG421 for entries without reason, without known code, or with a key that means nothing, all at once.
     """
     entries = table.content.get("allow", []) if table else []
     if table is None or not entries:
         return []
-    lines = [
-        number for number, line in enumerate(table.text.splitlines(), 1) if line.replace(" ", "").startswith(_HEAD)
-    ]
-    places = [Place(str(table.file), line) for line in lines]
+    lines = table.text.splitlines()
+    heads = [number for number, line in enumerate(lines, 1) if line.replace(" ", "").startswith(_HEAD)]
+    places = [Place(str(table.file), line) for line in heads]
     if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
         raise _unusable("`allow` of [lint] is no list of tables", Place(str(table.file)), f"Write {_HEAD} for each.")
     places += [Place(str(table.file))] * (len(entries) - len(places))
     codes = {*known, *(code for code in CATALOGUE if code.startswith("KG4"))}
-    return [_allowance(entry, place, codes) for entry, place in zip(entries, places, strict=False)]
+    judged = [_allowance(entry, place, codes, lines) for entry, place in zip(entries, places, strict=False)]
+    wrong = [fault for one in judged if not isinstance(one, Allowance) for fault in one]
+    if wrong:
+        (message, place, hint), *others = wrong
+        more = "".join(f"; line {where.line}: {said}" for said, where, _ in others)
+        raise _unusable(message + more, place, hint)
+    return [one for one in judged if isinstance(one, Allowance)]
 
 
-def _allowance(entry: Mapping[str, Any], place: Place, codes: set[str]) -> Allowance:
+def _allowance(
+    entry: Mapping[str, Any], place: Place, codes: set[str], lines: Sequence[str]
+) -> Allowance | list[_Fault]:
+    """Return an entry, or all that is wrong in it; `lines` are those of the file."""
+    faults: list[_Fault] = []
     for key, value in entry.items():
+        here = _line_of(key, place, lines)
         if key not in _KEYS:
             hint = did_you_mean(key, _KEYS) or f"The keys are {', '.join(_KEYS)}."
-            raise _unusable(f"`{key}` means nothing in an allowance", place, hint)
-        if not isinstance(value, str) or not value.strip():
-            raise _unusable(f"`{key}` of an allowance is {value!r}, which is no text", place)
+            faults.append((f"`{key}` means nothing in an allowance", here, hint))
+        elif not isinstance(value, str) or not value.strip():
+            faults.append((f"`{key}` of an allowance is {value!r}, which is no text", here, None))
     code = entry.get("code", "")
-    if code not in codes:
+    if isinstance(code, str) and code not in codes and (code.strip() or "code" not in entry):
         said = f"`{code}` is no code of a finding" if code else "an allowance has no code"
-        raise _unusable(said, place, did_you_mean(code, codes))
-    if "reason" not in entry:
-        raise _unusable(f"the allowance of {code} has no reason", place, 'Add `reason = "why it is right as it is"`.')
+        faults.append((said, _line_of("code", place, lines), did_you_mean(code, codes)))
+    if "reason" not in entry and code:
+        said = f"the allowance of {code} has no reason"
+        faults.append((said, place, 'Add `reason = "why it is right as it is"`.'))
     globs = {key: entry[key] for key in _GLOBS if key in entry}
-    return Allowance(code, entry["reason"].strip(), place, **globs)
+    return faults or Allowance(code, entry["reason"].strip(), place, **globs)
+
+
+def _line_of(key: str, place: Place, lines: Sequence[str]) -> Place:
+    """Return where a key of the entry that begins at `place` stands; where the entry does, when it is not found."""
+    for number in range(place.line or len(lines), len(lines)):
+        text = lines[number].strip()
+        if text.startswith("["):
+            break
+        if text.partition("=")[0].strip(" \t'\"") == key:
+            return Place(place.path, number + 1)
+    return place
 
 
 def _unusable(message: str, place: Place, hint: str | None = None) -> UsageError:

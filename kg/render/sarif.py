@@ -53,9 +53,10 @@ def document(remarks: Sequence[Remark]) -> dict[str, object]:
 
 
 def annotation(remark: Remark) -> str:
-    """Return the line that GitHub's runners turn into a remark at the line."""
+    """Return the line that GitHub's runners turn into a remark at the line; lines that have to do with it are named."""
     kind = _KINDS.get(remark.severity, remark.severity)
-    spot, message = remark.spot, _escaped(remark.message)
+    related = (f"{one.uri}:{one.line or 1} {one.words}".rstrip() for one in remark.related)
+    spot, message = remark.spot, _escaped("\n".join((remark.message, *related)))
     place = f"file={_property(spot.uri)},line={spot.line or 1},col={spot.column or 1}"
     return f"::{kind} {place},title={_property(remark.code)}::{message}"
 

@@ -5,7 +5,9 @@ from pathlib import Path
 from lint.robot import finding
 
 from kg.cli.links import Links
-from kg.cli.lint_view import LintView, summary
+from kg.cli.lint_view import LintView, gone_sources, summary
+from kg.graph.builds import Counts
+from kg.graph.source_states import SourceState
 from kg.lint.finding import Evidence, Finding
 from kg.lint.report import Report
 from kg.lint.running import Checked
@@ -52,4 +54,19 @@ def test_the_sum_counts_by_severity() -> None:
     found = Report((finding(severity="error"), finding()), allowed=(finding(),), known=(finding(), finding()))
     assert list(summary(Checked(found, (), 3))) == [
         "3 systems checked: 1 error, 1 warning; 1 allowed; 2 in the baseline"
+    ]
+
+
+def test_codes_that_were_found_more_than_once_are_named_at_the_end() -> None:
+    """The help of a code stands at its first finding only; codes of rules of one's own have none."""
+    found = Report((finding(), finding(subjects=("/b",)), finding(code="X1"), finding(code="X1", subjects=("/b",))))
+    assert list(summary(Checked(found, (), 1)))[1:] == ["`kg explain KG407`: what is meant, and the way out"]
+
+
+def test_sources_that_are_gone_are_told(tmp_path: Path) -> None:
+    """Without them no lines are shown; sources of which no folder is known are left alone."""
+    roots = {"a": str(tmp_path), "b": None, "c": str(tmp_path / "c")}
+    states = [SourceState(name, None, None, None, False, root, None, None, Counts()) for name, root in roots.items()]
+    assert list(gone_sources(Checked(Report(), tuple(states), 1))) == [
+        f"c is not in {tmp_path / 'c'} any more: lines are not shown, and comments that allow are not read"
     ]

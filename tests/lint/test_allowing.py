@@ -87,6 +87,19 @@ def test_what_allows_nothing_sensible_is_refused(tmp_path: Path, text: str, word
     assert (caught.value.code, caught.value.message) == ("KG421", words)
 
 
+def test_all_that_is_wrong_is_told_at_once_with_its_lines(tmp_path: Path) -> None:
+    """The place is that of the first wrong key; the others are named by their lines."""
+    text = f'{HEAD}topic = "/x"\n\n{HEAD}\n{HEAD}file = ""\n[[lint.allow]]\ncode = "KG499"\n'
+    (tmp_path / "kg.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(UsageError) as caught:
+        allowances(table("lint", tmp_path), ())
+    assert caught.value.place == Place(str(tmp_path / "kg.toml"), 4)
+    assert caught.value.message == (
+        "`topic` means nothing in an allowance; line 13: `file` of an allowance is '', which is no text; "
+        "line 15: `KG499` is no code of a finding; line 14: the allowance of KG499 has no reason"
+    )
+
+
 def test_codes_of_rules_of_ones_own_can_be_allowed(tmp_path: Path) -> None:
     """A code that a finding has is known, whoever wrote the rule."""
     (tmp_path / "kg.toml").write_text('[[lint.allow]]\ncode = "X1"\nreason = "so"\n', encoding="utf-8")

@@ -17,3 +17,11 @@ def test_codes_that_are_not_in_the_catalogue() -> None:
     (run,) = json.loads(json.dumps(content))["runs"]
     assert run["tool"]["driver"]["rules"] == [{"id": "X1", "shortDescription": {"text": "X1"}}]
     assert run["results"][0]["locations"][0]["physicalLocation"]["region"] == {"startLine": 1}
+
+
+def test_a_remark_names_the_lines_that_have_to_do_with_it() -> None:
+    """GitHub shows a remark at one line only, so that the others stand in its text."""
+    related = (Spot("src/patrol.py", 38, words="subscribes /battery"), Spot("src/x.cpp"))
+    remark = Remark("KG403", "error", "types clash", Spot("a.launch", 3), related)
+    text = "types clash%0Asrc/patrol.py:38 subscribes /battery%0Asrc/x.cpp:1"
+    assert annotation(remark) == f"::error file=a.launch,line=3,col=1,title=KG403::{text}"
