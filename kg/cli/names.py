@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from kg.graph.reading import NodeRecord, Queryable
 
-__all__ = ["known_package", "one_node", "unknown"]
+__all__ = ["known_package", "one_node", "starting_system", "unknown"]
 
 
 def unknown(kind: str, name: str, names: Iterable[str], *, otherwise: str) -> UnknownNameError:
@@ -56,6 +56,30 @@ def one_node(graph: Queryable, name: str) -> list[NodeRecord]:
         f"`kg node {way}`  ({one.node.kind}, {one.node.location})" for way, one in zip(ways, found, strict=True)
     )
     raise UsageError("KG003", f"{len(found)} nodes are called `{name}`; say which", hint=lines)
+
+
+def starting_system(graph: Queryable, name: str, launch: str | None) -> str:
+    """Return the one launch file that starts the instance `name` (an absolute name), or `launch`, which has to.
+
+    KG001 with suggestions when none does, KG003 with the launch files when there are several.
+    """
+    from kg.graph.systems_reading import started_names, system_names  # noqa: PLC0415 - start-up time
+    from kg.pipeline.launch_names import matching, unknown_launch  # noqa: PLC0415 - start-up time
+
+    started = started_names(graph)
+    if launch is not None:
+        known = system_names(graph)
+        meant = {one.name for one in matching(known, launch)}
+        if not meant:
+            raise unknown_launch(known, launch)
+        started = {key: kept for key, found in started.items() if (kept := [one for one in found if one in meant])}
+    found = started.get(name, [])
+    if not found:
+        raise unknown("instance", name, started, otherwise="`kg instances` lists the instances.")
+    if len(found) > 1:
+        ways = "\n".join(f"`kg node {name} --launch {one}`" for one in found)
+        raise UsageError("KG003", f"{len(found)} launch files start `{name}`; say which", hint=ways)
+    return found[0]
 
 
 def _candidates(graph: Queryable, name: str, names: list[str]) -> list[str]:

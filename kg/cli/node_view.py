@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from kg.facts import Interface, NodeType, Parameter, Qos
     from kg.graph.reading import NodeRecord
 
-__all__ = ["left_out", "node_view"]
+__all__ = ["TITLES", "left_out", "node_view"]
 
-_TITLES: Final = {
+TITLES: Final = {
     Role.PUBLISHES: "publishes",
     Role.SUBSCRIBES: "subscribes",
     Role.SERVICES: "offers services",
@@ -98,7 +98,7 @@ def _some(paths: Sequence[str], most: int = 4) -> str:
 
 def _groups(node: NodeType, *, every: bool) -> list[tuple[str, list[Row]]]:
     groups: list[tuple[str, list[Row]]] = []
-    for role, title in _TITLES.items():
+    for role, title in TITLES.items():
         chosen = [one for one in node.interfaces if one.role is role and (every or not one.implicit)]
         chosen.sort(key=lambda one: one.implicit)
         groups.append((title, [_interface(one) for one in chosen]))

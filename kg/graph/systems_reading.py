@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from kg.facts import Interface, Parameter, Qos
     from kg.graph.reading import NodeRecord, Properties
 
-__all__ = ["SystemName", "included", "system_names", "systems"]
+__all__ = ["SystemName", "included", "started_names", "system_names", "systems"]
 
 _PREFIXES: Final = {"ros": v.ROS, "rnkg": v.RNKG}
 _NAMES: Final = """
@@ -50,6 +50,10 @@ SELECT ?configuration ?name ?path ?repository ?ros WHERE {
   ?owner rnkg:contains ?package ; rnkg:name ?repository .
 }"""
 _INCLUDED: Final = "SELECT DISTINCT ?name WHERE { ?other rnkg:includes/rnkg:name ?name }"
+_STARTED: Final = """
+SELECT DISTINCT ?name ?system WHERE {
+  ?configuration rnkg:hasInstance/rnkg:name ?name ; rnkg:name ?system .
+}"""
 _GRAPH: Final = "SELECT ?s ?p ?o WHERE { GRAPH <%s> { ?s ?p ?o } }"
 
 
@@ -74,6 +78,14 @@ def system_names(graph: Queryable) -> list[SystemName]:
 def included(graph: Queryable) -> frozenset[str]:
     """Return the names of the configurations that others include."""
     return frozenset(row["name"].value for row in graph.query(_INCLUDED, prefixes=_PREFIXES))
+
+
+def started_names(graph: Queryable) -> dict[str, list[str]]:
+    """Return the absolute names of all instances, each with the configurations that start it, sorted."""
+    found: dict[str, set[str]] = {}
+    for row in graph.query(_STARTED, prefixes=_PREFIXES):
+        found.setdefault(row["name"].value, set()).add(row["system"].value)
+    return {name: sorted(found[name]) for name in sorted(found)}
 
 
 def systems(graph: Queryable, names: Iterable[SystemName], base: str) -> list[System]:

@@ -74,7 +74,9 @@ class _Drawing:
         if len(every) <= self.most:
             return every
         rest = every[self.most - 1 :]
-        more = _Loose("", f"+ {len(rest)} more that lead nowhere", "; ".join(one.about for one in rest), State.SAME)
+        way = "--expand" if member.kind == "namespace" else "kg node"
+        about = "; ".join(one.about for one in rest)
+        more = _Loose("", f"+ {len(rest)} more; {way} shows them", about, State.SAME)
         return [*every[: self.most - 1], more]
 
     def nodes(self) -> list[Node]:

@@ -89,7 +89,7 @@ def lint(  # noqa: PLR0913 - the options of a command
     form = "json" if json else form
     for word, allowed, what in ((form, _FORMATS, "format"), (level, SEVERITIES, "severity")):
         if word not in allowed:
-            raise UsageError("KG003", f"`{word}` is no {what}", hint=f"One of {', '.join(allowed)}.")
+            raise UsageError("KG003", f"`{word}` is no {what}", hint=_hint(word, allowed))
     arguments, environment = given(launch, arg, env)
     if why:
         _require_provable(stored=not (arg or env), form=form)
@@ -128,6 +128,10 @@ def _require_provable(*, stored: bool, form: str) -> None:
     if not stored or form != "text":
         hint = "Leave out --arg and --env, whose systems are not kept, and other formats than text."
         raise UsageError("KG003", "only what the store holds can be proven, and only as text", hint=hint)
+
+
+def _hint(word: str, allowed: "tuple[str, ...]") -> str:
+    return "Use `--xunit-file FILE`." if word in {"xunit", "junit"} else f"One of {', '.join(allowed)}."
 
 
 def _prove(context: typer.Context, checked: "Checked", settings: "Settings") -> None:

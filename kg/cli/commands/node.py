@@ -9,10 +9,11 @@ import typer
 from kg.cli.completion import nodes
 from kg.cli.diagnostics import note, say
 from kg.cli.group import KgCommand
-from kg.cli.names import one_node
+from kg.cli.names import one_node, starting_system
 from kg.cli.options import Json, Store
 from kg.cli.output import json_lines, line_width, show, terminal, write, write_bytes
 from kg.cli.session import session
+from kg.cli.systems import Launch
 from kg.errors import Place, UsageError
 from kg.render.text import count
 from kg.store.opening import reading
@@ -20,6 +21,7 @@ from kg.store.opening import reading
 if TYPE_CHECKING:
     from kg.cli.links import Links
     from kg.graph.reading import NodeRecord
+    from kg.settings import Settings
 
 __all__ = ["NodeCommand", "node"]
 
@@ -27,7 +29,9 @@ _MOST_PARAMETERS: Final = 25
 Name = Annotated[
     str,
     typer.Argument(
-        metavar="NAME", help="Name of the node, or `package/node`, or `repository:package/node`.", autocompletion=nodes
+        metavar="NAME",
+        help="Name of the node, or `package/node`, or `repository:package/node`; or the absolute name of an instance.",
+        autocompletion=nodes,
     ),
 ]
 All = Annotated[bool, typer.Option("--all", "-a", help="Also what frameworks make by themselves (rosout, tf, ...).")]
@@ -58,6 +62,7 @@ def node(  # noqa: PLR0913 - the options of a command
     context: typer.Context,
     name: Name,
     *,
+    launch: Launch = None,
     every: All = False,
     picture: Picture = None,
     json: Json = False,
@@ -65,18 +70,27 @@ def node(  # noqa: PLR0913 - the options of a command
 ) -> None:
     """Show one node: its interface, with lines of code.
 
-    How to start it, what it publishes, subscribes, offers and calls, its parameters, and the line behind each.
+    How to start it, what it publishes, subscribes, offers and calls, its parameters, and the line behind each. Of an
+    instance, named as it is when it runs: the launch line, remappings, parameters and the names that its ends have.
     For example:
 
         kg node move_base
         kg node move_base/move_base --all
         kg node move_base --picture move_base.svg
+        kg node /rover1/patrol --launch rover.launch
     """
     from kg.cli.links import Links  # noqa: PLC0415 - start-up time
     from kg.graph.records import node_object  # noqa: PLC0415 - start-up time
     from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
 
-    with reading(session(context).settings(store=store)) as snapshot:
+    settings = session(context).settings(store=store)
+    if name.startswith("/"):
+        _instance(settings, name, launch, every=every, picture=picture, json=json)
+        return
+    if launch is not None:
+        hint = f"Name an instance as it is when it runs, `/{name}` say."
+        raise UsageError("KG003", "--launch chooses among instances", hint=hint)
+    with reading(settings) as snapshot:
         records = one_node(snapshot, name)
         links = Links.of(sources(snapshot))
     if json:
@@ -88,6 +102,34 @@ def node(  # noqa: PLR0913 - the options of a command
             if number:
                 write()
             _show(record, links, every=every)
+
+
+def _instance(  # noqa: PLR0913 - the options of the command
+    settings: "Settings", name: str, launch: str | None, *, every: bool, picture: str | None, json: bool
+) -> None:
+    """Show what one launch file makes of a node."""
+    from kg.cli.instance_view import instance_view  # noqa: PLC0415 - start-up time
+    from kg.cli.links import Links  # noqa: PLC0415 - start-up time
+    from kg.graph.records import instance_object  # noqa: PLC0415 - start-up time
+    from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
+    from kg.graph.systems_reading import system_names, systems  # noqa: PLC0415 - start-up time
+
+    with reading(settings) as snapshot:
+        chosen = starting_system(snapshot, name, launch)
+        names = [one for one in system_names(snapshot) if one.name == chosen]
+        found = systems(snapshot, names, settings.base)
+        links = Links.of(sources(snapshot))
+    pairs = [(system, one) for system in found for one in system.instances if one.name == name]
+    if picture is not None:
+        hint = f"`kg graph {chosen} --focus {name} -o FILE.svg` draws it with those around it."
+        raise UsageError("KG003", "--picture draws node types", hint=hint)
+    if json:
+        json_lines(instance_object(*pair) for pair in pairs)
+        return
+    for number, (system, one) in enumerate(pairs):
+        if number:
+            write()
+        show(*instance_view(system, one, links, line_width(), every=every))
 
 
 def _show(record: "NodeRecord", links: "Links", *, every: bool) -> None:
