@@ -159,7 +159,7 @@ chooses families.
 
 _FAMILIES: Final = {
     "architecture": "What is wrong in the wiring of systems, as launch files start them: each finding has a code, "
-    "KG401 to KG414, which `kg explain` explains, and `kg lint` shows them. What is no fault stands in "
+    "KG401 to KG416, which `kg explain` explains, and `kg lint` shows them. What is no fault stands in "
     "ontology/architecture.ttl, and a file .srl of your own adds to it with `DATA { ... }`.",
     "capability": "What robots can sense, do and know. Messages tell it, by ontology/capability.ttl: every type of "
     "geometry_msgs, sensor_msgs, nav_msgs and std_msgs evokes a capability, or is listed there with the "

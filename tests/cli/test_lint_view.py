@@ -53,7 +53,8 @@ def test_the_sum_counts_by_severity() -> None:
     """What was allowed, and what the baseline knows, stands behind it."""
     found = Report((finding(severity="error"), finding()), allowed=(finding(),), known=(finding(), finding()))
     assert list(summary(Checked(found, (), 3))) == [
-        "3 systems checked: 1 error, 1 warning; 1 allowed; 2 in the baseline"
+        "3 systems checked: 1 error, 1 warning; 1 allowed; 2 in the baseline",
+        "`kg explain KG407`: what is meant, and the way out",
     ]
 
 
