@@ -136,13 +136,14 @@ def gone_sources(checked: Checked) -> Iterator[str]:
 def leftovers(found: Report) -> Iterator[str]:
     """Yield notes: entries of kg.toml and of the baseline that mean nothing any more, comments without reason."""
     for allowance in found.unused:
-        yield f"{_near(allowance.place)}: the allowance of {allowance.code} allows nothing; it can go"
+        yield f"{_near(allowance.place)}: the entry for {allowance.code} matches no finding; remove it"
     for place, code in found.without_reason:
-        yield f"{_near(place)}: the comment allows nothing, since it gives no reason for {code}"
+        way = "write the reason behind the code"
+        yield f"{_near(place)}: the comment gives no reason, so {code} is still reported; {way}"
     if found.gone:
         named = _listed([f"{one.code} {', '.join(one.subjects)}".strip() for one in found.gone])
         entries = count(len(found.gone), "finding")
-        yield f"{entries} of the baseline {'is' if len(found.gone) == 1 else 'are'} mended: {named}"
+        yield f"{entries} of the baseline {'is' if len(found.gone) == 1 else 'are'} fixed: {named}"
 
 
 def _near(place: Place) -> str:

@@ -96,15 +96,15 @@ def _allowance(
         here = _line_of(key, place, lines)
         if key not in _KEYS:
             hint = did_you_mean(key, _KEYS) or f"The keys are {', '.join(_KEYS)}."
-            faults.append((f"`{key}` means nothing in an allowance", here, hint))
+            faults.append((f"`{key}` is no key of [[lint.allow]]", here, hint))
         elif not isinstance(value, str) or not value.strip():
-            faults.append((f"`{key}` of an allowance is {value!r}, which is no text", here, None))
+            faults.append((f"`{key}` in [[lint.allow]] has to be a text, not {value!r}", here, None))
     code = entry.get("code", "")
     if isinstance(code, str) and code not in codes and (code.strip() or "code" not in entry):
-        said = f"`{code}` is no code of a finding" if code else "an allowance has no code"
+        said = f"`{code}` is no code of a finding" if code else "this entry has no code"
         faults.append((said, _line_of("code", place, lines), did_you_mean(code, codes)))
     if "reason" not in entry and code:
-        said = f"the allowance of {code} has no reason"
+        said = f"the entry for {code} has no reason"
         faults.append((said, place, 'Add `reason = "why it is right as it is"`.'))
     globs = {key: entry[key] for key in _GLOBS if key in entry}
     return faults or Allowance(code, entry["reason"].strip(), place, **globs)

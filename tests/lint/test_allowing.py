@@ -70,12 +70,12 @@ def test_without_a_table_nothing_is_allowed(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ('[[lint.allow]]\ncode = "KG420"\n', "the allowance of KG420 has no reason"),
-        ('[[lint.allow]]\nreason = "so"\n', "an allowance has no code"),
+        ('[[lint.allow]]\ncode = "KG420"\n', "the entry for KG420 has no reason"),
+        ('[[lint.allow]]\nreason = "so"\n', "this entry has no code"),
         ('[[lint.allow]]\ncode = "KG499"\nreason = "so"\n', "`KG499` is no code of a finding"),
-        (f'{HEAD}topic = "/x"\n', "`topic` means nothing in an allowance"),
-        (f"{HEAD}subject = 3\n", "`subject` of an allowance is 3, which is no text"),
-        ('[[lint.allow]]\ncode = "KG420"\nreason = " "\n', "`reason` of an allowance is ' ', which is no text"),
+        (f'{HEAD}topic = "/x"\n', "`topic` is no key of [[lint.allow]]"),
+        (f"{HEAD}subject = 3\n", "`subject` in [[lint.allow]] has to be a text, not 3"),
+        ('[[lint.allow]]\ncode = "KG420"\nreason = " "\n', "`reason` in [[lint.allow]] has to be a text, not ' '"),
         ("lint.allow = 3\n", "`allow` of [lint] is no list of tables"),
     ],
 )
@@ -95,8 +95,8 @@ def test_all_that_is_wrong_is_told_at_once_with_its_lines(tmp_path: Path) -> Non
         allowances(table("lint", tmp_path), ())
     assert caught.value.place == Place(str(tmp_path / "kg.toml"), 4)
     assert caught.value.message == (
-        "`topic` means nothing in an allowance; line 13: `file` of an allowance is '', which is no text; "
-        "line 15: `KG499` is no code of a finding; line 14: the allowance of KG499 has no reason"
+        "`topic` is no key of [[lint.allow]]; line 13: `file` in [[lint.allow]] has to be a text, not ''; "
+        "line 15: `KG499` is no code of a finding; line 14: the entry for KG499 has no reason"
     )
 
 
