@@ -81,10 +81,18 @@ def _interfaces(use: Use, mark: Mark) -> list[Interface]:
             implicit=True,
             origin=use.origin,
             qos=Qos(**row["qos"]) if "qos" in row else None,
+            reason=_reason(mark) if "{}" in name else None,
         )
         for row in use.interfaces
         if (name := _name(row["name"], mark)) is not None
     ]
+
+
+def _reason(mark: Mark) -> str:
+    """Return why a name that a mark makes is not known in full."""
+    if "{}" in mark.namespace:
+        return "the namespace that the code gives to it is not known"
+    return "a part of it is made by its library when the program runs"
 
 
 def _parameters(use: Use, mark: Mark) -> list[Parameter]:

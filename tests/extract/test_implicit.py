@@ -100,3 +100,19 @@ def test_a_table_that_cannot_be_used_is_refused_by_name(tmp_path: Path, text: st
         load_table(path)
     assert caught.value.code == "KG002"
     assert str(path) in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("mark", "reason"),
+    [
+        (Mark("dynamic_reconfigure.server", HERE, "{}/yaw"), "the namespace that the code gives to it is not known"),
+        (Mark("bond", HERE, detail="/bond{}"), "a part of it is made by its library when the program runs"),
+    ],
+    ids=lambda value: value.key if isinstance(value, Mark) else "",
+)
+def test_a_name_that_is_not_known_in_full_has_a_reason(mark: Mark, reason: str) -> None:
+    """Whether the code or the library makes the part that is not known."""
+    found = add(Extracted(node(1), (mark,)))
+    open_ones = [one for one in found.interfaces if one.resolution is Resolution.PARTIAL]
+    assert open_ones
+    assert {one.reason for one in open_ones} == {reason}
