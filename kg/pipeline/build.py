@@ -14,6 +14,7 @@ import time
 from contextlib import nullcontext
 from dataclasses import replace
 from datetime import UTC, datetime
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -28,6 +29,7 @@ from kg.pipeline.recording import RecordingWorkspace
 from kg.pipeline.report import BuildReport, Silent, SourceReport, totals
 from kg.pipeline.sources import folders, gather, installed_folders
 from kg.pipeline.state import PackageState, SourceState, State, load, save
+from kg.store.changes import since
 from kg.store.failure import translated
 
 if TYPE_CHECKING:
@@ -147,13 +149,15 @@ class _Build:
             **results,
             **{(name, path): one for name, source in others.items() for path, one in source.packages.items()},
         }
-        if not changed:
+        if not changed and self._systems_hold():
             return self._state.systems, totals(self._state.systems)
         # Late, for a build without changes wires nothing.
         from kg.pipeline.systems import update_systems  # noqa: PLC0415 - see above
 
         iris = Iris(self._settings.base)
-        return update_systems(self._transaction, self._cache, iris, packages, self._state.systems)
+        return update_systems(
+            self._transaction, self._cache, iris, packages, self._state.systems, touched=self._touched
+        )
 
     def _infer(self, *, changed: bool) -> Inferred | None:
         """Run the rules when the sources or the rules themselves are not those of the last run."""
@@ -194,11 +198,29 @@ class _Build:
         if self._state.version != plan.version or current is None:
             return set()
         names = {source.repository.name for source in sources} & set(self._state.sources)
-        if current == self._state.generation:
-            return names
+        touched, iris = self._touched, Iris(self._settings.base)
+        if touched is not None:
+            return {name for name in names if iris.source_graph(name) not in touched}
         from kg.pipeline.writing import untouched  # noqa: PLC0415 - a build without changes needs no graph
 
         return untouched(self._store, self._settings.base, {name: self._state.sources[name] for name in names})
+
+    @cached_property
+    def _touched(self) -> frozenset[str] | None:
+        """The graphs that were written since the last build left its state, None where that is not known.
+
+        A build that was killed after its generation came into force is among those who write.
+        """
+        current = self._store.layout.current()
+        if current is None or current == self._state.generation:
+            return frozenset()
+        graphs = since(self._store.layout, self._state.generation, current).graphs
+        return None if graphs is None else frozenset(graphs)
+
+    def _systems_hold(self) -> bool:
+        """Tell whether nobody else wrote the graphs of launch files."""
+        beginning = f"{self._settings.base}graph/launch/"
+        return self._touched is not None and not any(graph.startswith(beginning) for graph in self._touched)
 
     def _write(
         self,

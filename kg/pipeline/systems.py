@@ -40,21 +40,25 @@ __all__ = ["node_types", "update_systems", "used_packages"]
 _BYTES: Final = 16
 
 
-def update_systems(
+def update_systems(  # noqa: PLR0913 - all that systems depend on
     transaction: EmbeddedTransaction,
     folder: Path,
     iris: Iris,
     packages: Mapping[Key, PackageState],
     last: Systems,
+    *,
+    touched: frozenset[str] | None = frozenset(),
 ) -> tuple[Systems, SystemsReport]:
     """Write the systems of all `packages` of the store, and take out those of packages that are gone.
 
-    `folder` is the cache, `last` what the last build left. Returns what the next one compares with.
+    `folder` is the cache, `last` what the last build left, `touched` the graphs that others wrote since then, None
+    where that is not known. Returns what the next one compares with.
     """
     earlier = {(source, path): one for source, found in last.items() for path, one in found.items()}
     work = _Work(transaction, folder, iris, packages)
-    present = {graph.value for graph in transaction.graphs()} if earlier else set[str]()
-    found = {key: work.kept(key, systems, present) for key, systems in earlier.items() if key in packages}
+    present = {graph.value for graph in transaction.graphs()}
+    intact = set[str]() if touched is None else present - touched
+    found = {key: work.kept(key, systems, intact) for key, systems in earlier.items() if key in packages}
     kept = {key: systems for key, systems in found.items() if systems is not None}
     anew = [key for key, package in packages.items() if package.counts.get("launches") and key not in kept]
     wired = work.wire(anew)
@@ -68,11 +72,12 @@ def update_systems(
         iris.launch_graph(key[0], path): mark for key, one in earlier.items() for path, mark in one.graphs.items()
     }
     after = {iris.launch_graph(key[0], path): mark for key, one in systems.items() for path, mark in one.graphs.items()}
-    gone = [graph for graph in before if graph not in after]
+    known = tuple(iris.launch_graph(source, "") for source, _ in {*packages, *earlier})
+    gone = [graph for graph in sorted(present) if known and graph.startswith(known) and graph not in after]
     written = {
         graph: content
         for graph, content in contents.items()
-        if graph not in present or before.get(graph) != after[graph]
+        if graph not in intact or before.get(graph) != after[graph]
     }
     for graph in gone:
         transaction.drop_graph(NamedNode(graph))

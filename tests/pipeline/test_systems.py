@@ -202,3 +202,14 @@ def test_a_file_that_no_scan_lists(site: Site) -> None:
     site.write("two/config/config/p.settings", "topic: afterwards\n")
     site.build()
     assert '"afterwards"' in site.launches()
+
+
+def test_what_others_wrote_meanwhile_does_not_stay(site: Site) -> None:
+    """A graph of a launch file that something else wrote since the last build is written again; no other stays."""
+    before = site.content()
+    iri = "https://w3id.org/rnkg/graph/launch/local/one/-/"
+    with site.store.write("test") as transaction:
+        transaction.append(NamedNode(f"{iri}starts/launch/a.launch"), b"<urn:a> <urn:b> <urn:c> .\n")
+        transaction.append(NamedNode(f"{iri}starts/launch/unknown.launch"), b"<urn:a> <urn:b> <urn:c> .\n")
+    site.build()
+    assert not different(site.content(), before)
