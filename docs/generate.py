@@ -208,12 +208,33 @@ def _rule(file: RuleFile) -> str:
     return f"\n### `{file.name}`\n\n{file.documentation.title} ({link}).\n\n{told}{mend}{limits}"
 
 
+def rover_picture() -> str:
+    """Return docs/rover.svg: what `kg graph` draws of a launch file of the example workspace."""
+    from kg import api  # noqa: PLC0415 - only this picture needs a store
+    from kg.graph.systems_reading import system_names, systems  # noqa: PLC0415 - as above
+    from kg.render.system_graph import system_graph  # noqa: PLC0415 - as above
+    from kg.render.system_svg import system_svg  # noqa: PLC0415 - as above
+    from kg.settings import load  # noqa: PLC0415 - as above
+    from kg.store.opening import reading  # noqa: PLC0415 - as above
+
+    with tempfile.TemporaryDirectory() as folder:
+        workspace, store = Path(folder) / "robots", Path(folder) / ".kg"
+        shutil.copytree(_FOLDER.parent / "examples" / "workspace", workspace)  # lines are named as seen from its root
+        api.build([workspace], store=store)
+        settings = load({"store": store})
+        with reading(settings) as snapshot:
+            names = [one for one in system_names(snapshot) if one.path.endswith("/rover.launch")]
+            (rover,) = systems(snapshot, names, settings.base)
+    return system_svg(system_graph(rover))
+
+
 PAGES: Final[dict[str, Callable[[], str]]] = {
     "cli.md": commands_page,
     "errors.md": errors_page,
     "queries.md": queries_page,
     "rules.md": rules_page,
     "settings.md": settings_page,
+    "rover.svg": rover_picture,
 }
 """The pages that are made from the code, and what makes them."""
 

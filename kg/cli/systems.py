@@ -31,8 +31,8 @@ Launch = Annotated[
 File = Annotated[
     list[str] | None,
     typer.Argument(
-        metavar="[PACKAGE] [FILE] [NAME:=VALUE]...",
-        help="The same as --launch and --arg, in the words of roslaunch and ros2 launch.",
+        metavar="FILE",
+        help="A launch file: `FILE` or `PACKAGE FILE`, then `NAME:=VALUE` for its arguments; as --launch and --arg.",
         autocompletion=launches,
     ),
 ]
