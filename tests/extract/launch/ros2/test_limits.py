@@ -32,7 +32,9 @@ def evaluated(folder: Path, files: dict[str, str]) -> LaunchConfiguration:
         (folder / name).write_text(text)
     source = scan(folder, Repository("local/demo", str(folder)))
     file = FilePath("local/demo", next(iter(files)))
-    return evaluate(Files(Reader(Workspace([source]), source, source.packages[0])), file, dialect_by_ending(file), {}, {})
+    return evaluate(
+        Files(Reader(Workspace([source]), source, source.packages[0])), file, dialect_by_ending(file), {}, {}
+    )
 
 
 def include(number: int) -> str:
