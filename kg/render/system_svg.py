@@ -273,7 +273,7 @@ def _legend(graph: SystemGraph) -> tuple[list[str], float]:
         drawn.append(label("key", x + 68, 61, _WORDS[kind]))
         x += 68 + wide(_WORDS[kind], SMALL) + 22
     states = graph.states()
-    words = ["→ nobody takes it", "← nobody gives it"]
+    words = ["→ nobody subscribes or offers it", "← nobody publishes or calls it"]
     if any(channel.open for channel in graph.channels):
         words.append("? name not known")
     if any(member.reason or member.condition for member in graph.members):
