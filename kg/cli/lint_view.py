@@ -19,9 +19,9 @@ from typing import TYPE_CHECKING, Final
 
 from kg.cli.diagnostics import dim, excerpt, head, helps, linked
 from kg.codes import CATALOGUE
+from kg.codes.severities import SEVERITIES
 from kg.errors import Place
 from kg.facts import Location
-from kg.lint.finding import SEVERITIES
 from kg.lint.lines import Lines
 from kg.lint.objects import spelled
 from kg.render.text import count, printable

@@ -11,11 +11,13 @@ import stat
 from typing import TYPE_CHECKING, Final
 
 from kg.corpus.files import FilePath
-from kg.corpus.workspace import INSTALLED
+from kg.corpus.workspace import INSTALLED, real_inside
 from kg.errors import CATALOGUE
 from kg.facts import Problem
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from kg.corpus.files import PackageFolder, Source
     from kg.corpus.workspace import Workspace
 
@@ -95,7 +97,7 @@ class Reader:
         if source is None and file.repository != INSTALLED:
             self.problem("KG110", f"{file.repository} is no source of this build", file.path)
             return None
-        path = self._inside(str(source.root), file) if source else self._installed(file)
+        path = self._inside(source.root, file) if source else self._installed(file)
         if path is None:
             self.problem("KG110", "the file is not inside of its source", file.path)
             return None
@@ -105,14 +107,11 @@ class Reader:
             self.problem("KG110", f"the file cannot be read: {error.strerror}", file.path)
             return None
 
-    def _inside(self, root: str, file: FilePath) -> str | None:
+    def _inside(self, root: Path, file: FilePath) -> str | None:
         """Return where a file stands on disk; those that the scan did not list are checked for leaving the root."""
-        path = f"{root}/{file.path}"
         if self.workspace.entry(file) is not None:
-            return path
-        real_root = os.path.realpath(root)
-        real = os.path.realpath(path)
-        return real if real.startswith(real_root + "/") else None
+            return f"{root}/{file.path}"
+        return real_inside(root, root / file.path)
 
     def _installed(self, file: FilePath) -> str | None:
         return f"/{file.path}" if self.workspace.is_file(file) else None

@@ -18,7 +18,17 @@ from kg.facts import FileKind
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["INSTALLED", "FileEntry", "FilePath", "PackageFolder", "Source", "Workspace", "scan", "scan_tree"]
+__all__ = [
+    "INSTALLED",
+    "FileEntry",
+    "FilePath",
+    "PackageFolder",
+    "Source",
+    "Workspace",
+    "real_inside",
+    "scan",
+    "scan_tree",
+]
 
 INSTALLED: Final = "installed"
 """Stands for the repository of files of installed packages; their paths are absolute ones without the first slash."""
@@ -58,9 +68,9 @@ class Workspace:
         """Tell whether there is such a file, listed by the scan or not, inside the root of its source."""
         source = self.source(file.repository)
         if source is not None:
-            return self.entry(file) is not None or inside(source.root, source.root / file.path)
+            return self.entry(file) is not None or _is_file_inside(source.root, source.root / file.path)
         path = Path("/", file.path)
-        return file.repository == INSTALLED and any(inside(root, path) for root in self.installed)
+        return file.repository == INSTALLED and any(_is_file_inside(root, path) for root in self.installed)
 
     def entry(self, file: FilePath) -> FileEntry | None:
         """Return the entry of a file of the build; None when it is not in the build."""
@@ -222,10 +232,15 @@ class Workspace:
         return min(fits, key=lambda file: self._distance(file, near, home, ""), default=None)
 
 
-def inside(root: Path, path: Path) -> bool:
-    """Tell whether `path` is a regular file that stands, links followed, in the folder `root`."""
+def real_inside(root: Path, path: Path) -> str | None:
+    """Return where `path` stands when links are followed; None where that is not in the folder `root`."""
     real = os.path.realpath(path)
-    return real.startswith(os.path.realpath(root).rstrip("/") + "/") and os.path.isfile(real)  # noqa: PTH113 - as above
+    return real if real.startswith(os.path.realpath(root).rstrip("/") + "/") else None
+
+
+def _is_file_inside(root: Path, path: Path) -> bool:
+    real = real_inside(root, path)
+    return real is not None and Path(real).is_file()
 
 
 def _module_stem(path: str) -> str:

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from hashlib import blake2b
-from typing import Final
 
-__all__ = ["SEVERITIES", "Evidence", "Finding"]
+from kg.codes.severities import SEVERITIES
 
-SEVERITIES: Final = ("error", "warning", "note")
-"""From the worst to the least."""
+__all__ = ["Evidence", "Finding"]
 
 
 @dataclass(frozen=True, slots=True, order=True)

@@ -6,9 +6,10 @@ from collections import defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
+from kg.codes.severities import SEVERITIES
 from kg.graph import vocabulary as v
 from kg.graph.iris import Iris
-from kg.lint.finding import SEVERITIES, Evidence, Finding
+from kg.lint.finding import Evidence, Finding
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping

@@ -6,9 +6,9 @@ from collections import Counter, defaultdict
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
+from kg.codes.severities import SEVERITIES
 from kg.lint.allowing import Allowance, allowed_by
 from kg.lint.baseline import compared
-from kg.lint.finding import SEVERITIES
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Sequence

@@ -5,13 +5,12 @@ from __future__ import annotations
 import re
 from typing import Final
 
+from kg.codes.severities import SEVERITIES
 from kg.errors import Place, RuleError
 from kg.query.similar import did_you_mean
 from kg.rules.files import HEADINGS, Documentation
 
-__all__ = ["SEVERITIES", "parse_header"]
-
-SEVERITIES: Final = ("error", "warning", "note")
+__all__ = ["parse_header"]
 
 _KEY: Final = re.compile(r"(since|severity):\s*(\S*)\s*")
 

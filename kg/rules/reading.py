@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from importlib.metadata import entry_points
 from inspect import getfile
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import Place, RuleError
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
     from kg.rules.files import Documentation
+    from kg.rules.form import Rule
 
 __all__ = ["ENTRY_POINTS", "OPTIONAL", "TWICE", "Pack", "discover", "packs", "read", "read_text", "rule_files"]
 
@@ -26,6 +29,9 @@ ENTRY_POINTS: Final = "kg.rules"
 
 OPTIONAL: Final = "optional"
 """A file of this name in the folder of a family says, and why, that the family is in force only where it is named."""
+
+_KEPT: Final = 512
+"""So many texts of rules are kept compiled: all that a store has in force, and some edits of them."""
 
 TWICE: Final = (
     "Rename one: no rule takes the place of another of its name, and files of two endings share a name too. "
@@ -69,12 +75,18 @@ def read_text(text: str, path: Path, name: str, *, pack: str = "") -> RuleFile:
 
 
 def _read_rq(text: str, path: Path, name: str, documentation: Documentation) -> RuleFile:
+    found, prefixes = _compiled_rq(text, str(path), name)
+    return RuleFile(name, path, text, documentation, found, prefixes=prefixes)
+
+
+@lru_cache(maxsize=_KEPT)
+def _compiled_rq(text: str, path: str, name: str) -> tuple[tuple[Rule, ...], Mapping[str, str]]:
+    """Return the rules and prefixes of a text, which nothing else decides; builds that follow each other ask again."""
     from kg.rules.notations import rq  # noqa: PLC0415 - a notation is loaded when a file has it
     from kg.rules.syntax.units import parse_rq  # noqa: PLC0415 - the same
 
-    unit = parse_rq(text, str(path))
-    found = rq.rules(unit, name, str(path), text)
-    return RuleFile(name, path, text, documentation, found, prefixes=unit.prefixes)
+    unit = parse_rq(text, path)
+    return rq.rules(unit, name, path, text), MappingProxyType(dict(unit.prefixes))
 
 
 def _read_srl(text: str, path: Path, name: str, documentation: Documentation) -> RuleFile:

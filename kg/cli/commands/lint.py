@@ -10,10 +10,10 @@ import typer
 from kg.cli.diagnostics import colored, note, say
 from kg.cli.options import Families, Jobs, Json, PackageName, Rules, Store
 from kg.cli.output import json_lines, write
+from kg.cli.remarks import Form, Level, require_known
 from kg.cli.session import session
 from kg.cli.systems import Arguments, Environment, Launch, given
 from kg.errors import Exit, UsageError
-from kg.lint.finding import SEVERITIES
 from kg.store.opening import reading
 
 if TYPE_CHECKING:
@@ -22,15 +22,11 @@ if TYPE_CHECKING:
 
 __all__ = ["lint"]
 
-_FORMATS: Final = ("text", "json", "sarif", "github")
+_OTHER_FORMATS: Final = dict.fromkeys(("xunit", "junit"), "Use `--xunit-file FILE`.")
 
 Paths = Annotated[
     list[str] | None,
     typer.Argument(metavar="PATH", help="Folders to read first, into a store of their own; else the store's."),
-]
-Form = Annotated[str, typer.Option("--format", "-f", metavar="FORMAT", help=f"One of {', '.join(_FORMATS)}.")]
-Level = Annotated[
-    str, typer.Option("--level", metavar="SEVERITY", help="Leave out what is less than error, warning or note.")
 ]
 Every = Annotated[
     bool, typer.Option("--all", "-a", help="Also what may be missing only because a file is meant to be included.")
@@ -87,9 +83,7 @@ def lint(  # noqa: PLR0913 - the options of a command
     """
     began = perf_counter()
     form = "json" if json else form
-    for word, allowed, what in ((form, _FORMATS, "format"), (level, SEVERITIES, "severity")):
-        if word not in allowed:
-            raise UsageError("KG003", f"`{word}` is no {what}", hint=_hint(word, allowed))
+    require_known(form, level, _OTHER_FORMATS)
     arguments, environment = given(launch, arg, env)
     if why:
         _require_provable(stored=not (arg or env), form=form)
@@ -128,10 +122,6 @@ def _require_provable(*, stored: bool, form: str) -> None:
     if not stored or form != "text":
         hint = "Leave out --arg and --env, whose systems are not kept, and other formats than text."
         raise UsageError("KG003", "only what the store holds can be proven, and only as text", hint=hint)
-
-
-def _hint(word: str, allowed: "tuple[str, ...]") -> str:
-    return "Use `--xunit-file FILE`." if word in {"xunit", "junit"} else f"One of {', '.join(allowed)}."
 
 
 def _prove(context: typer.Context, checked: "Checked", settings: "Settings") -> None:

@@ -4,7 +4,7 @@ from collections import Counter
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -12,8 +12,10 @@ from kg.cli.diagnostics import colored, render, say
 from kg.cli.names import unknown
 from kg.cli.options import Families, Json, Rules, Store, Timeout
 from kg.cli.output import json_lines, write
+from kg.cli.remarks import Form, Level, require_known
 from kg.cli.session import session
-from kg.errors import Exit, RuleError, StoreError, UsageError
+from kg.codes.severities import SEVERITIES
+from kg.errors import Exit, RuleError, StoreError
 from kg.render.text import count
 from kg.store.opening import reading
 
@@ -26,15 +28,8 @@ if TYPE_CHECKING:
 
 __all__ = ["check"]
 
-_FORMATS: Final = ("text", "json", "sarif", "github")
-_SEVERITIES: Final = ("error", "warning", "note")
-
 Names = Annotated[list[str] | None, typer.Argument(metavar="[NAME]...", help="Rules, families, files or folders.")]
 Every = Annotated[bool, typer.Option("--all", "-a", help="Check your rules, packs and those that kg ships.")]
-Form = Annotated[str, typer.Option("--format", "-f", metavar="FORMAT", help=f"One of {', '.join(_FORMATS)}.")]
-Level = Annotated[
-    str, typer.Option("--level", metavar="SEVERITY", help="Leave out what is less than error, warning or note.")
-]
 
 
 def check(  # noqa: PLR0913 - the options of a command
@@ -61,15 +56,13 @@ def check(  # noqa: PLR0913 - the options of a command
         kg rules check --format sarif > rules.sarif
     """
     form = "json" if json else form
-    for word, allowed, what in ((form, _FORMATS, "format"), (level, _SEVERITIES, "severity")):
-        if word not in allowed:
-            raise UsageError("KG003", f"`{word}` is no {what}", hint=f"One of {', '.join(allowed)}.")
+    require_known(form, level)
     from kg.rules.checks.finding import SECONDS  # noqa: PLC0415 - start-up time
 
     settings = session(context).settings(store=store, rules=rules, rule_families=rule_families, timeout=timeout)
     seconds = SECONDS if timeout is None else settings.timeout or None
     findings, checked = _found(settings, names or [], seconds, every=every)
-    shown = [one for one in findings if _SEVERITIES.index(one.severity) <= _SEVERITIES.index(level)]
+    shown = [one for one in findings if SEVERITIES.index(one.severity) <= SEVERITIES.index(level)]
     _write(shown, form, checked)
     if any(one.severity != "note" for one in shown):
         raise typer.Exit(Exit.FOUND)
@@ -140,5 +133,5 @@ def _tell(findings: "Sequence[Finding]", checked: int) -> None:
         write(render(error, color=colored(sys.stdout), severity=one.severity))
         write()
     sums = Counter(one.severity for one in findings)
-    told = ", ".join(count(sums[severity], severity) for severity in _SEVERITIES if sums[severity])
+    told = ", ".join(count(sums[severity], severity) for severity in SEVERITIES if sums[severity])
     say(f"{count(checked, 'rule')} checked: {told or 'nothing wrong'}")

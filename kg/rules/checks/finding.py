@@ -16,10 +16,7 @@ if TYPE_CHECKING:
     from kg.rules.files import RuleFile, RuleSet
     from kg.rules.form import Element, Rule, Term
 
-__all__ = ["SECONDS", "SEVERITIES", "Context", "Finding", "Store", "at_offset", "at_rule", "from_error"]
-
-SEVERITIES: Final = ("error", "warning", "note")
-"""From the worst to the least; errors keep a rule from running."""
+__all__ = ["SECONDS", "Context", "Finding", "Store", "at_offset", "at_rule", "from_error"]
 
 SECONDS: Final = 5.0
 """How long a store may be asked about one rule, where nothing else is said."""

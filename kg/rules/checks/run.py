@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
+from kg.codes.severities import SEVERITIES
 from kg.errors import Place, RuleError
 from kg.rules.checks import (
     always_fires,
@@ -20,7 +21,7 @@ from kg.rules.checks import (
     variable_used_once,
 )
 from kg.rules.checks.examples_malformed import orphan
-from kg.rules.checks.finding import SEVERITIES, Context, Finding, from_error
+from kg.rules.checks.finding import Context, Finding, from_error
 from kg.rules.files import NOTATIONS, RuleSet
 from kg.rules.reading import TWICE, read, rule_files
 from kg.rules.specialise import specialise

@@ -1,0 +1,30 @@
+"""What commands share that make remarks about lines: how these are written, and which are shown."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
+
+from kg.codes.severities import SEVERITIES
+from kg.errors import UsageError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+__all__ = ["Form", "Level", "require_known"]
+
+_FORMATS: Final = ("text", "json", "sarif", "github")
+
+Form = Annotated[str, typer.Option("--format", "-f", metavar="FORMAT", help=f"One of {', '.join(_FORMATS)}.")]
+Level = Annotated[
+    str, typer.Option("--level", metavar="SEVERITY", help="Leave out what is less than error, warning or note.")
+]
+
+
+def require_known(form: str, level: str, hints: Mapping[str, str] | None = None) -> None:
+    """Raise UsageError KG003 for a format or a severity that there is not; `hints` has the way out for some words."""
+    for word, allowed, what in ((form, _FORMATS, "format"), (level, SEVERITIES, "severity")):
+        if word not in allowed:
+            hint = (hints or {}).get(word) or f"One of {', '.join(allowed)}."
+            raise UsageError("KG003", f"`{word}` is no {what}", hint=hint)
