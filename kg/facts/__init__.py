@@ -54,10 +54,13 @@ from kg.facts.systems import (
     NodeReference,
     System,
 )
+from kg.facts.texts import Description, DescriptionKind, Phrase
 
 __all__ = [
     "Access",
     "Dependency",
+    "Description",
+    "DescriptionKind",
     "Field",
     "FileKind",
     "InstanceInterface",
@@ -83,6 +86,7 @@ __all__ = [
     "PackageFacts",
     "Parameter",
     "Person",
+    "Phrase",
     "PluginValue",
     "Problem",
     "Qos",

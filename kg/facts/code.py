@@ -9,6 +9,7 @@ from typing import Final
 # Imported when the module is, for the caches and property tests make facts from their annotations.
 from kg.facts.launch import LaunchConfiguration  # noqa: TC001 - see above
 from kg.facts.places import Location  # noqa: TC001 - see above
+from kg.facts.texts import Description  # noqa: TC001 - see above
 
 __all__ = [
     "Access",
@@ -331,3 +332,5 @@ class PackageFacts:
     """Each launch file of the package, evaluated as if it were the one that is started, with its default arguments."""
     programs: tuple[str, ...] = ()
     """What `rosrun` or `ros2 run` can start of the package, in which a node was found or not."""
+    descriptions: tuple[Description, ...] = ()
+    """What people wrote about the package and its nodes, in the order of their places."""
