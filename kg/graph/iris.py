@@ -40,6 +40,7 @@ _SHAPES: Final[dict[str, str]] = {
     "service-type": "p",
     "action-type": "p",
     "package-name": "s",
+    "phrase": "s",
     "person": "ps",
     "qos": "ssss*",
     "software": "ss",
@@ -138,6 +139,10 @@ class Iris:
     def package_name(self, name: str) -> str:
         """Return the IRI of a package name, whatever source has a package of that name."""
         return f"{self.base}package-name/{_segment(name)}"
+
+    def phrase(self, text: str) -> str:
+        """Return the IRI of a noun phrase, its words in lower case."""
+        return f"{self.base}phrase/{_segment(text)}"
 
     def person(self, place: str, name: str) -> str:
         """Return the IRI of a person; `place` is an e-mail address or, without one, the source that names them."""

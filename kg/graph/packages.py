@@ -10,6 +10,7 @@ from kg.graph.licenses import spdx
 from kg.graph.nodes import node
 from kg.graph.ntriples import integer, literal
 from kg.graph.scope import Scope
+from kg.graph.texts import descriptions
 
 if TYPE_CHECKING:
     from kg.facts import Dependency, Package, PackageFacts, Person, Problem, SourceFile
@@ -40,6 +41,7 @@ def package_triples(facts: PackageFacts, iris: Iris) -> bytes:
         scope.writer.text(subject, v.INSTALLS, program)
     for each_node in facts.nodes:
         node(scope, subject, each_node)
+    descriptions(scope, iri, facts.descriptions)
     for each_problem in facts.problems:
         problem(scope, iri, each_problem)
     return scope.writer.encoded()

@@ -1,4 +1,4 @@
-"""What belongs to no source alone: topics, services, actions, interface types, names of packages, people, qualities.
+"""What belongs to no source alone: topics, services, actions, interface types, names, people, phrases, qualities.
 
 Many sources describe the same topic with the same triples. Were these in the graph of each, a query over all graphs
 would answer once for every source; so they stand once, in the graph `shared`, and the graph of a source holds the
@@ -26,6 +26,7 @@ _KINDS: Final = (
     "action-type",
     "package-name",
     "person",
+    "phrase",
     "qos",
 )
 

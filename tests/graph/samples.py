@@ -10,6 +10,8 @@ from pyoxigraph import QuerySolutions, RdfFormat, Store
 from kg.facts import (
     Access,
     Dependency,
+    Description,
+    DescriptionKind,
     Field,
     FileKind,
     Interface,
@@ -21,6 +23,7 @@ from kg.facts import (
     PackageFacts,
     Parameter,
     Person,
+    Phrase,
     Problem,
     Qos,
     Repository,
@@ -100,6 +103,17 @@ FACTS: Final = PackageFacts(
     (DOCK,),
     (SourceFile("rover_base/src/main.cpp", FileKind.CPP, 1204, "ab12"),),
     (Problem("KG115", "a bracket is missing", "rover_base/src/wheel.cpp", 3),),
+    descriptions=(
+        Description(
+            "Drives the wheels of the rover by its motor controllers.",
+            DescriptionKind.COMMENT,
+            MAIN,
+            "driver",
+            words=("controller", "drive", "motor", "rover", "wheel"),
+            phrases=(Phrase("motor controller", "compound"),),
+        ),
+        Description("The base of a rover.", DescriptionKind.README, Location("README.md", 3), heading="Rover"),
+    ),
 )
 BUILD: Final = BuildRecord(
     REPOSITORY,
