@@ -11,6 +11,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from kg.corpus.documents import Documents
 from kg.corpus.files import FileEntry, FilePath, PackageFolder, Source
 from kg.corpus.scanning import scan, scan_tree
 from kg.facts import FileKind
@@ -46,6 +47,7 @@ class Workspace:
         self.installed = tuple(installed)
         self._includes: dict[tuple[str, str, str], FilePath | None] = {}
         self._modules: dict[tuple[str, str, str], FilePath | None] = {}
+        self._documents: dict[str, Documents] = {}
 
     def source(self, repository: str) -> Source | None:
         """Return the source of that repository name."""
@@ -105,6 +107,15 @@ class Workspace:
     def definition(self, package: str, name: str, kind: str) -> FilePath | None:
         """Return the file that defines the interface `package/name`; `kind` is msg, srv or action."""
         return self._definitions.get((package, name, kind))
+
+    def documents(self, repository: str, package: str) -> tuple[FilePath, ...]:
+        """Return the pages of documentation in the package in that folder of a source, then those around it."""
+        source = self.source(repository)
+        if source is None:
+            return ()
+        if repository not in self._documents:
+            self._documents[repository] = Documents(source)
+        return self._documents[repository].of(package)
 
     @cached_property
     def _by_name(self) -> dict[str, Source]:

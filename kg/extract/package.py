@@ -13,7 +13,7 @@ from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Final, TypeVar
 
 from kg.corpus.reading import DEFAULT_LIMIT_BYTES, Reader
-from kg.extract import cpp, definitions, implicit, launch, manifests, parameters, python
+from kg.extract import cpp, definitions, implicit, launch, manifests, parameters, python, texts
 from kg.extract.buildmodel import BuildModel, TargetKind
 from kg.extract.merging import merge, settled
 from kg.facts import Location, Package, PackageFacts, SourceFile
@@ -48,10 +48,11 @@ def extract_package(
     described = _guard(reader, manifests.read_manifest, _undescribed(package), reader, package)
     build = _guard(reader, manifests.read_build, BuildModel(), reader, package)
     no_definitions: tuple[InterfaceDefinition, ...] = ()
+    nodes = _nodes(reader, package, build)
     return PackageFacts(
         repository=source.repository.name,
         package=described,
-        nodes=_nodes(reader, package, build),
+        nodes=nodes,
         definitions=tuple(
             sorted(
                 _guard(reader, definitions.read_definitions, no_definitions, reader, package),
@@ -60,6 +61,7 @@ def extract_package(
         ),
         files=tuple(_files(reader, package)),
         launches=_guard(reader, launch.read_launches, (), reader, package, described.ros),
+        descriptions=_guard(reader, texts.read_descriptions, (), reader, package, build, nodes),
         # Last, as reading adds to both.
         problems=tuple(sorted(reader.problems, key=lambda found: (found.path, found.line or 0, found.code))),
         inputs=reader.inputs,

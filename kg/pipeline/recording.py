@@ -77,6 +77,12 @@ class RecordingWorkspace(Workspace):
         self.lookups[("definition", package, name, kind)] = _name(found)
         return found
 
+    def documents(self, repository: str, package: str) -> tuple[FilePath, ...]:
+        """Return the pages of documentation of a package and of the folders around it."""
+        found = super().documents(repository, package)
+        self.lookups[("documents", repository, package)] = _names(found)
+        return found
+
 
 def answer(workspace: Workspace, lookup: Lookup) -> str:
     """Return what a workspace answers to a look-up that was recorded in another."""
@@ -91,12 +97,18 @@ def answer(workspace: Workspace, lookup: Lookup) -> str:
         return str(workspace.is_file(FilePath(*asked)))
     if kind == "definition":
         return _name(workspace.definition(*asked))
+    if kind == "documents":
+        return _names(workspace.documents(*asked))
     find = workspace.include if kind == "include" else workspace.module
     return _name(find(asked[0], near=FilePath(*asked[1:])))
 
 
 def _name(file: FilePath | None) -> str:
     return "" if file is None else f"{file.repository}:{file.path}"
+
+
+def _names(files: Iterable[FilePath]) -> str:
+    return "\n".join(map(_name, files))
 
 
 def _place(found: tuple[Source, PackageFolder] | None) -> str:

@@ -1,0 +1,61 @@
+"""The pages of documentation of a package and of the folders around it, read for what they say of its nodes."""
+
+from __future__ import annotations
+
+import posixpath
+import re
+from typing import TYPE_CHECKING, Final
+
+from kg.extract.texts.dox import markdown
+from kg.extract.texts.naming import Names, key
+from kg.extract.texts.pages import read_page
+from kg.extract.texts.readme import About, find
+from kg.facts import Description, DescriptionKind, Location
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kg.corpus.files import FilePath, PackageFolder
+    from kg.corpus.reading import Reader
+    from kg.facts import NodeType
+
+__all__ = ["of_documents"]
+
+_MOST_PAGES: Final = 60
+"""Pages that are read for one package, the nearest first; the repositories with the most have about 40 around one."""
+_LARGEST_PAGE: Final = 300_000
+"""Bytes of a page that somebody wrote to be read; a larger one is a log or a table."""
+_MAIN: Final = re.compile(r"readme|index\b|mainpage|about\b|overview", re.IGNORECASE)
+_FOLDERS: Final = frozenset({"doc", "docs", "documentation", "doxygen"})
+
+
+def of_documents(reader: Reader, package: PackageFolder, nodes: tuple[NodeType, ...]) -> Iterator[Description]:
+    """Yield the paragraphs of pages that describe the package or one of its nodes."""
+    source = reader.source
+    others = [one.name for one in source.packages if one.name != package.name]
+    repository = posixpath.basename(source.repository.name)
+    names = Names(nodes, [package.name, repository, *others])
+    neighbours = frozenset(map(key, others))
+    for file in reader.workspace.documents(source.repository.name, package.path)[:_MOST_PAGES]:
+        own = reader.workspace.owner(file) is package or len(source.packages) == 1
+        data = reader.read(file)
+        if data is None or len(data) > _LARGEST_PAGE or not (own or _concerns(data, package, names)):
+            continue
+        main = own and _is_main(file, package)
+        about = About(names, package.name, neighbours, own=main)
+        text = markdown(data.decode()) if file.path.endswith(".dox") else data.decode()
+        blocks = read_page(text, rst=file.path.endswith((".rst", ".txt")))
+        for one in find(blocks, about):
+            place = Location(file.path, one.line)
+            yield Description(one.text, DescriptionKind.README, place, one.node, one.heading)
+
+
+def _concerns(data: bytes, package: PackageFolder, names: Names) -> bool:
+    return package.name.encode() in data or names.mentioned(data)
+
+
+def _is_main(file: FilePath, package: PackageFolder) -> bool:
+    """Tell whether a page is the README of its package, or the first page of its documentation."""
+    folder = posixpath.dirname(file.path)
+    near = folder in {"", package.path} or posixpath.basename(folder).lower() in _FOLDERS
+    return near and _MAIN.match(posixpath.basename(file.path)) is not None

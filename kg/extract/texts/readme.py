@@ -1,0 +1,155 @@
+"""READMEs and other pages of documentation: which of their paragraphs describe the package, and which a node.
+
+A section whose heading names a node is about that node. So are a paragraph that names one, an item `name: what it does`
+and a row of a table that begins with the name. What stands before the first section of a package's README is about
+the package.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from kg.extract.texts.naming import key
+from kg.extract.texts.pages import Block, BlockKind
+from kg.extract.texts.paragraphs import plain
+from kg.extract.texts.prose import is_prose, shortened
+from kg.extract.texts.sections import is_about, is_interface, is_never, is_telling
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from kg.extract.texts.naming import Names
+
+__all__ = ["About", "Found", "find"]
+
+_SPAN: Final = re.compile(
+    r"``?([^`]{1,120})``?|\*\*([^*]{1,120})\*\*|__([^_].{0,120}?)__|<(?:b|code|tt|strong)>([^<]{1,120})</",
+    re.IGNORECASE,
+)
+_LEAD: Final = re.compile(
+    r"^[\s*`_\[]*(?:<\w+>)?([\w./:\-]{2,80}?(?: (?:node|nodelet|component))?)[\s*`_\]]*(?:</\w+>)?"
+    r"(?:\([^)]{0,200}\))?\**\s*(?::|-{1,3}|\u2013|\u2014)+\**\s+(\S.*)$"
+)
+_MOST_NODES: Final = 3
+"""A paragraph that names more nodes than these lists them and describes none."""
+
+
+@dataclass(frozen=True, slots=True)
+class About:
+    """What a page is read for: the names of the nodes, of the package and of its neighbours in the repository.
+
+    `own` tells that the page belongs to the package, `alone` that the package is the only one it can be about.
+    """
+
+    names: Names
+    package: str
+    neighbours: frozenset[str]
+    own: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A paragraph of a page that describes something: a node, or the package where `node` is None."""
+
+    text: str
+    line: int
+    node: str | None
+    heading: str | None
+
+
+@dataclass(slots=True)
+class _Section:
+    """The heading that the pass is below; `nodes` and `package` are what it is about."""
+
+    heading: str
+    level: int
+    nodes: tuple[str, ...] = ()
+    package: bool = False
+    foreign: bool = False
+
+
+def find(blocks: Iterable[Block], about: About) -> Iterator[Found]:
+    """Yield the paragraphs of a page that describe the package or one of its nodes, in their order."""
+    stack = [_Section("", 0, package=about.own)]
+    first_heading = True
+    for block in blocks:
+        if block.kind is BlockKind.HEADING:
+            while len(stack) > 1 and stack[-1].level >= block.level:
+                stack.pop()
+            stack.append(_section(block, stack[-1], about, title=first_heading))
+            first_heading = False
+            continue
+        section = stack[-1]
+        if any(is_never(one.heading) and not one.nodes for one in stack[1:]):
+            continue
+        yield from _described(block, section, about)
+
+
+def _section(block: Block, outer: _Section, about: About, *, title: bool) -> _Section:
+    heading = plain(block.text)
+    nodes = about.names.of_heading(heading)
+    named = key(heading.replace(" ", "")) in {key(about.package), key(about.package + "package")}
+    other = _tokens_of(heading) & about.neighbours
+    foreign = bool(other) and not named and not nodes if not about.own else False
+    if nodes or named:
+        return _Section(heading, block.level, nodes, package=named or (not nodes and outer.package))
+    telling = title or (is_about(heading) and is_telling(heading))
+    inherited = outer.nodes if outer.nodes and is_about(heading) else ()
+    package = outer.package and telling and not inherited
+    return _Section(heading, block.level, inherited, package=package, foreign=foreign or outer.foreign)
+
+
+def _tokens_of(heading: str) -> set[str]:
+    return {key(token) for token in re.findall(r"[\w\-]+", heading)}
+
+
+def _described(block: Block, section: _Section, about: About) -> Iterator[Found]:
+    if section.foreign:
+        return
+    heading = section.heading or None
+    if block.kind is BlockKind.ROW:
+        yield from _row(block, heading, about)
+        return
+    text = plain(block.text)
+    lead = _LEAD.match(block.text) if block.kind is BlockKind.ITEM else None
+    if lead and (nodes := about.names.of_lead(plain(lead[1]))):
+        if is_prose(plain(lead[2])):
+            yield from (Found(shortened(text), block.line, node, heading) for node in nodes)
+        return
+    if not is_prose(text):
+        return
+    if lead and not about.own and key(plain(lead[1])) == key(about.package):
+        yield Found(shortened(text), block.line, None, heading)
+        return
+    yield from _paragraph(block, text, section, about)
+
+
+def _paragraph(block: Block, text: str, section: _Section, about: About) -> Iterator[Found]:
+    heading = section.heading or None
+    if section.nodes:
+        if block.kind is BlockKind.PARAGRAPH or not is_interface(section.heading):
+            yield from (Found(shortened(text), block.line, node, heading) for node in section.nodes[:_MOST_NODES])
+        return
+    if block.kind is BlockKind.PARAGRAPH:
+        spans = [plain(next(filter(None, match.groups()), "")) for match in _SPAN.finditer(block.text[:4000])]
+        nodes = about.names.of_text(text, spans)
+        if nodes and len(nodes) <= _MOST_NODES:
+            yield from (Found(shortened(text), block.line, node, heading) for node in nodes)
+    if section.package:
+        yield Found(shortened(text), block.line, None, heading)
+
+
+def _row(block: Block, heading: str | None, about: About) -> Iterator[Found]:
+    cells = [plain(cell) for cell in block.text.split("\t")]
+    if len(cells) < 2:  # noqa: PLR2004 - a name and what it does
+        return
+    said = max(cells[1:], key=len)
+    if not is_prose(said):
+        return
+    nodes = about.names.of_lead(cells[0])
+    if nodes:
+        yield from (Found(shortened(f"{cells[0]}: {said}"), block.line, node, heading) for node in nodes)
+    elif not about.own and key(cells[0]) == key(about.package):
+        yield Found(shortened(said), block.line, None, heading)

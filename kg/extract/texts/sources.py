@@ -1,0 +1,184 @@
+"""Comments and docstrings of the sources of nodes: which of them are about which node.
+
+A node has a file that it begins in, other sources, and files in which it makes interfaces. The header of a file is
+about each node that begins there or whose source it is, unless these are many; the comment of a class is about the
+node that is loaded as that class, or about the program that uses it.
+"""
+
+from __future__ import annotations
+
+import posixpath
+import re
+from collections import Counter
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final
+
+from kg.extract.texts.cpp import Comments, read_comments
+from kg.extract.texts.naming import key, last_part
+from kg.extract.texts.python import Docstrings, read_docstrings
+from kg.facts import Description, DescriptionKind, FileKind, Location
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from kg.corpus.files import PackageFolder
+    from kg.corpus.reading import Reader
+    from kg.extract.buildmodel import BuildModel
+    from kg.extract.texts.paragraphs import Paragraph
+    from kg.facts import NodeType
+
+__all__ = ["of_sources"]
+
+_MOST_NODES: Final = 3
+"""A file that is a source of more nodes than these is about none of them."""
+_MOST_FILES: Final = 12
+"""Files of a node that are looked at: beginning, sources, and where its interfaces stand."""
+_ROLE: Final = re.compile(r"_?(?:nodelet|node|component|class|impl|ros|main|core|app|plugin)$")
+_ERROR: Final = re.compile(r"(?:Error|Exception|Enum|Test|TestCase|Struct|Params?|Config|Data|State|Traits|Options)$")
+
+
+@dataclass(slots=True)
+class _Sources:
+    """The comments of the files of a package, each read when it is first asked for."""
+
+    reader: Reader
+    package: PackageFolder
+    classes: dict[str, str]
+    """The C++ class of each plugin."""
+    uses: Counter[str] = field(default_factory=Counter)
+    """Of how many nodes a file is a source."""
+    _cpp: dict[str, Comments | None] = field(default_factory=dict)
+    _python: dict[str, Docstrings | None] = field(default_factory=dict)
+    _texts: dict[str, str | None] = field(default_factory=dict)
+    _stems: dict[str, list[str]] = field(default_factory=dict)
+
+    def text(self, path: str) -> str | None:
+        """Return the text of a file of the build, None where it cannot be read."""
+        if path not in self._texts:
+            known = self.reader.workspace.entry(self.reader.file(path)) is not None
+            data = self.reader.read(path) if known else None
+            self._texts[path] = data.decode() if data is not None else None
+        return self._texts[path]
+
+    def cpp(self, path: str) -> Comments | None:
+        """Return the comments of a C++ file."""
+        if path not in self._cpp:
+            text = self.text(path)
+            self._cpp[path] = read_comments(text) if text else None
+        return self._cpp[path]
+
+    def python(self, path: str) -> Docstrings | None:
+        """Return the docstrings and comments of a Python file."""
+        if path not in self._python:
+            text = self.text(path)
+            self._python[path] = read_docstrings(text) if text else None
+        return self._python[path]
+
+    def headers(self, path: str) -> list[str]:
+        """Return the other C++ files of the package that have the name of a file, without its ending."""
+        if not self._stems:
+            for entry in self.package.files:
+                if entry.kind is FileKind.CPP:
+                    self._stems.setdefault(_stem(entry.path), []).append(entry.path)
+        return [one for one in self._stems.get(_stem(path), ()) if one != path]
+
+
+def of_sources(
+    reader: Reader, package: PackageFolder, build: BuildModel, nodes: tuple[NodeType, ...]
+) -> Iterator[Description]:
+    """Yield what the comments and docstrings in the sources of nodes say of them."""
+    sources = _Sources(reader, package, {plugin.name: last_part(plugin.type) for plugin in build.plugins})
+    for node in nodes:
+        sources.uses.update({node.location.path, *node.sources})
+    functions = {entry.name: entry.function for entry in build.entry_points}
+    for node in nodes:
+        if node.location.repository is not None:
+            continue
+        if node.language == "python":
+            yield from _python(sources, node, functions.get(node.executable or ""))
+        else:
+            yield from _cpp(sources, node)
+
+
+def _cpp(sources: _Sources, node: NodeType) -> Iterator[Description]:
+    files = _files(node)
+    files = list(dict.fromkeys(path for file in files for path in (file, *sources.headers(file))))[:_MOST_FILES]
+    main = sources.text(node.location.path) or ""
+    for path in files:
+        comments = sources.cpp(path)
+        if comments is None:
+            continue
+        if _is_own(sources, node, path):
+            yield from _descriptions(node, path, comments.header)
+        if path == node.location.path:
+            yield from _descriptions(node, path, comments.main)
+        for name, paragraphs in comments.classes.items():
+            if _is_class_of(sources, node, name, main):
+                yield from _descriptions(node, path, paragraphs)
+
+
+def _files(node: NodeType) -> list[str]:
+    """Return the files of a node: where it begins, its sources, and where it makes interfaces itself."""
+    made = [one.location.path for one in node.interfaces if not one.implicit and one.location.repository is None]
+    return list(dict.fromkeys([node.location.path, *node.sources, *made]))[:_MOST_FILES]
+
+
+def _is_own(sources: _Sources, node: NodeType, path: str) -> bool:
+    """Tell whether the header of a file is about a node: it begins there, or the file has its name."""
+    if sources.uses[path] > _MOST_NODES:
+        return False
+    return (
+        path == node.location.path
+        or (path in node.sources and len(node.sources) <= _MOST_NODES)
+        or _alike(_stem(path), node)
+    )
+
+
+def _is_class_of(sources: _Sources, node: NodeType, name: str, main: str) -> bool:
+    if node.plugin is not None:
+        return name == (sources.classes.get(node.plugin) or last_part(node.plugin))
+    if node.executable is None and node.language != "python":
+        return name == node.name
+    if _alike(name, node):
+        return True
+    return not _ERROR.search(name) and re.search(rf"\b{re.escape(name)}\b", main) is not None
+
+
+def _alike(name: str, node: NodeType) -> bool:
+    """Tell whether a class or file has the name of a node, but for words as `node` and `ros`."""
+    names = {one for one in (node.name, node.executable, node.node_name, last_part(node.plugin or "")) if one}
+    return _core(name) in {_core(one.removesuffix(".py")) for one in names}
+
+
+def _core(name: str) -> str:
+    short = key(name)
+    for _ in range(2):
+        short = _ROLE.sub("", short) or short
+    return short
+
+
+def _python(sources: _Sources, node: NodeType, function: str | None) -> Iterator[Description]:
+    for path in _files(node):
+        texts = sources.python(path)
+        if texts is None:
+            continue
+        if _is_own(sources, node, path):
+            yield from _descriptions(node, path, texts.header)
+            yield from _descriptions(node, path, texts.module, DescriptionKind.DOCSTRING)
+        if path == node.location.path:
+            for name in {function or "main", "main"}:
+                yield from _descriptions(node, path, texts.functions.get(name, ()), DescriptionKind.DOCSTRING)
+        text = sources.text(node.location.path) or ""
+        for name, paragraphs in texts.classes.items():
+            if _is_class_of(sources, node, name, text):
+                yield from _descriptions(node, path, paragraphs, DescriptionKind.DOCSTRING)
+
+
+def _descriptions(
+    node: NodeType, path: str, paragraphs: Iterable[Paragraph], kind: DescriptionKind = DescriptionKind.COMMENT
+) -> Iterator[Description]:
+    return (Description(one.text, kind, Location(path, one.line), node.name) for one in paragraphs)
+
+
+def _stem(path: str) -> str:
+    return posixpath.basename(path).partition(".")[0]

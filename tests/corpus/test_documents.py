@@ -1,0 +1,47 @@
+"""Pages of documentation: which are a package's own, and which around it are about it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kg.corpus.workspace import Workspace, scan
+from kg.facts import Repository
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+MANIFEST = "<package><name>{}</name></package>"
+
+
+def pages(root: Path, package: str, *paths: str) -> list[str]:
+    """Return the pages of a package of a repository with the packages `laser` and `arm` and these pages."""
+    for name in ("laser", "arm"):
+        (root / name).mkdir()
+        (root / name / "package.xml").write_text(MANIFEST.format(name))
+    for path in paths:
+        (root / path).parent.mkdir(parents=True, exist_ok=True)
+        (root / path).write_text("Words.\n")
+    workspace = Workspace([scan(root, Repository("local/r", str(root)))])
+    return [file.path for file in workspace.documents("local/r", package)]
+
+
+def test_own_pages_come_first(tmp_path: Path) -> None:
+    """The pages of a package come before those of the root, and READMEs before what is beside them."""
+    found = pages(tmp_path, "laser", "README.md", "laser/doc/a.rst", "laser/README.md", "laser/about.md")
+    assert found == ["laser/README.md", "laser/about.md", "laser/doc/a.rst", "README.md"]
+
+
+def test_pages_about_another_package_are_left_out(tmp_path: Path) -> None:
+    """A page in a folder that has the name of another package is about that one."""
+    assert pages(tmp_path, "laser", "doc/arm/a.rst", "doc/laser/a.rst") == ["doc/laser/a.rst"]
+    assert "laser/README.md" not in pages(tmp_path / "sub", "arm") if (tmp_path / "sub").mkdir() else True
+
+
+def test_formal_pages_are_left_out(tmp_path: Path) -> None:
+    """Change logs, licences, and pages at the root outside of `doc` are left out."""
+    assert pages(tmp_path, "laser", "laser/CHANGELOG.rst", "LICENSE", "notes/x.md", "laser/words.txt") == []
+
+
+def test_an_unknown_source_has_no_pages() -> None:
+    """A repository that is not of the build has no pages."""
+    assert Workspace([]).documents("local/none", ".") == ()
