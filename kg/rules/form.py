@@ -58,6 +58,10 @@ class Variable:
 
     name: str
 
+    def __hash__(self) -> int:
+        # That of a dataclass makes a tuple first, and sets of variables are made all the time.
+        return hash(self.name)
+
     def __str__(self) -> str:
         return f"?{self.name}"
 

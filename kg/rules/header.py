@@ -24,8 +24,8 @@ def parse_header(text: str, path: str) -> Documentation:
     sections: dict[str, list[str]] = {}
     keys: dict[str, str] = {}
     section: list[str] | None = None
-    for number, line, column in _comments(text):
-        place = Place(path, number, column, text.splitlines()[number - 1])
+    for number, line, column, whole in _comments(text):
+        place = Place(path, number, column, whole)
         if line.startswith("## "):
             section = sections.setdefault(_heading(line[3:].strip(), sections, place), [])
         elif match := _KEY.fullmatch(line):
@@ -39,12 +39,12 @@ def parse_header(text: str, path: str) -> Documentation:
     return Documentation(title, written, keys.get("since"), keys.get("severity"))
 
 
-def _comments(text: str) -> list[tuple[int, str, int]]:
-    """Return the lines of the header with their number, without the comment sign, and the column they begin at."""
-    found: list[tuple[int, str, int]] = []
+def _comments(text: str) -> list[tuple[int, str, int, str]]:
+    """Return the lines of the header: number, what is behind the comment sign, the column of that, all of the line."""
+    found: list[tuple[int, str, int, str]] = []
     for number, line in enumerate(text.splitlines(), 1):
         if line.startswith("#"):
-            found.append((number, line[1:].removeprefix(" ").rstrip(), 3))
+            found.append((number, line[1:].removeprefix(" ").rstrip(), 3, line))
         elif found or line.strip():
             break
     return found

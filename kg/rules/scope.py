@@ -4,7 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kg.rules.form import Aggregate, Assignment, Atom, EngineBlock, Exists, Filter, Values, Variable, variables_of
+from kg.rules.form import (
+    Aggregate,
+    Assignment,
+    Atom,
+    EngineBlock,
+    Exists,
+    Filter,
+    TripleTerm,
+    Values,
+    Variable,
+    variables_of,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -17,7 +28,7 @@ __all__ = ["binds", "bound_in", "mentions"]
 def binds(element: Element) -> frozenset[Variable]:
     """Return the variables that are bound behind an element; those of an EngineBlock that may stay unbound too."""
     if isinstance(element, Atom):
-        return frozenset(variable for position in element.positions for variable in variables_of(position))
+        return _variables(element)
     if isinstance(element, Assignment):
         return frozenset((element.variable,))
     if isinstance(element, Values | EngineBlock):
@@ -25,6 +36,16 @@ def binds(element: Element) -> frozenset[Variable]:
     if isinstance(element, Aggregate):
         return frozenset((*element.keys, *(column.variable for column in element.columns)))
     return frozenset()
+
+
+def _variables(atom: Atom) -> frozenset[Variable]:
+    """Return the variables of an atom; nearly all stand in it by themselves, so only triple terms are searched."""
+    positions = atom.positions
+    found = [position for position in positions if isinstance(position, Variable)]
+    for position in positions:
+        if isinstance(position, TripleTerm):
+            found += variables_of(position)
+    return frozenset(found)
 
 
 def bound_in(body: Iterable[Element]) -> frozenset[Variable]:

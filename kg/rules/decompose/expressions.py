@@ -9,10 +9,10 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Final
 
 from kg.rules.form import Expression
-from kg.rules.syntax.lexer import END, Kind, token_at
+from kg.rules.syntax.lexer import Kind, tokens_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterator, Mapping
+    from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 
     from kg.errors import Place
     from kg.rules.syntax.lexer import Token
@@ -53,32 +53,23 @@ _CLOSING: Final = frozenset(")]}")
 _TERMS: Final = frozenset({Kind.IRI, Kind.STRING, Kind.VARIABLE, Kind.NUMBER, Kind.NAME})
 
 
-def _tokens(text: str) -> list[Token]:
-    found = []
-    token = token_at(text, 0)
-    while token.text != END:
-        found.append(token)
-        token = token_at(text, token.end)
-    return found
-
-
 def _word(token: Token) -> str:
     return token.text.upper() if token.kind is Kind.WORD else token.text
 
 
 def variables(text: str) -> tuple[str, ...]:
     """Return the names of the variables in an expression, in order, each once."""
-    return tuple(dict.fromkeys(token.text[1:] for token in _tokens(text) if token.kind is Kind.VARIABLE))
+    return tuple(dict.fromkeys(token.text[1:] for token in tokens_of(text) if token.kind is Kind.VARIABLE))
 
 
 def expression(text: str, place: Place | None = None) -> Expression:
     """Return an expression of the internal form."""
-    tokens = _tokens(text)
+    tokens = tokens_of(text)
     words = {_word(token) for token in tokens}
     return Expression(text, variables(text), _mints(tokens), bool(words & _VOLATILE), place)
 
 
-def _mints(tokens: list[Token]) -> bool:
+def _mints(tokens: Sequence[Token]) -> bool:
     """Tell whether the value may be a new term: arithmetic, triple terms, all functions that are not known not to."""
     for index, token in enumerate(tokens):
         follows = tokens[index + 1 : index + 2]
@@ -91,7 +82,7 @@ def _mints(tokens: list[Token]) -> bool:
     return False
 
 
-def _is_sign(tokens: list[Token], index: int) -> bool:
+def _is_sign(tokens: Sequence[Token], index: int) -> bool:
     """Tell whether `+` or `-` begins a number."""
     before, behind = tokens[:index], tokens[index + 1 :]
     operand = bool(before) and (before[-1].kind in _TERMS or before[-1].text == ")")
@@ -100,12 +91,12 @@ def _is_sign(tokens: list[Token], index: int) -> bool:
 
 def is_strict(text: str) -> bool:
     """Tell whether an expression is in error whenever one of its variables is unbound."""
-    return not any(_word(token) in _FORGIVING for token in _tokens(text))
+    return not any(_word(token) in _FORGIVING for token in tokens_of(text))
 
 
 def can_fail(text: str) -> bool:
     """Tell whether an expression may be in error although all of its variables are bound; True when in doubt."""
-    tokens = _tokens(text)
+    tokens = tokens_of(text)
     if len(tokens) == 1:
         return tokens[0].kind is Kind.WORD and _word(tokens[0]) not in {"TRUE", "FALSE"}
     if tokens[0].kind is Kind.STRING:
@@ -126,7 +117,7 @@ def renamed(text: str, names: Mapping[str, str]) -> str:
 
 def simplified(text: str, bound: Collection[str]) -> str:
     """Return `true` or `false` for a test that is BOUND of a variable that is bound everywhere, or its negation."""
-    words = [_word(token) for token in _tokens(text)]
+    words = [_word(token) for token in tokens_of(text)]
     negated = words[:1] == ["!"]
     match words[negated:]:
         case ["BOUND", "(", name, ")"] if name[1:] in bound:
@@ -146,7 +137,7 @@ def resolved(text: str, visible: Collection[str]) -> str | None:
         return text
     if is_strict(text):
         return None
-    tokens = _tokens(text)
+    tokens = tokens_of(text)
     pieces, end = [], 0
     for before, token in pairwise(_bounds(tokens, missing)):
         pieces.append(text[before[1] : token[0]] + token[2])
@@ -154,7 +145,7 @@ def resolved(text: str, visible: Collection[str]) -> str | None:
     return "".join(pieces) + text[end:]
 
 
-def _bounds(tokens: list[Token], missing: set[str]) -> Iterator[tuple[int, int, str]]:
+def _bounds(tokens: Sequence[Token], missing: set[str]) -> Iterator[tuple[int, int, str]]:
     """Yield what is to be replaced, from where to where, by what; first a place before all."""
     yield 0, 0, ""
     for index, token in enumerate(tokens):
@@ -169,7 +160,7 @@ def _bounds(tokens: list[Token], missing: set[str]) -> Iterator[tuple[int, int, 
 def _edited(text: str, spelling: Callable[[Token], str | None]) -> str:
     """Return a text with some of its variables spelt anew."""
     pieces, end = [], 0
-    for token in _tokens(text):
+    for token in tokens_of(text):
         new = spelling(token) if token.kind is Kind.VARIABLE else None
         if new is not None:
             pieces += [text[end : token.start], new]
@@ -183,7 +174,7 @@ def conjuncts(text: str) -> list[str]:
     The conjunction is true only where both sides are true; false and error alike take the solution away.
     """
     text = bare(text)
-    tokens = _tokens(text)
+    tokens = tokens_of(text)
     depth, start, parts = 0, 0, []
     for token in tokens:
         depth += (token.text in _OPENING or token.text == "<<(") - (token.text in _CLOSING or token.text == ")>>")
@@ -199,13 +190,13 @@ def conjuncts(text: str) -> list[str]:
 
 def bare(text: str) -> str:
     """Return an expression without brackets around all of it."""
-    tokens = _tokens(text)
+    tokens = tokens_of(text)
     while len(tokens) > 2 and tokens[0].text == "(" and _partner(tokens) == len(tokens) - 1:  # noqa: PLR2004 - both brackets and more
         tokens = tokens[1:-1]
     return text[tokens[0].start : tokens[-1].end] if tokens else text
 
 
-def _partner(tokens: list[Token]) -> int:
+def _partner(tokens: Sequence[Token]) -> int:
     """Return the index of the bracket that closes the first."""
     depth = 0
     for index, token in enumerate(tokens):
@@ -220,7 +211,7 @@ def existence(text: str) -> bool | None:
 
     Raises ValueError where an EXISTS is only a part of the test.
     """
-    tokens = _tokens(text)
+    tokens = tokens_of(text)
     if not any(_word(token) == "EXISTS" for token in tokens):
         return None
     negated = False

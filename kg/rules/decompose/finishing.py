@@ -11,7 +11,7 @@ from kg.rules.form import Aggregate, Assignment, Atom, EngineBlock, Exists, Filt
 from kg.rules.scope import binds, bound_in, mentions
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from kg.rules.decompose.names import Names
     from kg.rules.form import Element
@@ -81,17 +81,13 @@ def _copied(element: Element, rest: tuple[Element, ...]) -> Variable | None:
 
 def _check_blocks(body: tuple[Element, ...]) -> None:
     for index, element in enumerate(body):
-        others = (*body[:index], *body[index + 1 :])
-        if isinstance(element, EngineBlock) and frozenset().union(*map(mentions, others)) & set(element.optional):
-            raise IndivisibleError
-        if isinstance(element, Exists):
-            _check_inner(element.body, frozenset().union(*map(mentions, others)))
-        if isinstance(element, Aggregate):
+        if isinstance(element, Exists | Aggregate):
             _check_blocks(element.body)
-
-
-def _check_inner(body: tuple[Element, ...], around: frozenset[Variable]) -> None:
-    _check_blocks(body)
-    for element in body:
-        if isinstance(element, EngineBlock) and around & set(element.optional):
+        inner = element.body if isinstance(element, Exists) else (element,)
+        open_ends = {variable for one in inner if isinstance(one, EngineBlock) for variable in one.optional}
+        if open_ends and not open_ends.isdisjoint(_mentioned((*body[:index], *body[index + 1 :]))):
             raise IndivisibleError
+
+
+def _mentioned(body: Iterable[Element]) -> frozenset[Variable]:
+    return frozenset().union(*map(mentions, body))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
 from kg.rules import sparql
@@ -36,11 +36,20 @@ class Part:
     nodes: frozenset[Variable] = frozenset()
     subjects: frozenset[Variable] = frozenset()
     given: frozenset[Variable] = frozenset()
+    bound: frozenset[Variable] = field(default=frozenset(), compare=False)
+    """The variables that solutions bind: those of the elements, and those given. Asked for at each step, so kept."""
 
-    @property
-    def bound(self) -> frozenset[Variable]:
-        """The variables that solutions bind."""
-        return bound_in(self.elements) | self.given
+    @classmethod
+    def of(
+        cls,
+        elements: Iterable[Element],
+        nodes: frozenset[Variable] = frozenset(),
+        subjects: frozenset[Variable] = frozenset(),
+        given: frozenset[Variable] = frozenset(),
+    ) -> Part:
+        """Return the part of some elements, of which is known what is known of it."""
+        elements = tuple(elements)
+        return cls(elements, nodes, subjects, given, bound_in(elements) | given)
 
     @property
     def always(self) -> frozenset[Variable]:
@@ -54,13 +63,15 @@ class Part:
         subjects = frozenset(atom.subject for atom in atoms if isinstance(atom.subject, Variable))
         objects = frozenset(atom.object for atom in atoms if isinstance(atom.object, Variable))
         nodes = self.nodes | subjects | objects
-        return Part((*self.elements, *elements), nodes, self.subjects | subjects, self.given)
+        bound = self.bound.union(*map(binds, elements))
+        return Part((*self.elements, *elements), nodes, self.subjects | subjects, self.given, bound)
 
     def same_node(self, variable: Variable, other: Variable) -> Part:
         """Return the part, knowing that one variable has the value of another."""
         nodes = self.nodes | ({variable} if other in self.nodes else set())
         subjects = self.subjects | ({variable} if other in self.subjects else set())
-        return replace(self, nodes=nodes, subjects=subjects, given=self.given | ({other} - self.bound))
+        given = self.given | ({other} - self.bound)
+        return replace(self, nodes=nodes, subjects=subjects, given=given, bound=self.bound | {other})
 
 
 EMPTY: Final = Part()
@@ -116,7 +127,7 @@ def joined(left: Part, right: Part, names: Names) -> Part:
     which `attached` sees to.
     """
     elements = (*left.elements, *attached(right.elements, left.bound, names))
-    return Part(elements, left.nodes | right.nodes, left.subjects | right.subjects, left.given | right.given)
+    return Part.of(elements, left.nodes | right.nodes, left.subjects | right.subjects, left.given | right.given)
 
 
 def attached(elements: Iterable[Element], bound: frozenset[Variable], names: Names) -> Iterator[Element]:
@@ -157,7 +168,8 @@ def placed(part: Part, element: Filter, known: frozenset[Variable]) -> Part:
     needed = frozenset(map(Variable, element.expression.variables)) - known
     elements = part.elements
     if needed and not element.expression.volatile:
-        for index in range(1, len(elements)):
-            if needed <= bound_in(elements[:index]):
+        for index, before in enumerate(elements[:-1], 1):
+            needed -= binds(before)
+            if not needed:
                 return replace(part, elements=(*elements[:index], element, *elements[index:]))
     return replace(part, elements=(*elements, element))

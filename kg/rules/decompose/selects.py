@@ -100,7 +100,7 @@ def _hiding(work: Work, part: Part, visible: Iterable[Variable]) -> Part:
     names = {variable: work.names.like(variable) for variable in hidden if _is_written(work, variable)}
     known = (part.nodes, part.subjects, part.given)
     nodes, subjects, given = (frozenset(names.get(variable, variable) for variable in found) for found in known)
-    return Part(renamed(part.elements, names), nodes, subjects, given)
+    return Part.of(renamed(part.elements, names), nodes, subjects, given)
 
 
 def _is_written(work: Work, variable: Variable) -> bool:
@@ -162,7 +162,7 @@ def _grouped(work: Work, node: tree.SubSelect, scope: Scope, group: Decompose) -
     part = EMPTY.then(element, *tests)
     for variable, value, text in assigned:
         part = part.then(_assignment(work, node, variable, value, text, part, scope))
-    return _hiding(work, Part(renamed(part.elements, names)), map(Variable, _columns(node)))
+    return _hiding(work, Part.of(renamed(part.elements, names)), map(Variable, _columns(node)))
 
 
 def _having(grouping: _Grouping, condition: tree.Expression, keys: tuple[Variable, ...]) -> Filter:

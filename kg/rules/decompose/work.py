@@ -34,6 +34,7 @@ class Work:
     text: str
     path: str
     auxiliary: AuxiliaryRules = field(default_factory=dict)
+    written: str = field(init=False)
     names: Names = field(init=False)
     mentioned: Uses = field(init=False)
     binding: Uses = field(init=False)
@@ -42,6 +43,7 @@ class Work:
 
     def __post_init__(self) -> None:
         """Count what occurs where."""
+        self.written = normalise(self.text)
         self.mentioned = uses(self.rule.group.nodes)
         self.binding = uses(self.rule.group.nodes, binding=True)
         self.template = frozenset(chain.from_iterable(map(head_variables, self.rule.template)))
@@ -52,7 +54,7 @@ class Work:
 
     def place(self, span: Span) -> Place:
         """Return where something begins."""
-        return place_at(normalise(self.text), span.start, self.path)
+        return place_at(self.written, span.start, self.path)
 
     def used_elsewhere(self, names: frozenset[str], node: Node) -> bool:
         """Tell whether the pattern mentions one of the variables outside of a node."""

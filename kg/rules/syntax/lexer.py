@@ -8,39 +8,55 @@ from __future__ import annotations
 
 import re
 import sys
+from functools import lru_cache
 from typing import Final
 
 from kg.query.lexer import Kind, Token
 
-__all__ = ["END", "Kind", "Token", "as_assignment", "as_operator", "token_at", "unescape", "unescape_local"]
+__all__ = [
+    "END",
+    "Kind",
+    "Token",
+    "as_assignment",
+    "as_operator",
+    "token_at",
+    "tokens_of",
+    "unescape",
+    "unescape_local",
+]
 
 END: Final = ""
 """The text of the token behind the last."""
 
-_BASE: Final = (
-    r"A-Za-z\u00c0-\u00d6\u00d8-\u00f6\u00f8-\u02ff\u0370-\u037d\u037f-\u1fff\u200c-\u200d\u2070-\u218f"
-    r"\u2c00-\u2fef\u3001-\ud7ff\uf900-\ufdcf\ufdf0-\ufffd\U00010000-\U000effff"
+_KEPT: Final = 1024
+"""So many texts are kept in tokens: decomposition asks some twenty times about each expression of a rule."""
+
+# The characters of names are told by those that are none: the fewer a set has, the sooner it is compiled.
+_NEVER: Final = (
+    r"\x00-\x2c./;-@\[-\^`\x7b-\u00b6\u00b8-\u00bf\u00d7\u00f7\u037e\u2000-\u200b\u200e-\u203e\u2041-\u206f"
+    r"\u2190-\u2bff\u2ff0-\u3000\ud800-\uf8ff\ufdd0-\ufdef\ufffe-\uffff\U000f0000-\U0010ffff"
 )
-_CHARS: Final = rf"_0-9\u00b7\u0300-\u036f\u203f-\u2040{_BASE}"
+"""No name has these, outside of escapes and but for the full stop."""
+_NEVER_FIRST: Final = rf"{_NEVER}\u00b7\u0300-\u036f\u203f-\u2040"
+_CHAR: Final = rf"[^{_NEVER}:]"
 _ESCAPE: Final = r"\\(?:u[0-9A-Fa-f]{4}|U[0-9A-Fa-f]{8})"
 _ECHAR: Final = rf"(?:\\[tbnrf\\\"']|{_ESCAPE})"
-_LOCAL: Final = rf"(?:[-{_CHARS}:]|%[0-9A-Fa-f]{{2}}|\\[_~.\-!$&'()*+,;=/?\#@%])"
-_LOCAL_FIRST: Final = rf"(?:[{_BASE}_0-9:]|%[0-9A-Fa-f]{{2}}|\\[_~.\-!$&'()*+,;=/?\#@%])"
-_DOTTED: Final = r"(?:\.++(?={chars}))"
+_IN_LOCAL: Final = r"%[0-9A-Fa-f]{2}|\\[_~.\-!$&'()*+,;=/?\#@%]"
+_LOCAL: Final = rf"(?:[^{_NEVER}]|{_IN_LOCAL})"
 _TOKEN: Final = re.compile(
     rf"""
-    (?P<skip>[\x20\t\n\r]+|\#[^\n\r]*)
-    | (?P<iri><(?:[^\x00-\x20<>"{{}}|^`\\]|{_ESCAPE})*>)
+    (?:[\x20\t\n\r]++|\#[^\n\r]*+)*+
+    (?:(?P<iri><(?:[^\x00-\x20<>"{{}}|^`\\]++|{_ESCAPE})*+>)
     | (?P<string>'''(?:'{{0,2}}(?:[^'\\]|{_ECHAR}))*''' | \"\"\"(?:"{{0,2}}(?:[^"\\]|{_ECHAR}))*\"\"\"
-        | '(?:[^'\\\n\r]|{_ECHAR})*' | "(?:[^"\\\n\r]|{_ECHAR})*")
-    | (?P<variable>[?$][{_BASE}_0-9][{_CHARS}]*)
+        | '(?:[^'\\\n\r]++|{_ECHAR})*+' | "(?:[^"\\\n\r]++|{_ECHAR})*+")
+    | (?P<variable>[?$][^{_NEVER_FIRST}:-][^{_NEVER}:-]*+)
     | (?P<tag>@[A-Za-z]+(?:-[A-Za-z0-9]+)*(?:--[A-Za-z]+)?)
     | (?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)[eE][+-]?[0-9]+|[0-9]*\.[0-9]+|[0-9]+)
-    | (?P<name>_:[{_BASE}_0-9](?:[-{_CHARS}]|{_DOTTED.format(chars=rf"[-{_CHARS}]")})*
-        | (?:[{_BASE}](?:[-{_CHARS}]|{_DOTTED.format(chars=rf"[-{_CHARS}]")})*)?
-          :(?:{_LOCAL_FIRST}(?:{_LOCAL}|{_DOTTED.format(chars=_LOCAL)})*)?)
+    | (?P<name>_:[^{_NEVER_FIRST}:-](?:{_CHAR}++|\.++(?={_CHAR}))*+
+        | (?:[^{_NEVER_FIRST}_0-9:-](?:{_CHAR}++|\.++(?={_CHAR}))*+)?
+          :(?:(?:[^{_NEVER_FIRST}-]|{_IN_LOCAL})(?:{_LOCAL}|\.++(?={_LOCAL}))*+)?)
     | (?P<word>[A-Za-z_][A-Za-z0-9_]*)
-    | (?P<sign>\^\^|&&|\|\||!=|>=|<=|<<\(|\)>>|<<|>>|\{{\||\|\}}|.)
+    | (?P<sign>\^\^|&&|\|\||!=|>=|<=|<<\(|\)>>|<<|>>|\{{\||\|\}}|.))
     """,
     re.VERBOSE | re.DOTALL,
 )
@@ -60,11 +76,23 @@ _UNESCAPE: Final = re.compile(r"\\(?:u([0-9A-Fa-f]{4})|U([0-9A-Fa-f]{8})|(.))", 
 
 def token_at(text: str, position: int) -> Token:
     """Return the first token at or behind `position`; one with the text `END` when there is none."""
-    while match := _TOKEN.match(text, position):
-        position = match.end()
-        if match.lastgroup != "skip":
-            return Token(_KINDS[str(match.lastgroup)], match.group(), match.start(), match.end())
-    return Token(Kind.SIGN, END, len(text), len(text))
+    match = _TOKEN.match(text, position)
+    if match is None or match.lastgroup is None:
+        return Token(Kind.SIGN, END, len(text), len(text))
+    kind = match.lastgroup
+    start, end = match.span(kind)
+    return Token(_KINDS[kind], text[start:end], start, end)
+
+
+@lru_cache(maxsize=_KEPT)
+def tokens_of(text: str) -> tuple[Token, ...]:
+    """Return all tokens of a text, as they are where nothing is known of what stands around them."""
+    found = []
+    token = token_at(text, 0)
+    while token.text != END:
+        found.append(token)
+        token = token_at(text, token.end)
+    return tuple(found)
 
 
 def as_operator(token: Token) -> Token:
@@ -92,7 +120,7 @@ def unescape(text: str) -> str:
 
 def unescape_local(name: str) -> str:
     """Return a local name without the backslashes before its punctuation."""
-    return re.sub(r"\\(.)", r"\1", name)
+    return re.sub(r"\\(.)", r"\1", name) if "\\" in name else name
 
 
 def _character(match: re.Match[str]) -> str:
