@@ -69,7 +69,7 @@ def test_the_wheel_carries_every_file_of_the_data(wheel: Path) -> None:
     names = set(zipfile.ZipFile(wheel).namelist())
     missing = [
         str(path.relative_to(ROOT))
-        for folder in ("ontology", "rules", "queries", "examples")
+        for folder in ("corpus", "ontology", "rules", "queries", "examples")
         for path in (ROOT / folder).rglob("*")
         if path.is_file() and f"kg/_data/{path.relative_to(ROOT)}" not in names and "__pycache__" not in path.parts
     ]

@@ -7,6 +7,7 @@ import typer
 from kg.cli.commands import (
     build,
     config,
+    corpus,
     demo,
     diff,
     doctor,
@@ -99,6 +100,9 @@ RULE_COMMANDS: Final[tuple[tuple[str, str, Any], ...]] = (
 )
 """The commands of `kg rules`, in the order that its help lists them."""
 
+CORPUS_COMMANDS: Final[tuple[tuple[str, Any], ...]] = (("select", corpus.select), ("fetch", corpus.fetch))
+"""The commands of `kg corpus`, in the order that its help lists them."""
+
 app = typer.Typer(
     cls=KgGroup,
     epilog=EPILOGUE,
@@ -177,6 +181,10 @@ rules_app = typer.Typer(cls=KgGroup, rich_markup_mode=None, help=rules.HELP)
 for _panel, _name, _function in RULE_COMMANDS:
     rules_app.command(_name, cls=KgCommand, rich_help_panel=_panel)(_function)
 app.add_typer(rules_app, name="rules", rich_help_panel="Ask")
+corpus_app = typer.Typer(cls=KgGroup, rich_markup_mode=None, help=corpus.HELP)
+for _name, _function in CORPUS_COMMANDS:
+    corpus_app.command(_name, cls=KgCommand)(_function)
+app.add_typer(corpus_app, name="corpus", rich_help_panel="Start")
 ontology_app = typer.Typer(cls=KgGroup, rich_markup_mode=None, help="Check ontologies, and data against shapes.")
 ontology_app.command("check", cls=KgCommand)(ontology.check)
 ontology_app.command("validate", cls=KgCommand)(ontology.validate)

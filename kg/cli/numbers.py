@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from kg.errors import UsageError
 
-__all__ = ["whole"]
+__all__ = ["size", "whole"]
 
 
 def whole(text: str, option: str, least: int, most: int | None = None) -> int:
@@ -17,3 +19,15 @@ def whole(text: str, option: str, least: int, most: int | None = None) -> int:
     if number < least or (most is not None and number > most):
         raise UsageError("KG003", f"`{option} {text}` is no whole number {bounds}", hint="See the command's `--help`.")
     return number
+
+
+_UNITS: Final = {"k": 10, "m": 20, "g": 30}
+
+
+def size(text: str, option: str) -> int:
+    """Return the bytes that the text behind `option` (`800`, `500K`, `4M`, `1G`) is; UsageError KG003 for another."""
+    unit = _UNITS.get(text[-1:].lower())
+    digits = text[:-1] if unit else text
+    if not digits.isdecimal() or not int(digits):
+        raise UsageError("KG003", f"`{option} {text}` is no size", hint="Write bytes, or 500K, 4M, 1G.")
+    return int(digits) << (unit or 0)

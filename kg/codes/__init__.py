@@ -1,14 +1,14 @@
 """The catalogue of codes: one text for `kg explain KG101`, the documentation and the pages.
 
 Hundreds name the room: 0 usage and settings, 1 reading sources, 2 rules, 3 the store, 4 findings in an architecture,
-5 queries, 6 graph and ontology, 7 robots, 9 inside `kg` itself.
+5 queries, 6 graph and ontology, 7 search and evaluation, 8 robots, 9 inside `kg` itself.
 """
 
 from __future__ import annotations
 
 from typing import Final
 
-from kg.codes import architecture, defects, graphs, linting, queries, rules, sources, stores, usage
+from kg.codes import architecture, corpora, defects, graphs, linting, queries, rules, sources, stores, usage
 from kg.codes.entry import CodeEntry
 
 __all__ = ["CATALOGUE", "CodeEntry"]
@@ -16,6 +16,7 @@ __all__ = ["CATALOGUE", "CodeEntry"]
 CATALOGUE: Final[dict[str, CodeEntry]] = {
     **usage.CODES,
     **sources.CODES,
+    **corpora.CODES,
     **rules.CODES,
     **stores.CODES,
     **architecture.CODES,

@@ -16,7 +16,7 @@ from kg.facts import Repository
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["describe", "repository_name", "run_git"]
+__all__ = ["command", "describe", "environment", "repository_name", "run_git"]
 
 _SAFE: Final = (
     "-c",
@@ -67,18 +67,26 @@ def run_git(
 
     Without `network` no protocol is allowed at all, so that a partial clone cannot fetch what it lacks.
     """
-    environment = {key: value for key, value in os.environ.items() if not key.startswith("GIT_")}
-    environment |= _ENVIRONMENT | {"GIT_ALLOW_PROTOCOL": _PROTOCOLS if network else "none"}
-    command = ("git", *_SAFE, *(("-C", str(folder)) if folder else ()), *arguments)
     done = subprocess.run(  # noqa: S603  (fixed program; addresses and paths stand behind `--`)
-        command,
+        command(arguments, folder=folder),
         check=True,
         capture_output=True,
         stdin=subprocess.DEVNULL,
-        env=environment,
+        env=environment(_PROTOCOLS if network else "none"),
         timeout=timeout,
     )
     return os.fsdecode(done.stdout)
+
+
+def command(arguments: tuple[str, ...], *, folder: Path | None = None) -> tuple[str, ...]:
+    """Return the command line of `git` with what keeps it from running programs that a repository names."""
+    return ("git", *_SAFE, *(("-C", str(folder)) if folder else ()), *arguments)
+
+
+def environment(protocols: str) -> dict[str, str]:
+    """Return the environment for `git`: the caller's without its `GIT_*`, and only these protocols (`https:ssh`)."""
+    kept = {key: value for key, value in os.environ.items() if not key.startswith("GIT_")}
+    return kept | _ENVIRONMENT | {"GIT_ALLOW_PROTOCOL": protocols}
 
 
 def repository_name(remote: str) -> str | None:

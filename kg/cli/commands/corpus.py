@@ -1,0 +1,214 @@
+"""`kg corpus`: which repositories to take (`select`), and their files (`fetch`)."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
+
+from kg.cli.diagnostics import note
+from kg.cli.numbers import size, whole
+from kg.cli.options import Json
+from kg.cli.output import json_lines, listing, terminal, write
+from kg.errors import Exit, UsageError
+from kg.render.text import count
+
+if TYPE_CHECKING:
+    from kg.corpus.fetching import Options
+    from kg.corpus.fetching_list import Wanted
+    from kg.corpus.selection import Selection
+
+__all__ = ["HELP", "fetch", "select"]
+
+HELP: Final = "Select repositories from a table of projects, and fetch them."
+
+Table = Annotated[str, typer.Argument(metavar="DATASET.csv", help="A table of projects, as CSV.")]
+CriteriaFile = Annotated[
+    str | None,
+    typer.Option("--criteria", "-c", metavar="FILE", help="A file of criteria (TOML); by default that of kg."),
+]
+Output = Annotated[
+    str | None, typer.Option("--output", "-o", metavar="LIST", help="Write the addresses to this file, one a line.")
+]
+
+Repositories = Annotated[
+    str | None,
+    typer.Argument(
+        metavar="LIST|DATASET.csv",
+        help="Addresses, one a line (URL or URL@REF), or a table to select from; without it, what the lock names.",
+    ),
+]
+Into = Annotated[
+    str | None,
+    typer.Option("--into", metavar="FOLDER", help="Where checkouts go; by default the folder of the lock file."),
+]
+LockFile = Annotated[
+    str | None,
+    typer.Option("--lock", metavar="FILE", help="The lock file; by default corpus.lock.toml in the folder."),
+]
+Version = Annotated[
+    str | None, typer.Option("--ros", metavar="1|2|any", help="The version whose branch is taken; by default any.")
+]
+Jobs = Annotated[
+    str | None, typer.Option("--jobs", "-j", metavar="N", help="How many are fetched at a time; by default 4.")
+]
+MaxSize = Annotated[
+    str | None,
+    typer.Option("--max-size", metavar="SIZE", help="The most that one may take on disk; by default 500M."),
+]
+Retries = Annotated[
+    str | None, typer.Option("--retries", metavar="N", help="How often what may pass is tried again; by default 3.")
+]
+Seconds = Annotated[
+    str | None, typer.Option("--timeout", metavar="SECONDS", help="The longest that one may take; by default 600.")
+]
+Submodules = Annotated[bool, typer.Option("--submodules", help="Fetch submodules too.")]
+Update = Annotated[bool, typer.Option("--update", help="Take the newest commits, not those of the lock file.")]
+
+
+def select(
+    context: typer.Context,  # noqa: ARG001 - the signature that all commands have
+    table: Table,
+    *,
+    criteria: CriteriaFile = None,
+    output: Output = None,
+    json: Json = False,
+) -> None:
+    """Select projects from a table by criteria, and compare the selection with RNKG's.
+
+    Prints how many projects each criterion removes, in order, and the figures of what is left beside those of the
+    paper's Table 2. The list of addresses is what `kg corpus fetch` and `kg build` read. For example:
+
+        kg corpus select repos_dataset_all.csv --output robots.txt
+        kg corpus fetch robots.txt --into robots
+    """
+    from kg.cli.corpus_view import selection_object  # noqa: PLC0415 - start-up time
+
+    found = _selected(table, criteria)
+    if json:
+        json_lines([selection_object(found)])
+    else:
+        _tables(found)
+    if output:
+        _write_list(Path(output), found)
+
+
+def _selected(table: str, criteria: str | None) -> "Selection":
+    from kg.corpus import selection  # noqa: PLC0415 - start-up time
+    from kg.corpus.selection_criteria import default_criteria, read_criteria  # noqa: PLC0415 - start-up time
+    from kg.corpus.selection_data import read_dataset  # noqa: PLC0415 - start-up time
+
+    chosen = read_criteria(Path(criteria) if criteria else default_criteria())
+    return selection.select(read_dataset(Path(table)), chosen)
+
+
+def _tables(found: "Selection") -> None:
+    from kg.cli.corpus_view import FIGURE_COLUMNS, STEP_COLUMNS, figure_rows, step_rows  # noqa: PLC0415 - start-up time
+    from kg.corpus.selection_figures import paper_figures  # noqa: PLC0415 - start-up time
+
+    listing(STEP_COLUMNS, step_rows(found))
+    write()
+    listing(FIGURE_COLUMNS, figure_rows(found))
+    if terminal():
+        note(f"{count(len(found.kept), 'project')} selected; RNKG has {paper_figures().projects}")
+
+
+def _write_list(path: Path, found: "Selection") -> None:
+    from kg.errors import Place  # noqa: PLC0415 - the branch that needs it
+
+    lines = [f"# {count(len(found.kept), 'project')} of {found.dataset.path.name}, by {found.criteria.path.name}"]
+    try:
+        path.write_text("\n".join([*lines, *found.addresses(), ""]), "utf-8")
+    except OSError as error:
+        raise UsageError("KG003", f"the list cannot be written: {error.strerror}", place=Place(str(path))) from None
+
+
+def fetch(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,  # noqa: ARG001 - the signature that all commands have
+    repositories: Repositories = None,
+    *,
+    into: Into = None,
+    lock: LockFile = None,
+    criteria: CriteriaFile = None,
+    ros: Version = None,
+    jobs: Jobs = None,
+    max_size: MaxSize = None,
+    retries: Retries = None,
+    timeout: Seconds = None,
+    submodules: Submodules = False,
+    update: Update = False,
+    json: Json = False,
+) -> None:
+    """Fetch repositories, each at one commit, and pin the commits in a lock file.
+
+    Only the files of that commit come, no history. Nothing of a repository is run. Those that are gone, too large,
+    too slow or harmful are reported and the others fetched; run it again to go on where it ended. With a lock
+    file the commits in it are fetched. For example:
+
+        kg corpus fetch robots.txt --into robots
+        kg corpus fetch --lock robots/corpus.lock.toml
+        kg build --corpus robots/corpus.lock.toml
+    """
+    from kg.cli import fetching_view  # noqa: PLC0415 - start-up time
+    from kg.corpus import fetching  # noqa: PLC0415 - start-up time
+
+    folder, file = _places(into, lock)
+    wanted = _wanted(repositories, file, criteria)
+    options = _options(ros, jobs, max_size, retries, timeout, submodules=submodules, update=update)
+    with fetching_view.for_this_stream() as told:
+        done = fetching.fetch(wanted, folder, file, options, told)
+    fetching_view.summary(done)
+    if json:
+        json_lines(map(fetching_view.entry_object, done.entries))
+    if done.failed:
+        raise typer.Exit(Exit.FOUND)
+
+
+def _places(into: str | None, lock: str | None) -> tuple[Path, Path]:
+    """Return the folder of the checkouts and the lock file: either tells where the other is."""
+    if into is None and lock is None:
+        raise UsageError(
+            "KG003", "neither a folder nor a lock file is named", hint="Give --into FOLDER or --lock FILE."
+        )
+    folder = Path(into).expanduser() if into else Path(str(lock)).expanduser().absolute().parent
+    return folder, Path(lock).expanduser() if lock else folder / "corpus.lock.toml"
+
+
+def _wanted(named: str | None, lock: Path, criteria: str | None) -> "tuple[Wanted, ...]":
+    from kg.corpus.fetching import pinned  # noqa: PLC0415 - start-up time
+    from kg.corpus.fetching_list import read_wanted, wanted_among  # noqa: PLC0415 - start-up time
+
+    if named is None:
+        return pinned(lock)
+    if named.lower().endswith(".csv"):
+        return wanted_among(_selected(named, criteria).addresses())
+    return read_wanted(Path(named))
+
+
+def _options(  # noqa: PLR0913 - the options of a command
+    ros: str | None,
+    jobs: str | None,
+    max_size: str | None,
+    retries: str | None,
+    timeout: str | None,
+    *,
+    submodules: bool,
+    update: bool,
+) -> "Options":
+    from kg.corpus.fetching import Options  # noqa: PLC0415 - start-up time
+    from kg.corpus.fetching_branches import VERSIONS  # noqa: PLC0415 - start-up time
+    from kg.corpus.fetching_git import Limits  # noqa: PLC0415 - start-up time
+
+    if ros is not None and ros not in VERSIONS:
+        raise UsageError("KG003", f"`--ros {ros}` is no version of ROS", hint="Write --ros 1, --ros 2 or --ros any.")
+    limits = Limits()
+    return Options(
+        ros=ros or "any",
+        jobs=whole(jobs, "--jobs", 1, 64) if jobs else 4,
+        submodules=submodules,
+        update=update,
+        limits=Limits(
+            bytes=size(max_size, "--max-size") if max_size else limits.bytes,
+            seconds=whole(timeout, "--timeout", 1) if timeout else limits.seconds,
+            retries=whole(retries, "--retries", 0) if retries else limits.retries,
+        ),
+    )

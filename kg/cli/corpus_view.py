@@ -1,0 +1,87 @@
+"""How selections and fetched corpora are shown: tables, plain values for JSON, progress."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.cli.output import Column
+from kg.corpus.selection_figures import STATISTICS, paper_figures
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kg.corpus.selection import Selection
+    from kg.corpus.selection_figures import Figures
+
+__all__ = ["FIGURE_COLUMNS", "STEP_COLUMNS", "figure_rows", "selection_object", "step_rows"]
+
+STEP_COLUMNS: Final = (
+    Column("criterion", "name"),
+    Column("removes", "number"),
+    Column("left", "number"),
+    Column("which are", "dim", spare=1),
+)
+_HEADS: Final = {"median": "median", "mean": "mean", "sd": "SD", "cv": "CV"}
+FIGURE_COLUMNS: Final = (
+    Column("figure", "name"),
+    Column("of"),
+    *(Column(_HEADS.get(name, name), "number") for name in STATISTICS),
+)
+"""The columns of Table 2."""
+
+
+def step_rows(found: Selection) -> Iterator[tuple[object, ...]]:
+    """Yield what each criterion removed, below the number of all projects."""
+    yield "all", "", len(found.dataset.projects), ""
+    for step in found.steps:
+        yield step.criterion.name, len(step.removed), step.left, step.criterion.says
+
+
+def figure_rows(found: Selection) -> Iterator[tuple[object, ...]]:
+    """Yield the rows of Table 2: ours, the paper's, and by how many percent ours are more."""
+    paper = paper_figures()
+    for name, ours in found.figures.items():
+        yield from _rows(name.replace("_", " "), ours, paper.table.get(name, {}))
+
+
+def _rows(name: str, ours: Figures, paper: Figures) -> Iterator[tuple[object, ...]]:
+    yield name, "ours", *(_figure(ours.get(one), one) for one in STATISTICS)
+    if paper:
+        yield name, "RNKG", *(_figure(paper.get(one), one) for one in STATISTICS)
+        yield name, "more", *(_more(ours.get(one), paper.get(one)) for one in STATISTICS)
+
+
+def _figure(value: float | None, statistic: str) -> str:
+    if value is None:
+        return "-"
+    return f"{value:.2f}" if statistic in {"mean", "sd", "cv"} else f"{value:g}"
+
+
+def _more(ours: float | None, paper: float | None) -> str:
+    return f"{(ours / paper - 1) * 100:+.1f} %" if ours is not None and paper else "-"
+
+
+def selection_object(found: Selection) -> dict[str, Any]:
+    """Return a selection as plain values, ready for JSON."""
+    paper = paper_figures()
+    return {
+        "dataset": str(found.dataset.path),
+        "criteria": str(found.criteria.path),
+        "projects": len(found.dataset.projects),
+        "selected": len(found.kept),
+        "selected_paper": paper.projects,
+        "steps": [
+            {
+                "criterion": step.criterion.name,
+                "says": step.criterion.says,
+                "removed": len(step.removed),
+                "left": step.left,
+                "projects": [project.cells[found.criteria.project] for project in step.removed],
+            }
+            for step in found.steps
+        ],
+        "figures": {
+            name: {"ours": ours, "paper": dict(paper.table.get(name, {}))} for name, ours in found.figures.items()
+        },
+        "addresses": list(found.addresses()),
+    }

@@ -1,0 +1,122 @@
+"""What `kg corpus fetch` shows: a bar on a terminal, a line a repository elsewhere, and what was not fetched."""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any, Final, Self
+
+from kg.cli.diagnostics import note, problem, say
+from kg.corpus.fetching_lock import FETCHED
+from kg.render.text import count, printable
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+    from rich.progress import Progress, TaskID
+
+    from kg.corpus.fetching import Fetched
+    from kg.corpus.fetching_lock import Entry
+
+__all__ = ["Bar", "Lines", "code_of", "entry_object", "for_this_stream", "summary"]
+
+_CODES: Final = {"refused": "KG134", "too large": "KG135", "too slow": "KG135", "in the way": "KG137"}
+_LONGEST_NAME: Final = 40
+
+
+def code_of(entry: Entry) -> str | None:
+    """Return the code of the error that kept a repository from being fetched; None for one that was."""
+    return None if entry.state == FETCHED else _CODES.get(entry.state, "KG133")
+
+
+class Lines:
+    """One line for each repository."""
+
+    def __init__(self) -> None:
+        self._all = 0
+        self._done = 0
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Nothing is left to clean up."""
+
+    def begin(self, repositories: int) -> None:
+        """Write how many there are."""
+        self._all = repositories
+        say(f"fetching {count(repositories, 'repository', 'repositories')}")
+
+    def ended(self, entry: Entry) -> None:
+        """Write what became of one."""
+        self._done += 1
+        where = f" {entry.branch} {entry.commit[:12]}".rstrip() if entry.state == FETCHED else ""
+        say(f"{self._done}/{self._all} {printable(entry.name)}: {entry.state}{printable(where)}")
+
+
+class Bar(Lines):
+    """A bar that grows by repositories, with the one that was done last."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._progress: Progress | None = None
+        self._task: TaskID | None = None
+
+    def __enter__(self) -> Self:
+        from rich.console import Console  # noqa: PLC0415 - start-up time
+        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn  # noqa: PLC0415 - start-up time
+
+        columns = (TextColumn("{task.description}", markup=False), BarColumn(bar_width=None), MofNCompleteColumn())
+        self._progress = Progress(
+            *columns, TimeElapsedColumn(), console=Console(stderr=True, highlight=False), transient=True
+        )
+        self._progress.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Take the bar away."""
+        if self._progress:
+            self._progress.stop()
+
+    def begin(self, repositories: int) -> None:
+        """Give the bar its length."""
+        if self._progress:
+            self._task = self._progress.add_task("fetching", total=repositories)
+
+    def ended(self, entry: Entry) -> None:
+        """Let the bar grow."""
+        if self._progress and self._task is not None:
+            shown = printable(entry.name)[-_LONGEST_NAME:]
+            self._progress.update(self._task, advance=1, description=f"{shown:<{_LONGEST_NAME}}")
+
+
+def for_this_stream() -> Lines:
+    """Return what suits standard error."""
+    return Bar() if sys.stderr.isatty() else Lines()
+
+
+def summary(done: Fetched) -> None:
+    """Say what was not fetched and why, what moved, and how much there is."""
+    for entry in sorted(done.entries, key=lambda one: one.name):
+        code = code_of(entry)
+        if code:
+            problem(code, f"{entry.state}: {entry.reason}", entry.name)
+        elif entry.moved:
+            note(f"{printable(entry.name)} moved to {printable(entry.moved)}")
+        elif entry.reason:
+            note(f"{printable(entry.name)}: {printable(entry.reason)}")
+    states = Counter(entry.state for entry in done.entries)
+    size = sum(entry.bytes for entry in done.entries if entry.state == FETCHED)
+    others = "".join(f", {number:,} {state}" for state, number in sorted(states.items()) if state != FETCHED)
+    fetched = count(states[FETCHED], "repository", "repositories")
+    say(f"{fetched} fetched ({size / 1e6:,.1f} MB){others}; {printable(str(done.lock.path))} pins them")
+
+
+def entry_object(entry: Entry) -> dict[str, Any]:
+    """Return an entry as plain values, ready for JSON, with its code."""
+    return {**asdict(entry), "code": code_of(entry)}

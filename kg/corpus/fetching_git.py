@@ -1,0 +1,214 @@
+"""`git` under watch: what it writes is weighed while it runs; it is killed when that is too much, late, or unwanted.
+
+Git runs as a process group of its own, so that its helpers die with it, and Ctrl-C in a terminal reaches `kg` alone.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import time
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from kg.corpus.git import command, environment
+
+if TYPE_CHECKING:
+    from pathlib import Path
+    from threading import Event
+
+__all__ = ["FetchingError", "Limits", "StoppedError", "Watch", "folder_bytes"]
+
+_NETWORK: Final = (
+    *("-c", "credential.helper="),
+    *("-c", "core.askPass="),
+    *("-c", "http.followRedirects=initial"),
+    *("-c", "submodule.recurse=false"),
+    *("-c", "filter.lfs.smudge="),
+    *("-c", "filter.lfs.process="),
+    *("-c", "filter.lfs.required=false"),
+    *("-c", "core.autocrlf=false"),
+    *("-c", "transfer.fsckObjects=true"),
+)
+# Slips of old tools that harm nobody: repositories that have them are common.
+_SLIPS: Final = (
+    *("badTimezone", "badDate", "badEmail", "badName", "badFilemode", "nullSha1", "extraHeaderEntry"),
+    *("missingSpaceBeforeDate", "missingSpaceBeforeEmail", "missingNameBeforeEmail", "missingEmail"),
+    *("missingTaggerEntry", "multipleAuthors", "zeroPaddedFilemode", "zeroPaddedDate"),
+    *("gitmodulesParse", "gitmodulesMissing"),
+)
+_HARMLESS: Final = tuple(word for name in _SLIPS for word in ("-c", f"fetch.fsck.{name}=ignore"))
+_GONE: Final = re.compile(
+    r"not found|does not appear to be a git repository|could not read Username|returned error: (?:401|403|404|410)"
+    r"|Authentication failed|Permission denied \(|access denied|no such repository|not our ref|couldn't find remote ref"
+    r"|does not exist",
+    re.IGNORECASE,
+)
+_REFUSED: Final = re.compile(
+    r"fsck|hasDot|gitmodules\w+:|invalid path|transport '.*' not allowed|disallowed|strange (?:host|pathname)"
+    r"|beyond a symbolic link|not supported or disabled",
+    re.IGNORECASE,
+)
+_PASSING: Final = re.compile(
+    r"could not resolve host|connection (?:timed out|refused|reset)|timed? ?out|early EOF|disconnect|hung up"
+    r"|returned error: (?:429|5\d\d)|RPC failed|TLS|SSL|temporary failure|unreachable|empty reply|failed to connect"
+    r"|HTTP/2 stream|invalid index-pack|partial file|transfer closed|could not connect|unable to connect",
+    re.IGNORECASE,
+)
+_MOST_OUTPUT: Final = 64 << 20
+_MOST_WORDS: Final = 8192
+_FIRST_PAUSE: Final = 0.01
+_LONGEST_PAUSE: Final = 0.25
+_WEIGHING_SHARE: Final = 10
+"""Weighing a folder may take a tenth of the time at most."""
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What one repository may cost: bytes on disk, seconds in all, how often to try again and the first pause."""
+
+    bytes: int = 500 << 20
+    seconds: float = 600.0
+    retries: int = 3
+    pause: float = 1.0
+
+
+class FetchingError(Exception):
+    """A repository was not fetched; `state` is the word for it, `passing` tells whether trying again may help."""
+
+    def __init__(self, state: str, reason: str, *, passing: bool = False) -> None:
+        super().__init__(reason)
+        self.state = state
+        self.reason = reason
+        self.passing = passing
+
+
+class StoppedError(Exception):
+    """The work was given up: Ctrl-C."""
+
+
+class Watch:
+    """Runs `git` for one repository in the temporary folder `folder`, up to the limits, until `stop` is set."""
+
+    def __init__(self, folder: Path, limits: Limits, stop: Event) -> None:
+        """Begin to count the seconds."""
+        self.folder = folder
+        self.words = ""
+        self._limits = limits
+        self._stop = stop
+        self._deadline = time.monotonic() + limits.seconds
+
+    def wait(self, seconds: float) -> None:
+        """Let time pass before trying again; StoppedError when the work is given up meanwhile, FetchingError late."""
+        if time.monotonic() + seconds > self._deadline:
+            raise self._late()
+        if self._stop.wait(seconds):
+            raise StoppedError
+
+    def git(self, *arguments: str, within: Path, protocols: str = "none", given: bytes = b"") -> bytes:
+        """Return what `git` prints, run in the folder `within` with `given` as its input.
+
+        Afterwards `words` holds what it said on standard error.
+
+        Raises:
+            FetchingError: git failed, or came to a limit.
+            StoppedError: the work was given up.
+        """
+        out, err, into = (self.folder / name for name in ("out", "err", "in"))
+        into.write_bytes(given)
+        line = command((*_NETWORK, *_HARMLESS, *arguments), folder=within)
+        surroundings = environment(protocols) | {"GIT_SSH_COMMAND": "ssh -o BatchMode=yes"}
+        surroundings.pop("SSH_ASKPASS", None)
+        with out.open("wb") as printed, err.open("wb") as said, into.open("rb") as read:
+            process = subprocess.Popen(  # noqa: S603  (fixed program; addresses stand behind `--`)
+                line, stdin=read, stdout=printed, stderr=said, env=surroundings, start_new_session=True
+            )
+            try:
+                self._attend(process)
+            finally:
+                _kill(process)
+        with err.open("rb") as said:
+            self.words = said.read(_MOST_WORDS).decode("utf-8", "replace")
+        if process.returncode:
+            raise _failure(self.words, process.returncode)
+        if out.stat().st_size > _MOST_OUTPUT:
+            raise FetchingError("too large", "it has more files than can be listed")
+        return out.read_bytes()
+
+    def weigh(self) -> int:
+        """Return the bytes in the folder; FetchingError when they are more than the limit."""
+        size = folder_bytes(self.folder)
+        if size > self._limits.bytes:
+            raise self.large()
+        return size
+
+    def large(self) -> FetchingError:
+        """Return the error of a repository that is larger than the limit."""
+        return FetchingError("too large", f"it is larger than {_megabytes(self._limits.bytes)}")
+
+    @property
+    def room(self) -> int:
+        """The bytes that a repository may have."""
+        return self._limits.bytes
+
+    def _late(self) -> FetchingError:
+        return FetchingError("too slow", f"it did not come within {self._limits.seconds:g} s")
+
+    def _attend(self, process: subprocess.Popen[bytes]) -> None:
+        pause, next_weighing = _FIRST_PAUSE, 0.0
+        while True:
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(pause)
+                return
+            pause = min(pause * 2, _LONGEST_PAUSE)
+            if self._stop.is_set():
+                raise StoppedError
+            now = time.monotonic()
+            if now > self._deadline:
+                raise self._late()
+            if now >= next_weighing:
+                self.weigh()
+                next_weighing = time.monotonic() + (time.monotonic() - now) * _WEIGHING_SHARE
+
+
+def folder_bytes(folder: Path) -> int:
+    """Return the sizes of all files below a folder, added up; links count as what they are."""
+    size = 0
+    pending = [str(folder)]
+    while pending:
+        with suppress(OSError), os.scandir(pending.pop()) as entries:
+            for entry in entries:
+                with suppress(OSError):
+                    if entry.is_dir(follow_symlinks=False):
+                        pending.append(entry.path)
+                    else:
+                        size += entry.stat(follow_symlinks=False).st_size
+    return size
+
+
+def _kill(process: subprocess.Popen[bytes]) -> None:
+    """End git and all that it started, if it has not ended."""
+    if process.poll() is None:
+        with suppress(ProcessLookupError, PermissionError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+
+
+def _failure(words: str, code: int) -> FetchingError:
+    lines = [re.sub(r"^(?:fatal|error|remote|ERROR): ", "", line.strip()) for line in words.splitlines()]
+    telling = [line for line in lines if line and not line.startswith("warning:")]
+    reason = re.sub(r"(?<=://)[^@/\s]*@", "", "; ".join(telling[:3])) or f"git ended with {code}"
+    if _REFUSED.search(words):
+        return FetchingError("refused", reason)
+    if _GONE.search(words):
+        return FetchingError("gone", reason)
+    if _PASSING.search(words):
+        return FetchingError("unreachable", reason, passing=True)
+    return FetchingError("failed", reason)
+
+
+def _megabytes(number: int) -> str:
+    return f"{number / (1 << 20):,.0f} MB" if number >= 1 << 20 else f"{number:,} bytes"

@@ -1,0 +1,112 @@
+"""What is to be fetched: addresses from a list, each checked before git sees it, and where its files will stand."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from kg.corpus.git import repository_name
+from kg.corpus.sources import parse_source
+from kg.errors import SourceError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from pathlib import Path
+
+__all__ = ["Wanted", "address_problem", "protocols", "read_wanted", "wanted_among"]
+
+_URL: Final = re.compile(r"^(?P<scheme>[A-Za-z][A-Za-z0-9+.-]*)://(?P<authority>[^/]*)(?P<path>/.*)$")
+_SCP: Final = re.compile(
+    r"^[A-Za-z0-9_.][A-Za-z0-9_.-]*@(?P<authority>[A-Za-z0-9_.][A-Za-z0-9_.-]*):(?!/?/)(?P<path>[^\s:]+)$"
+)
+_SCHEMES: Final = {"https": "https", "http": "http:https", "ssh": "ssh", "git": "git", "file": "file"}
+"""Schemes of addresses, and the protocols that git may use for one: no server can lead it to another."""
+_REF: Final = re.compile(r"(?!-)[^\s:^~?*\[\\\x00-\x20\x7f]+")
+_PART: Final = re.compile(r"(?!-)[A-Za-z0-9._+~-]+")
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """A repository to fetch: its `name` (host/owner/name, its folder too), address, and the ref if one is named.
+
+    `problem` says why it is refused; it is empty for what may be fetched.
+    """
+
+    name: str
+    url: str
+    ref: str | None = None
+    problem: str = ""
+
+
+def read_wanted(path: Path) -> tuple[Wanted, ...]:
+    """Return what a list names: one address a line, `URL` or `URL@REF`, `#` before comments.
+
+    Raises:
+        SourceError: KG101 when the file cannot be read.
+    """
+    try:
+        text = path.read_text("utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise SourceError("KG101", f"the list of repositories {path} cannot be read: {error}") from error
+    lines = (re.split(r"(?:^|\s)#", line, maxsplit=1)[0].strip() for line in text.splitlines())
+    return wanted_among(line for line in lines if line)
+
+
+def wanted_among(addresses: Iterable[str]) -> tuple[Wanted, ...]:
+    """Return the repositories of some addresses, each once.
+
+    Refused are those whose folder differs from another's by case only, or lies in another's.
+    """
+    found: dict[str, Wanted] = {}
+    for one in map(_wanted, addresses):
+        found.setdefault(one.name, one)
+    folders: dict[str, str] = {}
+    for name, one in found.items():
+        first = folders.setdefault(name.casefold(), name)
+        above = next((name[:end] for end in range(len(name)) if name[end] == "/" and name[:end] in found), None)
+        if not one.problem and (first != name or above):
+            problem = f"its folder is in that of {above}" if above else f"its folder is that of {first} but for case"
+            found[name] = Wanted(name, one.url, one.ref, problem)
+    return tuple(found.values())
+
+
+def _wanted(address: str) -> Wanted:
+    source = parse_source(address)
+    problem = address_problem(source.address)
+    if not problem and source.ref is not None and (not _REF.fullmatch(source.ref) or ".." in source.ref):
+        problem = f"{source.ref!r} is no name of a branch, tag or commit"
+    name = (
+        repository_name(source.address) or f"local/{source.address.rstrip('/').rpartition('/')[2].removesuffix('.git')}"
+    )
+    parts = name.split("/")
+    if not problem and not all(_PART.fullmatch(part) and part.strip(".") and part.lower() != ".git" for part in parts):
+        problem = f"{name!r} is no name for a folder"
+    return Wanted(address if problem else name, source.address, source.ref, problem)
+
+
+def address_problem(url: str) -> str:
+    """Return why an address is refused; empty for one that git may be given."""
+    if re.search(r"[\s\x00-\x1f\x7f]", url):
+        return "the address holds blanks or control characters"
+    if url.startswith("-"):
+        return "the address is an option for git"
+    if "::" in url.partition("/")[0]:
+        return "the address names a program"
+    match = _URL.match(url) or _SCP.match(url)
+    if match is None:
+        return "this is no address of a git repository"
+    scheme = match.groupdict().get("scheme")
+    if scheme is not None and scheme.lower() not in _SCHEMES:
+        return f"addresses of the scheme {scheme} are not fetched"
+    if match["authority"].rpartition("@")[2].startswith("-"):
+        return "the host is an option for ssh"
+    if ".." in match["path"].split("/"):
+        return "the address leads out of itself"
+    return ""
+
+
+def protocols(url: str) -> str:
+    """Return the protocols that git may use for an address, as `GIT_ALLOW_PROTOCOL` wants them."""
+    match = _URL.match(url)
+    return _SCHEMES[match["scheme"].lower()] if match else "ssh"

@@ -1,0 +1,189 @@
+"""The lock file of a corpus: which repositories at which commits, and what became of those that were not fetched.
+
+    version = 1
+
+    [[repository]]
+    name = "github.com/owner/robot"
+    url = "https://github.com/owner/robot"
+    moved = ""
+    folder = "github.com/owner/robot"
+    branch = "noetic-devel"
+    commit = "4f1c..."
+    ros = "1"
+    bytes = 1234567
+    state = "fetched"
+    reason = ""
+
+Entries are sorted by name and have all keys, so that a change of one repository changes its lines only.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import tempfile
+import tomllib
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.corpus.git import describe
+from kg.errors import Place, SourceError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["FETCHED", "Entry", "Lock", "Standing", "read_lock", "standing", "write_lock"]
+
+VERSION: Final = 1
+FETCHED: Final = "fetched"
+"""The state of a repository whose files are there; any other state says in a word or two why they are not."""
+_HEAD: Final = """\
+# The repositories of a corpus, written by `kg corpus fetch`, which fetches these commits again where this file is.
+# `kg build --corpus` builds them. Folders are relative to the folder of this file.
+
+"""
+_COMMIT: Final = re.compile(r"(?:[0-9a-f]{40}|[0-9a-f]{64})?")
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A repository of a corpus.
+
+    `name` is host/owner/name, `moved` the address that the server led to, `folder` where the files are, relative to
+    the lock file, `branch` and `commit` what was fetched (empty while nothing was), `ros` the versions that its
+    packages are for (`1`, `2`, `1 2`), `bytes` the size of the checkout, `reason` words about the state.
+    """
+
+    name: str
+    url: str
+    moved: str = ""
+    folder: str = ""
+    branch: str = ""
+    commit: str = ""
+    ros: str = ""
+    bytes: int = 0
+    state: str = FETCHED
+    reason: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Lock:
+    """A lock file; `entries` are sorted by name."""
+
+    path: Path
+    entries: tuple[Entry, ...] = ()
+
+    def folder(self, entry: Entry) -> Path:
+        """Return the folder of the checkout."""
+        return self.path.absolute().parent / entry.folder
+
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """What stands in the folder of a lock: `present`, `missing`, and `drifted` with what is different (present too)."""
+
+    present: tuple[Entry, ...]
+    missing: tuple[Entry, ...]
+    drifted: tuple[tuple[Entry, str], ...]
+
+
+def read_lock(path: Path) -> Lock:
+    """Return a lock file.
+
+    Raises:
+        SourceError: KG101 when the file cannot be read, KG132 with the line when it is no lock file.
+    """
+    try:
+        text = path.read_text("utf-8")
+        content = tomllib.loads(text)
+    except OSError as error:
+        raise SourceError("KG101", f"the lock file {path} cannot be read: {error.strerror}") from error
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        found = re.search(r"\(at line (\d+), column (\d+)\)", str(error))
+        place = Place(str(path), int(found[1]), int(found[2])) if found else Place(str(path))
+        raise SourceError("KG132", f"this is not TOML: {error}", place=place) from error
+    if content.get("version") != VERSION:
+        message = f"its version is {content.get('version')!r}, this `kg` reads {VERSION}"
+        raise SourceError("KG132", message, place=Place(str(path)))
+    tables = content.get("repository", [])
+    heads = [number for number, line in enumerate(text.splitlines(), 1) if line.strip() == "[[repository]]"]
+    places = [Place(str(path), line) for line in heads]
+    if not isinstance(tables, list):
+        raise SourceError("KG132", "`repository` is no list of tables", place=Place(str(path)))
+    found_entries = [
+        _entry(table, places[index] if index < len(places) else Place(str(path))) for index, table in enumerate(tables)
+    ]
+    return Lock(path, tuple(sorted(found_entries, key=lambda entry: entry.name)))
+
+
+def _entry(table: Any, place: Place) -> Entry:
+    kinds = {one.name: int if one.name == "bytes" else str for one in fields(Entry)}
+    if not isinstance(table, dict):
+        raise SourceError("KG132", "the entry is no table", place=place)
+    for key, value in table.items():
+        if key not in kinds:
+            raise SourceError("KG132", f"there is no key `{key}` here", place=place, hint=f"Keys: {', '.join(kinds)}.")
+        if not isinstance(value, kinds[key]) or isinstance(value, bool):
+            raise SourceError("KG132", f"`{key}` is {value!r}, which is no {kinds[key].__name__}", place=place)
+    if not table.get("name") or not table.get("url"):
+        raise SourceError("KG132", "the entry has no `name` or no `url`", place=place)
+    if not _COMMIT.fullmatch(table.get("commit", "")):
+        raise SourceError("KG132", f"`commit` is {table['commit']!r}, which is no commit", place=place)
+    return Entry(**table)
+
+
+def write_lock(path: Path, entries: Iterable[Entry]) -> Lock:
+    """Write a lock file in one step: readers see the old or the new one.
+
+    Raises:
+        SourceError: KG132 when it cannot be written.
+    """
+    ordered = tuple(sorted(entries, key=lambda entry: entry.name))
+    text = _HEAD + f"version = {VERSION}\n" + "".join(map(_table, ordered))
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+        try:
+            with os.fdopen(handle, "w", encoding="utf-8") as stream:
+                stream.write(text)
+                stream.flush()
+                os.fsync(stream.fileno())
+            Path(name).chmod(0o644)
+            Path(name).replace(path)
+        except BaseException:
+            Path(name).unlink(missing_ok=True)
+            raise
+    except OSError as error:
+        raise SourceError("KG132", f"{path} cannot be written: {error.strerror}") from error
+    return Lock(path, ordered)
+
+
+def _table(entry: Entry) -> str:
+    lines = [f"{key} = {_value(value)}" for key, value in asdict(entry).items()]
+    return "\n".join(["", "[[repository]]", *lines, ""])
+
+
+def _value(value: str | int) -> str:
+    """Return a value as TOML; its strings are those of JSON, but for DEL, which it wants escaped."""
+    if isinstance(value, str):
+        value = value.encode("utf-8", "backslashreplace").decode("utf-8")
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def standing(lock: Lock) -> Standing:
+    """Compare a lock with what stands in its folder; entries that were never fetched are missing."""
+    present, missing, drifted = [], [], []
+    for entry in lock.entries:
+        folder = lock.folder(entry)
+        if not entry.commit or not entry.folder or not (folder / ".git").exists():
+            missing.append(entry)
+            continue
+        present.append(entry)
+        found = describe(folder)
+        if found.commit != entry.commit:
+            drifted.append((entry, f"stands at {(found.commit or 'no commit')[:12]}, not at {entry.commit[:12]}"))
+        elif found.dirty:
+            drifted.append((entry, "files were changed"))
+    return Standing(tuple(present), tuple(missing), tuple(drifted))

@@ -1,0 +1,230 @@
+"""One repository: which commit it is to stand at, fetched beside its place and put there whole by one renaming.
+
+Nothing of it runs: no hooks, no filters, no Git LFS. Git checks what comes before it keeps it (`transfer.fsckObjects`),
+so that trees with `..` or `.git` and submodules with addresses that are options are refused. The sizes of the files
+are added up before any is written. Links that lead out of the checkout are left out of it.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
+
+from kg.corpus.fetching_branches import branches_to_try
+from kg.corpus.fetching_git import FetchingError, Watch, folder_bytes
+from kg.corpus.fetching_list import protocols
+from kg.corpus.fetching_lock import FETCHED, Entry
+from kg.corpus.fetching_tree import content_bytes, outward_links, ros_versions
+from kg.corpus.git import run_git
+
+if TYPE_CHECKING:
+    from pathlib import Path
+    from threading import Event
+
+    from kg.corpus.fetching_git import Limits
+    from kg.corpus.fetching_list import Wanted
+
+__all__ = ["Choice", "fetch_one", "stands_at"]
+
+_MOST_TRIED: Final = 3
+_MOVED: Final = re.compile(r"^warning: redirecting to (\S+)$", re.MULTILINE)
+_BRANCH: Final = re.compile(r"(?P<commit>[0-9a-f]{40,64})\trefs/heads/(?P<name>[^\s\x00-\x20\x7f]+)")
+_DEFAULT: Final = re.compile(r"ref: refs/heads/(?P<name>\S+)\tHEAD")
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """How repositories are fetched: the version of ROS, whether submodules come too, and the limits of each."""
+
+    ros: str
+    submodules: bool
+    limits: Limits
+
+
+def stands_at(folder: Path, commit: str) -> bool:
+    """Tell whether a checkout stands at a commit, by its `.git` alone."""
+    try:
+        return bool(commit) and (folder / ".git" / "HEAD").read_text("ascii", "replace").strip() == commit
+    except OSError:
+        return False
+
+
+def fetch_one(one: Wanted, pin: Entry | None, place: Path, workspace: Path, choice: Choice, stop: Event) -> Entry:  # noqa: PLR0913, PLR0917 - what one repository needs
+    """Fetch a repository to the folder `place`, by way of the empty folder `workspace`, and return its entry.
+
+    With a `pin` that has a commit it is that commit. Nothing is done when it stands there already. What may pass is
+    tried again. A repository that is not fetched is an entry with another state, and its pin is kept.
+
+    Raises:
+        StoppedError: `stop` was set; `place` is as it was.
+    """
+    known = pin or Entry(one.name, one.url)
+    if one.problem:
+        return replace(known, state="refused", reason=one.problem)
+    if pin and stands_at(place, pin.commit):
+        return replace(pin, state=FETCHED, reason=pin.reason if pin.state == FETCHED else "")
+    fetching = _Fetching(one, place, workspace, choice, stop)
+    attempt = 0
+    while True:
+        try:
+            return fetching.run(pin.commit if pin else "", known)
+        except FetchingError as error:
+            if not error.passing or attempt >= choice.limits.retries:
+                return replace(known, state=error.state, reason=error.reason)
+            failed = error
+        try:
+            fetching.watch.wait(choice.limits.pause * 2**attempt)
+        except FetchingError:
+            return replace(known, state=failed.state, reason=failed.reason)
+        attempt += 1
+
+
+class _Fetching:
+    """One repository under way."""
+
+    def __init__(self, one: Wanted, place: Path, workspace: Path, choice: Choice, stop: Event) -> None:
+        self.watch = Watch(workspace, choice.limits, stop)
+        self._one = one
+        self._place = place
+        self._tree = workspace / "tree"
+        self._choice = choice
+        self._protocols = protocols(one.url)
+        self._moved = ""
+
+    def run(self, commit: str, known: Entry) -> Entry:
+        """Fetch it once: the commit, the ref that was named, or the branches that may be for the version of ROS."""
+        self._check_place()
+        if commit:
+            return self._finish(known, known.branch, self._fetch(commit, commit))
+        if self._one.ref:
+            return self._finish(known, self._one.ref, self._fetch(self._one.ref))
+        default, branches = self._remote()
+        names = branches_to_try(default, branches, self._choice.ros)[:_MOST_TRIED]
+        for name in names:
+            if stands_at(self._place, branches.get(name, "")):
+                return self._present(known, name, branches[name])
+            found = self._fetch(f"refs/heads/{name}")
+            if self._suits():
+                return self._finish(known, name, found)
+        tried = f"; {', '.join(names)} {'is' if len(names) == 1 else 'are'} not" if names else ""
+        raise FetchingError("other ros", f"no branch is for ROS {self._choice.ros}{tried}")
+
+    def _check_place(self) -> None:
+        """Leave alone what stands in the place and is no clean checkout."""
+        if not self._place.exists():
+            return
+        if not (self._place / ".git").is_dir():
+            raise FetchingError("in the way", f"{self._place} is no checkout and stands in the way")
+        try:
+            changed = run_git(("status", "--porcelain", "--ignore-submodules=all"), folder=self._place, timeout=None)
+        except subprocess.SubprocessError:
+            changed = "git cannot tell"
+        if changed:
+            raise FetchingError("in the way", f"files in {self._place} were changed")
+
+    def _remote(self) -> tuple[str | None, dict[str, str]]:
+        """Return the default branch of the repository, and its branches with their commits."""
+        self._empty()
+        listed = self._network("ls-remote", "--symref", "--", self._one.url, "HEAD", "refs/heads/*").decode(
+            "utf-8", "replace"
+        )
+        found = (_BRANCH.fullmatch(line) for line in listed.splitlines())
+        branches = {match["name"]: match["commit"] for match in found if match}
+        default = _DEFAULT.search(listed)
+        if not branches:
+            raise FetchingError("gone", "the repository is empty")
+        return default["name"] if default and default["name"] in branches else None, branches
+
+    def _fetch(self, ref: str, commit: str = "") -> str:
+        """Fetch and check out what `ref` names, and return its commit."""
+        self._empty()
+        options = ("--quiet", "--depth=1", "--no-tags", "--no-recurse-submodules", "--no-auto-maintenance")
+        self._network("fetch", *options, "--", self._one.url, ref)
+        found = self._git("rev-parse", "--verify", "FETCH_HEAD^{commit}").decode().strip()
+        if commit and found != commit:
+            raise FetchingError("gone", f"the server sent {found[:12]} for {commit[:12]}")
+        listing = self._git("ls-tree", "-r", "-l", "-z", "--full-tree", found)
+        if content_bytes(listing) + folder_bytes(self._tree) > self.watch.room:
+            raise self.watch.large()
+        self._git("checkout", "--quiet", "--force", "--detach", found)
+        return found
+
+    def _empty(self) -> None:
+        """Begin anew with a repository that has nothing."""
+        shutil.rmtree(self._tree, ignore_errors=True)
+        self._tree.mkdir(parents=True)
+        self._git("init", "--quiet", "--template=")
+
+    def _suits(self) -> bool:
+        """Tell whether the packages are for the version of ROS; a checkout without any might be."""
+        return self._choice.ros == "any" or self._choice.ros in (ros_versions(self._tree) or self._choice.ros)
+
+    def _finish(self, known: Entry, branch: str, commit: str) -> Entry:
+        """Put the checkout in its place."""
+        remarks = self._submodules() if self._choice.submodules else []
+        links = outward_links(self._tree)
+        if links:
+            self._git(
+                "update-index",
+                "--skip-worktree",
+                "-z",
+                "--stdin",
+                given="\0".join(links).encode(errors="surrogateescape"),
+            )
+            for link in links:
+                (self._tree / link).unlink()
+            remarks.append(f"left out {len(links)} link{'s' * (len(links) > 1)} that lead out, as {links[0]}")
+        self._git("config", "remote.origin.url", _without_password(self._one.url))
+        size = self.watch.weigh()
+        entry = replace(
+            known,
+            moved=self._moved or known.moved,
+            branch=branch,
+            commit=commit,
+            ros=ros_versions(self._tree),
+            bytes=size,
+            state=FETCHED,
+            reason="; ".join(remarks),
+        )
+        self._put()
+        return entry
+
+    def _present(self, known: Entry, branch: str, commit: str) -> Entry:
+        """Return the entry of a checkout that is there and whole."""
+        size, ros = folder_bytes(self._place), ros_versions(self._place)
+        moved = self._moved or known.moved
+        return replace(known, moved=moved, branch=branch, commit=commit, ros=ros, bytes=size, state=FETCHED, reason="")
+
+    def _put(self) -> None:
+        self._place.parent.mkdir(parents=True, exist_ok=True)
+        if self._place.exists():
+            self._place.rename(self._tree.with_name("before"))
+        self._tree.rename(self._place)
+
+    def _submodules(self) -> list[str]:
+        options = ("update", "--init", "--recursive", "--depth=1", "--quiet")
+        self._git("config", "remote.origin.url", self._one.url)
+        try:
+            self._network("submodule", *options)
+        except FetchingError as error:
+            if error.state in {"too large", "too slow"}:
+                raise
+            return [f"submodules were not fetched: {error.reason}"]
+        return []
+
+    def _network(self, *arguments: str) -> bytes:
+        found = self.watch.git(*arguments, within=self._tree, protocols=self._protocols)
+        moved = _MOVED.search(self.watch.words)
+        if moved:
+            self._moved = _without_password(moved[1]).removesuffix("/").removesuffix("/info/refs")
+        return found
+
+    def _git(self, *arguments: str, given: bytes = b"") -> bytes:
+        return self.watch.git(*arguments, within=self._tree, given=given)
+
+
+def _without_password(url: str) -> str:
+    return re.sub(r"(?<=://)[^@/\s]*@", "", url)

@@ -1,0 +1,90 @@
+"""Which projects of a table are taken, and how many each criterion removes (RNKG, section 3.1 and Table 1)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import TYPE_CHECKING
+
+from kg.corpus.selection_figures import Figures, figures
+from kg.errors import Place, SourceError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from kg.corpus.selection_criteria import Criteria, Criterion
+    from kg.corpus.selection_data import Dataset, Project
+
+__all__ = ["Selection", "Step", "select"]
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A criterion that applied: what it removed of what the criteria before it had left."""
+
+    criterion: Criterion
+    removed: tuple[Project, ...]
+    left: int
+
+
+@dataclass(frozen=True, slots=True)
+class Selection:
+    """What is left of a table, what removed the rest, and the figures of what is left by name."""
+
+    dataset: Dataset
+    criteria: Criteria
+    steps: tuple[Step, ...]
+    kept: tuple[Project, ...]
+    figures: Mapping[str, Figures]
+
+    def addresses(self) -> tuple[str, ...]:
+        """Return the addresses of the projects that are left, in the order of the table."""
+        return tuple(project.cells[self.criteria.address] for project in self.kept)
+
+
+def select(dataset: Dataset, criteria: Criteria) -> Selection:
+    """Apply the criteria in their order.
+
+    Raises:
+        SourceError: KG131 for a column that is missing, a number that is none, a value that no criterion names.
+    """
+    _check(dataset, criteria)
+    left, steps = dataset.projects, []
+    for criterion in criteria.criteria:
+        if criterion.applies:
+            removed = tuple(project for project in left if criterion.removes(project, dataset))
+            gone = {project.line for project in removed}
+            left = tuple(project for project in left if project.line not in gone)
+            steps.append(Step(criterion, removed, len(left)))
+    counted = {name: figures(_values(dataset, left, columns)) for name, columns in criteria.figures.items()}
+    return Selection(dataset, criteria, tuple(steps), left, counted)
+
+
+def _check(dataset: Dataset, criteria: Criteria) -> None:
+    whole = Place(str(criteria.path))
+    dataset.need((criteria.project, criteria.address, *criteria.closed), whole)
+    for columns in criteria.figures.values():
+        dataset.need(columns, whole)
+    for criterion in criteria.criteria:
+        dataset.need((criterion.column,), Place(str(criteria.path), criterion.line))
+    for column in criteria.closed:
+        _check_values(dataset, criteria, column)
+
+
+def _check_values(dataset: Dataset, criteria: Criteria, column: str) -> None:
+    """Refuse a value of a closed column that no criterion names: a typing error would select silently."""
+    about = [criterion for criterion in criteria.criteria if criterion.column == column]
+    known = sorted({value for one in about for values in (one.equal, one.unequal) for value in values or ()})
+    for project in dataset.projects:
+        cell = project.cells[column]
+        if cell and cell not in known:
+            close = get_close_matches(cell, known, n=1)
+            hint = f"Did you mean `{close[0]}`?" if close else f"{criteria.path} names {', '.join(known) or 'none'}."
+            place = Place(str(dataset.path), project.line)
+            raise SourceError("KG131", f"no criterion is about `{column}` = {cell!r}", place=place, hint=hint)
+
+
+def _values(dataset: Dataset, projects: Sequence[Project], columns: tuple[str, ...]) -> list[int]:
+    """Return the sum of the columns for each project that all of them are known of."""
+    rows = ([dataset.number(project, column) for column in columns] for project in projects)
+    return [sum(known) for row in rows if len(known := [value for value in row if value is not None]) == len(row)]

@@ -1,0 +1,143 @@
+"""Tables of projects, as CSV: rows that know their line, cells that are read as numbers when they are asked for."""
+
+from __future__ import annotations
+
+import csv
+import re
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import TYPE_CHECKING, Final
+
+from kg.errors import Place, SourceError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+    from pathlib import Path
+
+__all__ = ["Dataset", "Project", "read_dataset"]
+
+_UNKNOWN: Final = frozenset({"", "NA", "N/A", "-", "?"})
+"""What stands in a cell that nobody knows the number of."""
+_WHOLE: Final = re.compile(r"[+-]?[0-9]+")
+_LARGEST_CELL: Final = 1 << 20
+
+
+@dataclass(frozen=True, slots=True)
+class Project:
+    """A row: `cells` maps each column to its text without blanks around it, `line` is where the row begins."""
+
+    cells: Mapping[str, str]
+    line: int
+
+
+@dataclass(frozen=True, slots=True)
+class Dataset:
+    """A table of projects; no two rows have the same text in the column `key`, the first one."""
+
+    path: Path
+    columns: tuple[str, ...]
+    projects: tuple[Project, ...]
+
+    @property
+    def key(self) -> str:
+        """The column that names the projects."""
+        return self.columns[0]
+
+    def need(self, columns: Iterable[str], place: Place | None = None) -> None:
+        """Raise SourceError KG131 when one of the columns is missing; `place` is where it is asked for."""
+        for column in columns:
+            if column not in self.columns:
+                close = get_close_matches(column, self.columns, n=1)
+                hint = f"Did you mean `{close[0]}`?" if close else f"Its columns are {', '.join(self.columns)}."
+                raise SourceError(
+                    "KG131",
+                    f"{self.path.name} has no column `{column}`",
+                    place=place or Place(str(self.path), 1),
+                    hint=hint,
+                )
+
+    def number(self, project: Project, column: str) -> int | None:
+        """Return the number in a cell, None where it is not known (empty, NA).
+
+        Raises:
+            SourceError: KG131 for a cell that holds something else.
+        """
+        text = project.cells[column]
+        if text in _UNKNOWN:
+            return None
+        if not _WHOLE.fullmatch(text):
+            raise SourceError(
+                "KG131",
+                f"`{column}` of {project.cells[self.key]} is {text!r}, which is no whole number",
+                place=Place(str(self.path), project.line),
+                hint="Write a whole number, or NA where it is not known.",
+            )
+        return int(text)
+
+
+def read_dataset(path: Path) -> Dataset:
+    """Return the table in a CSV file (RFC 4180, UTF-8, with a head).
+
+    Raises:
+        SourceError: KG101 when the file cannot be read, KG131 with the line when it is no such table.
+    """
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as stream:
+            rows = list(_rows(stream, path))
+    except OSError as error:
+        raise SourceError("KG101", f"{path} cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise SourceError("KG131", f"the file is not UTF-8: {error.reason}", place=Place(str(path))) from error
+    if not rows:
+        raise SourceError("KG131", "the file is empty", place=Place(str(path)))
+    head, *body = rows
+    columns = tuple(cell.strip() for cell in head[1])
+    _check_head(columns, path)
+    projects = tuple(_project(columns, cells, line, path) for line, cells in body)
+    _check_keys(columns[0], projects, path)
+    return Dataset(path, columns, projects)
+
+
+def _rows(stream: Iterable[str], path: Path) -> Iterator[tuple[int, list[str]]]:
+    """Yield the rows that are not blank, each with the line that it begins on: cells may hold line breaks."""
+    csv.field_size_limit(_LARGEST_CELL)
+    reader = csv.reader(stream, strict=True)
+    line = 1
+    while True:
+        try:
+            cells = next(reader)
+        except StopIteration:
+            return
+        except csv.Error as error:
+            hint = 'Cells with commas, quotes or line breaks stand in quotes: "a, b"; quotes in them are doubled.'
+            raise SourceError("KG131", f"this is not CSV: {error}", place=Place(str(path), line), hint=hint) from error
+        if any(cell.strip() for cell in cells):
+            yield line, cells
+        line = reader.line_num + 1
+
+
+def _check_head(columns: tuple[str, ...], path: Path) -> None:
+    for column in columns:
+        if not column or columns.count(column) > 1:
+            what = f"the column `{column}` stands twice" if column else "a column has no name"
+            raise SourceError("KG131", f"{what} in the head", place=Place(str(path), 1))
+
+
+def _project(columns: tuple[str, ...], cells: list[str], line: int, path: Path) -> Project:
+    if len(cells) != len(columns):
+        raise SourceError(
+            "KG131",
+            f"the row has {len(cells)} cells, the head {len(columns)}",
+            place=Place(str(path), line),
+            hint="A cell with a comma in it stands in quotes.",
+        )
+    return Project(dict(zip(columns, map(str.strip, cells), strict=True)), line)
+
+
+def _check_keys(key: str, projects: tuple[Project, ...], path: Path) -> None:
+    lines: dict[str, int] = {}
+    for project in projects:
+        first = lines.setdefault(project.cells[key], project.line)
+        if first != project.line:
+            message = f"{project.cells[key]!r} stands in line {first} already"
+            raise SourceError("KG131", message, place=Place(str(path), project.line))
