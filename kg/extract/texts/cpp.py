@@ -7,9 +7,7 @@ a comment ends and whether a class follows needs no tree.
 from __future__ import annotations
 
 import re
-from bisect import bisect_right
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Final
 
 from kg.extract.texts.paragraphs import Paragraph, joined, prose
@@ -22,7 +20,7 @@ _TOKENS: Final = re.compile(
 )
 _GAP: Final = re.compile(r"[ \t]*\n(?:[ \t]*\n)?[ \t]*")
 _CLASS: Final = re.compile(
-    r"(?:template\s*<[^{};]{0,200}>\s*)?(?:class|struct)\s+(?:\[\[[^\]]{0,60}\]\]\s*)?"
+    r"(?:template\s*<[^{};]{0,200}>\s*)?(class|struct)\s+(?:\[\[[^\]]{0,60}\]\]\s*)?"
     r"(?:[A-Z][A-Z0-9_]+(?:\([^()]{0,60}\))?\s+)?(?:\w+::)*(\w+)(?:\s+final)?\s*(?=[:{])"
 )
 _MAIN: Final = re.compile(r"(?:int|void)\s+main\s*\(")
@@ -50,6 +48,7 @@ class Comments:
         self._text = text
         self.header: list[Paragraph] = []
         self.classes: dict[str, list[Paragraph]] = {}
+        self.structs: set[str] = set()
         self.main: list[Paragraph] = []
         self._read()
 
@@ -69,8 +68,10 @@ class Comments:
         ahead = text[following : following + _LOOK_AHEAD]
         named = _NAMED.search(text, block.start, min(block.end, block.start + 4000))
         above = _CLASS.match(ahead)
-        name = above[1] if above else named[1] if named else None
+        name = above[2] if above else named[1] if named else None
         if name is not None:
+            if above and above[1] == "struct":
+                self.structs.add(name)
             self.classes.setdefault(name, []).extend(self._paragraphs(block))
         elif _MAIN.match(ahead):
             self.main.extend(self._paragraphs(block))
@@ -81,6 +82,7 @@ class Comments:
         """Return the comments that stand alone on their lines; neighbouring line comments are one."""
         text = self._text
         found: list[_Block] = []
+        line, counted = 1, 0
         for match in _TOKENS.finditer(text):
             start, end = match.span()
             if text[start] != "/" or text[text.rfind("\n", 0, start) + 1 : start].strip():
@@ -92,15 +94,10 @@ class Comments:
             elif len(found) >= _MOST_COMMENTS:
                 break
             else:
-                found.append(_Block(start, end, self._line(start)))
+                line += text.count("\n", counted, start)
+                counted = start
+                found.append(_Block(start, end, line))
         return found
-
-    @cached_property
-    def _line_starts(self) -> list[int]:
-        return [0, *(match.end() for match in re.finditer("\n", self._text))]
-
-    def _line(self, offset: int) -> int:
-        return bisect_right(self._line_starts, offset)
 
     def _paragraphs(self, block: _Block) -> list[Paragraph]:
         lines = self._text[block.start : block.end].split("\n")

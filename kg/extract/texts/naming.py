@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
@@ -22,6 +23,8 @@ _SUFFIX: Final = re.compile(r"(?:nodelet|node|component)$")
 _ENDINGS: Final = (".py", ".cpp", ".cc", ".hpp", ".h", ".launch", ".exe")
 _SHORTEST_DISTINCT: Final = 5
 _SHORTEST_STEM: Final = 4
+_REMEMBERED: Final = 8192
+"""Words whose forms are kept, for pages are read for each package around which they stand."""
 
 
 def key(name: str) -> str:
@@ -143,6 +146,7 @@ def _tokens(text: str) -> list[str]:
     return _TOKEN.findall(text)
 
 
+@lru_cache(_REMEMBERED)
 def _forms(token: str) -> tuple[str, ...]:
     bare = _without_ending(token)
     return tuple(dict.fromkeys((key(bare), key(last_part(bare)))))

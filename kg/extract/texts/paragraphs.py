@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.texts.prose import LONGEST_TEXT, is_legal, is_prose, shortened
+from kg.extract.texts.prose import LONGEST_TEXT, is_prose, shortened
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -17,6 +17,9 @@ _MOST_LINES: Final = 400
 """Lines of one comment that are looked at; what a node is for stands in the first dozen."""
 _LONGEST_LINE: Final = 2000
 """Characters of one line that are looked at, more than anybody writes."""
+
+_LONGEST_PARAGRAPH: Final = 5 * LONGEST_TEXT
+"""Characters of a paragraph that are looked at, more than are judged."""
 
 _DECORATION: Final = re.compile(r"^[\s*/!#|<>\-=~_+.\"']*$")
 _COMMAND: Final = re.compile(r"^[\s*\-]*[@\\](\w+)(?:\[\w+\])?\s*(.*)$")
@@ -29,8 +32,13 @@ _INLINE: Final = frozenset({"b", "c", "e", "p", "a", "em", "ref", "link", "n", "
 _BLOCKS: Final = {"code": "endcode", "verbatim": "endverbatim", "dot": "enddot", "htmlonly": "endhtmlonly"}
 _ITEM: Final = re.compile(r"^\s*(?:[-*+•]|\d{1,2}[.)])\s+")
 _FIELD: Final = re.compile(
-    r"^:\w+[^:]*:|^(?:Args|Arguments|Parameters?|Returns?|Raises|Yields|Examples?|Usage|Inputs?|Outputs?|Attributes)\s*:\s*$"
+    r"^:\w+[^:]*:|^(?:Args|Arguments|Parameters?|Returns?|Raises|Yields|Examples?|Usage|Inputs?|Outputs?|Attributes"
+    r"|Authors?|Maintainers?|Contributors?|Date|Version|Email|E-mail|Created|Modified|File|Filename|License|Project"
+    r"|Subscribe[sd]?|Publishe?[sd]?|Subscriptions?|Publications?|Topics?|Services?|TODO|FIXME)\s*:",
+    re.IGNORECASE,
 )
+"""Beginnings of lines after which, up to an empty one, no description stands."""
+_FILE_NAME: Final = re.compile(r"^[\w/.-]+\.(?:cpp|cc|cxx|c|hpp|hh|h|py|launch|xml)\b\W*", re.IGNORECASE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +63,7 @@ _SPACE: Final = re.compile(r"\s+")
 
 def plain(text: str) -> str:
     """Return a piece of Markdown, reStructuredText, HTML or Doxygen as the text that a reader would see."""
+    text = text[:_LONGEST_PARAGRAPH]
     if "`" in text:
         text = _RST_LINK.sub(r"\1", _ROLE.sub(r"\1", text))
         text = text.replace("`_", "").replace("`", "")
@@ -92,7 +101,7 @@ def joined(lines: Iterable[tuple[int, str]]) -> Iterator[Paragraph]:
             if gathered:
                 yield Paragraph(first, plain(" ".join(gathered)), command)
             gathered, command = [], word
-            silent = bool(word and word not in _STARTING | _NAMING | _INLINE) or bool(_FIELD.match(text.strip()))
+            silent = bool(word and word not in _STARTING | _NAMING | _INLINE) or _FIELD.match(text.strip()) is not None
             if found and word and word not in _INLINE:
                 text = found[2] if word not in _NAMING else _after_name(found[2])
             text = _ITEM.sub("", text)
@@ -112,9 +121,8 @@ def _after_name(text: str) -> str:
 
 
 def prose(paragraphs: Iterable[Paragraph]) -> Iterator[Paragraph]:
-    """Yield those paragraphs that are prose, cut to the longest text; a licence ends at the next that is none."""
+    """Yield those paragraphs that are prose, cut to the longest text, without the name of the file in front."""
     for paragraph in paragraphs:
-        text = paragraph.text
-        if len(text) > 4 * LONGEST_TEXT or is_legal(text) or not is_prose(text):
-            continue
-        yield Paragraph(paragraph.line, shortened(text), paragraph.command)
+        text = _FILE_NAME.sub("", paragraph.text, count=1)
+        if len(text) <= 4 * LONGEST_TEXT and is_prose(text):
+            yield Paragraph(paragraph.line, shortened(text), paragraph.command)

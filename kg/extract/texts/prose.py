@@ -7,99 +7,92 @@ of man; what it refuses by words is English, as licences and templates are.
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 from typing import Final
+
+from kg.extract.texts.phrases import AUTHORSHIP, BOILERPLATE, LABELS, LEGAL, LISTED, LISTING
 
 __all__ = ["LONGEST_TEXT", "is_legal", "is_prose", "shortened"]
 
 LONGEST_TEXT: Final = 1000
 """Characters of a description: the longest paragraphs that say what a node is for have about 800."""
 
+_JUDGED: Final = 4 * LONGEST_TEXT
+"""Characters that are judged; a longer paragraph is no paragraph."""
+_REMEMBERED: Final = 4096
+"""Judgements that are kept: the files of a package begin with the same licence."""
 _FEWEST_WORDS: Final = 3
 """`Laser scan merger` says something; two words are a label."""
 _FEWEST_LETTERS: Final = 10
 _LETTERS_SHARE: Final = 0.72
 """Of the signs that are no space; English prose has 0.95, tables and formulas less than 0.6."""
-_ALONE: Final = 0.6
+_ADDRESSES_SHARE: Final = 0.6
 """So much of a text may addresses and paths take."""
 
-_LEGAL: Final = re.compile(
-    r"copyright\b|\(c\) ?\d{4}|©|all rights reserved|\bSPDX\b|licen[sc]e agreement|licensed under|under the terms of"
-    r"|redistributions? (?:and|of|in)|redistribute|in source and binary|above copyright"
-    r"|neither the name|endorse or promote|provided by the copyright|without warrant(?:y|ies)|without any warranty"
-    r"|merchantab|fitness for a particular|liable for any|such damage|express or implied|applicable law"
-    r"|obtain a copy of the license|copy of the (?:gnu|license|mit|apache|bsd)|for more details\.?$"
-    r"|gnu (?:lesser |affero |library )?general public|\b[al]?gpl ?v?[23]?\b"
-    r"|permission (?:is|to use)|hereby granted|creative commons|public domain|\b(?:bsd|mit|apache) licen[sc]e"
-    r"|see (?:the )?licen[sc]e|licen[sc]e (?:file|for the specific)|specific language governing"
-    r"|^(?:the )?licen[sc]e\b|trade ?secret|proprietary|^this file is part of"
-    r"|free software foundation|this (?:software|program) is free|^(?:modified )?(?:3-clause )?bsd\b"
-    r"|is released (?:under|with)|is made available under|released under",
-    re.IGNORECASE,
-)
-_BOILERPLATE: Final = re.compile(
-    r"\b(?:TODO|FIXME|XXX|HACK)\b|^The \S+ package\.?$|package description|provide an overview of your package"
-    r"|(?:auto(?:matically)?[- ]?|was |is )generated (?:by|from|file|code|with)|auto-?generated"
-    r"|do not (?:edit|modify)\b"
-    r"|catkin_create_pkg|roscreate|this is a sample|for template parameter list|vim?:|-\*-|pylint|cpplint|NOLINT"
-    r"|clang-format|^\S+ is \.\.\.|\bno (?:public )?code api|not have a (?:public )?code api|for usage see|htmlinclude"
-    r"|^list of (?:nodes|topics)|foo_service|noqa|coding[:=]|flake8|doxygen|^created (?:on|by|in)\b"
-    r"|^\s*(?:created|generated) (?:on|by|with|from)\b"
-    r"|^(?:authors?|maintainers?|date|version|e-?mail|status|contact|desc|revision|file ?name|file|project|written by"
-    r"|website|url|license|maintained by|modified by|original author|contributors?)\b\s*[:=(]"
-    r"|^(?:authors?|written|developed|maintained|modified|ported) by\b|^(?:author|maintainer)s?\b"
-    r"|@\w+\.(?:com|org|de|edu|net|jp|fr|es|it|uk)\b",
-    re.IGNORECASE,
-)
-_LABEL: Final = re.compile(
-    r"^(?:(?:the |a |this is the |define |start of )?main(?: function| loop| program| entry point| node)?"
-    r"s?(?: for .{0,30})?"
-    r"|(?:the )?(?:con|de)structors?(?: (?:for|of) .{0,40})?|(?:default |forward )?(?:declarations?|constructor)"
-    r"|(?:(?:ros|c\+\+|stl|std|standard|local|system|custom|own|boost|pcl|opencv|eigen|project|other|common|necessary"
-    r"|required|third[- ]party|external|library|global|python|message|msgs?|and|c|for|import|include|\W)+ ?)*"
-    r"(?:includes?|headers?|imports?|library|libraries|messages?|msgs?|stuff|files|variables|typedefs|constants)"
-    r"|forward declarations?|function (?:prototypes|declarations)|class (?:definition|declaration)s?|see .{0,60}"
-    r"|\$id.*|(?:this )?(?:class|function|file|node)|end of .*|namespace .*|for debug\w*|needed for .*)\W*$",
-    re.IGNORECASE,
-)
+_CODE_SIGNS: Final = re.compile(r"[;{}=&|+<>\[\]$#%(]|^import |^from ")
 _CODE: Final = re.compile(
-    r"[;{}]\s*$|^\s*[#{}]|\w\(\)|->|==|!=|&&|\|\||\+\+|<<|>>|::\w+\(|^(?:from \S+ )?import \w+(?:\.\w+)*$|^#\s*\w+"
-    r"|\breturn\b.*;|^\s*(?:if|for|while|switch)\s*\(|\w+\[\w*\]\s*=|^\s*[\w.:<>*&]+(?: [\w*&]+)? ?\+?= ?\S+"
-    r"|^\s*(?:self\.|\$ |sudo |roslaunch |rosrun |ros2 |git |catkin_make|colcon |cd |def \w+\(|class \w+[(:]|print\b)"
-    r"|\bstd::\w+<|^\s*[\w.:]+\([^)]*\)\s*:?$|^<\w+[^>]*>|\w+\s*=\s*[\w.:]+\([^)]*\)$|%[sdf]\b"
+    r"[;{}]\s*$|^\s*[#{}$]|\w\(\)\s*[;.{]|->\w|==|!=|&&|\|\||\+\+|<<|>>|::\w+\(|^(?:from \S+ )?import \w[\w., ]*$"
+    r"|^\s*(?:if|for|while|switch)\s*\(|\w+\[\w*\]\s*=|^\s*[\w.:<>*&]+(?: [\w*&]+)? ?\+?= ?\S+"
+    r"|^\s*(?:self\.|def \w+\(|class \w+[(:]|print\b)|\bstd::\w+<|^\s*[\w.:]+\([^)]*\)\s*:?$|^<\w+[^>]*>"
+    r"|\w+\s*=\s*[\w.:]+\([^)]*\)$|%[sdf]\b"
 )
-_ADDRESS: Final = re.compile(r"(?:https?|ftp)://\S+|www\.\S+|\S+@\S+\.\w+|(?:^|(?<=\s))[~.]?/?(?:[\w.-]+/){2,}[\w.-]*")
-_LATIN_WORD: Final = re.compile(r"[^\W\d_]{2,}")
+_COMMAND: Final = re.compile(
+    r"^\s*(?:sudo|roslaunch|rosrun|ros2|git|catkin_make|catkin|colcon|cd|pip3?|apt(?:-get)?) \S"
+)
+_PLACE: Final = re.compile(r"(?:https?|ftp)://\S+|www\.\S+|\S+@\S+\.\w+|(?:^|(?<=\s))[~.]?/?(?:[\w.-]+/){2,}[\w.-]*")
+_WORD: Final = re.compile(r"[^\W\d_]{2,}")
+_PERSON: Final = r"(?:[A-Z][\w.'-]*\s+){1,3}[A-Z][\w'-]+"
+_PEOPLE: Final = re.compile(rf"^{_PERSON}(?:(?:\s*[,;]|\s+and)\s+{_PERSON})+\W*$")
 _SENTENCE_END: Final = re.compile(r"[.!?。]\s")
 
 
 def is_legal(text: str) -> bool:
     """Tell whether a paragraph is (part of) a licence or a copyright notice."""
-    return _LEGAL.search(text[: 4 * LONGEST_TEXT]) is not None
+    low = text[:_JUDGED].lower()
+    return any(phrase in low for phrase in LEGAL)
 
 
+@lru_cache(_REMEMBERED)
 def is_prose(text: str) -> bool:
     """Tell whether a paragraph of plain text is prose that may describe something.
 
     False for licences, commented-out code, separators, editor and linter directives, tags of authors and dates, open
     work, templates, addresses alone, labels of one or two words, and what is mostly signs.
     """
-    text = text[: 4 * LONGEST_TEXT].strip()
-    bare = _ADDRESS.sub(" ", text)
-    if len(bare) < len(text) * (1 - _ALONE):
+    text = text[:_JUDGED].strip()
+    bare = _PLACE.sub(" ", text) if "/" in text or "@" in text or "www" in text else text
+    if len(bare) < len(text) * (1 - _ADDRESSES_SHARE) or not _has_words(bare):
         return False
-    letters = sum(map(str.isalpha, bare))
-    solid = len(bare) - sum(map(str.isspace, bare))
+    low = text.lower()
+    if any(phrase in low for phrase in LEGAL) or any(phrase in low for phrase in BOILERPLATE):
+        return False
+    if LABELS.match(low) or AUTHORSHIP.match(low) or _is_listing(low):
+        return False
+    if _PEOPLE.match(text) or _COMMAND.match(text) or _is_lead_in(text):
+        return False
+    return not (_CODE_SIGNS.search(bare) and _CODE.search(bare))
+
+
+def _has_words(text: str) -> bool:
+    """Tell whether a text has letters and words enough, of which scripts without spaces have one."""
+    letters = sum(map(str.isalpha, text))
+    solid = len(text) - sum(map(str.isspace, text))
     if letters < _FEWEST_LETTERS or letters < _LETTERS_SHARE * solid:
         return False
-    words = _LATIN_WORD.findall(bare)
-    if len(words) < _FEWEST_WORDS and not _without_spaces(bare):
-        return False
-    return not (is_legal(text) or _BOILERPLATE.search(text) or _LABEL.match(text) or _CODE.search(bare))
+    if len(_WORD.findall(text)) >= _FEWEST_WORDS:
+        return True
+    return not text.isascii() and sum(not char.isascii() and char.isalpha() for char in text) >= _FEWEST_LETTERS
 
 
-def _without_spaces(text: str) -> bool:
-    """Tell whether a text is of a script that has no spaces between words."""
-    return sum(not char.isascii() and char.isalpha() for char in text) >= _FEWEST_LETTERS
+def _is_listing(low: str) -> bool:
+    """Tell whether a text is the label of a group of includes (`standard C++ headers`)."""
+    label = low.strip(" .:-=")
+    return LISTED.search(label) is not None and all(map(LISTING.match, label.split()))
+
+
+def _is_lead_in(text: str) -> bool:
+    """Tell whether a paragraph only announces what follows it (`Run it as:`)."""
+    return text.endswith(":") and _SENTENCE_END.search(text) is None
 
 
 def shortened(text: str, most: int = LONGEST_TEXT) -> str:

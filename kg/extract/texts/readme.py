@@ -32,6 +32,12 @@ _LEAD: Final = re.compile(
     r"^[\s*`_\[]*(?:<\w+>)?([\w./:\-]{2,80}?(?: (?:node|nodelet|component))?)[\s*`_\]]*(?:</\w+>)?"
     r"(?:\([^)]{0,200}\))?\**\s*(?::|-{1,3}|\u2013|\u2014)+\**\s+(\S.*)$"
 )
+_INTERFACE: Final = re.compile(
+    r"^(?:~|/)\w|^[\w/~.]+\s?[(\[](?:\w+_msgs|(?:string|int|float|double|bool|list)\b)", re.IGNORECASE
+)
+"""A topic or parameter of a node, in a list of them."""
+_FEWEST_SPACES: Final = 5
+"""In an item about a package: shorter ones are a table of contents."""
 _MOST_NODES: Final = 3
 """A paragraph that names more nodes than these lists them and describes none."""
 
@@ -84,7 +90,8 @@ def find(blocks: Iterable[Block], about: About) -> Iterator[Found]:
         section = stack[-1]
         if any(is_never(one.heading) and not one.nodes for one in stack[1:]):
             continue
-        yield from _described(block, section, about)
+        inside = any(not is_telling(one.heading) and not one.nodes for one in stack[1:] if one.level > 1)
+        yield from _described(block, section, about, inside=inside)
 
 
 def _section(block: Block, outer: _Section, about: About, *, title: bool) -> _Section:
@@ -105,7 +112,7 @@ def _tokens_of(heading: str) -> set[str]:
     return {key(token) for token in re.findall(r"[\w\-]+", heading)}
 
 
-def _described(block: Block, section: _Section, about: About) -> Iterator[Found]:
+def _described(block: Block, section: _Section, about: About, *, inside: bool) -> Iterator[Found]:
     if section.foreign:
         return
     heading = section.heading or None
@@ -118,26 +125,26 @@ def _described(block: Block, section: _Section, about: About) -> Iterator[Found]
         if is_prose(plain(lead[2])):
             yield from (Found(shortened(text), block.line, node, heading) for node in nodes)
         return
-    if not is_prose(text):
+    if not is_prose(text) or _INTERFACE.match(text):
         return
     if lead and not about.own and key(plain(lead[1])) == key(about.package):
         yield Found(shortened(text), block.line, None, heading)
         return
-    yield from _paragraph(block, text, section, about)
+    yield from _paragraph(block, text, section, about, inside=inside)
 
 
-def _paragraph(block: Block, text: str, section: _Section, about: About) -> Iterator[Found]:
+def _paragraph(block: Block, text: str, section: _Section, about: About, *, inside: bool) -> Iterator[Found]:
     heading = section.heading or None
     if section.nodes:
         if block.kind is BlockKind.PARAGRAPH or not is_interface(section.heading):
             yield from (Found(shortened(text), block.line, node, heading) for node in section.nodes[:_MOST_NODES])
         return
-    if block.kind is BlockKind.PARAGRAPH:
+    if block.kind is BlockKind.PARAGRAPH and not inside:
         spans = [plain(next(filter(None, match.groups()), "")) for match in _SPAN.finditer(block.text[:4000])]
         nodes = about.names.of_text(text, spans)
         if nodes and len(nodes) <= _MOST_NODES:
             yield from (Found(shortened(text), block.line, node, heading) for node in nodes)
-    if section.package:
+    if section.package and (block.kind is BlockKind.PARAGRAPH or text.count(" ") >= _FEWEST_SPACES):
         yield Found(shortened(text), block.line, None, heading)
 
 

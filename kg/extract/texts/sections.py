@@ -15,7 +15,8 @@ _NEVER: Final = (
 )
 _INTERFACE: Final = (
     "parameter|argument|param|subscri|publish|topic|service|action|input|output|config|usage|launch|run(?:ning)?$",
-    "run(?:ning)? |example|api$|tf$|transform|command line|option|messages|how to|tutorial|quick|demo|sample",
+    "run(?:ning)? |ros(?:run|launch)|ros2 |~|example|api$|tf$|transform|command line|option",
+    "messages|how to|tutorial|quick|demo|sample",
 )
 _OTHER: Final = (
     "reference|support|bug|getting|set-?up|paper|develop|disclaimer|links|related|video|note|coding|debug|news|update",
@@ -27,7 +28,7 @@ _ABOUT: Final = (
 
 
 def _any(words: tuple[str, ...]) -> re.Pattern[str]:
-    return re.compile(rf"\b(?:{'|'.join(words)})", re.IGNORECASE)
+    return re.compile(rf"(?:\b|^)(?:{'|'.join(words)})", re.IGNORECASE)
 
 
 _NEVER_PATTERN: Final = _any(_NEVER)

@@ -34,7 +34,10 @@ _MOST_NODES: Final = 3
 _MOST_FILES: Final = 12
 """Files of a node that are looked at: beginning, sources, and where its interfaces stand."""
 _ROLE: Final = re.compile(r"_?(?:nodelet|node|component|class|impl|ros|main|core|app|plugin)$")
-_ERROR: Final = re.compile(r"(?:Error|Exception|Enum|Test|TestCase|Struct|Params?|Config|Data|State|Traits|Options)$")
+_HELPER: Final = re.compile(
+    r"(?:Error|Exception|Enum|Test|TestCase|Struct|Params?|Config|Data|State|Traits|Options|Results?|Visitor|Thread)$"
+)
+"""Ends of the names of classes that are part of a program and never the program."""
 
 
 @dataclass(slots=True)
@@ -47,6 +50,8 @@ class _Sources:
     """The C++ class of each plugin."""
     uses: Counter[str] = field(default_factory=Counter)
     """Of how many nodes a file is a source."""
+    makers: Counter[str] = field(default_factory=Counter)
+    """Of how many nodes interfaces are made in a file."""
     _cpp: dict[str, Comments | None] = field(default_factory=dict)
     _python: dict[str, Docstrings | None] = field(default_factory=dict)
     _texts: dict[str, str | None] = field(default_factory=dict)
@@ -90,6 +95,7 @@ def of_sources(
     sources = _Sources(reader, package, {plugin.name: last_part(plugin.type) for plugin in build.plugins})
     for node in nodes:
         sources.uses.update({node.location.path, *node.sources})
+        sources.makers.update(set(_made(node)) - {node.location.path, *node.sources})
     functions = {entry.name: entry.function for entry in build.entry_points}
     for node in nodes:
         if node.location.repository is not None:
@@ -104,6 +110,7 @@ def _cpp(sources: _Sources, node: NodeType) -> Iterator[Description]:
     files = _files(node)
     files = list(dict.fromkeys(path for file in files for path in (file, *sources.headers(file))))[:_MOST_FILES]
     main = sources.text(node.location.path) or ""
+    used = {_stem(path) for path in _beginnings(sources, node)}
     for path in files:
         comments = sources.cpp(path)
         if comments is None:
@@ -112,15 +119,27 @@ def _cpp(sources: _Sources, node: NodeType) -> Iterator[Description]:
             yield from _descriptions(node, path, comments.header)
         if path == node.location.path:
             yield from _descriptions(node, path, comments.main)
+        near = _stem(path) in used
         for name, paragraphs in comments.classes.items():
-            if _is_class_of(sources, node, name, main):
+            if _is_class_of(sources, node, name, main if near and name not in comments.structs else ""):
                 yield from _descriptions(node, path, paragraphs)
 
 
 def _files(node: NodeType) -> list[str]:
     """Return the files of a node: where it begins, its sources, and where it makes interfaces itself."""
-    made = [one.location.path for one in node.interfaces if not one.implicit and one.location.repository is None]
-    return list(dict.fromkeys([node.location.path, *node.sources, *made]))[:_MOST_FILES]
+    return list(dict.fromkeys([node.location.path, *node.sources, *_made(node)]))[:_MOST_FILES]
+
+
+def _beginnings(sources: _Sources, node: NodeType) -> list[str]:
+    """Return the files whose classes a program may be: where it begins, and where few programs make interfaces."""
+    made = [path for path in _made(node) if sources.uses[path] + sources.makers[path] <= _MOST_NODES]
+    return [node.location.path, *made]
+
+
+def _made(node: NodeType) -> list[str]:
+    """Return the files of the source in which a node makes interfaces itself."""
+    found = (one.location for one in node.interfaces if not one.implicit)
+    return list(dict.fromkeys(place.path for place in found if place.repository is None))
 
 
 def _is_own(sources: _Sources, node: NodeType, path: str) -> bool:
@@ -141,7 +160,7 @@ def _is_class_of(sources: _Sources, node: NodeType, name: str, main: str) -> boo
         return name == node.name
     if _alike(name, node):
         return True
-    return not _ERROR.search(name) and re.search(rf"\b{re.escape(name)}\b", main) is not None
+    return bool(main) and not _HELPER.search(name) and re.search(rf"\b{re.escape(name)}\b", main) is not None
 
 
 def _alike(name: str, node: NodeType) -> bool:
@@ -168,7 +187,7 @@ def _python(sources: _Sources, node: NodeType, function: str | None) -> Iterator
         if path == node.location.path:
             for name in {function or "main", "main"}:
                 yield from _descriptions(node, path, texts.functions.get(name, ()), DescriptionKind.DOCSTRING)
-        text = sources.text(node.location.path) or ""
+        text = (sources.text(path) or "") if path == node.location.path else ""
         for name, paragraphs in texts.classes.items():
             if _is_class_of(sources, node, name, text):
                 yield from _descriptions(node, path, paragraphs, DescriptionKind.DOCSTRING)
