@@ -152,13 +152,17 @@ def _parameter(path: Path, number: int, line: str, blocks: Mapping[str, str]) ->
 
 def discover(folders: Iterable[Path] = ()) -> dict[str, StoredQuery]:
     """Return the queries of `kg` and of `folders` by name, sorted; those of later folders win."""
-    found: dict[str, StoredQuery] = {}
+    return {name: read(path, name) for name, path in _files(folders).items()}
+
+
+def _files(folders: Iterable[Path]) -> dict[str, Path]:
+    """Return the files of queries by name, sorted; those of later folders win."""
+    found: dict[str, Path] = {}
     for folder in (resources.folder("queries"), *folders):
-        for path in sorted(folder.rglob("*.rq")):
+        for path in folder.rglob("*.rq"):
             parts = path.relative_to(folder).with_suffix("").parts
             if parts[0] != _INTERNAL:
-                name = "/".join(parts)
-                found[name] = read(path, name)
+                found["/".join(parts)] = path
     return dict(sorted(found.items()))
 
 
@@ -168,14 +172,12 @@ def find(name: str, folders: Iterable[Path] = ()) -> StoredQuery:
     Raises:
         UsageError: KG001 with what was probably meant, or with the queries that share the last part.
     """
-    known = discover(folders)
-    if name in known:
-        return known[name]
-    same = [query for path, query in known.items() if path.rpartition("/")[2] == name]
+    known = _files(folders)
+    same = [name] if name in known else [path for path in known if path.rpartition("/")[2] == name]
     if len(same) == 1:
-        return same[0]
+        return read(known[same[0]], same[0])
     if same:
-        names = ", ".join(query.name for query in same)
+        names = ", ".join(same)
         raise UsageError("KG001", f"several queries are called `{name}`: {names}", hint="Give the whole name.")
     hint = did_you_mean(name, [*known, *(path.rpartition("/")[2] for path in known)])
     raise UnknownNameError("KG001", f"there is no stored query `{name}`", hint=hint or "`kg query --list` lists them.")

@@ -115,11 +115,12 @@ def depends(reader: Atom, head: Atom) -> bool:
     """
     if isinstance(reader.predicate, Variable) and _auxiliary(head.predicate):
         return False
+    pairs = list(zip(reader.positions, head.positions, strict=True))
+    # Most are told apart by a name, which is seen before anything is renamed.
+    if any(isinstance(one, NamedNode) and isinstance(other, NamedNode) and one != other for one, other in pairs):
+        return False
     bindings: _Bindings = {}
-    return all(
-        unifies(_apart(read), _derived(written), bindings)
-        for read, written in zip(reader.positions, head.positions, strict=True)
-    )
+    return all(unifies(_apart(read), _derived(written), bindings) for read, written in pairs)
 
 
 def _auxiliary(predicate: Pattern) -> bool:

@@ -14,7 +14,7 @@ from weakref import WeakKeyDictionary
 
 from pyoxigraph import NamedNode
 
-from kg.rules.dependencies import depends
+from kg.rules.dependencies import depends, mints
 from kg.rules.engine.blocks import Blocks
 from kg.rules.engine.expressions import Expressions
 from kg.rules.engine.facts import Facts
@@ -73,7 +73,8 @@ class Program:
 
     def refuse_minting(self) -> None:
         """Raise `RuleError` KG204 when a rule makes terms from what it derives itself."""
-        stratify(self.rules)
+        if any(stratum.recursive and any(map(mints, stratum.rules)) for stratum in self.strata):
+            stratify(self.rules)  # tells which one, and through which others
 
     def plans(self, dictionary: Dictionary) -> dict[Rule, RulePlan]:
         """Return the plan of each rule over a dictionary."""
