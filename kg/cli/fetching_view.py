@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
     from kg.corpus.fetching import Fetched
-    from kg.corpus.fetching_lock import Entry
+    from kg.corpus.fetching_lock import Entry, Lock, Standing
 
-__all__ = ["Bar", "Lines", "code_of", "entry_object", "for_this_stream", "summary"]
+__all__ = ["Bar", "Lines", "code_of", "entry_object", "for_this_stream", "not_as_pinned", "summary"]
 
 _CODES: Final = {"refused": "KG134", "too large": "KG135", "too slow": "KG135", "in the way": "KG137"}
 _LONGEST_NAME: Final = 40
@@ -115,6 +115,21 @@ def summary(done: Fetched) -> None:
     others = "".join(f", {number:,} {state}" for state, number in sorted(states.items()) if state != FETCHED)
     fetched = count(states[FETCHED], "repository", "repositories")
     say(f"{fetched} fetched ({size / 1e6:,.1f} MB){others}; {printable(str(done.lock.path))} pins them")
+
+
+def not_as_pinned(lock: Lock, found: Standing) -> None:
+    """Say which repositories of a lock file are not there, or not as it says."""
+    place = printable(str(lock.path))
+    for entry in found.missing:
+        why = "was not fetched" if entry.state == FETCHED else f"{entry.state}: {entry.reason}"
+        problem("KG136", why, entry.name)
+    for entry, difference in found.drifted:
+        problem("KG137", difference, entry.name)
+    if found.missing:
+        missing = count(len(found.missing), "repository", "repositories")
+        note(f"{missing} of {place} not checked out; `kg corpus fetch --lock {place}` fetches what can be had")
+    if found.drifted:
+        note(f"{count(len(found.drifted), 'checkout')} not as {place} pins; what stands there is built")
 
 
 def entry_object(entry: Entry) -> dict[str, Any]:

@@ -124,7 +124,7 @@ def _all(
             finally:
                 shutil.rmtree(own, ignore_errors=True)
 
-        pins = {one.name: None if options.update else entries.get(one.name) for one in wanted}
+        pins = {one.name: _pin(one, entries, update=options.update) for one in wanted}
         pending: set[Future[Entry]] = {
             pool.submit(work, number, one, pins[one.name]) for number, one in enumerate(wanted)
         }
@@ -135,6 +135,12 @@ def _all(
         finally:
             stop.set()
             pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _pin(one: Wanted, entries: dict[str, Entry], *, update: bool) -> Entry | None:
+    """Return the entry that holds for a repository: a ref that is named now wins over what was pinned for another."""
+    found = entries.get(one.name)
+    return None if found is None or update or (one.ref and one.ref not in {found.branch, found.commit}) else found
 
 
 @contextmanager

@@ -58,6 +58,8 @@ _PASSING: Final = re.compile(
     r"|HTTP/2 stream|invalid index-pack|partial file|transfer closed|could not connect|unable to connect",
     re.IGNORECASE,
 )
+_IDLE: Final = ("warning:", "Could not read from remote", "Please make sure", "and the repository exists")
+"""Beginnings of lines in which git says nothing about the cause."""
 _MOST_OUTPUT: Final = 64 << 20
 _MOST_WORDS: Final = 8192
 _FIRST_PAUSE: Final = 0.01
@@ -198,9 +200,11 @@ def _kill(process: subprocess.Popen[bytes]) -> None:
 
 
 def _failure(words: str, code: int) -> FetchingError:
-    lines = [re.sub(r"^(?:fatal|error|remote|ERROR): ", "", line.strip()) for line in words.splitlines()]
-    telling = [line for line in lines if line and not line.startswith("warning:")]
+    lines = [re.sub(r"^(?:fatal|error|remote|ERROR): ", "", line.strip("\0 \t")) for line in words.splitlines()]
+    telling = [line for line in lines if line and not line.startswith(_IDLE)]
     reason = re.sub(r"(?<=://)[^@/\s]*@", "", "; ".join(telling[:3])) or f"git ended with {code}"
+    if "repository corruption" in words:
+        return FetchingError("damaged", reason)
     if _REFUSED.search(words):
         return FetchingError("refused", reason)
     if _GONE.search(words):

@@ -34,7 +34,7 @@ from kg.errors import Place, SourceError
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["FETCHED", "Entry", "Lock", "Standing", "read_lock", "standing", "write_lock"]
+__all__ = ["FETCHED", "Entry", "Lock", "Standing", "checkouts", "read_lock", "standing", "write_lock"]
 
 VERSION: Final = 1
 FETCHED: Final = "fetched"
@@ -187,3 +187,15 @@ def standing(lock: Lock) -> Standing:
         elif found.dirty:
             drifted.append((entry, "files were changed"))
     return Standing(tuple(present), tuple(missing), tuple(drifted))
+
+
+def checkouts(lock: Lock, found: Standing) -> tuple[Path, ...]:
+    """Return the folders of the checkouts that are there.
+
+    Raises:
+        SourceError: KG136 when there is none.
+    """
+    if not found.present:
+        message = f"none of the {len(found.missing)} repositories of the lock file is checked out"
+        raise SourceError("KG136", message, place=Place(str(lock.path)), hint=f"`kg corpus fetch --lock {lock.path}`")
+    return tuple(lock.folder(entry) for entry in found.present)

@@ -100,7 +100,8 @@ class _Fetching:
         if commit:
             return self._finish(known, known.branch, self._fetch(commit, commit))
         if self._one.ref:
-            return self._finish(known, self._one.ref, self._fetch(self._one.ref))
+            found = self._fetch(self._one.ref)
+            return self._finish(known, "" if found == self._one.ref else self._one.ref, found)
         default, branches = self._remote()
         names = branches_to_try(default, branches, self._choice.ros)[:_MOST_TRIED]
         for name in names:

@@ -1,5 +1,6 @@
 """`kg build`: read sources into the store. `kg status`: what stands in it, and what has changed since."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
@@ -28,6 +29,10 @@ Sources = Annotated[
     ),
 ]
 Watch = Annotated[bool, typer.Option("--watch", "-w", help="Then wait for changes and build again, until Ctrl-C.")]
+Corpus = Annotated[
+    str | None,
+    typer.Option("--corpus", metavar="LOCK", help="Build all repositories of this lock file (`kg corpus fetch`) too."),
+]
 Problems = Annotated[bool, typer.Option("--problems", help="List all problems and reasons, not only the first.")]
 
 
@@ -35,6 +40,7 @@ def build(  # noqa: PLR0913 - the options of a command
     context: typer.Context,
     sources: Sources = None,
     *,
+    corpus: Corpus = None,
     problems: Problems = False,
     jobs: Jobs = None,
     max_file_bytes: MaxFileBytes = None,
@@ -54,16 +60,30 @@ def build(  # noqa: PLR0913 - the options of a command
 
         kg build ~/catkin_ws/src
         kg build https://github.com/ros-planning/navigation.git@noetic-devel
+        kg build --corpus robots/corpus.lock.toml
         kg build
     """
     given = session(context).settings(
         store=store, jobs=jobs, max_file_bytes=max_file_bytes, base=base, rules=rules, rule_families=rule_families
     )
-    sound = _build(list(sources or ()), given, problems=problems, infer=not no_rules, json=json)
+    checkouts, whole = _checkouts(corpus) if corpus else ([], True)
+    named = [*(sources or ()), *checkouts]
+    sound = _build(named, given, problems=problems, infer=not no_rules, json=json) and whole
     if watch:
         _watch(given, problems=problems, infer=not no_rules, json=json)
     elif not sound:
         raise typer.Exit(Exit.FOUND)
+
+
+def _checkouts(corpus: str) -> tuple[list[str], bool]:
+    """Return the folders of a corpus, and whether all stand there as its lock file says; say which do not."""
+    from kg.cli.fetching_view import not_as_pinned  # noqa: PLC0415 - start-up time
+    from kg.corpus.fetching_lock import checkouts, read_lock, standing  # noqa: PLC0415 - start-up time
+
+    lock = read_lock(Path(corpus))
+    found = standing(lock)
+    not_as_pinned(lock, found)
+    return [str(folder) for folder in checkouts(lock, found)], not found.missing and not found.drifted
 
 
 def _build(named: list[str], given: "Settings", *, problems: bool, infer: bool, json: bool) -> bool:
