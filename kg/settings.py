@@ -133,6 +133,13 @@ def _words(value: object, _base: Path) -> tuple[str, ...]:
     return tuple(words)
 
 
+def _pipeline(value: object, base: Path) -> str:
+    if not isinstance(value, str):
+        raise _FormError("the name or path of a spaCy pipeline")
+    is_path = "/" in value or value.startswith((".", "~"))
+    return str(_path(value, base)) if is_path else value.strip()
+
+
 def _iri(value: object, _base: Path) -> str:
     text = str(value)
     host = text.partition("://")[2].partition("/")[0]
@@ -177,6 +184,12 @@ class Settings:
     max_file_bytes: int = field(
         default=4 << 20,
         metadata=_about(_bytes, "SIZE", "Source files larger than this (bytes, or 500K, 4M) are reported, not read."),
+    )
+    nlp_model: str = field(
+        default="",
+        metadata=_about(
+            _pipeline, "PIPELINE", "Name or path of the spaCy pipeline that tags descriptions; by default kg's own."
+        ),
     )
     timeout: float = field(
         default=60.0,

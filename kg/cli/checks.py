@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import CATALOGUE, KgError, StoreError
+from kg.language import describe, prepare
 from kg.render.text import count
 from kg.resources import folder
 from kg.store.opening import layout_of
@@ -45,11 +46,21 @@ def checks(settings: Settings) -> Iterator[Check]:
     yield _data()
     yield _git()
     yield _java()
+    yield _language(settings)
     yield from _store(settings)
     yield _disk(settings)
     for declaration, value, origin in settings.values():
         if origin.kind != "default":
             yield Check(f"setting {declaration.name}", "ok", f"{value} (from {origin})")
+
+
+def _language(settings: Settings) -> Check:
+    if settings.nlp_model:
+        try:
+            prepare(settings.nlp_model)
+        except KgError as error:
+            return Check("tagger", "wrong", str(error), error.hint or "")
+    return Check("tagger", "ok", describe(settings.nlp_model))
 
 
 def _python() -> Check:

@@ -15,6 +15,7 @@ __all__ = [
     "Json",
     "Limit",
     "MaxFileBytes",
+    "NlpModel",
     "NoRules",
     "PackageName",
     "Queries",
@@ -42,6 +43,7 @@ Store = Annotated[str | None, from_setting("store", "-s")]
 Base = Annotated[str | None, from_setting("base")]
 Jobs = Annotated[str | None, from_setting("jobs", "-j")]
 MaxFileBytes = Annotated[str | None, from_setting("max_file_bytes")]
+NlpModel = Annotated[str | None, from_setting("nlp_model")]
 Timeout = Annotated[str | None, from_setting("timeout")]
 Limit = Annotated[str | None, from_setting("limit", "-n")]
 Format = Annotated[str | None, from_setting("format")]

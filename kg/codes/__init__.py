@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from kg.codes import architecture, corpora, defects, graphs, linting, queries, rules, sources, stores, usage
+from kg.codes import architecture, corpora, defects, graphs, language, linting, queries, rules, sources, stores, usage
 from kg.codes.entry import CodeEntry
 
 __all__ = ["CATALOGUE", "CodeEntry"]
@@ -17,6 +17,7 @@ CATALOGUE: Final[dict[str, CodeEntry]] = {
     **usage.CODES,
     **sources.CODES,
     **corpora.CODES,
+    **language.CODES,
     **rules.CODES,
     **stores.CODES,
     **architecture.CODES,

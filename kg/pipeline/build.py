@@ -22,6 +22,7 @@ from kg.corpus.sources import is_address
 from kg.errors import SourceError
 from kg.facts import FileKind
 from kg.graph.iris import Iris
+from kg.language import prepare
 from kg.pipeline import cache
 from kg.pipeline.inferring import Inference, digest
 from kg.pipeline.plan import entries_by_name, listing, make_plan, stamp, version
@@ -70,6 +71,7 @@ def build(  # noqa: PLR0913 - each is a decision of the caller
     Raises:
         RuleError: KG208 for a pack of rules that cannot be loaded, KG231 for a folder of rules that is closed.
         SourceError: KG101, KG102, KG103 when a source cannot be read at all.
+        UsageError: KG141, KG142 when the spaCy pipeline that the settings name cannot be used.
         StoreError: KG302 while another process writes, KG304 when the disk is full; the store is as it was.
     """
     began = time.perf_counter()
@@ -113,7 +115,7 @@ class _Build:
         roots = named or self._state.roots
         sources = gather(roots, self._store.layout.checkouts, self._report, again=not named)
         workspace = RecordingWorkspace(sources, installed_folders(self._settings))
-        now = version(self._settings.base, self._settings.max_file_bytes)
+        now = version(self._settings.base, self._settings.max_file_bytes, self._settings.nlp_model)
         plan = make_plan(workspace, self._state, self._cache, now)
         self._jobs = max(1, min(self._jobs, len(plan.read)))
         self._report.planned(len(plan.read), len(plan.reused), self._jobs)
@@ -263,9 +265,14 @@ class _Build:
         from kg.pipeline.work import Job  # noqa: PLC0415 - the same
 
         workspace.prepare()
+        model = self._settings.nlp_model
+        if model or self._jobs > 1:
+            # Once for all workers, which are forked; a single one loads it with the first text that it meets.
+            prepare(model)
         largest = sorted(plan.read, key=lambda place: -_code_bytes(place[1]))
         tasks = [Task(source.repository.name, package.name, package.path) for source, package in largest]
-        return Pool(Job(workspace, self._settings.base, self._settings.max_file_bytes), tasks, self._jobs)
+        job = Job(workspace, self._settings.base, self._settings.max_file_bytes, model)
+        return Pool(job, tasks, self._jobs)
 
     def _kept(self, package: PackageFolder, outcome: Outcome, mark: str) -> PackageState:
         """Put a result into the cache and return what the next build compares with."""

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Final
 from kg import resources
 from kg.corpus.reading import digest
 from kg.corpus.workspace import INSTALLED
+from kg.language import identity
 from kg.pipeline import cache
 from kg.pipeline.recording import answer
 
@@ -30,7 +31,7 @@ __all__ = ["Key", "Plan", "listing", "make_plan", "shape", "stamp", "version"]
 Key = tuple[str, str]
 """Name of the source and path of the package in it."""
 
-_CODE: Final = ("facts", "names.py", "corpus", "extract", "wiring", "graph")
+_CODE: Final = ("facts", "names.py", "corpus", "extract", "language", "wiring", "graph")
 """What of `kg` results depend on, besides its data."""
 
 _BYTES: Final = 16
@@ -46,14 +47,17 @@ class Plan:
     reused: dict[Key, PackageState] = field(default_factory=dict)
 
 
-def version(base: str, max_file_bytes: int) -> str:
-    """Return what stands for the version of `kg`, its data and the settings that results depend on."""
+def version(base: str, max_file_bytes: int, model: str = "") -> str:
+    """Return what stands for the version of `kg`, its data and the settings that results depend on.
+
+    `model` names the spaCy pipeline in force, which is told by its files or its version.
+    """
     package = Path(__file__).resolve().parent.parent
     roots = [*(package / name for name in _CODE), resources.folder("ontology")]
-    paths = sorted(path for root in roots for path in ([root] if root.is_file() else root.rglob("*.[ptj][ytsl]*")))
+    paths = sorted(path for root in roots for path in ([root] if root.is_file() else root.rglob("*.[ptj][oytsl]*")))
     stats = ((path.name, path.stat()) for path in paths)
     marks = [f"{name} {status.st_size} {status.st_mtime_ns}" for name, status in stats]
-    return _digest([installed_version("kg-ros"), base, str(max_file_bytes), *marks])
+    return _digest([installed_version("kg-ros"), base, str(max_file_bytes), identity(model), *marks])
 
 
 def shape(sources: Iterable[Source]) -> str:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.package import ExtractSettings, extract_package
 from kg.facts import Problem, Resolution
 from kg.graph import Iris, count, package_triples
 from kg.graph.shared import split
+from kg.language import annotate
 from kg.pipeline import cache
 from kg.pipeline.report import PackageResult
 
@@ -26,11 +27,15 @@ _NO_REASON: Final = "no reason was noted"
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """What all workers share: the build, the base of IRIs and the limit of the size of a file in bytes."""
+    """What all workers share: the build, the base of IRIs, the limit of the size of a file in bytes.
+
+    `model` names the spaCy pipeline that tags descriptions; empty is the shipped one.
+    """
 
     workspace: RecordingWorkspace
     base: str
     max_file_bytes: int
+    model: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +57,7 @@ def work(job: Job, source: str, path: str) -> Outcome:
         raise LookupError(f"{source}:{path}")
     job.workspace.forget()
     facts = extract_package(job.workspace, found, package, ExtractSettings(job.max_file_bytes))
+    facts = replace(facts, descriptions=annotate(facts.descriptions, job.model))
     iris = Iris(job.base)
     own, shared = split(package_triples(facts, iris), iris)
     loadable = sum(node.plugin is not None for node in facts.nodes)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from kg.cli.diagnostics import note, say
-from kg.cli.options import Base, Families, Jobs, Json, MaxFileBytes, NoRules, Rules, Store
+from kg.cli.options import Base, Families, Jobs, Json, MaxFileBytes, NlpModel, NoRules, Rules, Store
 from kg.cli.output import Column, json_lines, listing, terminal
 from kg.cli.session import session
 from kg.errors import Exit
@@ -44,6 +44,7 @@ def build(  # noqa: PLR0913 - the options of a command
     problems: Problems = False,
     jobs: Jobs = None,
     max_file_bytes: MaxFileBytes = None,
+    nlp_model: NlpModel = None,
     base: Base = None,
     watch: Watch = False,
     no_rules: NoRules = False,
@@ -64,7 +65,13 @@ def build(  # noqa: PLR0913 - the options of a command
         kg build
     """
     given = session(context).settings(
-        store=store, jobs=jobs, max_file_bytes=max_file_bytes, base=base, rules=rules, rule_families=rule_families
+        store=store,
+        jobs=jobs,
+        max_file_bytes=max_file_bytes,
+        nlp_model=nlp_model,
+        base=base,
+        rules=rules,
+        rule_families=rule_families,
     )
     checkouts, whole = _checkouts(corpus) if corpus else ([], True)
     named = [*(sources or ()), *checkouts]

@@ -1,0 +1,129 @@
+"""Descriptions get their words and the phrases in them (RNKG, sections 3.2.3 and 3.2.4).
+
+A pure function of texts, pipeline and patterns: the same in any process and order. spaCy is loaded with the first
+text that has words, once a process.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import TYPE_CHECKING, Final
+
+from kg.language.loading import pipeline
+from kg.language.patterns import PhraseFinder, read_patterns
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from spacy.tokens import Doc, Token
+
+    from kg.facts.texts import Description, Phrase
+
+__all__ = ["LONGEST_TEXT", "LONGEST_WORD", "STOP_WORDS", "annotate", "prepare", "sentences"]
+
+LONGEST_TEXT: Final = 20_000
+"""Characters of a description that are tagged: ten pages; longer ones are data."""
+LONGEST_WORD: Final = 80
+"""Longer words are data (keys, pictures written as letters) and are left out."""
+LONGEST_SENTENCE: Final = 2_000
+"""Characters that are tagged at a time, so that a text without full stops costs no more memory than others."""
+LEAST_ENGLISH: Final = 0.6
+"""How many of the letters have to be those of English."""
+MOST_SIGNS: Final = 0.25
+"""A sentence with more signs than this is code or a drawing."""
+STOP_WORDS: Final = frozenset({"be", "do", "get", "have", "let", "make", "use", "need", "want", "etc"})
+"""Verbs that say nothing about what a node does."""
+
+_WORD_CLASSES: Final = frozenset({"ADJ", "NOUN", "PROPN", "VERB"})
+_WORD: Final = re.compile(r"[a-z][a-z0-9+-]*[a-z0-9+]")
+"""What is kept of the lemmas: no numbers, and no identifiers, which say what a thing is called, not what it does."""
+_LETTERS: Final = re.compile(r"[^\W\d_]")
+_ENGLISH: Final = re.compile(r"[A-Za-z]")
+_SIGNS: Final = re.compile(r"[^\w\s.,:'\"()/-]")
+_UNPRINTABLE: Final = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u200b-\u200f\u2028-\u202e\ud800-\udfff\ufeff]")
+_BOUNDARY: Final = re.compile(r"(?<=[^\W\d_][a-z0-9)\]'\"][.!?])\s+(?=[A-Z\"'(`])|\n{2,}|(?<=;)\s*\n")
+_BATCH: Final = 128
+
+
+@dataclass(frozen=True, slots=True)
+class _Tagged:
+    """What is in a sentence."""
+
+    words: frozenset[str]
+    phrases: tuple[Phrase, ...]
+
+
+def annotate(descriptions: Iterable[Description], model: str | None = None) -> tuple[Description, ...]:
+    """Return the descriptions with their `words` and `phrases`, in the same order.
+
+    `model` names an installed spaCy pipeline or the folder of one; the shipped one without.
+
+    Raises:
+        UsageError: KG141, KG142 when the pipeline cannot be used, KG143 when the patterns cannot.
+    """
+    given = tuple(descriptions)
+    parts = [sentences(one.text) for one in given]
+    # Comments and pages repeat themselves, and a sentence does not depend on what stands around it.
+    tagged = _tag(dict.fromkeys(sentence for part in parts for sentence in part), model or "")
+    return tuple(_filled(one, [tagged[part] for part in own]) for one, own in zip(given, parts, strict=True))
+
+
+def prepare(model: str | None = None) -> None:
+    """Load what `annotate` needs, so that processes forked from this one have it, and it fails here if it must.
+
+    Raises:
+        UsageError: as `annotate`.
+    """
+    _finder(model or "")
+
+
+def sentences(text: str) -> list[str]:
+    """Return the sentences of a text that are worth tagging: not what is in another script, nor code, nor data."""
+    clean = _UNPRINTABLE.sub(" ", text[:LONGEST_TEXT])
+    found = []
+    for part in _BOUNDARY.split(clean):
+        kept = " ".join(word for word in part.split() if len(word) <= LONGEST_WORD)[:LONGEST_SENTENCE]
+        if _is_language(kept):
+            found.append(kept)
+    return found
+
+
+def _is_language(sentence: str) -> bool:
+    letters = len(_LETTERS.findall(sentence))
+    english = len(_ENGLISH.findall(sentence))
+    return (
+        english > 1
+        and english >= LEAST_ENGLISH * letters
+        and len(_SIGNS.findall(sentence)) <= MOST_SIGNS * len(sentence)
+    )
+
+
+def _tag(found: Iterable[str], model: str) -> dict[str, _Tagged]:
+    texts = list(found)
+    if not texts:
+        return {}
+    nlp, finder = pipeline(model), _finder(model)
+    docs = nlp.pipe(texts, batch_size=_BATCH)
+    return {text: _Tagged(_words(doc), finder.find(doc)) for text, doc in zip(texts, docs, strict=True)}
+
+
+@cache
+def _finder(model: str) -> PhraseFinder:
+    return PhraseFinder(pipeline(model).vocab, read_patterns())
+
+
+def _words(doc: Doc) -> frozenset[str]:
+    return frozenset(word for token in doc if token.pos_ in _WORD_CLASSES and (word := _word(token)))
+
+
+def _word(token: Token) -> str | None:
+    lemma = (token.lemma_ or token.text).lower()
+    return lemma if _WORD.fullmatch(lemma) and lemma not in STOP_WORDS else None
+
+
+def _filled(description: Description, tagged: list[_Tagged]) -> Description:
+    words = sorted(frozenset[str]().union(*(one.words for one in tagged)))
+    phrases = tuple(dict.fromkeys(phrase for one in tagged for phrase in one.phrases))
+    return replace(description, words=tuple(words), phrases=phrases)

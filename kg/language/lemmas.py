@@ -1,0 +1,95 @@
+"""The dictionary form of a word from its letters and its Penn tag: what was learned by heart, else by its ending.
+
+spaCy's trainable lemmatizer chooses among edits of the word as it is written, capitals included. English inflects by
+endings that the tag tells apart, so a table of endings is smaller, faster, and right more often on words that no
+treebank has; `benchmarks/language` measures both.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from spacy.language import Language
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from spacy.tokens import Doc
+    from spacy.vocab import Vocab
+
+__all__ = ["LONGEST_ENDING", "Lemmas", "lemma"]
+
+LONGEST_ENDING: Final = 6
+"""How many characters of the end of a word are looked at."""
+
+_FILE: Final = "lemmas.json"
+_KEPT_WORDS: Final = 100_000
+"""So many lemmas are remembered; texts have fewer different words, but for those made to harm."""
+
+Table = dict[str, dict[str, str]]
+"""Tag to form, or to ending, to lemma, or to what stands for the ending: how many characters go, and what comes."""
+
+
+def lemma(word: str, tag: str, exceptions: Table, endings: Table) -> str:
+    """Return the lemma of a word in lower case; a word of a tag without endings, or with digits, is its own."""
+    form = word.lower()
+    known = exceptions.get(tag, {}).get(form)
+    if known is not None:
+        return known
+    of_tag = endings.get(tag)
+    if not of_tag or any(sign.isdigit() for sign in form):
+        return form
+    for length in range(min(LONGEST_ENDING, len(form) - 1), -1, -1):
+        edit = of_tag.get(form[len(form) - length :])
+        if edit is not None:
+            cut = int(edit[0])
+            return form[: len(form) - cut] + edit[1:] if cut < len(form) else form
+    return form
+
+
+class Lemmas:
+    """The part of a pipeline that sets the lemmas of tagged documents."""
+
+    def __init__(self, vocab: Vocab) -> None:
+        self.vocab = vocab
+        self.exceptions: Table = {}
+        self.endings: Table = {}
+        self._known: dict[tuple[int, int], int] = {}
+
+    def __call__(self, doc: Doc) -> Doc:
+        """Set the lemma of each token of a tagged document."""
+        if len(self._known) > _KEPT_WORDS:
+            self._known.clear()
+        pairs = doc.to_array(["ORTH", "TAG"]).tolist()
+        found: Any = np.asarray([self._lemma(orth, tag) for orth, tag in pairs], dtype=np.uint64)
+        doc.from_array(["LEMMA"], found.reshape(len(pairs), 1))
+        return doc
+
+    def _lemma(self, orth: int, tag: int) -> int:
+        known = self._known.get((orth, tag))
+        if known is None:
+            strings = self.vocab.strings
+            text = lemma(strings[orth], strings[tag], self.exceptions, self.endings)
+            known = self._known[orth, tag] = strings.add(text)
+        return known
+
+    def to_disk(self, path: Path, exclude: Any = ()) -> None:  # noqa: ARG002 - the form that spaCy calls
+        """Write the tables into the folder `path`."""
+        path.mkdir(parents=True, exist_ok=True)
+        tables = {"exceptions": self.exceptions, "endings": self.endings}
+        text = json.dumps(tables, ensure_ascii=False, sort_keys=True, separators=(",", ":"))
+        (path / _FILE).write_text(text + "\n", encoding="utf-8")
+
+    def from_disk(self, path: Path, exclude: Any = ()) -> Lemmas:  # noqa: ARG002 - the form that spaCy calls
+        """Read the tables from the folder `path`."""
+        tables = json.loads((path / _FILE).read_text("utf-8"))
+        self.exceptions, self.endings = tables["exceptions"], tables["endings"]
+        self._known.clear()
+        return self
+
+
+@Language.factory("kg_lemmas")
+def _make(nlp: Language, name: str) -> Lemmas:  # noqa: ARG001 - the form that spaCy calls
+    return Lemmas(nlp.vocab)

@@ -1,0 +1,147 @@
+"""Noun phrases that name hardware, found by the patterns of `ontology/hardware-patterns.toml` (RNKG, section 3.2.4).
+
+The patterns are data; here they become a `Matcher` of spaCy, and its matches phrases.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING, Any, Final
+
+from kg import resources
+from kg.errors import Place, UsageError
+from kg.facts.texts import Phrase
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from pathlib import Path
+
+    from spacy.matcher import Matcher
+    from spacy.tokens import Doc, Token
+    from spacy.vocab import Vocab
+
+__all__ = ["FILE_NAME", "Pattern", "PhraseFinder", "read_patterns"]
+
+FILE_NAME: Final = "hardware-patterns.toml"
+
+_REFERENCE: Final = re.compile(r"([a-z]+)([?*+]|\{\d+,\d+\})?")
+_LONGEST_PHRASE: Final = 8
+"""A phrase of more words is a list without commas, or no language."""
+
+Tokens = list[dict[str, Any]]
+
+
+@dataclass(frozen=True, slots=True)
+class Pattern:
+    """A pattern as the `Matcher` takes it; `begin` and `end` count the tokens before and behind the phrase."""
+
+    name: str
+    example: str
+    documentation: str
+    before: Tokens
+    phrase: Tokens
+    after: Tokens
+
+
+@cache
+def read_patterns(path: Path | None = None) -> tuple[Pattern, ...]:
+    """Return the patterns of a file, by default of the one that belongs to `kg`.
+
+    Raises:
+        UsageError: KG143 when the file cannot be read, or a pattern uses what is not defined in it.
+    """
+    path = path or resources.folder("ontology") / FILE_NAME
+    try:
+        content = tomllib.loads(path.read_text("utf-8"))
+        return tuple(_patterns(content))
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as problem:
+        reason = f"{problem.args[0]!r} is not defined" if isinstance(problem, KeyError) else str(problem)
+        raise UsageError("KG143", f"the patterns of phrases cannot be read: {reason}", place=Place(str(path))) from None
+
+
+def _patterns(content: Mapping[str, Any]) -> Iterator[Pattern]:
+    words = {f"@{name}": members for name, members in content.get("words", {}).items()}
+    tokens = content.get("tokens", {})
+    for one in content["pattern"]:
+        before, phrase, after = (
+            [_token(part, tokens, words) for part in one.get(key, ())] for key in ("before", "phrase", "after")
+        )
+        yield Pattern(one["name"], one["example"], one["documentation"], before, phrase, after)
+
+
+def _token(part: str | dict[str, Any], tokens: Mapping[str, Any], words: Mapping[str, Any]) -> dict[str, Any]:
+    """Return one token of a pattern with its references to `[tokens]` and `[words]` filled in."""
+    if isinstance(part, dict):
+        return {key: _filled(value, words) for key, value in part.items()}
+    reference = _REFERENCE.fullmatch(part)
+    if reference is None:
+        message = f"{part!r} is no name of [tokens]"
+        raise ValueError(message)
+    name, operator = reference.groups()
+    token = {key: _filled(value, words) for key, value in tokens[name].items()}
+    return {**token, "OP": operator} if operator else token
+
+
+def _filled(value: Any, words: Mapping[str, Any]) -> Any:
+    if isinstance(value, dict):
+        return {key: _filled(inner, words) for key, inner in value.items()}
+    return words[value] if isinstance(value, str) and value.startswith("@") else value
+
+
+class PhraseFinder:
+    """The patterns, ready for documents of one vocabulary."""
+
+    def __init__(self, vocab: Vocab, patterns: Sequence[Pattern]) -> None:
+        """Raise `UsageError` KG143 when spaCy refuses a pattern."""
+        from spacy.matcher import Matcher  # noqa: PLC0415 - spaCy is loaded where texts are tagged only
+
+        self._patterns = {pattern.name: pattern for pattern in patterns}
+        self._matcher: Matcher = Matcher(vocab)
+        for pattern in patterns:
+            try:
+                self._matcher.add(pattern.name, [[*pattern.before, *pattern.phrase, *pattern.after]])
+            except ValueError as problem:
+                reason = str(problem).strip().splitlines()[0]
+                raise UsageError("KG143", f"spaCy refuses the pattern {pattern.name}: {reason}") from None
+
+    def find(self, doc: Doc) -> tuple[Phrase, ...]:
+        """Return the phrases of a document in the order of the text: of those that overlap the longest, else the first.
+
+        A dash with a space on one side parts two phrases; a phrase neither begins nor ends with a hyphen.
+        """
+        matches: Any = self._matcher(doc, with_alignments=True)
+        spans = {span for match in matches if (span := self._span(doc, match))}
+        taken: set[int] = set()
+        found: list[tuple[int, Phrase]] = []
+        for begin, end, name in sorted(spans, key=lambda span: (span[0] - span[1], span[0], span[2])):
+            if taken.isdisjoint(range(begin, end)):
+                taken.update(range(begin, end))
+                found.append((begin, Phrase(_text(doc[begin:end]), name)))
+        return tuple(phrase for _, phrase in sorted(found, key=lambda one: one[0]))
+
+    def _span(self, doc: Doc, match: tuple[int, int, int, list[int]]) -> tuple[int, int, str] | None:
+        key, begin, _end, alignments = match
+        pattern = self._patterns[doc.vocab.strings[key]]
+        first = len(pattern.before)
+        inside = range(first, first + len(pattern.phrase))
+        own = [begin + place for place, part in enumerate(alignments) if part in inside]
+        if not own or len(own) > _LONGEST_PHRASE:
+            return None
+        start = own[0]
+        for place in own:
+            if _is_dash(doc, place):
+                start = place + 1
+        return (start, own[-1] + 1, pattern.name) if start <= own[-1] else None
+
+
+def _is_dash(doc: Doc, place: int) -> bool:
+    """Tell whether a hyphen parts what stands around it."""
+    token: Token = doc[place]
+    return token.text == "-" and (place == 0 or bool(token.whitespace_) or bool(doc[place - 1].whitespace_))
+
+
+def _text(tokens: Iterable[Token]) -> str:
+    return " ".join(token.lemma_.lower() for token in tokens if token.text != "-")
