@@ -30,6 +30,7 @@ from kg.cli.commands import (
     rules_run,
     rules_testing,
     rules_watch,
+    search,
     stats,
     why,
 )
@@ -64,6 +65,7 @@ COMMANDS: Final[tuple[tuple[str, str, Any], ...]] = (
     ("Start", "status", build.status),
     ("Ask", "nodes", nodes.nodes),
     ("Ask", "node", node.node),
+    ("Ask", "search", search.search),
     ("Ask", "instances", instances.instances),
     ("Ask", "graph", graph.graph),
     ("Ask", "diff", diff.diff),

@@ -9,7 +9,7 @@ from kg.errors import CATALOGUE, KgError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["codes", "launches", "nodes", "packages", "queries", "rules"]
+__all__ = ["codes", "features", "launches", "nodes", "packages", "queries", "rules"]
 
 
 def codes(incomplete: str) -> list[tuple[str, str]]:
@@ -43,6 +43,24 @@ def packages(incomplete: str) -> list[str]:
             return package_names(snapshot)
 
     return _beginning(incomplete, names)
+
+
+def features(kind: str) -> Callable[[str], list[str]]:
+    """Return what completes the values of a filter of `kg search`; types also by their last part."""
+
+    def complete(incomplete: str) -> list[str]:
+        def names() -> list[str]:
+            from kg.search.filters import known  # noqa: PLC0415 - start-up time
+            from kg.search.searching import open_search  # noqa: PLC0415 - start-up time
+            from kg.settings import load  # noqa: PLC0415 - start-up time
+            from kg.store.opening import existing  # noqa: PLC0415 - start-up time
+
+            whole = known(kind, open_search(existing(load())).names)
+            return sorted({*whole, *(name.rpartition("/")[2] for name in whole)})
+
+        return _beginning(incomplete, names)
+
+    return complete
 
 
 def queries(incomplete: str) -> list[str]:

@@ -8,7 +8,20 @@ from __future__ import annotations
 
 from typing import Final
 
-from kg.codes import architecture, corpora, defects, graphs, language, linting, queries, rules, sources, stores, usage
+from kg.codes import (
+    architecture,
+    corpora,
+    defects,
+    graphs,
+    language,
+    linting,
+    queries,
+    rules,
+    search,
+    sources,
+    stores,
+    usage,
+)
 from kg.codes.entry import CodeEntry
 
 __all__ = ["CATALOGUE", "CodeEntry"]
@@ -24,6 +37,7 @@ CATALOGUE: Final[dict[str, CodeEntry]] = {
     **linting.CODES,
     **queries.CODES,
     **graphs.CODES,
+    **search.CODES,
     **defects.CODES,
 }
 """Code to its entry, by rising number."""

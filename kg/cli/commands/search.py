@@ -1,0 +1,128 @@
+"""`kg search`: nodes by what they do, need and are wired to, with the reasons."""
+
+from typing import Annotated, Final
+
+import typer
+
+from kg.cli.completion import features
+from kg.cli.diagnostics import note
+from kg.cli.numbers import whole
+from kg.cli.options import Json, PackageName, Store
+from kg.cli.output import Column, listing, terminal
+from kg.cli.search_view import row, understood
+from kg.cli.session import session
+from kg.errors import Exit
+from kg.render.text import count
+from kg.store.opening import existing
+
+__all__ = ["search"]
+
+COLUMNS: Final = (
+    Column("rank", "number"),
+    Column("score", "number", spare=2),
+    Column("package"),
+    Column("node", "name"),
+    Column("why"),
+    Column("also in", "dim", spare=1),
+    Column("file:line", "dim", spare=3),
+)
+Words = Annotated[list[str] | None, typer.Argument(metavar="TEXT", help="What the node does, in words.")]
+Subscribes = Annotated[
+    list[str] | None,
+    typer.Option("--subscribes", metavar="TYPE", help="Subscribes to it.", autocompletion=features("subscribes")),
+]
+Publishes = Annotated[
+    list[str] | None,
+    typer.Option("--publishes", metavar="TYPE", help="Publishes it.", autocompletion=features("publishes")),
+]
+Services = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--services", metavar="TYPE", help="Offers the service or action.", autocompletion=features("services")
+    ),
+]
+Calls = Annotated[
+    list[str] | None,
+    typer.Option("--calls", metavar="TYPE", help="Calls the service or action.", autocompletion=features("calls")),
+]
+Hardware = Annotated[
+    list[str] | None,
+    typer.Option("--hardware", metavar="NAME", help="Works with it.", autocompletion=features("hardware")),
+]
+Function = Annotated[
+    list[str] | None,
+    typer.Option("--function", metavar="NAME", help="Is for it: navigation, ...", autocompletion=features("function")),
+]
+Capability = Annotated[
+    list[str] | None,
+    typer.Option("--capability", metavar="NAME", help="Lets a robot do it.", autocompletion=features("capability")),
+]
+Ros = Annotated[list[str] | None, typer.Option("--ros", metavar="1|2", help="For this version of ROS.")]
+License = Annotated[
+    list[str] | None,
+    typer.Option("--license", metavar="NAME", help="Under it: BSD is any BSD.", autocompletion=features("license")),
+]
+Kind = Annotated[
+    list[str] | None,
+    typer.Option("--kind", metavar="KIND", help="executable, script, nodelet, ...", autocompletion=features("kind")),
+]
+Most = Annotated[str, typer.Option("--limit", "-n", metavar="N", help="Show so many hits.")]
+
+
+def search(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    text: Words = None,
+    *,
+    subscribes: Subscribes = None,
+    publishes: Publishes = None,
+    services: Services = None,
+    calls: Calls = None,
+    hardware: Hardware = None,
+    function: Function = None,
+    capability: Capability = None,
+    ros: Ros = None,
+    license_: License = None,
+    kind: Kind = None,
+    package: PackageName = None,
+    limit: Most = "10",
+    json: Json = False,
+    store: Store = None,
+) -> None:
+    """Find nodes by what they do, with the reasons.
+
+    The words may say what goes in and out (`turn a point cloud into a laser scan`), and hold filters: `subscribes
+    PointCloud2 and publishes LaserScan`, `for ROS 2`, `BSD licensed`. Options are filters too; each may be repeated,
+    and all must hold. For example:
+
+        kg search "merge the scans of two lasers into one"
+        kg search --subscribes LaserScan --publishes Odometry
+        kg search "follow a person" --hardware lidar --ros 1 --json
+    """
+    from kg.search.searching import hit_object, open_search  # noqa: PLC0415 - start-up time
+
+    given = {
+        "subscribes": subscribes,
+        "publishes": publishes,
+        "services": services,
+        "calls": calls,
+        "hardware": hardware,
+        "function": function,
+        "capability": capability,
+        "ros": ros,
+        "license": license_,
+        "kind": kind,
+        "package": [package] if package else None,
+    }
+    filters = {name: values for name, values in given.items() if values}
+    words = " ".join(text or ())
+    most = whole(limit, "--limit", 1)
+    found = open_search(existing(session(context).settings(store=store)))
+    answer = found.find(words, filters, most)
+    if words:
+        understood(answer.need)
+    listing(COLUMNS, [row(hit) for hit in answer.hits], objects=map(hit_object, answer.hits) if json else None)
+    if len(answer.hits) < answer.total and (terminal() or json):
+        note(f"the best {len(answer.hits)} of {count(answer.total, 'hit')}; --limit shows more")
+    if not answer.hits:
+        note("nothing was found; fewer words or filters find more")
+        raise typer.Exit(Exit.FOUND)

@@ -1,0 +1,137 @@
+"""The index on disk: one file a generation, `.kg/cache/search/{generation}`, checked before it is believed.
+
+A file holds a checksum, a line of JSON that says what follows, and the parts themselves: JSON and arrays. Documents
+are decoded one by one, when a hit shows them. What is damaged, of another version of `kg` or of another lexicon is
+built again.
+"""
+
+from __future__ import annotations
+
+import zlib
+from contextlib import suppress
+from hashlib import blake2b
+from typing import TYPE_CHECKING, Any, Final
+
+import msgspec
+import numpy as np
+
+from kg import resources
+from kg.search.documents import Document, PackageDocument
+from kg.search.index import Columns, Index
+from kg.search.lexicon import FILE
+from kg.search.reading import Concept
+from kg.store.layout import write_atomically
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+__all__ = ["Documents", "load", "save"]
+
+_FOLDER: Final = "search"
+_FORMAT: Final = 1
+_CHECKSUM_BYTES: Final = 4
+_COLUMNS: Final = ("text", "features")
+
+
+class _Header(msgspec.Struct):
+    version: str
+    names: dict[str, list[str]]
+    sizes: dict[str, int]
+
+
+class Documents:
+    """The documents of nodes in their order, decoded when they are asked for."""
+
+    def __init__(self, content: bytes, starts: Any) -> None:
+        self._content, self._starts = content, starts
+
+    def __len__(self) -> int:
+        return len(self._starts) - 1
+
+    def __getitem__(self, place: int) -> Document:
+        if not 0 <= place < len(self):
+            raise IndexError(place)
+        part = self._content[self._starts[place] : self._starts[place + 1]]
+        return msgspec.json.decode(part, type=Document)
+
+
+def save(cache: Path, generation: str, index: Index) -> None:
+    """Write an index below the folder `cache` and remove those of other generations; OSError when it cannot be."""
+    folder = cache / _FOLDER
+    folder.mkdir(parents=True, exist_ok=True)
+    parts = dict(_parts(index))
+    names = {one: sorted(getattr(index, one).names, key=getattr(index, one).names.get) for one in _COLUMNS}
+    header = _Header(_version(), names, {name: len(content) for name, content in parts.items()})
+    body = b"".join([msgspec.json.encode(header), b"\n", *parts.values()])
+    checksum = zlib.crc32(body).to_bytes(_CHECKSUM_BYTES, "little")
+    write_atomically(folder / generation, checksum + body, durable=False)
+    for path in folder.iterdir():
+        if path.name != generation and not path.name.endswith(".tmp"):
+            with suppress(OSError):
+                path.unlink()
+
+
+def load(cache: Path, generation: str) -> Index | None:
+    """Return the index of a generation below the folder `cache`; None where there is none that can be used."""
+    try:
+        content = (cache / _FOLDER / generation).read_bytes()
+    except OSError:
+        return None
+    if (
+        zlib.crc32(memoryview(content)[_CHECKSUM_BYTES:]).to_bytes(_CHECKSUM_BYTES, "little")
+        != content[:_CHECKSUM_BYTES]
+    ):
+        return None
+    end = content.index(b"\n", _CHECKSUM_BYTES)
+    try:
+        header = msgspec.json.decode(content[_CHECKSUM_BYTES:end], type=_Header)
+    except msgspec.DecodeError:
+        return None
+    return _index(header, content, end + 1) if header.version == _version() else None
+
+
+def _parts(index: Index) -> Iterator[tuple[str, bytes]]:
+    encoded = [msgspec.json.encode(index.nodes[place]) for place in range(index.size)]
+    yield "starts", np.cumsum([0, *map(len, encoded)], dtype=np.int64).tobytes()
+    yield "nodes", b"".join(encoded)
+    yield "packages", msgspec.json.encode(list(index.packages))
+    yield "concepts", msgspec.json.encode(list(index.concepts))
+    yield "group", index.group.tobytes()
+    yield "order", index.order.tobytes()
+    for name in _COLUMNS:
+        columns = getattr(index, name)
+        yield f"{name}.starts", columns.starts.tobytes()
+        yield f"{name}.rows", columns.rows.tobytes()
+        yield f"{name}.values", columns.values.tobytes()
+
+
+def _index(header: _Header, content: bytes, at: int) -> Index:
+    parts: dict[str, bytes] = {}
+    for name, size in header.sizes.items():
+        parts[name] = content[at : at + size]
+        at += size
+    columns = {
+        name: Columns(
+            {term: place for place, term in enumerate(header.names[name])},
+            np.frombuffer(parts[f"{name}.starts"], np.int64),
+            np.frombuffer(parts[f"{name}.rows"], np.int32),
+            np.frombuffer(parts[f"{name}.values"], np.float32),
+        )
+        for name in _COLUMNS
+    }
+    return Index(
+        msgspec.json.decode(parts["packages"], type=list[PackageDocument]),
+        Documents(parts["nodes"], np.frombuffer(parts["starts"], np.int64)),
+        msgspec.json.decode(parts["concepts"], type=list[Concept]),
+        columns["text"],
+        columns["features"],
+        np.frombuffer(parts["group"], np.int32),
+        np.frombuffer(parts["order"], np.int32),
+    )
+
+
+def _version() -> str:
+    """Return what tells indexes that this `kg` writes from any other: its code's format, and the lexicon."""
+    lexicon = (resources.folder("ontology") / FILE).read_bytes()
+    return f"{_FORMAT} {blake2b(lexicon, digest_size=8).hexdigest()}"

@@ -1,0 +1,98 @@
+"""The fields of a document with their weights, and the terms of each.
+
+Fields are combined before they are scored, as a weighted sum of how often a term stands in each (Robertson, Zaragoza
+and Taylor 2004, "Simple BM25 extension to multiple weighted fields"): a term in the name counts as often as the
+weight of the name, and a long page about the whole package does not drown the one sentence about the node.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from kg.search.words import terms
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from kg.search.documents import Document, PackageDocument
+
+__all__ = ["FIELDS", "Field", "own_words", "shared_words", "weighted"]
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """A part of a document: what one occurrence of a term in it counts, and how many occurrences count at most."""
+
+    weight: float
+    most: int
+
+
+FIELDS: Final = {
+    "name": Field(8.0, 2),
+    "plugin": Field(2.0, 1),
+    "package": Field(3.0, 1),
+    "repository": Field(1.0, 1),
+    "text": Field(3.0, 3),
+    "manifest": Field(2.0, 2),
+    "readme": Field(0.6, 3),
+    "interface": Field(1.5, 2),
+    "type": Field(1.5, 2),
+    "parameter": Field(0.7, 2),
+    "class": Field(1.5, 1),
+    "neighbour": Field(0.3, 1),
+}
+
+
+def own_words(node: Document) -> Iterator[tuple[str, str]]:
+    """Yield the texts of a node with the field each belongs to."""
+    for name in (node.name, node.executable, node.node_name, *node.aliases):
+        if name:
+            yield "name", name
+    if node.plugin:
+        yield "plugin", node.plugin.rpartition("::")[2].rpartition("/")[2]
+    for text in node.texts:
+        yield "text", text.text
+    for end in node.ends:
+        if end.name:
+            yield "interface", end.name
+        if end.type:
+            yield "type", end.type.rpartition("/")[2]
+    for name, told in node.parameters:
+        yield "parameter", name
+        if told:
+            yield "parameter", told
+    for label in (*node.hardware, *node.functions, *node.capabilities):
+        yield "class", label
+    for other in (*node.feeds, *node.fed):
+        yield "neighbour", other
+
+
+def shared_words(package: PackageDocument) -> Iterator[tuple[str, str]]:
+    """Yield the texts that the nodes of a package share."""
+    yield "package", package.name
+    yield "repository", package.repository.rpartition("/")[2]
+    if package.description:
+        yield "manifest", package.description
+    for text in package.texts:
+        if text.kind != "manifest":
+            yield "readme", text.text
+
+
+def counted(texts: Iterable[tuple[str, str]]) -> dict[str, Counter[str]]:
+    """Return how often each term stands in each field."""
+    found: dict[str, Counter[str]] = {}
+    for field, text in texts:
+        found.setdefault(field, Counter()).update(set(terms(text)) if field == "name" else terms(text))
+    return found
+
+
+def weighted(fields: dict[str, Counter[str]]) -> Counter[str]:
+    """Return the weighted frequency of each term."""
+    total: Counter[str] = Counter()
+    for name, counts in fields.items():
+        field = FIELDS[name]
+        for term, count in counts.items():
+            total[term] += field.weight * min(count, field.most)  # type: ignore[assignment]  # a Counter of floats
+    return total

@@ -1,0 +1,77 @@
+"""What options ask for, as strict wishes; a name that nothing has is an error with those that are near."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from kg.errors import UsageError
+from kg.query.similar import did_you_mean
+from kg.search.needs import Wish
+from kg.search.words import phrase
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from kg.search.names import Names
+
+__all__ = ["FILTERS", "known", "wishes"]
+
+FILTERS: Final = {
+    "subscribes": "KG701",
+    "publishes": "KG701",
+    "services": "KG701",
+    "calls": "KG701",
+    "hardware": "KG702",
+    "function": "KG702",
+    "capability": "KG702",
+    "ros": "KG703",
+    "license": "KG703",
+    "kind": "KG703",
+    "package": "KG703",
+}
+"""Each filter, and the code of the error about a name that nothing in the store has."""
+_TYPED: Final = {
+    "subscribes": ("subscribes",),
+    "publishes": ("publishes",),
+    "services": ("services", "action_servers"),
+    "calls": ("clients", "action_clients"),
+}
+_WHAT: Final = {"KG701": "type", "KG702": "", "KG703": ""}
+
+
+def wishes(filters: Mapping[str, Sequence[str]], names: Names) -> tuple[Wish, ...]:
+    """Return the wishes of filters, a kind with its values each.
+
+    Raises:
+        UsageError: KG701 for a type of messages or services that no node has so, KG702 for hardware, a function or a
+            capability, KG703 for a licence, a package, a kind or a version of ROS.
+    """
+    return tuple(_wish(kind, value, names) for kind, values in filters.items() for value in values)
+
+
+def known(kind: str, names: Names) -> list[str]:
+    """Return the values that a filter can have, sorted."""
+    kinds = _TYPED.get(kind, (kind,))
+    return sorted({name.partition(":")[2] for name in names.features if name.partition(":")[0] in kinds})
+
+
+def _wish(kind: str, value: str, names: Names) -> Wish:
+    features = _features(kind, value.strip(), names)
+    if not features:
+        choices = known(kind, names)
+        near = did_you_mean(value, [*choices, *(name.rpartition("/")[2] for name in choices if kind in _TYPED)])
+        some = f"There are {', '.join(choices[:8])}{', ...' if len(choices) > 8 else ''}." if choices else None  # noqa: PLR2004 - as many as fit a line
+        raise UsageError(FILTERS[kind], f"no node of the store has `--{kind} {value}`", hint=near or some)
+    return Wish(kind, features, value, strict=True)
+
+
+def _features(kind: str, value: str, names: Names) -> tuple[str, ...]:
+    if kind in _TYPED:
+        return tuple(feature for role in _TYPED[kind] for feature in names.types(role, value))
+    if kind == "license":
+        return names.licenses(value)
+    if kind in {"hardware", "function", "capability"}:
+        found = names.concepts.get(phrase(value), ())
+        return tuple(feature for feature in found if feature.startswith(f"{kind}:"))
+    feature = f"{kind}:{value}"
+    return (feature,) if feature in names.features else ()

@@ -1,0 +1,182 @@
+"""The index: what each term of a need is worth for each node, and which nodes have each feature.
+
+BM25 (bm25s, the variant of Lucene) gives the worth of a term; a feature is what a filter asks for, such as
+`subscribes:sensor_msgs/LaserScan` or `hardware:camera`. Both are sparse columns over the nodes.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, Protocol
+
+import numpy as np
+
+from kg.search.fields import counted, own_words, shared_words, weighted
+from kg.search.folding import groups, order
+from kg.search.marking import marks
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from typing import TypeAlias
+
+    from numpy.typing import NDArray
+
+    from kg.search.documents import Document, PackageDocument
+    from kg.search.reading import Concept, Content
+
+    Floats: TypeAlias = NDArray[np.float32]
+    Places: TypeAlias = NDArray[np.int32]
+
+__all__ = ["Columns", "Index", "Nodes", "build"]
+
+_SATURATION: Final = 5.0
+"""BM25's k1, in weighted occurrences."""
+_LENGTH: Final = 0.35
+"""BM25's b: how much long documents are marked down."""
+
+
+@dataclass(frozen=True, slots=True)
+class Columns:
+    """Sparse columns over nodes: column `i` has the nodes `rows[starts[i]:starts[i+1]]`, and values beside them."""
+
+    names: Mapping[str, int]
+    starts: NDArray[np.int64]
+    rows: Places
+    values: Floats
+
+    def rows_of(self, name: str) -> Places:
+        """Return the nodes of a column, none where there is no such column."""
+        place = self.names.get(name)
+        return self.rows[:0] if place is None else self.rows[self.starts[place] : self.starts[place + 1]]
+
+    def value(self, name: str, row: int) -> float:
+        """Return the value of one node in a column, zero where it has none."""
+        rows = self.rows_of(name)
+        at = int(np.searchsorted(rows, row))
+        if at == len(rows) or rows[at] != row:
+            return 0.0
+        return float(self.values[self.starts[self.names[name]] + at])
+
+    def dense(self, name: str, size: int) -> Floats:
+        """Return the values of a column for all nodes."""
+        found = np.zeros(size, np.float32)
+        place = self.names.get(name)
+        if place is not None:
+            part = slice(self.starts[place], self.starts[place + 1])
+            found[self.rows[part]] = self.values[part]
+        return found
+
+
+class Nodes(Protocol):
+    """The documents of nodes, in the order of their places."""
+
+    def __len__(self) -> int: ...
+
+    def __getitem__(self, place: int) -> Document:
+        """Return the document at a place."""
+        ...
+
+
+@dataclass(slots=True)
+class Index:
+    """Everything a search reads.
+
+    `group` has for each node the place of the first of those that are one to a user, `order` where it stands among
+    hits of the same worth.
+    """
+
+    packages: Sequence[PackageDocument]
+    nodes: Nodes
+    concepts: Sequence[Concept]
+    text: Columns
+    features: Columns
+    group: Places
+    order: Places
+
+    @property
+    def size(self) -> int:
+        """How many nodes there are."""
+        return len(self.nodes)
+
+    def names(self, kind: str) -> list[str]:
+        """Return the names of the features of a kind, sorted: of `subscribes` the types that nodes subscribe to."""
+        start = f"{kind}:"
+        return sorted(name.removeprefix(start) for name in self.features.names if name.startswith(start))
+
+
+def build(content: Content) -> Index:
+    """Return the index of what was read from a store."""
+    shared = [counted(shared_words(package)) for package in content.packages]
+    documents = [weighted({**shared[node.package], **counted(own_words(node))}) for node in content.nodes]
+    return Index(
+        content.packages,
+        content.nodes,
+        content.concepts,
+        _scores(documents),
+        _features(content),
+        groups(content.packages, content.nodes),
+        order(content.packages, content.nodes),
+    )
+
+
+def _scores(documents: Sequence[Mapping[str, float]]) -> Columns:
+    from bm25s import BM25  # noqa: PLC0415 - only who builds an index needs it
+
+    vocabulary = {term: place for place, term in enumerate(sorted(set().union(*documents)))}
+    ids = [
+        [place for term, count in document.items() for place in [vocabulary[term]] * max(1, round(_SCALE * count))]
+        for document in documents
+    ]
+    if not vocabulary:
+        return _columns({})
+    engine = BM25(method="lucene", k1=_SATURATION * _SCALE, b=_LENGTH)
+    engine.index((ids, dict(vocabulary)), show_progress=False, create_empty_token=False)
+    return Columns(
+        vocabulary,
+        engine.scores["indptr"].astype(np.int64),
+        engine.scores["indices"].astype(np.int32),
+        engine.scores["data"].astype(np.float32),
+    )
+
+
+_SCALE: Final = 2
+"""Weighted occurrences are rounded to halves."""
+
+
+def _features(content: Content) -> Columns:
+    found: defaultdict[str, set[int]] = defaultdict(set)
+    wider = {(concept.kind, concept.label): concept.wider for concept in content.concepts}
+    for place, node in enumerate(content.nodes):
+        for feature in _features_of(node, content.packages[node.package], wider):
+            found[feature].add(place)
+    return _columns(found)
+
+
+def _features_of(
+    node: Document, package: PackageDocument, wider: Mapping[tuple[str, str], tuple[str, ...]]
+) -> Iterator[str]:
+    for end in node.ends:
+        if end.type:
+            yield f"{end.role}:{end.type}"
+    for kind, labels in (("hardware", node.hardware), ("function", node.functions), ("capability", node.capabilities)):
+        for label in labels:
+            yield f"{kind}:{label}"
+            for other in wider.get((kind, label), ()):
+                yield f"{kind}:{other}"
+    yield f"ros:{node.ros or package.ros}"
+    yield f"kind:{node.kind}"
+    yield f"package:{package.name}"
+    yield from (f"mark:{word}" for word in marks(node, package))
+    if package.deprecated:
+        yield "deprecated:"
+    for name in package.licenses:
+        yield f"license:{name}"
+
+
+def _columns(found: Mapping[str, Iterable[int]]) -> Columns:
+    names = {name: place for place, name in enumerate(sorted(found))}
+    lists = [sorted(found[name]) for name in names]
+    starts = np.cumsum([0, *map(len, lists)], dtype=np.int64)
+    rows = np.array([place for places in lists for place in places], np.int32)
+    return Columns(names, starts, rows, np.ones(len(rows), np.float32))

@@ -1,0 +1,48 @@
+"""What words mean to the search (`ontology/search.toml`): compounds, families, synonyms, words for message types."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Final
+
+from kg import resources
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+__all__ = ["FILE", "Lexicon", "lexicon"]
+
+FILE: Final = "search.toml"
+"""The file of the lexicon in the folder `ontology`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Lexicon:
+    """The tables of `ontology/search.toml`, as they are written there.
+
+    `compounds` has the words of a word written as one; `families` the word that stands for another; `synonyms` are
+    groups of phrases; `types` the last parts of message types by phrase; `directions` the phrases before them.
+    """
+
+    stop_words: frozenset[str]
+    compounds: Mapping[str, tuple[str, ...]]
+    families: Mapping[str, str]
+    synonyms: tuple[tuple[str, ...], ...]
+    types: Mapping[str, tuple[str, ...]]
+    directions: Mapping[str, tuple[str, ...]]
+
+
+@lru_cache(maxsize=1)
+def lexicon() -> Lexicon:
+    """Return the lexicon that `kg` ships."""
+    content = tomllib.loads((resources.folder("ontology") / FILE).read_text("utf-8"))
+    return Lexicon(
+        frozenset(content["stop_words"].split()),
+        {word: tuple(parts.split()) for word, parts in content["compounds"].items()},
+        {other: word for word, others in content["families"].items() for other in others},
+        tuple(tuple(group) for group in content["synonyms"].values()),
+        {phrase: tuple(types) for phrase, types in content["types"].items()},
+        {direction: tuple(phrases) for direction, phrases in content["directions"].items()},
+    )

@@ -1,0 +1,231 @@
+"""What a person asks for: words to look for, and wishes that the words of the text express.
+
+A wish is a preference unless the text says it as a filter does: `subscribes LaserScan`, `for ROS 2`, `BSD licensed`.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Final
+
+from kg.search.lexicon import lexicon
+from kg.search.words import is_stop, phrase, stem, words
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from kg.search.names import Names
+
+__all__ = ["Alternative", "Need", "Wish", "Wording", "parse"]
+
+_EXPLICIT: Final = re.compile(
+    r"\b(?P<role>subscrib|publish|provid|offer|serv|call)\w*\s+(?:to\s+|a\s+|an\s+|the\s+)?"
+    r"(?P<type>(?:[a-z]\w*/)?(?:msg/|srv/|action/)?[A-Z]\w*)"
+)
+_MORE: Final = re.compile(r"\s*(?:,|and|or)\s+(?:a\s+|an\s+)?(?P<type>(?:[a-z]\w*/)?(?:msg/|srv/|action/)?[A-Z]\w*)")
+_NAMED: Final = re.compile(r"\b(?:[a-z]\w*/)?(?:msg/|srv/|action/)?[A-Z][a-z0-9]+[A-Z]\w*")
+_ROLES: Final = {
+    "subscrib": "subscribes",
+    "publish": "publishes",
+    "provid": "services",
+    "offer": "services",
+    "serv": "services",
+    "call": "clients",
+}
+_ROS: Final = re.compile(r"\bros\s?(?P<version>[12])\b", re.IGNORECASE)
+_DISTRIBUTIONS: Final = {
+    "1": ("noetic", "melodic", "kinetic", "indigo"),
+    "2": ("foxy", "galactic", "humble", "iron", "jazzy", "kilted", "rolling"),
+}
+_LICENSED: Final = re.compile(
+    r"\b(?P<one>[\w.+-]+)[- ]licen[sc]ed?\b|\blicen[sc]ed?\s+(?:under|as|with)\s+(?:the\s+)?(?P<two>[\w.+-]+)",
+    re.IGNORECASE,
+)
+_IN, _OUT, _BOTH = "in", "out", "both"
+_SIDES: Final = {_IN: ("subscribes",), _OUT: ("publishes",), _BOTH: ("subscribes", "publishes")}
+_LONGEST: Final = 6
+"""So many words has the longest phrase of the lexicon."""
+_SYNONYM: Final = 0.7
+"""What a synonym is worth beside the word that was typed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Alternative:
+    """Terms that stand together for what was said, and how much that is worth."""
+
+    terms: tuple[str, ...]
+    weight: float
+
+
+@dataclass(frozen=True, slots=True)
+class Wording:
+    """A word or phrase of the need, as typed, and all the ways to say it; the first is the phrase itself."""
+
+    text: str
+    alternatives: tuple[Alternative, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Wish:
+    """A feature that hits should have: any of `features`. A strict one leaves out all nodes without it.
+
+    `kind` is subscribes, publishes, ..., hardware, function, capability, ros, license; `said` the words for it.
+    """
+
+    kind: str
+    features: tuple[str, ...]
+    said: str
+    strict: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Need:
+    """A need as it was understood."""
+
+    text: str
+    wordings: tuple[Wording, ...]
+    wishes: tuple[Wish, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Token:
+    stem: str
+    word: str
+
+
+def parse(text: str, names: Names) -> Need:
+    """Return what a text asks for; `names` are those that the store knows. Any text gives a need, always the same."""
+    strict, rest = _strict(text, names)
+    tokens = [_Token(stem(word), word) for word in words(rest)]
+    wishes = [*strict, *_typed(tokens, names), *_classes(tokens, names)]
+    return Need(text, tuple(_wordings(tokens)), tuple(dict.fromkeys(wishes)))
+
+
+def _strict(text: str, names: Names) -> tuple[list[Wish], str]:
+    """Return the wishes that are said as filters, and the text without what is no word to look for."""
+    found: list[Wish] = []
+    for match in _EXPLICIT.finditer(text):
+        kind, at = _ROLES[match["role"]], match
+        while at is not None:
+            features = names.types(kind, at["type"])
+            if features:
+                found.append(Wish(kind, features, at["type"], strict=True))
+            at = _MORE.match(text, at.end())  # type: ignore[assignment]  # the loop ends with None
+    said = {wish.said for wish in found}
+    for match in _NAMED.finditer(text):
+        features = (*names.types("subscribes", match[0]), *names.types("publishes", match[0]))
+        if features and match[0] not in said:
+            found.append(Wish("uses", features, match[0]))
+    found += _versions(text)
+    for match in _LICENSED.finditer(text):
+        name = match["one"] or match["two"]
+        if features := names.licenses(name):
+            found.append(Wish("license", features, name, strict=True))
+            text = text.replace(match[0], " ")
+    return found, _ROS.sub(" ", text)
+
+
+def _versions(text: str) -> Iterator[Wish]:
+    for match in _ROS.finditer(text):
+        yield Wish("ros", (f"ros:{match['version']}",), match[0], strict=True)
+    for word in re.findall(r"[a-z]+", text.lower()):
+        for version, distributions in _DISTRIBUTIONS.items():
+            if word in distributions:
+                yield Wish("ros", (f"ros:{version}",), word, strict=True)
+
+
+@lru_cache(maxsize=1)
+def _synonyms() -> dict[tuple[str, ...], tuple[tuple[str, ...], ...]]:
+    """Return for each phrase, as stems, the other phrases of its groups."""
+    found: dict[tuple[str, ...], dict[tuple[str, ...], None]] = {}
+    for group in lexicon().synonyms:
+        stems = [phrase(one) for one in group]
+        others = [_content(one) for one in group if "not" not in one.split()]
+        for one in stems:
+            found.setdefault(one, {}).update(dict.fromkeys(others))
+    return {one: tuple(others) for one, others in found.items()}
+
+
+def _content(text: str) -> tuple[str, ...]:
+    return tuple(stem(word) for word in words(text) if not is_stop(word))
+
+
+@lru_cache(maxsize=1)
+def _type_phrases() -> dict[tuple[str, ...], tuple[str, ...]]:
+    return {phrase(one): types for one, types in lexicon().types.items()}
+
+
+@lru_cache(maxsize=1)
+def _cues() -> dict[tuple[str, ...], str]:
+    return {phrase(one): side for side, phrases in lexicon().directions.items() for one in phrases}
+
+
+def _matches(tokens: Sequence[_Token], known: dict[tuple[str, ...], object]) -> Iterator[tuple[int, int]]:
+    """Yield begin and end of the phrases that are known: the longest at each place, none inside of another."""
+    begin = 0
+    stems = tuple(token.stem for token in tokens)
+    while begin < len(stems):
+        for end in range(min(len(stems), begin + _LONGEST), begin, -1):
+            if stems[begin:end] in known:
+                yield begin, end
+                begin = end
+                break
+        else:
+            begin += 1
+
+
+def _wordings(tokens: Sequence[_Token]) -> Iterator[Wording]:
+    """Yield the wordings of a need: phrases with synonyms, then every word that tells something, each once."""
+    known = _synonyms()
+    begin, seen = 0, set()
+    spans = dict(_matches(tokens, known))  # type: ignore[arg-type]  # only the keys are looked at
+    while begin < len(tokens):
+        end = spans.get(begin, begin + 1)
+        part = tokens[begin:end]
+        own = tuple(token.stem for token in part if not is_stop(token.word))
+        key = tuple(token.stem for token in part)
+        if own and own not in seen:
+            seen.add(own)
+            others = (Alternative(one, _SYNONYM) for one in known.get(key, ()) if one != own)
+            yield Wording(" ".join(token.word for token in part), (Alternative(own, 1.0), *others))
+        begin = end
+
+
+def _typed(tokens: Sequence[_Token], names: Names) -> Iterator[Wish]:
+    """Yield the wishes of words for message types, with the direction that the words around them give."""
+    phrases = _type_phrases()
+    for begin, end in _matches(tokens, phrases):  # type: ignore[arg-type]  # only the keys are looked at
+        stems = tuple(token.stem for token in tokens[begin:end])
+        said = " ".join(token.word for token in tokens[begin:end])
+        side = _side(tokens, begin, end)
+        for kind in _SIDES.get(side, ("uses",)):
+            kinds = ("subscribes", "publishes") if kind == "uses" else (kind,)
+            features = tuple(
+                feature for type_ in phrases[stems] for one in kinds for feature in names.types(one, type_)
+            )
+            if features:
+                yield Wish(kind, features, said)
+
+
+def _side(tokens: Sequence[_Token], begin: int, end: int) -> str:
+    """Return the direction of what stands at a place: by what follows at once, else by the nearest word before."""
+    cues = _cues()
+    following = tuple(token.stem for token in tokens[end : end + 1])
+    if following and tokens[end].word in {"as", "into", "to"}:
+        return _IN
+    for at in range(begin - 1, -1, -1):
+        for length in (2, 1):
+            side = cues.get(tuple(token.stem for token in tokens[max(0, at - length + 1) : at + 1]))
+            if side is not None:
+                return side
+    return ""
+
+
+def _classes(tokens: Sequence[_Token], names: Names) -> Iterator[Wish]:
+    """Yield the wishes of words for hardware, functions and capabilities."""
+    for begin, end in _matches(tokens, names.concepts):  # type: ignore[arg-type]  # only the keys are looked at
+        said = " ".join(token.word for token in tokens[begin:end])
+        for feature in names.concepts[tuple(token.stem for token in tokens[begin:end])]:
+            yield Wish(feature.partition(":")[0], (feature,), said)

@@ -1,0 +1,322 @@
+"""From a snapshot of the store to documents: few large queries, a source graph at a time.
+
+Joins over the union of all graphs cost many times as much, since graphs of systems and of what rules infer say more
+of interfaces than of anything else.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Final
+from urllib.parse import unquote
+
+from kg.facts import Role
+from kg.graph import vocabulary as v
+from kg.search.documents import Document, End, PackageDocument, Text
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+
+    from kg.store.interface import Snapshot
+
+__all__ = ["Concept", "Content", "read"]
+
+_PREFIXES: Final = {
+    "ros": v.ROS,
+    "rnkg": v.RNKG,
+    "rdfs": v.RDFS,
+    "owl": v.OWL,
+    "skos": v.SKOS,
+    "dcterms": v.DCTERMS,
+}
+_SOURCES: Final = "/graph/source/"
+_NODES: Final = (
+    "?s ?p ?o { ?s a rnkg:NodeType ; ?p ?o FILTER(?p NOT IN (ros:hasComponent, rnkg:hasParameter, rnkg:hasSource)) }"
+)
+_PACKAGES: Final = (
+    "?s ?p ?o { ?s a rnkg:Package ; ?p ?o "
+    "FILTER(?p NOT IN (rnkg:contains, rnkg:hasDependency, rnkg:dependsOn, rnkg:defines, rnkg:hasProblem)) }"
+)
+_OWNED: Final = (
+    "?n ?p ?r { ?p a rnkg:Package ; rnkg:contains ?n . ?n a rnkg:NodeType . ?r rnkg:contains ?p ; a rnkg:Repository }"
+)
+_PROGRAMS: Final = "?n ?x { ?n rnkg:hasExecutable/rnkg:name ?x }"
+_ENDS: Final = "?n ?c ?p ?l { ?n ros:hasComponent ?c . ?c rnkg:path ?p ; rnkg:line ?l ; rnkg:implicit false }"
+_TRANSFORMS: Final = (
+    "?n ?c ?p ?l { VALUES ?t { %s } ?c ros:hasMessage ?t ; rnkg:implicit true ; rnkg:path ?p ; rnkg:line ?l . "
+    "?n ros:hasComponent ?c }"
+)
+_TRANSFORM_TYPES: Final = ("tf2_msgs/TFMessage", "tf/tfMessage")
+_TYPES: Final = "?c ?t { ?c ros:hasMessage|rnkg:hasServiceType|rnkg:hasActionType ?t }"
+_PARAMETERS: Final = "?n ?c { ?n rnkg:hasParameter ?c . ?c rnkg:implicit false }"
+_TOLD: Final = "?c ?d { ?c a rnkg:Parameter ; dcterms:description ?d }"
+_TEXTS: Final = "?n ?d ?p ?o { ?n rnkg:hasDescription ?d . ?d ?p ?o }"
+_PHRASES: Final = "SELECT ?d ?t { GRAPH ?g { ?d rnkg:hasPhrase ?x } GRAPH ?h { ?x rnkg:text ?t } }"
+_CONCEPTS: Final = """
+SELECT ?s ?p ?o {
+  GRAPH %s { ?s a owl:NamedIndividual ; ?p ?o }
+}"""
+_ONTOLOGY: Final = "/graph/ontology"
+_CLASSES: Final = {
+    "hardware": v.rnkg("usesHardware"),
+    "functions": v.rnkg("hasFunction"),
+    "capabilities": v.rnkg("hasCapability"),
+}
+_SCHEMES: Final = {"hardware": "/hardware#", "function": "/function#", "capability": "/capability#"}
+_ALTERNATIVE: Final = f"{v.SKOS}altLabel"
+_BROADER: Final = f"{v.SKOS}broader"
+_ROLES: Final = {
+    "publisher": Role.PUBLISHES,
+    "subscriber": Role.SUBSCRIBES,
+    "service-server": Role.SERVICES,
+    "service-client": Role.CLIENTS,
+    "action-server": Role.ACTION_SERVERS,
+    "action-client": Role.ACTION_CLIENTS,
+}
+_UNRESOLVED: Final = "@unresolved"
+_MOST_FEEDS: Final = 12
+
+
+@dataclass(frozen=True, slots=True)
+class Concept:
+    """A kind of hardware, a function or a capability: its label, its other labels, and the labels of what is wider."""
+
+    label: str
+    kind: str
+    others: tuple[str, ...] = ()
+    wider: tuple[str, ...] = ()
+
+
+@dataclass(slots=True)
+class Content:
+    """Everything of a store that can be found, and the concepts to ask for."""
+
+    packages: list[PackageDocument] = field(default_factory=list)
+    nodes: list[Document] = field(default_factory=list)
+    concepts: list[Concept] = field(default_factory=list)
+
+
+def read(snapshot: Snapshot) -> Content:
+    """Return the documents of a snapshot: packages by source and name, their nodes by name."""
+    return _Reading(snapshot).content()
+
+
+class _Reading:
+    def __init__(self, snapshot: Snapshot) -> None:
+        self.snapshot = snapshot
+        self.graphs = [graph for graph in snapshot.graphs() if _SOURCES in graph.value]
+        self.texts = self._texts()
+        ontologies = (graph for graph in snapshot.graphs() if graph.value.endswith(_ONTOLOGY))
+        self.individuals = _grouped(row for graph in ontologies for row in self._rows(_CONCEPTS % graph))
+
+    def content(self) -> Content:
+        owners = {node: (package, source) for node, package, source in self._sources(_OWNED)}
+        packages = self._packages(owners.values())
+        places = {package.iri: place for place, package in enumerate(packages)}
+        return Content(packages, self._nodes(owners, places), self._concepts())
+
+    def _rows(self, text: str) -> Iterator[Any]:
+        for row in self.snapshot.query(text, prefixes=_PREFIXES, union=False):  # type: ignore[union-attr]  # a SELECT
+            yield tuple(term.value for term in row)
+
+    def _sources(self, body: str) -> Iterator[Any]:
+        """Yield the rows of `variables { pattern }` over each source graph, one after another."""
+        variables, _, pattern = body.partition("{")
+        for graph in self.graphs:
+            yield from self._rows(f"SELECT {variables} {{ GRAPH {graph} {{ {pattern} }}")
+
+    def _texts(self) -> dict[str, tuple[Text, ...]]:
+        """Return the descriptions of nodes and packages by their IRIs."""
+        owners: dict[str, str] = {}
+        parts: defaultdict[str, defaultdict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
+        for owner, part, predicate, value in self._sources(_TEXTS):
+            owners[part] = owner
+            parts[part][predicate].append(value)
+        found: defaultdict[str, list[Text]] = defaultdict(list)
+        for part, properties in parts.items():
+            get = _Getter(properties)
+            text, kind, path = get(v.DESCRIPTION_TEXT), get(v.DESCRIPTION_KIND), get(v.PATH)
+            found[owners[part]].append(Text(text or "", kind or "", path or "", int(get(v.LINE) or 0), get(v.HEADING)))
+        return {
+            owner: tuple(sorted(texts, key=lambda one: (one.path, one.line, one.text)))
+            for owner, texts in found.items()
+        }
+
+    def _packages(self, owners: Iterable[tuple[str, str]]) -> list[PackageDocument]:
+        sources = dict(owners)
+        names = {iri: unquote(iri.partition("repository/")[2]) for iri in sources.values()}
+        copies: defaultdict[str, set[str]] = defaultdict(set)
+        for one, other in self._rows("SELECT ?a ?b { GRAPH ?g { ?a rnkg:copyOf ?b } }"):
+            copies[one].add(other)
+            copies[other].add(one)
+        found = []
+        for iri, properties in _grouped(self._sources(_PACKAGES)).items():
+            if iri not in sources:
+                continue
+            get = _Getter(properties)
+            spdx = [one.rpartition("/")[2] for one in properties.get(v.bare(v.LICENSE), ())]
+            found.append(
+                PackageDocument(
+                    iri=iri,
+                    repository=names[sources[iri]],
+                    name=get(v.NAME) or "",
+                    version=get(v.VERSION),
+                    ros=int(get(v.ROS_VERSION) or 0),
+                    path=get(v.PATH) or "",
+                    deprecated=v.bare(v.DEPRECATED) in properties,
+                    description=get(v.DESCRIPTION),
+                    licenses=tuple(sorted({*spdx, *properties.get(v.bare(v.LICENSE_NAME), ())})),
+                    texts=self.texts.get(iri, ()),
+                    copies=tuple(sorted(copies.get(iri, ()))),
+                )
+            )
+        return sorted(found, key=lambda one: (one.repository, one.name, one.path))
+
+    def _nodes(self, owners: Mapping[str, tuple[str, str]], places: Mapping[str, int]) -> list[Document]:
+        ends, parameters = self._ends(), self._parameters()
+        programs = dict(self._sources(_PROGRAMS))
+        classes, phrases = self._classes(), self._phrases()
+        feeds, fed = self._feeds()
+        found = []
+        for iri, properties in _grouped(self._sources(_NODES)).items():
+            if iri not in owners or owners[iri][0] not in places:
+                continue
+            get = _Getter(properties)
+            found.append(
+                Document(
+                    iri=iri,
+                    name=get(v.NAME) or "",
+                    kind=(get(v.KIND) or "").removeprefix(v.RNKG),
+                    package=places[owners[iri][0]],
+                    ros=int(get(v.ROS_VERSION) or 0),
+                    path=get(v.PATH) or "",
+                    line=int(get(v.LINE) or 0),
+                    executable=programs.get(iri),
+                    plugin=get(v.PLUGIN_NAME),
+                    node_name=get(v.NODE_NAME),
+                    aliases=tuple(sorted(properties.get(v.bare(v.ALIAS), ()))),
+                    texts=self.texts.get(iri, ()),
+                    ends=ends.get(iri, ()),
+                    parameters=parameters.get(iri, ()),
+                    phrases=phrases.get(iri, ()),
+                    hardware=classes[iri, "hardware"],
+                    functions=classes[iri, "functions"],
+                    capabilities=classes[iri, "capabilities"],
+                    feeds=feeds.get(iri, ()),
+                    fed=fed.get(iri, ()),
+                )
+            )
+        return sorted(found, key=lambda one: (one.package, one.name, one.path, one.line, one.iri))
+
+    def _ends(self) -> dict[str, tuple[End, ...]]:
+        types = dict(self._sources(_TYPES))
+        found: defaultdict[str, set[tuple[str, str, str, str, int]]] = defaultdict(set)
+        messages = {iri.rpartition("/message/")[0] for iri in types.values() if "/message/" in iri}
+        transforms = " ".join(f"<{base}/message/{name}>" for base in sorted(messages) for name in _TRANSFORM_TYPES)
+        for body in (_ENDS, _TRANSFORMS % transforms):
+            for node, part, path, line in self._sources(body):
+                role, name = _part(node, part)
+                if role in _ROLES:
+                    found[node].add((_ROLES[role], name or "", _type_name(types.get(part)) or "", path, int(line)))
+        return {
+            node: tuple(
+                End(role, name or None, kind or None, path, line) for role, name, kind, path, line in sorted(ends)
+            )
+            for node, ends in found.items()
+        }
+
+    def _parameters(self) -> dict[str, tuple[tuple[str, str | None], ...]]:
+        told = dict(self._sources(_TOLD))
+        found: defaultdict[str, dict[str, str | None]] = defaultdict(dict)
+        for node, part in self._sources(_PARAMETERS):
+            name = _part(node, part)[1]
+            if name is not None:
+                found[node][name] = told.get(part) or found[node].get(name)
+        return {node: tuple(sorted(named.items())) for node, named in found.items()}
+
+    def _phrases(self) -> dict[str, tuple[str, ...]]:
+        found: defaultdict[str, set[str]] = defaultdict(set)
+        for part, text in self._rows(_PHRASES):
+            found[part.partition("#description")[0]].add(text)
+        return {node: tuple(sorted(texts)) for node, texts in found.items()}
+
+    def _classes(self) -> Mapping[tuple[str, str], tuple[str, ...]]:
+        """Return the labels of the classes of nodes, by node and field of a document."""
+        labels = {iri: _Getter(properties)(v.LABEL) for iri, properties in self.individuals.items()}
+        found: defaultdict[tuple[str, str], set[str]] = defaultdict(set)
+        for name, predicate in _CLASSES.items():
+            for node, concept in self._rows(f"SELECT ?n ?c {{ GRAPH ?g {{ ?n {predicate} ?c }} }}"):
+                found[node, name].add(labels.get(concept) or concept.rpartition("#")[2])
+        return defaultdict(tuple, {key: tuple(sorted(names)) for key, names in found.items()})
+
+    def _feeds(self) -> tuple[dict[str, tuple[str, ...]], dict[str, tuple[str, ...]]]:
+        feeds: defaultdict[str, set[str]] = defaultdict(set)
+        fed: defaultdict[str, set[str]] = defaultdict(set)
+        for one, other in self._rows("SELECT ?a ?b { GRAPH ?g { ?a rnkg:feeds ?b } }"):
+            feeds[one].add(_short(other))
+            fed[other].add(_short(one))
+        return (
+            {node: tuple(sorted(others)[:_MOST_FEEDS]) for node, others in feeds.items()},
+            {node: tuple(sorted(others)[:_MOST_FEEDS]) for node, others in fed.items()},
+        )
+
+    def _concepts(self) -> list[Concept]:
+        found = []
+        for iri, properties in self.individuals.items():
+            kind = next((kind for kind, place in _SCHEMES.items() if place in iri), None)
+            label = _Getter(properties)(v.LABEL)
+            if kind is not None and label is not None:
+                found.append(Concept(label, kind, self._others(properties), self._wider(iri)))
+        return sorted(found, key=lambda one: (one.kind, one.label))
+
+    def _others(self, properties: Mapping[str, list[str]]) -> tuple[str, ...]:
+        return tuple(sorted(properties.get(_ALTERNATIVE, ())))
+
+    def _wider(self, iri: str) -> tuple[str, ...]:
+        """Return the labels of everything that is wider than a concept, the concept itself left out."""
+        found: dict[str, str] = {}
+        waiting = list(self.individuals[iri].get(_BROADER, ()))
+        while waiting:
+            one = waiting.pop()
+            if one not in found and one in self.individuals:
+                found[one] = _Getter(self.individuals[one])(v.LABEL) or ""
+                waiting += self.individuals[one].get(_BROADER, ())
+        return tuple(sorted(filter(None, found.values())))
+
+
+class _Getter:
+    """The value of a property that has one; the least of several."""
+
+    def __init__(self, properties: Mapping[str, list[str]]) -> None:
+        self.properties = properties
+
+    def __call__(self, term: str) -> str | None:
+        values = self.properties.get(v.bare(term))
+        return min(values) if values else None
+
+
+def _grouped(rows: Iterable[tuple[str, ...]]) -> dict[str, Mapping[str, list[str]]]:
+    found: defaultdict[str, defaultdict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
+    for subject, predicate, value in rows:
+        found[subject][predicate].append(value)
+    return dict(found)
+
+
+def _part(node: str, part: str) -> tuple[str, str | None]:
+    """Return the kind and the name that stand in the IRI of a part of a node (`kg.graph.iris.fragment`)."""
+    kind, _, name = part[len(node) + 1 :].partition("/")
+    name = unquote(name.partition("@")[0]) if not name.startswith(_UNRESOLVED) else ""
+    return kind, name or None
+
+
+def _type_name(iri: str | None) -> str | None:
+    if iri is None:
+        return None
+    package, name = iri.split("/")[-2:]
+    return f"{unquote(package)}/{unquote(name)}"
+
+
+def _short(iri: str) -> str:
+    package, name = iri.split("/")[-2:]
+    return f"{unquote(package)}/{unquote(name)}"

@@ -1,0 +1,138 @@
+"""Why a node is a hit: the parts of its worth in words, each with the line that shows it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from kg.search.fields import FIELDS, own_words
+from kg.search.words import terms
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator, Mapping
+
+    from kg.search.documents import Document, PackageDocument, Text
+    from kg.search.index import Index
+    from kg.search.needs import Need, Wish
+
+__all__ = ["Reason", "reasons"]
+
+_VERBS: Final = {
+    "publishes": "publishes",
+    "subscribes": "subscribes",
+    "services": "offers the service",
+    "clients": "calls the service",
+    "action_servers": "offers the action",
+    "action_clients": "calls the action",
+}
+_ROLES: Final = {
+    "uses": ("subscribes", "publishes"),
+    "services": ("services", "action_servers"),
+    "calls": ("clients", "action_clients"),
+}
+_KINDS: Final = {
+    "comment": "a comment says",
+    "docstring": "its docstring says",
+    "manifest": "its package says",
+    "readme": "a page says",
+    "launch": "a launch file says",
+    "wiki": "its documentation says",
+    "plugin": "its description says",
+}
+_EXCERPT: Final = 90
+"""So many characters of a text stand in a reason."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reason:
+    """A part of a node's worth in words; `path` and `line` are relative to its repository, None without a line."""
+
+    text: str
+    weight: float
+    path: str | None = None
+    line: int | None = None
+
+    def __str__(self) -> str:
+        return self.text if self.path is None else f"{self.text} at {self.path}:{self.line}"
+
+
+def reasons(index: Index, need: Need, place: int, limit: int) -> tuple[Reason, ...]:
+    """Return up to `limit` reasons why the node at a place is worth what it is, those that count most first."""
+    node = index.nodes[place]
+    package = index.packages[node.package]
+    weights = _weights(index, need, place)
+    found = [*_of_wishes(need.wishes, node, package), *_of_words(weights, node, package)]
+    found.sort(key=lambda one: (-one.weight, one.text))
+    seen: dict[str, Reason] = {}
+    for one in found:
+        seen.setdefault(one.text, one)
+    return tuple(seen.values())[:limit]
+
+
+def _weights(index: Index, need: Need, place: int) -> dict[str, float]:
+    """Return what each term of the need is worth for a node."""
+    found: dict[str, float] = {}
+    for wording in need.wordings:
+        for one in wording.alternatives:
+            for term in one.terms:
+                value = one.weight * index.text.value(term, place)
+                found[term] = max(value, found.get(term, 0.0))
+    return {term: value for term, value in found.items() if value > 0}
+
+
+def _of_wishes(wishes: Iterable[Wish], node: Document, package: PackageDocument) -> Iterator[Reason]:
+    for wish in wishes:
+        features = set(wish.features)
+        weight = 4.0 if wish.strict else 1.5
+        for end in node.ends:
+            if end.role in _ROLES.get(wish.kind, (wish.kind,)) and f"{end.role}:{end.type}" in features:
+                yield Reason(f"{_VERBS[end.role]} {end.type}", weight, end.path, end.line)
+                break
+        labels = {"hardware": node.hardware, "function": node.functions, "capability": node.capabilities}
+        if wish.kind in labels:
+            kept = [label for label in labels[wish.kind] if f"{wish.kind}:{label}" in features]
+            kept = kept or ([wish.features[0].partition(":")[2]] if wish.strict else [])
+            verb = {"hardware": "uses a", "function": "function", "capability": "can"}[wish.kind]
+            yield from (Reason(f"{verb} {label}", weight / 4) for label in kept[:1])
+        if wish.strict and wish.kind == "license":
+            yield Reason(f"licence {' and '.join(package.licenses)}", 0.5, package.path, 1)
+
+
+def _of_words(weights: Mapping[str, float], node: Document, package: PackageDocument) -> Iterator[Reason]:
+    """Yield a reason for each place that the words of the need stand in, and what it counts."""
+
+    def worth(text: str, field: str) -> float:
+        return sum(weights.get(term, 0.0) for term in set(terms(text))) * min(1.0, FIELDS[field].weight / 4)
+
+    for field, text in own_words(node):
+        if field in {"name", "plugin"} and (value := worth(text, field)):
+            yield Reason(f"named {text}", value, node.path, node.line)
+    yield from _best(node.texts, lambda one: worth(one.text, "text"))
+    others = [text for text in package.texts if text.kind != "manifest"]
+    yield from _best(others, lambda one: worth(one.text, "readme"))
+    if value := worth(package.name, "package"):
+        yield Reason(f"in the package {package.name}", value, package.path, 1)
+    if package.description and (value := worth(package.description, "manifest")):
+        yield Reason(f"its package says “{_excerpt(package.description)}”", value, package.path, 1)
+    for end in node.ends:
+        if value := worth(f"{end.name or ''} {(end.type or '').rpartition('/')[2]}", "interface"):
+            yield Reason(f"{_VERBS[end.role]} {end.name or end.type}", value * 0.5, end.path, end.line)
+    for name, told in node.parameters:
+        if value := worth(f"{name} {told or ''}", "parameter"):
+            yield Reason(f"has the parameter {name}", value * 0.5)
+    for kind, others_ in (("feeds", node.feeds), ("is fed by", node.fed)):
+        for other in others_:
+            if value := worth(other, "neighbour"):
+                yield Reason(f"{kind} {other}", value)
+
+
+def _best(texts: Iterable[Text], worth: Callable[[Text], float]) -> Iterator[Reason]:
+    valued = [(worth(text), text) for text in texts]
+    value, best = max(valued, key=lambda one: one[0], default=(0.0, None))
+    if best is not None and value > 0:
+        yield Reason(f"{_KINDS.get(best.kind, 'it says')} “{_excerpt(best.text)}”", value, best.path, best.line)
+
+
+def _excerpt(text: str) -> str:
+    text = " ".join(text.split())
+    return text if len(text) <= _EXCERPT else text[:_EXCERPT].rpartition(" ")[0] + " …"

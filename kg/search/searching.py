@@ -1,0 +1,143 @@
+"""A search from end to end: the index of the store in force, the need, the hits with their reasons."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kg.search import cache
+from kg.search.filters import wishes
+from kg.search.names import Names
+from kg.search.needs import Need, parse
+from kg.search.ranking import scores
+from kg.search.reasons import Reason, reasons
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from kg.search.documents import Document, PackageDocument
+    from kg.search.index import Index
+    from kg.store.embedded import EmbeddedStore
+
+__all__ = ["Answer", "Hit", "Search", "hit_object", "open_search"]
+
+_REASONS = 5
+_DIGITS = 4
+"""Scores are compared to so many decimals, so that sums of floats in another order change nothing."""
+
+
+@dataclass(frozen=True, slots=True)
+class Hit:
+    """A node that was found; `others` are variants and copies of it that it stands for, best first."""
+
+    rank: int
+    score: float
+    node: Document
+    package: PackageDocument
+    why: tuple[Reason, ...]
+    others: tuple[tuple[PackageDocument, Document], ...]
+
+    @property
+    def name(self) -> str:
+        """The name that a user calls it by: of a component its class, as launch files load it."""
+        if self.node.kind == "component" and self.node.plugin:
+            return self.node.plugin.rpartition("::")[2].rpartition("/")[2]
+        return self.node.name
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """The hits of a need as it was understood; `total` is how many there are in all."""
+
+    need: Need
+    hits: tuple[Hit, ...]
+    total: int
+
+
+class Search:
+    """Searches over one index; a process that stays keeps it."""
+
+    def __init__(self, index: Index) -> None:
+        self.index = index
+        self.names = Names(index.features.names, index.concepts)
+
+    def find(self, text: str, filters: Mapping[str, Sequence[str]] | None = None, limit: int = 10) -> Answer:
+        """Return the best hits for a need in words, of which filters leave out some (`kg.search.filters`).
+
+        Raises:
+            UsageError: KG701, KG702, KG703 for the name in a filter that no node has.
+        """
+        given = wishes(filters or {}, self.names)
+        need = parse(text, self.names)
+        need = Need(need.text, need.wordings, (*given, *need.wishes))
+        worth = np.round(scores(self.index, need), _DIGITS)
+        places = np.flatnonzero(worth > 0)
+        places = places[np.lexsort((self.index.order[places], -worth[places]))]
+        groups: dict[int, list[int]] = {}
+        for place in places.tolist():
+            groups.setdefault(int(self.index.group[place]), []).append(place)
+        chosen = list(groups.values())[:limit]
+        hits = (self._hit(rank, members, worth, need) for rank, members in enumerate(chosen, 1))
+        return Answer(need, tuple(hits), len(groups))
+
+    def _hit(self, rank: int, members: Sequence[int], worth: Any, need: Need) -> Hit:
+        place, *others = members
+        node = self.index.nodes[place]
+        return Hit(
+            rank,
+            float(worth[place]),
+            node,
+            self.index.packages[node.package],
+            reasons(self.index, need, place, _REASONS),
+            tuple((self.index.packages[other.package], other) for other in map(self.index.nodes.__getitem__, others)),
+        )
+
+
+def open_search(store: EmbeddedStore) -> Search:
+    """Return the search over the generation in force; its index is read from the store's cache, or built and put there.
+
+    Raises:
+        StoreError: KG301 for a store without data, KG303 for a damaged one.
+    """
+    generation = store.layout.current()
+    index = None if generation is None else cache.load(store.layout.cache, str(generation))
+    if index is None:
+        from kg.search.index import build  # noqa: PLC0415 - who finds an index loads no engine
+        from kg.search.reading import read  # noqa: PLC0415 - the same
+
+        with store.read() as snapshot:
+            index = build(read(snapshot))
+            # An index that cannot be kept is built again the next time, in a store that one may only read.
+            with suppress(OSError):
+                cache.save(store.layout.cache, snapshot.identity, index)
+    return Search(index)
+
+
+def hit_object(hit: Hit) -> dict[str, Any]:
+    """Return a hit as `kg search --json` writes it."""
+    node, package = hit.node, hit.package
+    return {
+        "rank": hit.rank,
+        "score": round(hit.score, _DIGITS),
+        "repository": package.repository,
+        "package": package.name,
+        "node": hit.name,
+        "name": node.name,
+        "kind": node.kind,
+        "ros": node.ros or package.ros,
+        "executable": node.executable,
+        "plugin": node.plugin,
+        "file": node.path,
+        "line": node.line,
+        "why": [str(reason) for reason in hit.why],
+        "reasons": [
+            {"text": one.text, "weight": round(one.weight, 2), "file": one.path, "line": one.line} for one in hit.why
+        ],
+        "also": [
+            {"repository": other.repository, "package": other.name, "node": one.name, "kind": one.kind}
+            for other, one in hit.others
+        ],
+    }

@@ -1,0 +1,62 @@
+"""From text and identifiers to the terms that are compared: split, in lower case, without stop words, stemmed.
+
+Stems are those of the Snowball algorithm for English (Porter 2001), so that neither a model nor a tagger is needed.
+"""
+
+from __future__ import annotations
+
+import re
+from functools import lru_cache
+from typing import TYPE_CHECKING, Final
+
+from snowballstemmer.english_stemmer import EnglishStemmer
+
+from kg.search.lexicon import lexicon
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = ["is_stop", "phrase", "stem", "terms", "words"]
+
+_WORD: Final = re.compile(
+    r"\d[dD](?![a-zA-Z])"  # 2D, 3d
+    r"|[A-Z]{2,}s?(?![a-z])"  # URDF, TFs
+    r"|[A-Z]+(?=[A-Z][a-z])"  # the XML of XMLFile
+    r"|[A-Z]?[a-z]+"
+    r"|[A-Z]+"
+    r"|[^\W\d_]+"  # letters of other alphabets
+    r"|\d+"
+)
+_SHORT: Final = 2
+_STEMMER: Final = EnglishStemmer()
+
+
+def words(text: str) -> Iterator[str]:
+    """Yield the words of prose or of identifiers, in lower case: `RGBDImage_sync` has rgb, d, image, synchronize."""
+    compounds = lexicon().compounds
+    for match in _WORD.finditer(text):
+        word = match.group().lower()
+        yield from compounds.get(word, (word,))
+
+
+@lru_cache(maxsize=1 << 16)
+def stem(word: str) -> str:
+    """Return the stem of a word in lower case; words of one family have one."""
+    word = lexicon().families.get(word, word)
+    stemmed: str = _STEMMER.stemWord(word) if len(word) > _SHORT else word
+    return stemmed
+
+
+def is_stop(word: str) -> bool:
+    """Tell whether a word tells nothing about a node: those of English grammar, and what every node is or has."""
+    return word in lexicon().stop_words
+
+
+def phrase(text: str) -> tuple[str, ...]:
+    """Return the stems of all words of a text, stop words too."""
+    return tuple(map(stem, words(text)))
+
+
+def terms(text: str) -> list[str]:
+    """Return the terms of a text in their order, repeated as often as they stand there."""
+    return [stem(word) for word in words(text) if not is_stop(word)]
