@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     Term: TypeAlias = NamedNode | BlankNode | Literal | Triple
 
-__all__ = ["EmbeddedSnapshot"]
+__all__ = ["EmbeddedSnapshot", "MemorySnapshot"]
 
 
 class EmbeddedSnapshot:
@@ -114,3 +114,11 @@ class EmbeddedSnapshot:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+
+class MemorySnapshot(EmbeddedSnapshot):
+    """Quads in memory, asked as a snapshot of a store is; whoever gives the store does not change it any more."""
+
+    def __init__(self, store: Store) -> None:
+        self.generation, self._handle = 0, -1
+        self._db = store

@@ -1,0 +1,215 @@
+"""References are linked with the graph, and both stand in one store, where the stored queries count.
+
+Linking says which node a reference describes, and as which end or parameter an entry of it was found: the same role in
+the same package, and the same name (as written, but for a leading `~` or `/`; `*` stands for one unknown part). A topic
+of a ROS 1 action (`move/goal`) is found as the action.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from pyoxigraph import Literal, NamedNode, Quad, RdfFormat, Store
+
+from kg.evaluate.references import PARAMETERS, plain_name, short_name
+from kg.graph import vocabulary as v
+from kg.graph.ntriples import Writer, integer
+from kg.query import stored
+from kg.query.core import run
+from kg.query.result import Solutions
+from kg.store.snapshot import MemorySnapshot
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+
+    from kg.evaluate.references import Entry, Reference
+    from kg.store.interface import Snapshot
+
+__all__ = ["Ground", "Linked", "link"]
+
+_ACTION_TOPIC: Final = re.compile(r"(.+)/(goal|cancel|status|feedback|result)")
+_HEARD: Final = frozenset({"goal", "cancel"})
+_CLASSES: Final = {
+    v.PUBLISHER: "publishes",
+    v.SUBSCRIBER: "subscribes",
+    v.SERVICE_SERVER: "services",
+    v.SERVICE_CLIENT: "clients",
+    v.ACTION_SERVER: "action_servers",
+    v.ACTION_CLIENT: "action_clients",
+    v.PARAMETER: PARAMETERS,
+}
+_PROPERTIES: Final = {
+    kind: (
+        NamedNode(v.bare(v.HAS_PARAMETER if kind == v.PARAMETER else v.HAS_COMPONENT)),
+        NamedNode(v.bare(of)) if of else None,
+    )
+    for kind, of in (
+        (v.PUBLISHER, v.ROS_HAS_MESSAGE),
+        (v.SUBSCRIBER, v.ROS_HAS_MESSAGE),
+        (v.SERVICE_SERVER, v.HAS_SERVICE_TYPE),
+        (v.SERVICE_CLIENT, v.HAS_SERVICE_TYPE),
+        (v.ACTION_SERVER, v.HAS_ACTION_TYPE),
+        (v.ACTION_CLIENT, v.HAS_ACTION_TYPE),
+        (v.PARAMETER, None),
+    )
+}
+"""How a node has an end or parameter of a class, and how that has its type."""
+_CONTAINS, _TYPE, _NODE_TYPE, _NAME, _IMPLICIT, _LABEL = (
+    NamedNode(v.bare(term)) for term in (v.CONTAINS, v.TYPE, v.NODE_TYPE, v.NAME, v.IMPLICIT, v.LABEL)
+)
+_PARTS: Final = """
+SELECT ?package ?part ?class ?name WHERE {
+  ?package rnkg:contains/(ros:hasComponent|rnkg:hasParameter) ?part .
+  ?part a ?class ; rnkg:name ?name ; rnkg:implicit false .
+}"""
+
+
+@dataclass(frozen=True, slots=True)
+class Linked:
+    """A reference, the IRI of its package (None when the graph does not know it), and those of its nodes."""
+
+    reference: Reference
+    package: str | None
+    nodes: tuple[str, ...]
+
+
+class Ground:
+    """What stored queries count on: the interfaces of the repositories that references speak of, and the references.
+
+    `triples` are the references as N-Triples; `linked` are those of repositories that the store has.
+    """
+
+    def __init__(self, store: Store, triples: bytes, linked: Sequence[Linked]) -> None:
+        self._snapshot = MemorySnapshot(store)
+        self.triples = triples
+        self.linked = tuple(linked)
+
+    def counts(self, query: str) -> dict[str, dict[str, int]]:
+        """Return what a stored query counts: the numbers of each row by name, under its first column."""
+        answer = run(self._snapshot, stored.find(query).text)
+        rows = answer.rows if isinstance(answer, Solutions) else ()
+        names = answer.variables[1:] if isinstance(answer, Solutions) else ()
+        return {
+            _value(first): {name: int(_value(term)) for name, term in zip(names, rest, strict=True)}
+            for first, *rest in rows
+        }
+
+
+def link(snapshot: Snapshot, references: Iterable[Reference]) -> Ground:
+    """Return the ground on which the references of repositories that the store has are compared with it."""
+    names = _Names(snapshot)
+    linked = [names.linked(one) for one in references if one.repository in names.repositories]
+    store = Store()
+    for repository in sorted({names.repositories[one.reference.repository] for one in linked}):
+        store.extend(_interfaces(snapshot, repository))
+    parts = _parts(store)
+    writer = Writer()
+    for number, one in enumerate(linked, 1):
+        _write(writer, number, one, parts.get(one.package or "", {}))
+    triples = writer.encoded()
+    store.load(triples, format=RdfFormat.N_TRIPLES)
+    return Ground(store, triples, linked)
+
+
+class _Names:
+    """The packages and nodes of a store by the names under which references speak of them."""
+
+    def __init__(self, snapshot: Snapshot) -> None:
+        self.repositories: dict[str, str] = {}
+        self._packages: dict[tuple[str, str], str] = {}
+        self._nodes: dict[tuple[str, str], dict[str, set[str]]] = defaultdict(lambda: defaultdict(set))
+        answer = run(snapshot, stored.internal("node-names"))
+        for repository, package, package_iri, node, name in answer.rows if isinstance(answer, Solutions) else ():
+            owner = "/".join(_value(repository).split("/")[-2:]).lower()
+            key = owner, _value(package)
+            self.repositories[owner] = _value(repository)
+            self._packages[key] = _value(package_iri)
+            if node is not None:
+                self._nodes[key][short_name(_value(name))].add(_value(node))
+
+    def linked(self, reference: Reference) -> Linked:
+        key = reference.repository, reference.package
+        known = self._nodes.get(key, {})
+        nodes = sorted({node for name in reference.names for node in known.get(name, ())})
+        return Linked(reference, self._packages.get(key), tuple(nodes))
+
+
+def _interfaces(snapshot: Snapshot, repository: str) -> Iterator[Quad]:
+    """Yield the interfaces of a repository; a CONSTRUCT of them takes the engine a hundred times as long."""
+    query = stored.internal("interfaces-of-repository")
+    answer = run(snapshot, query, parameters={"repository": Literal(repository)})
+    for row in answer.rows if isinstance(answer, Solutions) else ():
+        package, node, part, kind, name, implicit, type_, label = row
+        has, of = _PROPERTIES.get(f"<{_value(kind)}>", (None, None))
+        if has is None:
+            continue
+        triples = [(package, _CONTAINS, node), (node, _TYPE, _NODE_TYPE), (node, has, part), (part, _TYPE, kind)]
+        triples += [(part, _NAME, name), (part, _IMPLICIT, implicit)]
+        if of is not None and type_ is not None:
+            triples += [(part, of, type_), (type_, _LABEL, label)]
+        yield from (Quad(*triple) for triple in triples)  # type: ignore[arg-type]  # columns of a SELECT hold any term
+
+
+def _parts(store: Store) -> dict[str, dict[str, dict[str, list[str]]]]:
+    """Return the ends and parameters of each package by role and plain name."""
+    found: dict[str, dict[str, dict[str, list[str]]]] = {}
+    answer = run(MemorySnapshot(store), _PARTS)
+    for package, part, kind, name in answer.rows if isinstance(answer, Solutions) else ():
+        role = _CLASSES.get(f"<{_value(kind)}>")
+        plain = plain_name(_value(name))
+        if role and plain:
+            found.setdefault(_value(package), {}).setdefault(role, {}).setdefault(plain, []).append(_value(part))
+    return found
+
+
+def _write(writer: Writer, number: int, linked: Linked, parts: dict[str, dict[str, list[str]]]) -> None:
+    reference = linked.reference
+    subject = f"<urn:kg:reference:{number}>"
+    writer.described(subject, f"{reference.package} {', '.join(sorted(reference.names))}", v.REFERENCE_NODE)
+    writer.text(subject, v.PATH, reference.place.path)
+    writer.number(subject, v.LINE, reference.place.line)
+    if linked.package:
+        writer.add(subject, v.IN_PACKAGE, f"<{linked.package}>")
+    for node in linked.nodes:
+        writer.add(subject, v.DESCRIBES, f"<{node}>")
+    for role in sorted(reference.closed):
+        writer.text(subject, v.CLOSED_ROLE, role)
+    for position, entry in enumerate(reference.entries, 1):
+        part = f"<urn:kg:reference:{number}:{position}>"
+        writer.add(subject, v.HAS_ENTRY, part)
+        writer.add(part, v.TYPE, v.REFERENCE_ENTRY)
+        writer.text(part, v.ROLE, entry.role)
+        writer.text(part, v.PLAIN_NAME, entry.name)
+        writer.text(part, v.TYPE_NAME, entry.type)
+        writer.add(part, v.POSITION, integer(position))
+        for found in _found(entry, parts):
+            writer.add(part, v.FOUND_AS, f"<{found}>")
+
+
+def _found(entry: Entry, parts: dict[str, dict[str, list[str]]]) -> list[str]:
+    """Return the IRIs of the ends or parameters that an entry was found as."""
+    if entry.name is None:
+        return []
+    found = list(_named(entry.name, parts.get(entry.role, {})))
+    topic = _ACTION_TOPIC.fullmatch(entry.name)
+    if topic and entry.role in {"publishes", "subscribes"}:
+        server = (topic[2] in _HEARD) == (entry.role == "subscribes")
+        found += _named(topic[1], parts.get("action_servers" if server else "action_clients", {}))
+    return sorted(set(found))
+
+
+def _named(name: str, known: dict[str, list[str]]) -> Iterator[str]:
+    if "*" not in name:
+        yield from known.get(name, ())
+        return
+    pattern = re.compile(re.escape(name).replace(r"\*", "[^/]+"))
+    for other, parts in known.items():
+        if pattern.fullmatch(other):
+            yield from parts
+
+
+def _value(term: object) -> str:
+    return str(getattr(term, "value", ""))

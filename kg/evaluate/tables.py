@@ -1,0 +1,105 @@
+"""A table of figures, and the forms in which it is kept: Markdown, CSV, and objects for JSON."""
+
+from __future__ import annotations
+
+import csv
+import io
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+__all__ = ["Cell", "Share", "Table", "as_csv", "as_markdown", "as_objects", "spelled"]
+
+
+@dataclass(frozen=True, slots=True)
+class Share:
+    """So many of so many; None where nothing could be counted, and `interval` where it comes from a sample."""
+
+    part: int
+    whole: int
+    interval: tuple[float, float] | None = None
+
+    @property
+    def value(self) -> float | None:
+        """The share from 0 to 1; None without a whole."""
+        return self.part / self.whole if self.whole else None
+
+
+_UNKNOWN: Final = "-"
+
+Cell = str | int | float | Share | None
+"""What stands in a table: words, a count, a figure from 0 to 1, a share, or nothing that is known."""
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """Figures under headings; `name` is that of its files, `notes` are sentences below it."""
+
+    name: str
+    title: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+    notes: tuple[str, ...] = ()
+
+
+def spelled(cell: Cell) -> str:
+    """Return a cell as people read it."""
+    if cell is None:
+        return _UNKNOWN
+    if isinstance(cell, Share):
+        return _share(cell)
+    if isinstance(cell, float):
+        return f"{cell:.3f}"
+    return f"{cell:,}" if isinstance(cell, int) else cell
+
+
+def _share(cell: Share) -> str:
+    if cell.value is None:
+        return _UNKNOWN
+    text = f"{100 * cell.value:.1f} % ({cell.part}/{cell.whole})"
+    if cell.interval is None:
+        return text
+    return f"{text} [{100 * cell.interval[0]:.1f}, {100 * cell.interval[1]:.1f}]"
+
+
+def as_markdown(table: Table) -> str:
+    """Return the table in Markdown, under its title and with its notes."""
+    lines = [f"## {table.title}", "", _line(table.columns), _line("---" for _ in table.columns)]
+    lines += [_line(spelled(cell) for cell in row) for row in table.rows]
+    if table.notes:
+        lines += ["", *table.notes]
+    return "\n".join(lines) + "\n"
+
+
+def _line(cells: Iterable[str]) -> str:
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+
+
+def as_csv(table: Table) -> str:
+    """Return the table as CSV (RFC 4180 but for line ends): a share fills the columns NAME, NAME part, NAME whole."""
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    objects = as_objects(table)
+    columns = list(dict.fromkeys(key for row in objects for key in row))
+    writer.writerow(columns)
+    writer.writerows(["" if row.get(column) is None else row[column] for column in columns] for row in objects)
+    return out.getvalue()
+
+
+def as_objects(table: Table) -> list[dict[str, object]]:
+    """Return the rows as plain values, ready for JSON."""
+    return [_object(dict(zip(table.columns, row, strict=True))) for row in table.rows]
+
+
+def _object(row: Mapping[str, Cell]) -> dict[str, object]:
+    found: dict[str, object] = {}
+    for name, cell in row.items():
+        if not isinstance(cell, Share):
+            found[name] = cell
+            continue
+        found |= {name: cell.value, f"{name} part": cell.part, f"{name} whole": cell.whole}
+        if cell.interval is not None:
+            found |= {f"{name} low": cell.interval[0], f"{name} high": cell.interval[1]}
+    return found
