@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Documents"]
 
-_README: Final = re.compile(r"readme\b|mainpage", re.IGNORECASE)
+_README: Final = re.compile(r"readme\b|readme_|mainpage|wiki", re.IGNORECASE)
 _ENDINGS: Final = (".md", ".rst", ".dox", ".adoc", ".markdown", ".wiki")
 _FOLDERS: Final = frozenset({"doc", "docs", "documentation", "wiki"})
 _OTHER: Final = re.compile(

@@ -28,6 +28,7 @@ _NAMED: Final = re.compile(r"[@\\](?:class|struct)\s+(?:\w+::)*(\w+)")
 _FILE: Final = re.compile(r"[@\\]file\b")
 _BEFORE_CODE: Final = re.compile(r"(?:\s+|#\s*(?:ifndef|define|pragma|ifdef|if|endif)\b[^\n]*\n)*")
 _LOOK_AHEAD: Final = 400
+_DEEPEST_INDENTATION: Final = 300
 _MOST_COMMENTS: Final = 4000
 """Comments of a file that are looked at, more than files of people have."""
 
@@ -85,7 +86,7 @@ class Comments:
         line, counted = 1, 0
         for match in _TOKENS.finditer(text):
             start, end = match.span()
-            if text[start] != "/" or text[text.rfind("\n", 0, start) + 1 : start].strip():
+            if text[start] != "/" or not _begins_line(text, start):
                 continue
             last = found[-1] if found else None
             lines = text.startswith("//", start)
@@ -107,6 +108,13 @@ class Comments:
 def read_comments(text: str) -> Comments:
     """Return the comments of a C++ file that can describe something."""
     return Comments(text)
+
+
+def _begins_line(text: str, start: int) -> bool:
+    """Tell whether only white space stands before a place in its line, of which so much is looked at."""
+    nearest = max(0, start - _DEEPEST_INDENTATION)
+    before = text.rfind("\n", nearest, start)
+    return (before >= 0 or nearest == 0) and not text[before + 1 : start].strip()
 
 
 def _adjacent(text: str, end: int, start: int) -> bool:

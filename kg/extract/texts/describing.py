@@ -6,6 +6,7 @@ from collections import Counter
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.texts.documents import of_documents
+from kg.extract.texts.launching import of_launch_files
 from kg.extract.texts.manifest import of_manifest, of_plugins
 from kg.extract.texts.sources import of_sources
 
@@ -35,6 +36,7 @@ def read_descriptions(
         *of_plugins(build, nodes),
         *of_sources(reader, package, build, nodes),
         *of_documents(reader, package, nodes),
+        *of_launch_files(reader, package, nodes),
     ]
     return tuple(sorted(_bounded(found), key=_place))
 

@@ -9,7 +9,10 @@ from typing import TYPE_CHECKING, Final
 from kg.extract.texts.dox import markdown
 from kg.extract.texts.naming import Names, key
 from kg.extract.texts.pages import read_page
+from kg.extract.texts.paragraphs import plain
+from kg.extract.texts.prose import is_prose, shortened
 from kg.extract.texts.readme import About, find
+from kg.extract.texts.wiki import is_wiki, moin_markdown, wiki_nodes
 from kg.facts import Description, DescriptionKind, Location
 
 if TYPE_CHECKING:
@@ -21,11 +24,11 @@ if TYPE_CHECKING:
 
 __all__ = ["of_documents"]
 
-_MOST_PAGES: Final = 60
-"""Pages that are read for one package, the nearest first; the repositories with the most have about 40 around one."""
+_MOST_PAGES: Final = 300
+"""Pages that are read for one package, the nearest first; no repository known has more around one."""
 _LARGEST_PAGE: Final = 300_000
 """Bytes of a page that somebody wrote to be read; a larger one is a log or a table."""
-_MAIN: Final = re.compile(r"readme|index\b|mainpage|about\b|overview", re.IGNORECASE)
+_MAIN: Final = re.compile(r"readme|wiki|index\b|mainpage|about\b|overview", re.IGNORECASE)
 _FOLDERS: Final = frozenset({"doc", "docs", "documentation", "doxygen"})
 
 
@@ -41,13 +44,33 @@ def of_documents(reader: Reader, package: PackageFolder, nodes: tuple[NodeType, 
         data = reader.read(file)
         if data is None or len(data) > _LARGEST_PAGE or not (own or _concerns(data, package, names)):
             continue
-        main = own and _is_main(file, package)
-        about = About(names, package.name, neighbours, own=main)
-        text = markdown(data.decode()) if file.path.endswith(".dox") else data.decode()
-        blocks = read_page(text, rst=file.path.endswith((".rst", ".txt")))
-        for one in find(blocks, about):
-            place = Location(file.path, one.line)
-            yield Description(one.text, DescriptionKind.README, place, one.node, one.heading)
+        text = data.decode()
+        about = About(names, package.name, neighbours, own=own and _is_main(file, package))
+        yield from _of_page(file, text, about)
+
+
+def _of_page(file: FilePath, text: str, about: About) -> Iterator[Description]:
+    rst = file.path.endswith((".rst", ".txt"))
+    if is_wiki(text):
+        rst = False
+        yield from _of_wiki(file, text, about)
+        text = moin_markdown(text)
+    elif file.path.endswith(".dox"):
+        text = markdown(text)
+    blocks = read_page(text, rst=rst)
+    for one in find(blocks, about):
+        place = Location(file.path, one.line)
+        yield Description(one.text, DescriptionKind.README, place, one.node, one.heading)
+
+
+def _of_wiki(file: FilePath, text: str, about: About) -> Iterator[Description]:
+    """Yield what the wiki's documentation of nodes says of those of the package."""
+    for documented in wiki_nodes(text):
+        said = plain(documented.description or "")
+        if is_prose(said):
+            for node in about.names.of_lead(documented.name or ""):
+                place = Location(file.path, documented.line)
+                yield Description(shortened(said), DescriptionKind.WIKI, place, node)
 
 
 def _concerns(data: bytes, package: PackageFolder, names: Names) -> bool:

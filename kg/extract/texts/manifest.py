@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 __all__ = ["of_manifest", "of_plugins"]
 
 _COMMENT: Final = re.compile(r"<!--.*?(?:-->|\Z)", re.DOTALL)
-_ELEMENT: Final = re.compile(r"<description\b[^>]{0,200}>(.*?)</description\s*>", re.DOTALL)
+_ELEMENT: Final = re.compile(r"<description\b[^>]{0,200}>(.*?)(?:</description\s*>|\Z)", re.DOTALL)
 _BREAK: Final = re.compile(r"\n[ \t\r]*\n|</?(?:p|li|ul|ol|br|div|h\d|pre|table|tr)\b[^<>]{0,200}>|\Z", re.IGNORECASE)
 _CDATA: Final = re.compile(r"<!\[CDATA\[|\]\]>")
 _SETUP: Final = re.compile(r"""^\s*description\s*=\s*\(?\s*(['"])((?:(?!\1)[^\\\n]){5,600})\1""", re.MULTILINE)

@@ -118,7 +118,8 @@ def read_page(text: str, *, rst: bool = False) -> tuple[Block, ...]:
 
 def _skipped(page: _Page, line: str) -> bool:
     """Tell whether a line belongs to code, a directive or a definition, and keep in mind where these end."""
-    fence = _FENCE.match(line)
+    start = line.lstrip()[:1]
+    fence = _FENCE.match(line) if start in "`~" else None
     if page.fence:
         if fence and fence[1].startswith(page.fence):
             page.fence = ""
@@ -138,16 +139,19 @@ def _skipped(page: _Page, line: str) -> bool:
         page.literal = len(directive[1])
         return True
     indented = indentation >= 4 and page.blank and page.kind is not BlockKind.ITEM and not _ITEM.match(line)  # noqa: PLR2004 - CommonMark 4.4
-    return (indented and not page.gathered and not page.rst) or _DEFINITION.match(line) is not None
+    return (indented and not page.gathered and not page.rst) or (start == "[" and _DEFINITION.match(line) is not None)
 
 
 def _take(page: _Page, number: int, line: str) -> None:
     if not line:
         page.end()
         return
+    if line.lstrip()[0].isalpha() and "|" not in line:
+        _gather(page, number, line)
+        return
     underline = _UNDERLINE.match(line)
     if underline:
-        _underlined(page, number, underline[1])
+        _underlined(page, underline[1])
         return
     atx = None if page.rst else _ATX.match(line) or _html_heading(line)
     item = _ITEM.match(line)
@@ -162,21 +166,26 @@ def _take(page: _Page, number: int, line: str) -> None:
     elif item:
         page.begin(BlockKind.ITEM, number, item[2], len(item[1]))
     else:
-        page.gather(number, line.removesuffix("::") + ":" if page.rst and line.endswith("::") else line.lstrip("> "))
-        if page.rst and line.endswith("::"):
-            page.end()
-            page.literal = len(line) - len(line.lstrip())
+        _gather(page, number, line)
+
+
+def _gather(page: _Page, number: int, line: str) -> None:
+    if not (page.rst and line.endswith("::")):
+        page.gather(number, line.lstrip("> "))
+        return
+    page.gather(number, line.removesuffix("::") + ":")
+    page.end()
+    page.literal = len(line) - len(line.lstrip())
 
 
 def _html_heading(line: str) -> re.Match[str] | None:
     return _HTML_HEADING.search(line) if "<h" in line.lower() else None
 
 
-def _underlined(page: _Page, number: int, sign: str) -> None:
+def _underlined(page: _Page, sign: str) -> None:
     """Take a line of equal signs: it underlines one line of text, else it is a rule or the line above a title."""
     if len(page.gathered) == 1 and page.kind is BlockKind.PARAGRAPH and (page.rst or sign in "=-"):
         text = page.gathered.pop()
         page.heading(page.first, text, page.level_of(sign))
     else:
         page.end()
-        del number

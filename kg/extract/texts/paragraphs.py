@@ -23,7 +23,8 @@ _LONGEST_PARAGRAPH: Final = 5 * LONGEST_TEXT
 
 _DECORATION: Final = re.compile(r"^[\s*/!#|<>\-=~_+.\"']*$")
 _COMMAND: Final = re.compile(r"^[\s*\-]*[@\\](\w+)(?:\[\w+\])?\s*(.*)$")
-_FRAMED: Final = re.compile(r"^[\s*|#]+(.*?)[\s*|#]*$")
+_FRAME: Final = re.compile(r"\s\*+$")
+"""The right side of a box drawn around a comment."""
 _STARTING: Final = frozenset(
     {"brief", "short", "details", "note", "remark", "remarks", "mainpage", "par", "detail", "summary"}
 )
@@ -105,8 +106,7 @@ def joined(lines: Iterable[tuple[int, str]]) -> Iterator[Paragraph]:
             if found and word and word not in _INLINE:
                 text = found[2] if word not in _NAMING else _after_name(found[2])
             text = _ITEM.sub("", text)
-        framed = _FRAMED.match(text)
-        content = (framed[1] if framed else text).strip()
+        content = _FRAME.sub("", text.strip(" \t|#"))
         if silent or _DECORATION.match(content):
             continue
         if not gathered:

@@ -31,7 +31,7 @@ _ADDRESSES_SHARE: Final = 0.6
 
 _CODE_SIGNS: Final = re.compile(r"[;{}=&|+<>\[\]$#%(]|^import |^from ")
 _CODE: Final = re.compile(
-    r"[;{}]\s*$|^\s*[#{}$]|\w\(\)\s*[;.{]|->\w|==|!=|&&|\|\||\+\+|<<|>>|::\w+\(|^(?:from \S+ )?import \w[\w., ]*$"
+    r"[;{}]\s*$|^\s*[#{}$]|\w\(\)\s*[;.{]|->\w|==|!=|&&|\|\||\+\+\w|\w\+\+[;)]|<<|>>|::\w+\(|^(?:from \S+ )?import \w[\w., ]*$"
     r"|^\s*(?:if|for|while|switch)\s*\(|\w+\[\w*\]\s*=|^\s*[\w.:<>*&]+(?: [\w*&]+)? ?\+?= ?\S+"
     r"|^\s*(?:self\.|def \w+\(|class \w+[(:]|print\b)|\bstd::\w+<|^\s*[\w.:]+\([^)]*\)\s*:?$|^<\w+[^>]*>"
     r"|\w+\s*=\s*[\w.:]+\([^)]*\)$|%[sdf]\b"
@@ -39,7 +39,9 @@ _CODE: Final = re.compile(
 _COMMAND: Final = re.compile(
     r"^\s*(?:sudo|roslaunch|rosrun|ros2|git|catkin_make|catkin|colcon|cd|pip3?|apt(?:-get)?) \S"
 )
-_PLACE: Final = re.compile(r"(?:https?|ftp)://\S+|www\.\S+|\S+@\S+\.\w+|(?:^|(?<=\s))[~.]?/?(?:[\w.-]+/){2,}[\w.-]*")
+_PLACE: Final = re.compile(
+    r"(?:https?|ftp)://\S+|www\.\S+|[\w.+-]{1,64}@[\w-]{1,63}\.\w+|(?:^|(?<=\s))[~.]?/?(?:[\w.-]+/){2,}[\w.-]*"
+)
 _WORD: Final = re.compile(r"[^\W\d_]{2,}")
 _PERSON: Final = r"(?:[A-Z][\w.'-]*\s+){1,3}[A-Z][\w'-]+"
 _PEOPLE: Final = re.compile(rf"^{_PERSON}(?:(?:\s*[,;]|\s+and)\s+{_PERSON})+\W*$")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from itertools import islice
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.texts.paragraphs import Paragraph, joined, prose
@@ -19,6 +20,8 @@ _BODY: Final = re.compile(r"(?:[^\n:]|:(?![ \t]*(?:#[^\n]*)?\n))*:[ \t]*(?:#[^\n
 _LONGEST_HEAD: Final = 1500
 """Characters that the line of a class or function may take up to its body."""
 _LONGEST_DOCSTRING: Final = 40_000
+_MOST_DEFINED: Final = 1000
+"""Classes and functions of a file that are looked at, more than files of people have."""
 
 
 class Docstrings:
@@ -32,7 +35,7 @@ class Docstrings:
         self.module = self._docstring(self._end)
         self.classes: dict[str, list[Paragraph]] = {}
         self.functions: dict[str, list[Paragraph]] = {}
-        for match in _DEFINED.finditer(text):
+        for match in islice(_DEFINED.finditer(text), _MOST_DEFINED):
             self._defined(match)
 
     def _defined(self, match: re.Match[str]) -> None:

@@ -30,7 +30,7 @@ _SPAN: Final = re.compile(
 )
 _LEAD: Final = re.compile(
     r"^[\s*`_\[]*(?:<\w+>)?([\w./:\-]{2,80}?(?: (?:node|nodelet|component))?)[\s*`_\]]*(?:</\w+>)?"
-    r"(?:\([^)]{0,200}\))?\**\s*(?::|-{1,3}|\u2013|\u2014)+\**\s+(\S.*)$"
+    r"(?:\([^)]{0,200}\))?\**\s*[:\-\u2013\u2014]+\**\s+(\S.*)$"
 )
 _INTERFACE: Final = re.compile(
     r"^(?:~|/)\w|^[\w/~.]+\s?[(\[](?:\w+_msgs|(?:string|int|float|double|bool|list)\b)", re.IGNORECASE
@@ -74,6 +74,10 @@ class _Section:
     nodes: tuple[str, ...] = ()
     package: bool = False
     foreign: bool = False
+    never: bool = False
+    """Whether it or a section around it holds no descriptions."""
+    inside: bool = False
+    """Whether it or one around it is about something other than what its title names."""
 
 
 def find(blocks: Iterable[Block], about: About) -> Iterator[Found]:
@@ -84,14 +88,16 @@ def find(blocks: Iterable[Block], about: About) -> Iterator[Found]:
         if block.kind is BlockKind.HEADING:
             while len(stack) > 1 and stack[-1].level >= block.level:
                 stack.pop()
-            stack.append(_section(block, stack[-1], about, title=first_heading))
+            section = _section(block, stack[-1], about, title=first_heading)
+            section.never = stack[-1].never or (is_never(section.heading) and not section.nodes)
+            other = section.level > 1 and not section.nodes and not is_telling(section.heading)
+            section.inside = stack[-1].inside or other
+            stack.append(section)
             first_heading = False
             continue
         section = stack[-1]
-        if any(is_never(one.heading) and not one.nodes for one in stack[1:]):
-            continue
-        inside = any(not is_telling(one.heading) and not one.nodes for one in stack[1:] if one.level > 1)
-        yield from _described(block, section, about, inside=inside)
+        if not (section.never or section.foreign):
+            yield from _described(block, section, about)
 
 
 def _section(block: Block, outer: _Section, about: About, *, title: bool) -> _Section:
@@ -112,9 +118,7 @@ def _tokens_of(heading: str) -> set[str]:
     return {key(token) for token in re.findall(r"[\w\-]+", heading)}
 
 
-def _described(block: Block, section: _Section, about: About, *, inside: bool) -> Iterator[Found]:
-    if section.foreign:
-        return
+def _described(block: Block, section: _Section, about: About) -> Iterator[Found]:
     heading = section.heading or None
     if block.kind is BlockKind.ROW:
         yield from _row(block, heading, about)
@@ -130,16 +134,16 @@ def _described(block: Block, section: _Section, about: About, *, inside: bool) -
     if lead and not about.own and key(plain(lead[1])) == key(about.package):
         yield Found(shortened(text), block.line, None, heading)
         return
-    yield from _paragraph(block, text, section, about, inside=inside)
+    yield from _paragraph(block, text, section, about)
 
 
-def _paragraph(block: Block, text: str, section: _Section, about: About, *, inside: bool) -> Iterator[Found]:
+def _paragraph(block: Block, text: str, section: _Section, about: About) -> Iterator[Found]:
     heading = section.heading or None
     if section.nodes:
         if block.kind is BlockKind.PARAGRAPH or not is_interface(section.heading):
             yield from (Found(shortened(text), block.line, node, heading) for node in section.nodes[:_MOST_NODES])
         return
-    if block.kind is BlockKind.PARAGRAPH and not inside:
+    if block.kind is BlockKind.PARAGRAPH and not section.inside:
         spans = [plain(next(filter(None, match.groups()), "")) for match in _SPAN.finditer(block.text[:4000])]
         nodes = about.names.of_text(text, spans)
         if nodes and len(nodes) <= _MOST_NODES:

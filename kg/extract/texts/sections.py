@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 from typing import Final
 
 __all__ = ["is_about", "is_interface", "is_never", "is_telling"]
+
+_REMEMBERED: Final = 2048
+"""Headings whose meaning is kept, for many pages have the same."""
 
 _NEVER: Final = (
     "install|licen[sc]e|citation|citing|cite|bibtex|contribut|changelog|change log|release|credit|acknowledg|author",
@@ -37,21 +41,25 @@ _OTHER_PATTERN: Final = _any(_OTHER)
 _ABOUT_PATTERN: Final = _any(_ABOUT)
 
 
+@lru_cache(_REMEMBERED)
 def is_never(heading: str) -> bool:
     """Tell whether nothing below a heading is a description, whatever it names."""
     return _NEVER_PATTERN.search(heading) is not None and not is_about(heading)
 
 
+@lru_cache(_REMEMBERED)
 def is_interface(heading: str) -> bool:
     """Tell whether a section lists topics, parameters or ways to start something."""
     return _INTERFACE_PATTERN.search(heading) is not None
 
 
+@lru_cache(_REMEMBERED)
 def is_about(heading: str) -> bool:
     """Tell whether a section says what the thing is that the section around it is about."""
     return _ABOUT_PATTERN.search(heading) is not None
 
 
+@lru_cache(_REMEMBERED)
 def is_telling(heading: str) -> bool:
     """Tell whether the section below the title of a README describes the package."""
     return not (is_never(heading) or is_interface(heading) or _OTHER_PATTERN.search(heading))
