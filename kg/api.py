@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from kg.rules.reports import RunReport
     from kg.store.embedded import EmbeddedStore
 
-__all__ = ["build", "findings", "infer", "instances", "nodes", "open_store", "sparql"]
+__all__ = ["build", "find", "findings", "infer", "instances", "nodes", "open_store", "sparql"]
 
 
 def open_store(store: str | Path | None = None) -> EmbeddedStore:
@@ -63,6 +63,28 @@ def build(
     given = settings.load({"store": store, "jobs": jobs})
     with opening.writable(given, create=bool(sources)) as target:
         return run([str(source) for source in sources], target, given, report, "kg.build")
+
+
+def find(
+    text: str = "",
+    *,
+    filters: Mapping[str, Sequence[str]] | None = None,
+    limit: int = 10,
+    store: str | Path | None = None,
+) -> list[dict[str, Any]]:
+    """Return the nodes that do what a text says, best first, as `kg search --json` writes them (docs/formats.md).
+
+    `filters` has the values of the options of `kg search` by their names, `{"subscribes": ["LaserScan"]}`; nodes have
+    to fulfil all of them. There are at most `limit` hits, each with its reasons.
+
+    Raises:
+        StoreError: KG301 when there is no store.
+        UsageError: KG701, KG702, KG703 for the name in a filter that no node has.
+    """
+    from kg.search.searching import hit_object, open_search  # noqa: PLC0415 - who asks otherwise needs no index
+
+    answer = open_search(open_store(store)).find(text, filters, limit)
+    return [hit_object(hit) for hit in answer.hits]
 
 
 def findings(

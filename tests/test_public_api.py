@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 SIGNATURES: Final = {
     "build": "(sources: 'Sequence[str | Path]' = (), *, store: 'str | Path | None' = None, jobs: 'int | None' = None, "
     "report: 'Report | None' = None) -> 'BuildReport'",
+    "find": "(text: 'str' = '', *, filters: 'Mapping[str, Sequence[str]] | None' = None, limit: 'int' = 10, "
+    "store: 'str | Path | None' = None) -> 'list[dict[str, Any]]'",
     "findings": "(sources: 'Sequence[str | Path]' = (), *, launch: 'str | None' = None, package: 'str | None' = None, "
     "level: 'str' = 'note', store: 'str | Path | None' = None) -> 'list[dict[str, Any]]'",
     "infer": "(*, rules: 'Sequence[str | Path] | None' = None, full: 'bool' = False, dry_run: 'bool' = False, "

@@ -1,11 +1,12 @@
 """Which nodes are one to a user: variants of a node in its package, and copies of it in other packages.
 
 Variants are the program, the nodelet and the component of one thing: their names are the same without the words
-that tell the form (`EkfNodelet`, `ekf_node`), or one file declares both.
+that tell the form (`EkfNodelet`, `ekf_node`), or they have the same interfaces from the same lines.
 """
 
 from __future__ import annotations
 
+from collections import defaultdict
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -17,12 +18,14 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from kg.search.documents import Document, PackageDocument
+    from kg.search.documents import Document, End, PackageDocument
 
 __all__ = ["bare_name", "groups", "order"]
 
 _FORMS: Final = frozenset({"node", "nodelet", "component", "nodes", "main", "ros", "ros2", "exe"})
 
+_STARTED: Final = ("executable", "script")
+_LOADED: Final = ("nodelet", "component", "plugin")
 _KINDS: Final = {"executable": 0, "script": 1, "component": 2, "nodelet": 3, "plugin": 4}
 
 
@@ -39,14 +42,45 @@ def groups(packages: Sequence[PackageDocument], nodes: Sequence[Document]) -> ND
     first: dict[tuple[object, ...], int] = {}
     found = list(range(len(nodes)))
     for place, node in enumerate(nodes):
-        owner = family[node.package]
-        keys = [(owner, "name", bare_name(name)) for name in (node.name, *node.aliases)]
+        keys = [(family[node.package], bare_name(name)) for name in (node.name, *node.aliases)]
         known = [found[first[key]] for key in keys if key in first]
         if known:
             found[place] = min(known)
         for key in keys:
             first.setdefault(key, place)
+    _join_wrappers(nodes, found)
     return np.array(found, np.int32)
+
+
+def _join_wrappers(nodes: Sequence[Document], found: list[int]) -> None:
+    """Put a program that only starts a nodelet or component into the group of this.
+
+    Both have the same interfaces, from the same lines. Where several have them, as filters of one base class do, a
+    word that is in no other's name has to tell which belong together.
+    """
+    alike: defaultdict[tuple[int, tuple[End, ...]], list[int]] = defaultdict(list)
+    for place, node in enumerate(nodes):
+        if node.ends:
+            alike[node.package, node.ends].append(place)
+    for places in alike.values():
+        programs = [place for place in places if nodes[place].kind in _STARTED]
+        others = [place for place in places if nodes[place].kind in _LOADED]
+        for program in programs:
+            partner = _partner(nodes, program, programs, others)
+            if partner is not None:
+                old, new = found[program], found[partner]
+                found[:] = [min(old, new) if group in {old, new} else group for group in found]
+
+
+def _partner(nodes: Sequence[Document], program: int, programs: Sequence[int], others: Sequence[int]) -> int | None:
+    if len(programs) == len(others) == 1:
+        return others[0]
+    named = set(bare_name(nodes[program].name).split())
+    for rival in programs:
+        if rival != program:
+            named -= set(bare_name(nodes[rival].name).split())
+    kept = [place for place in others if named & set(bare_name(nodes[place].name).split())]
+    return kept[0] if len(kept) == 1 else None
 
 
 def order(packages: Sequence[PackageDocument], nodes: Sequence[Document]) -> NDArray[np.int32]:
