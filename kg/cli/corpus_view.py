@@ -1,7 +1,8 @@
-"""How selections and fetched corpora are shown: tables, plain values for JSON, progress."""
+"""How selections, and figures beside those of RNKG, are shown: rows of tables and plain values for JSON."""
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.cli.output import Column
@@ -12,8 +13,18 @@ if TYPE_CHECKING:
 
     from kg.corpus.selection import Selection
     from kg.corpus.selection_figures import Figures
+    from kg.query.counting import Counted
 
-__all__ = ["FIGURE_COLUMNS", "STEP_COLUMNS", "figure_rows", "selection_object", "step_rows"]
+__all__ = [
+    "FIGURE_COLUMNS",
+    "RNKG_COLUMNS",
+    "STEP_COLUMNS",
+    "compared",
+    "figure_rows",
+    "rnkg_rows",
+    "selection_object",
+    "step_rows",
+]
 
 STEP_COLUMNS: Final = (
     Column("criterion", "name"),
@@ -28,6 +39,7 @@ FIGURE_COLUMNS: Final = (
     *(Column(_HEADS.get(name, name), "number") for name in STATISTICS),
 )
 """The columns of Table 2."""
+RNKG_COLUMNS: Final = (Column("as RNKG counts", "name"), Column("here", "number"), Column("RNKG", "number"))
 
 
 def step_rows(found: Selection) -> Iterator[tuple[object, ...]]:
@@ -85,3 +97,21 @@ def selection_object(found: Selection) -> dict[str, Any]:
         },
         "addresses": list(found.addresses()),
     }
+
+
+def rnkg_rows(ours: Counted) -> Iterator[tuple[str, str, str]]:
+    """Yield the figures of a graph as RNKG counts them, with the paper's where it prints them."""
+    for name, theirs in paper_figures().graph.items():
+        yield name.replace("_", " "), _plain(getattr(ours, name)), _plain(theirs)
+    for kind, number in ours.by_kind:
+        yield f"of these {kind}", _plain(number), "-"
+
+
+def _plain(value: float) -> str:
+    return f"{value:,}" if isinstance(value, int) else f"{value:,.2f}".removesuffix(".00")
+
+
+def compared(ours: Counted) -> dict[str, Any]:
+    """Return the same as plain values, ready for JSON."""
+    plain = asdict(ours) | {"by_kind": dict(ours.by_kind)}
+    return {"here": plain, "paper": dict(paper_figures().graph)}

@@ -32,8 +32,8 @@ class Connectivity:
     """How entities hang together.
 
     `degree` is the mean number of neighbours, `largest` how many entities the largest connected part has, `path` the
-    mean length of shortest paths and `longest` the longest of those followed; `sources` tells from how many
-    entities they were followed, `exact` whether that was all.
+    mean length of shortest paths, `path_median` their median and `longest` the longest of those followed; `sources`
+    tells from how many entities they were followed, `exact` whether that was all.
     """
 
     entities: int
@@ -44,6 +44,7 @@ class Connectivity:
     parts: int
     largest: int
     path: float
+    path_median: float
     longest: int
     sources: int
     exact: bool
@@ -110,10 +111,21 @@ def connectivity(neighbours: Sequence[Sequence[int]]) -> Connectivity:
         parts=len(parts),
         largest=max(parts, default=0),
         path=sum(length * number for length, number in lengths.items()) / pairs if pairs else 0.0,
+        path_median=_median(lengths),
         longest=max(lengths, default=0),
         sources=len(sources),
         exact=exact,
     )
+
+
+def _median(lengths: Counter[int]) -> float:
+    """Return the median of lengths that are given with their numbers; 0 without any."""
+    pairs = lengths.total()
+    reached, middle = 0, []
+    for length in sorted(lengths):
+        reached += lengths[length]
+        middle += [length for at in ((pairs - 1) // 2, pairs // 2) if reached - lengths[length] <= at < reached]
+    return sum(middle) / 2
 
 
 def _lengths(neighbours: Sequence[Sequence[int]], source: int) -> Counter[int]:

@@ -12,6 +12,7 @@ from kg.render.text import count
 from kg.store.opening import reading
 
 if TYPE_CHECKING:
+    from kg.query.counting import Counted
     from kg.query.stats import Statistics
 
 __all__ = ["stats"]
@@ -24,22 +25,29 @@ def stats(context: typer.Context, *, json: Json = False, store: Store = None) ->
 
     By kind: entities, triples, entities per node, neighbours. Two entities are neighbours when any property
     relates them; a path counts relations. In large graphs paths are followed from a sample of the entities.
+    Beside the figures of the RNKG paper stand ours, counted as it does: repositories, packages, nodes, topics,
+    services, messages, hardware, functions, and the relations between these.
     """
     from dataclasses import asdict  # noqa: PLC0415 - start-up time
 
+    from kg.cli.corpus_view import compared, rnkg_rows  # noqa: PLC0415 - start-up time
+    from kg.query.counting import counted  # noqa: PLC0415 - start-up time
     from kg.query.stats import statistics  # noqa: PLC0415 - start-up time
 
     with reading(session(context).settings(store=store)) as snapshot:
-        found = statistics(snapshot)
+        found, ours = statistics(snapshot), counted(snapshot)
     if json:
         pairs = ("entities", "triples", "per_node", "degree_by_kind")
-        json_lines([{**asdict(found), **{name: dict(getattr(found, name)) for name in pairs}}])
+        plain = {**asdict(found), **{name: dict(getattr(found, name)) for name in pairs}}
+        json_lines([{**plain, "rnkg": compared(ours)}])
     elif terminal():
-        _tables(found)
+        _tables(found, ours)
     else:
         for section, rows in _sections(found):
             for name, figure in rows:
                 write(f"{section}\t{name}\t{figure}")
+        for row in rnkg_rows(ours):
+            write("\t".join(["as RNKG counts", *map(str, row)]))
 
 
 def _sections(found: "Statistics", most: int | None = None) -> list[tuple[str, list[tuple[str, object]]]]:
@@ -59,6 +67,7 @@ def _sections(found: "Statistics", most: int | None = None) -> list[tuple[str, l
                 ("connected parts", connected.parts),
                 ("entities in the largest part", connected.largest),
                 ("shortest path, mean", f"{connected.path:.2f}"),
+                ("shortest path, median", f"{connected.path_median:g}"),
                 ("shortest path, longest", connected.longest),
             ],
         ),
@@ -75,14 +84,17 @@ def _triples(found: "Statistics", most: int | None) -> list[tuple[str, int]]:
     return [*shown, *([(f"{len(rest)} other properties", sum(number for _, number in rest))] if rest else [])]
 
 
-def _tables(found: "Statistics") -> None:
+def _tables(found: "Statistics", ours: "Counted") -> None:
     from rich.columns import Columns  # noqa: PLC0415 - start-up time
+
+    from kg.cli.corpus_view import RNKG_COLUMNS, rnkg_rows  # noqa: PLC0415 - start-up time
 
     tables = [
         make_table((Column(section, "name"), Column("", "number")), rows)
         for section, rows in _sections(found, _MOST)
         if rows
     ]
+    tables.append(make_table(RNKG_COLUMNS, rnkg_rows(ours)))
     show(Columns(tables, padding=(1, 4)))
     connected = found.connectivity
     if not connected.exact:

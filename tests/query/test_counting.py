@@ -1,0 +1,33 @@
+"""Tests of the figures of a graph as RNKG counts it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from pytest import approx  # noqa: PT013 - the only name used
+
+from kg.query.counting import counted
+from kg.query.stats import connectivity, statistics
+
+if TYPE_CHECKING:
+    from kg.store.snapshot import EmbeddedSnapshot
+
+
+def test_entities_are_those_of_the_kinds_of_rnkg(examples: EmbeddedSnapshot) -> None:
+    """Nodes, packages and repositories are all there; hardware and functions only where a node has them."""
+    found = counted(examples)
+    kinds, every = dict(found.by_kind), dict(statistics(examples).entities)
+    assert kinds["node"] == every["node"]
+    assert kinds["package"] == every["package"]
+    assert set(kinds) <= {"repository", "package", "node", "topic", "service", "message", "hardware", "function"}
+    assert found.entities == sum(kinds.values())
+    assert found.triples >= found.entities - 1
+    assert found.entities_per_node > 1
+    assert 1 < found.path_median <= found.path_mean * 2
+
+
+def test_median_of_paths() -> None:
+    """The median of an even number of lengths lies between the two in the middle; without paths it is 0."""
+    assert connectivity([[1], [0, 2], [1, 3], [2]]).path_median == approx(1.5)
+    assert connectivity([[1], [0, 2], [1]]).path_median == 1
+    assert connectivity([[]]).path_median == 0
