@@ -10,6 +10,7 @@ from typing import Final
 
 from kg.codes import (
     architecture,
+    composing,
     corpora,
     defects,
     graphs,
@@ -38,6 +39,7 @@ CATALOGUE: Final[dict[str, CodeEntry]] = {
     **queries.CODES,
     **graphs.CODES,
     **search.CODES,
+    **composing.CODES,
     **defects.CODES,
 }
 """Code to its entry, by rising number."""

@@ -1,0 +1,150 @@
+"""What a question means: the types that it names, and what a chain must go through."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final
+
+from kg.errors import UnknownNameError
+from kg.graph import vocabulary as v
+from kg.graph.ntriples import literal
+from kg.query.similar import did_you_mean
+from kg.search.words import words
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+    from kg.search.compose.network import Network, Part
+    from kg.store.interface import Snapshot
+
+__all__ = ["Asked", "asked", "meant_types"]
+
+_INTERFACE_FOLDERS: Final = ("msg", "srv", "action")
+_DESCRIBED: Final = (
+    "SELECT DISTINCT ?n { GRAPH ?g { ?d rnkg:descriptionWord %s . ?n rnkg:hasDescription ?d ; a rnkg:NodeType } }"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """A question in terms of a network.
+
+    Each thing that a chain must go through has a bit: `types` and `parts` (places in the network) have it. `named` are
+    parts that are meant by name, so that they may stand in a chain whatever they are.
+    """
+
+    starts: tuple[str, ...]
+    goals: frozenset[str]
+    wanted: int = 0
+    types: Mapping[str, int] = field(default_factory=dict)
+    parts: Mapping[int, int] = field(default_factory=dict)
+    named: frozenset[int] = frozenset()
+    notes: tuple[str, ...] = ()
+    """What is not obvious about how names were understood."""
+
+    def names(self, place: int) -> bool:
+        """Tell whether the part at a place of the network is asked for by name."""
+        return place in self.named
+
+    def marks(self, place: int, target: str) -> int:
+        """Return the bits of a step through a part to a type."""
+        return self.parts.get(place, 0) | self.types.get(target, 0)
+
+
+def asked(
+    network: Network, snapshot: Snapshot, sources: Sequence[str], targets: Sequence[str], using: Sequence[str]
+) -> Asked:
+    """Return what types and names mean in a network.
+
+    Raises:
+        UnknownNameError: KG705 for a type that no node publishes or subscribes, KG707 for what to go through and is
+            neither a type, a node, a package nor a word of any.
+    """
+    known = network.published() | network.subscribed()
+    starts = {name: meant_types(name, known) for name in sources}
+    goals = {name: meant_types(name, known) for name in targets}
+    notes = [f"`{name}` may be {', '.join(types)}" for name, types in {**starts, **goals}.items() if len(types) > 1]
+    types: dict[str, int] = {}
+    parts: dict[int, int] = {}
+    named: set[int] = set()
+    for place, name in enumerate(using):
+        bit = 1 << place
+        through, nodes, exact = _through(name, network, snapshot, known)
+        for one in through:
+            types[one] = types.get(one, 0) | bit
+        for node in nodes:
+            parts[node] = parts.get(node, 0) | bit
+        named.update(nodes if exact else ())
+    return Asked(
+        tuple(sorted({one for found in starts.values() for one in found})),
+        frozenset(one for found in goals.values() for one in found),
+        (1 << len(using)) - 1,
+        types,
+        parts,
+        frozenset(named),
+        tuple(notes),
+    )
+
+
+def meant_types(name: str, known: Iterable[str]) -> tuple[str, ...]:
+    """Return the types that `package/Type`, `package/msg/Type` or `Type` means, sorted.
+
+    Raises:
+        UnknownNameError: KG705 with what is near.
+    """
+    types = set(known)
+    found = _types(name, types)
+    if not found:
+        near = did_you_mean(name, [*types, *(one.rpartition("/")[2] for one in types)])
+        message = f"no node of the store that can be started publishes or subscribes `{name}`"
+        raise UnknownNameError("KG705", message, hint=near or "`kg topics` lists topics with their types.")
+    return found
+
+
+def _types(name: str, known: set[str]) -> tuple[str, ...]:
+    parts = [part for part in name.strip().replace("::", "/").split("/") if part]
+    short = "/".join(part for part in parts if part not in _INTERFACE_FOLDERS or len(parts) == 1)
+    if short in known:
+        return (short,)
+    found = sorted(one for one in known if one.rpartition("/")[2].lower() == short.lower())
+    exact = [one for one in found if one.rpartition("/")[2] == short]
+    return tuple(exact or found or [one for one in sorted(known) if one.lower() == short.lower()])
+
+
+def _through(
+    name: str, network: Network, snapshot: Snapshot, known: set[str]
+) -> tuple[tuple[str, ...], list[int], bool]:
+    """Return the types and the parts that a name to go through means, and whether it is the name of parts."""
+    types = _types(name, known)
+    if types and "/" in name:
+        return types, [], False
+    nodes = [place for place, part in enumerate(network.parts) if name in _names(part)]
+    if nodes:
+        return types, nodes, True
+    wanted = set(words(name))
+    found = {
+        place
+        for place, part in enumerate(network.parts)
+        if wanted and wanted <= {*words(part.package), *words(part.name), *words(part.repository)}
+    }
+    found |= _described(network, snapshot, name)
+    if not types and not found:
+        names = {one for part in network.parts for one in (part.name, part.package)}
+        near = did_you_mean(name, [*names, *known])
+        message = f"`{name}` is no type, node or package of the store, and no word of any"
+        raise UnknownNameError("KG707", message, hint=near or "`kg nodes` lists the nodes, `kg search` finds them.")
+    return types, sorted(found), False
+
+
+def _names(part: Part) -> set[str | None]:
+    return {
+        part.name, part.full_name, f"{part.repository}:{part.full_name}", part.plugin, part.executable, part.package,
+        part.name.rpartition("::")[2].rpartition("/")[2],
+    }  # fmt: skip
+
+
+def _described(network: Network, snapshot: Snapshot, name: str) -> set[int]:
+    """Return the parts in whose descriptions a word stands."""
+    rows = snapshot.query(_DESCRIBED % literal(name.lower()), prefixes={"rnkg": v.RNKG}, union=False)
+    found = {row["n"].value for row in rows}  # type: ignore[union-attr]  # a SELECT
+    return {place for place, part in enumerate(network.parts) if part.iri in found}

@@ -1,0 +1,194 @@
+"""The best chains of steps from some types to others, the cheapest first.
+
+Nodes and types are a bipartite graph; a step goes from a type through a node to a type. Backwards from the goals, what
+the rest of a chain costs at least is found for each type and number of steps left (Bellman 1957); forwards, chains grow
+in the order of what they have cost and will cost at least (A*, Hart, Nilsson and Raphael 1968), each kept as the place
+of its next step in a sorted list, so that only what is looked at is made.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from heapq import heappop, heappush
+from typing import TYPE_CHECKING, Final, TypeAlias
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+
+__all__ = ["Chain", "Search", "Step"]
+
+_MOST_LOOKS: Final = 150_000
+"""How many steps are looked at before a search ends with what it has; some seconds."""
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A node in a chain: it takes `source` at the input `taken` and gives `target` at the output `given`.
+
+    `marks` are bits: what it has of that which a chain must have. `key` puts equally good steps in order. One that is
+    `kept` may give the type that it takes.
+    """
+
+    part: int
+    family: int
+    source: str
+    target: str
+    cost: int
+    key: str = ""
+    marks: int = 0
+    taken: int = 0
+    given: int = 0
+    kept: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Chain:
+    """Steps of which each takes what the one before gives; `cost` counts what stands between two steps too."""
+
+    cost: int
+    steps: tuple[Step, ...]
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """What puts chains of the same cost in order."""
+        return tuple(step.key for step in self.steps)
+
+
+@dataclass(frozen=True, slots=True)
+class _Path:
+    cost: int
+    steps: tuple[Step, ...]
+    type: str
+    marks: int
+
+
+_Follow: TypeAlias = "list[tuple[int, str, Step]]"
+
+
+@dataclass(slots=True)
+class Search:
+    """What is searched: chains of at most `length` steps from one of `starts` to one of `goals`.
+
+    `steps` are all steps by the type they take. A chain must have all bits of `wanted`; `start_marks` are those of the
+    types it may begin with. `between` is what it costs to put one step behind another, nothing at least. No family
+    comes twice in a chain, nor does a type, but for the goal of a search from a type to itself and steps that are kept.
+    """
+
+    steps: Mapping[str, Sequence[Step]]
+    starts: Sequence[str]
+    goals: frozenset[str]
+    length: int
+    between: Callable[[Step, Step], int] = lambda _one, _other: 0
+    wanted: int = 0
+    start_marks: Mapping[str, int] = field(default_factory=dict)
+    looks: int = 0
+    """How many steps were looked at; the search is cut off where there are more than a limit."""
+    _rest: list[dict[tuple[str, int], int]] = field(default_factory=list)
+    _known: dict[tuple[str, int, int], _Follow] = field(default_factory=dict)
+
+    @property
+    def cut_off(self) -> bool:
+        """Whether the search ended before it had seen everything."""
+        return self.looks >= _MOST_LOOKS
+
+    def best(self) -> Iterator[Chain]:
+        """Yield the chains by rising cost, those of the same nodes once; of the same cost by their keys."""
+        self._look_back()
+        waiting: list[tuple[int, int, tuple[str, ...], int, int, _Path]] = []
+        number = 0
+        for start in sorted(set(self.starts)):
+            path = _Path(0, (), start, self.start_marks.get(start, 0) & self.wanted)
+            number += self._wait(waiting, path, 0, number)
+        seen: set[tuple[int, ...]] = set()
+        while waiting:
+            _, complete, _, _, place, path = heappop(waiting)
+            if complete:
+                families = tuple(step.family for step in path.steps)
+                if families not in seen:
+                    seen.add(families)
+                    yield Chain(path.cost, path.steps)
+                continue
+            self.looks += 1
+            if self.cut_off:
+                return
+            number += self._wait(waiting, path, place + 1, number)
+            step = self._follow(path)[place][2]
+            grown = self._grown(path, step)
+            if grown is None:
+                continue
+            if self._ends(step, grown.marks):
+                keys = tuple(one.key for one in grown.steps)
+                heappush(waiting, (grown.cost, 1, keys, number, 0, grown))
+                number += 1
+            else:
+                number += self._wait(waiting, grown, 0, number)
+
+    def _wait(
+        self, waiting: list[tuple[int, int, tuple[str, ...], int, int, _Path]], path: _Path, place: int, number: int
+    ) -> int:
+        """Let a path wait for its step at a place to be looked at; return how many were added."""
+        follow = self._follow(path)
+        if place >= len(follow):
+            return 0
+        heappush(waiting, (path.cost + follow[place][0], 0, (), number, place, path))
+        return 1
+
+    def _grown(self, path: _Path, step: Step) -> _Path | None:
+        """Return a path with one more step, None where it may not follow."""
+        if any(one.family == step.family for one in path.steps):
+            return None
+        marks = path.marks | step.marks
+        had = {path.steps[0].source if path.steps else path.type, *(one.target for one in path.steps), *self.starts}
+        keeps = step.kept and step.source == step.target
+        if step.target in had and not keeps and not self._ends(step, marks):
+            return None
+        between = self.between(path.steps[-1], step) if path.steps else 0
+        return _Path(path.cost + step.cost + between, (*path.steps, step), step.target, marks)
+
+    def _ends(self, step: Step, marks: int) -> bool:
+        return step.target in self.goals and marks & self.wanted == self.wanted
+
+    def _look_back(self) -> None:
+        """Find what the rest of a chain costs at least, by the type and the bits it has, for each number of steps."""
+        edges = self._edges()
+        subsets = [marks for marks in range(self.wanted + 1) if marks & self.wanted == marks]
+        self._rest = [{}]
+        for _ in range(self.length):
+            before = self._rest[-1]
+            now: dict[tuple[str, int], int] = {}
+            for (source, target, marks), cost in edges.items():
+                for had in subsets:
+                    has = had | marks
+                    ends = target in self.goals and has == self.wanted
+                    rest = 0 if ends else before.get((target, has))
+                    if rest is not None and cost + rest < now.get((source, had), cost + rest + 1):
+                        now[source, had] = cost + rest
+            self._rest.append(now)
+
+    def _edges(self) -> dict[tuple[str, str, int], int]:
+        """Return the cheapest step between each two types, by the bits that it has."""
+        found: dict[tuple[str, str, int], int] = {}
+        for steps in self.steps.values():
+            for step in steps:
+                edge = step.source, step.target, step.marks & self.wanted
+                if step.cost < found.get(edge, step.cost + 1):
+                    found[edge] = step.cost
+        return found
+
+    def _follow(self, path: _Path) -> _Follow:
+        """Return the steps that may follow with what the chain costs at least from there, the cheapest first."""
+        left = self.length - len(path.steps)
+        key = path.type, path.marks, left
+        found = self._known.get(key)
+        if found is None:
+            found = self._known[key] = sorted(self._bounded(*key), key=lambda one: (one[0], one[1]))
+        return found
+
+    def _bounded(self, source: str, had: int, left: int) -> Iterator[tuple[int, str, Step]]:
+        if left <= 0:
+            return
+        for step in self.steps.get(source, ()):
+            has = had | (step.marks & self.wanted)
+            rest = 0 if self._ends(step, has) else self._rest[left - 1].get((step.target, has))
+            if rest is not None:
+                yield step.cost + rest, step.key, step

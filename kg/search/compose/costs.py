@@ -1,0 +1,174 @@
+"""What a node costs in a chain, and the reasons in words: the fewer points, the better (`ontology/composing.toml`)."""
+
+from __future__ import annotations
+
+import tomllib
+from functools import lru_cache
+from typing import TYPE_CHECKING, Final
+
+import msgspec
+
+from kg import resources
+from kg.search.words import words
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from kg.search.compose.network import Part, Port
+
+__all__ = [
+    "Costs",
+    "Knowledge",
+    "Types",
+    "Words",
+    "demerits",
+    "generic",
+    "knowledge",
+    "link_cost",
+    "needs",
+    "part_cost",
+    "port_cost",
+    "together",
+]
+
+_FILE: Final = "composing.toml"
+_SELDOM: Final = 3
+_OFTEN: Final = 10
+"""How many launch files start a node that is started often, or all the time."""
+
+
+class Costs(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """The table `costs` of the file, in points."""
+
+    node: int
+    trial: int
+    tool: int
+    generic_link: int
+    deprecated: int
+    kind: dict[str, int]
+    need: int
+    most_needs: int
+    side_port: int
+    named_by_parameter: int
+    filters: int
+    never_started: int
+    seldom_started: int
+    often_started: int
+    never_together: int
+    other_repository: int
+    no_common_word: int
+    other_name: int
+
+
+class Words(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """The table `words`: words of names."""
+
+    trial: frozenset[str]
+    tool: frozenset[str]
+    side: frozenset[str]
+
+
+class Types(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """The table `types`: packages of types, words in their names, and whole types."""
+
+    generic: frozenset[str]
+    generic_words: frozenset[str]
+    optional: frozenset[str]
+
+
+class Knowledge(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """The whole file."""
+
+    costs: Costs
+    words: Words
+    types: Types
+
+
+@lru_cache(maxsize=1)
+def knowledge() -> Knowledge:
+    """Return what `kg` ships."""
+    text = (resources.folder("ontology") / _FILE).read_text("utf-8")
+    return msgspec.convert(tomllib.loads(text), Knowledge)
+
+
+@lru_cache(maxsize=1 << 12)
+def generic(type_name: str) -> bool:
+    """Tell whether messages of a type say nothing of what they mean, so that they are no link."""
+    package = type_name.partition("/")[0]
+    types = knowledge().types
+    return package in types.generic or not types.generic_words.isdisjoint(words(package))
+
+
+def needs(part: Part, taken: Port, given: Iterable[str] = ()) -> tuple[Port, ...]:
+    """Return what a node subscribes besides the input that a chain comes in by, but for the types `given`."""
+    had = set(given)
+    return tuple(
+        port
+        for port in part.inputs
+        if port.iri != taken.iri
+        and (port.name is None or port.name != taken.name)
+        and port.type not in had
+        and not generic(port.type)
+    )
+
+
+def demerits(part: Part) -> tuple[str, ...]:
+    """Return why a node is hardly one to reuse, in words."""
+    known = knowledge().words
+    named = {*words(part.package), *words(part.name)}
+    found = []
+    trial = sorted(known.trial & {*named, *words(part.path.rpartition("/")[0])})
+    if trial:
+        found.append(f"`{trial[0]}` in its name or folder: a test, demo or example")
+    tool = sorted(known.tool & named)
+    if tool:
+        found.append(f"`{tool[0]}` in its name: a tool that passes on, keeps or shows messages")
+    if part.deprecated:
+        found.append("its package is deprecated")
+    return tuple(found)
+
+
+def part_cost(part: Part) -> int:
+    """Return what a node costs wherever it stands."""
+    costs, known = knowledge().costs, knowledge().words
+    named = {*words(part.package), *words(part.name)}
+    cost = costs.node + costs.kind.get(part.kind, 0)
+    cost += costs.trial if known.trial & {*named, *words(part.path.rpartition("/")[0])} else 0
+    cost += costs.tool if known.tool & named else 0
+    cost += costs.deprecated if part.deprecated else 0
+    return cost + _rarity(part, costs)
+
+
+def _rarity(part: Part, costs: Costs) -> int:
+    if not part.started:
+        return costs.never_started
+    return costs.seldom_started if part.started < _SELDOM else costs.often_started if part.started < _OFTEN else 0
+
+
+def link_cost(giver: tuple[Part, Port], taker: tuple[Part, Port]) -> int:
+    """Return what it costs that two nodes were hardly made for each other."""
+    costs = knowledge().costs
+    (one, given), (other, taken) = giver, taker
+    cost = 0 if one.repository == other.repository else costs.other_repository
+    cost += 0 if together(one, other) else costs.never_together
+    names = [port.name.rpartition("/")[2] if port.name is not None else "" for port in (given, taken)]
+    if names[0] and names[0] == names[1]:
+        return cost
+    return cost + (costs.no_common_word if _words(names[0]).isdisjoint(_words(names[1])) else costs.other_name)
+
+
+def together(one: Part, other: Part) -> int:
+    """Return how many launch files of the store start both nodes."""
+    return len(set(one.launches).intersection(other.launches))
+
+
+@lru_cache(maxsize=1 << 14)
+def _words(name: str) -> frozenset[str]:
+    return frozenset(words(name))
+
+
+def port_cost(port: Port) -> int:
+    """Return what an end costs: one for people to look at, and one that only a parameter names."""
+    costs, side = knowledge().costs, knowledge().words.side
+    cost = 0 if port.name is not None else costs.named_by_parameter
+    return cost + (costs.side_port if port.name is not None and not side.isdisjoint(words(port.name)) else 0)

@@ -1,0 +1,93 @@
+"""Where the ends of chosen nodes stand in code, and which parameters these nodes have: one query for all of them."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final
+
+from kg.facts import Location
+from kg.graph import vocabulary as v
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from kg.search.compose.network import Part, Port
+    from kg.store.interface import Snapshot
+
+__all__ = ["Details", "Unset", "read_details"]
+
+_PREFIXES: Final = {"rnkg": v.RNKG}
+_QUERY: Final = """
+SELECT ?n ?s ?p ?o {
+  { VALUES ?s { %s } GRAPH ?g { ?s ?p ?o } }
+  UNION
+  { VALUES ?n { %s } GRAPH ?g { ?n rnkg:hasParameter ?s . ?s ?p ?o } }
+}"""
+_LIFECYCLE: Final = "publisher/~/transition_event"
+"""What every lifecycle node of ROS 2 has."""
+
+
+@dataclass(frozen=True, slots=True)
+class Unset:
+    """A parameter without a known default; `type` is that of `kg.facts.Parameter`."""
+
+    name: str
+    type: str | None
+    location: Location
+
+
+@dataclass(slots=True)
+class Details:
+    """What was read: places by the IRI of an end, parameters by that of a node, and the nodes with a life cycle."""
+
+    places: Mapping[str, Location] = field(default_factory=dict)
+    unset: Mapping[str, tuple[Unset, ...]] = field(default_factory=dict)
+    lifecycle: frozenset[str] = frozenset()
+
+    def place(self, port: Port, part: Part) -> Location:
+        """Return the line of an end; that of its node where it is not known."""
+        return self.places.get(port.iri, Location(part.path, part.line))
+
+
+def read_details(snapshot: Snapshot, parts: Iterable[Part], ports: Iterable[Port]) -> Details:
+    """Return the details of nodes and of ends."""
+    nodes = {part.iri for part in parts}
+    cycles = {f"{node}{'/' if '#' in node else '#'}{_LIFECYCLE}": node for node in nodes}
+    ends = {port.iri for port in ports}
+    values = (" ".join(f"<{iri}>" for iri in sorted(chosen)) for chosen in (ends | set(cycles), nodes))
+    found: defaultdict[tuple[str, str], defaultdict[str, set[str]]] = defaultdict(lambda: defaultdict(set))
+    for row in snapshot.query(_QUERY % tuple(values), prefixes=_PREFIXES, union=False):  # type: ignore[union-attr]  # a SELECT
+        node, subject, predicate, value = (term.value if term is not None else "" for term in row)
+        found[node, subject][predicate].add(value)
+    places = {
+        subject: Location(_one(known, v.PATH) or "", int(_one(known, v.LINE) or 0), _one(known, v.IN_REPOSITORY))
+        for (node, subject), known in found.items()
+        if not node and subject in ends
+    }
+    cycling = frozenset(cycles[subject] for _, subject in found if subject in cycles)
+    return Details(places, _unset(found), cycling)
+
+
+def _unset(found: Mapping[tuple[str, str], Mapping[str, set[str]]]) -> dict[str, tuple[Unset, ...]]:
+    """Return the parameters of each node that it reads and that have no default anywhere, each once, by name."""
+    unset: defaultdict[str, dict[str, Unset]] = defaultdict(dict)
+    settled: set[tuple[str, str]] = set()
+    for (node, _), known in sorted(found.items()):
+        name = _one(known, v.NAME)
+        if not node or name is None:
+            continue
+        if _one(known, v.DEFAULT_VALUE) is not None or _one(known, v.IMPLICIT) == "true" or "{" in name or "[" in name:
+            settled.add((node, name))
+        if (_one(known, v.ACCESS) or "").removeprefix(v.RNKG) == "write":
+            settled.add((node, name))
+        place = Location(_one(known, v.PATH) or "", int(_one(known, v.LINE) or 0), _one(known, v.IN_REPOSITORY))
+        unset[node].setdefault(name, Unset(name, _one(known, v.PARAMETER_TYPE), place))
+    return {
+        node: tuple(one for name, one in sorted(named.items()) if (node, name) not in settled)
+        for node, named in unset.items()
+    }
+
+
+def _one(known: Mapping[str, set[str]], term: str) -> str | None:
+    return min(known.get(v.bare(term), ()), default=None)

@@ -1,0 +1,74 @@
+"""The launch file of a chain: what it says of each node, and the language that it is written in."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from kg.render.text import printable
+from kg.search.compose.results import grouped
+
+if TYPE_CHECKING:
+    from kg.search.compose.details import Unset
+    from kg.search.compose.results import Composed, Node
+
+__all__ = ["heading", "launch_text", "purpose", "remarks", "unset"]
+
+_MOST: Final = 8
+"""How many inputs of a node are named one by one."""
+
+
+def launch_text(chain: Composed) -> str:
+    """Return the launch file of a chain: XML of roslaunch for ROS 1, Python for ROS 2."""
+    if chain.wiring.ros == 1:
+        from kg.search.compose.roslaunch import written  # noqa: PLC0415 - it needs what this module defines
+    else:
+        from kg.search.compose.ros2launch import written  # noqa: PLC0415 - the same
+    return written(chain)
+
+
+def heading(chain: Composed) -> list[str]:
+    """Return what a launch file is, in lines."""
+    nodes = (f"{place}. {node.part.full_name}, {node.part.repository}" for place, node in enumerate(chain.nodes, 1))
+    return [printable(line) for line in (" -> ".join(chain.types), *nodes, "Written by `kg compose`.")]
+
+
+def purpose(chain: Composed, place: int) -> str:
+    """Return what the argument of the first or last topic of a chain is for."""
+    link = chain.wiring.links[place]
+    return printable(f"the topic of {link.type} that the chain {'takes' if place == 0 else 'gives'}")
+
+
+def remarks(chain: Composed, place: int) -> list[str]:
+    """Return what is to be known of a node of a chain, in lines: where its ends stand, and what else it needs."""
+    node, links = chain.nodes[place], chain.wiring.links
+    start, part = node.start, node.part
+    found = [
+        f"{part.full_name}: {part.path}:{part.line}",
+        f"takes {links[place].type} as {_own(start.taken.name)}: {chain.details.place(start.taken, part)}",
+        f"gives {links[place + 1].type} as {_own(start.given.name)}: {chain.details.place(start.given, part)}",
+    ]
+    if part.iri in chain.details.lifecycle:
+        found.append("It has a life cycle: configure and activate it before it does anything.")
+    for verb, ports in (("also needs", node.needs), ("is also given", node.fed)):
+        known = grouped(ports)
+        found += [f"{verb} {kind}{_named(names)}" for kind, names in known[:_MOST]]
+        if len(known) > _MOST:
+            found.append(f"{verb} {len(known) - _MOST} more types")
+    found += [f"note: {one}" for one in node.demerits]
+    return [printable(line) for line in found]
+
+
+def unset(chain: Composed, node: Node) -> tuple[Unset, ...]:
+    """Return the parameters of a node that may have to be set: those without a known default that nothing here sets."""
+    given = {*(name for name, _ in node.start.topics), *node.start.switches}
+    found = chain.details.unset.get(node.part.iri, ())
+    return tuple(one for one in found if one.name not in given)
+
+
+def _own(name: str | None) -> str:
+    return f"`{name}`" if name is not None else "a name that a parameter gives"
+
+
+def _named(names: list[str]) -> str:
+    more = f" and {len(names) - _MOST} more" if len(names) > _MOST else ""
+    return f" as {', '.join(names[:_MOST])}{more}" if names else ""

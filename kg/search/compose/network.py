@@ -1,0 +1,89 @@
+"""Nodes that can be started, with the ends that messages go through.
+
+The structures are msgspec's, since they are kept as JSON in the store's cache.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+import msgspec
+
+__all__ = ["Network", "Part", "Port"]
+
+_TOPIC: Final = re.compile(r"(~/|/)?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)
+_PARAMETER: Final = re.compile(r"(~/)?[A-Za-z][\w./]*", re.ASCII)
+
+
+class Port(msgspec.Struct, array_like=True, frozen=True, gc=False):
+    """A publisher or subscriber: `name` as the node gives it to ROS, `type` `package/Type`.
+
+    `parameter` is what sets a name that is not known. `switches` are those of `kg.facts.Interface`, `arguments` how
+    many the command line has to have for it.
+    """
+
+    iri: str
+    name: str | None
+    type: str
+    parameter: str | None = None
+    switches: tuple[str, ...] = ()
+    arguments: int = 0
+
+    @property
+    def can_be_wired(self) -> bool:
+        """Whether a launch file can say which topic it is on: by a remapping, or by the parameter that names it."""
+        if self.arguments:
+            return False
+        if self.name is not None:
+            return _TOPIC.fullmatch(self.name) is not None
+        return self.parameter is not None and _PARAMETER.fullmatch(self.parameter) is not None
+
+
+class Part(msgspec.Struct, frozen=True, gc=False):
+    """A node type that a launch file can start.
+
+    `family` is the same for variants of a node (the program and the nodelet) and for its copies; `launches` are numbers
+    of the launch files of the store that start it.
+    """
+
+    iri: str
+    repository: str
+    package: str
+    name: str
+    kind: str
+    ros: int
+    path: str
+    line: int
+    executable: str | None = None
+    plugin: str | None = None
+    node_name: str | None = None
+    deprecated: bool = False
+    family: int = 0
+    launches: tuple[int, ...] = ()
+    inputs: tuple[Port, ...] = ()
+    outputs: tuple[Port, ...] = ()
+
+    @property
+    def started(self) -> int:
+        """How many launch files of the store start it."""
+        return len(self.launches)
+
+    @property
+    def full_name(self) -> str:
+        """The name that people know it by, `package/node`."""
+        return f"{self.package}/{self.name}"
+
+
+class Network(msgspec.Struct):
+    """All parts, sorted by source, package and name."""
+
+    parts: list[Part]
+
+    def published(self) -> set[str]:
+        """Return the types that parts publish."""
+        return {port.type for part in self.parts for port in part.outputs}
+
+    def subscribed(self) -> set[str]:
+        """Return the types that parts subscribe."""
+        return {port.type for part in self.parts for port in part.inputs}

@@ -1,0 +1,192 @@
+"""The network of a store: two large queries over the graphs of sources, two short ones, kept in the store's cache."""
+
+from __future__ import annotations
+
+import re
+import zlib
+from collections import defaultdict
+from contextlib import suppress
+from typing import TYPE_CHECKING, Final
+from urllib.parse import unquote
+
+import msgspec
+
+from kg.graph import vocabulary as v
+from kg.names import FRAMEWORK
+from kg.search.compose.network import Network, Part, Port
+from kg.store.layout import write_atomically
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+    from pathlib import Path
+
+    from kg.store.interface import Snapshot
+
+__all__ = ["network", "read"]
+
+_PREFIXES: Final = {"ros": v.ROS, "rnkg": v.RNKG}
+_SOURCES: Final = "/graph/source/"
+_NODES: Final = """
+?n ?kind ?ros ?path ?line ?x ?plugin ?own {
+  ?n a rnkg:NodeType ; rnkg:kind ?kind ; rnkg:rosVersion ?ros ; rnkg:path ?path ; rnkg:line ?line
+  OPTIONAL { ?n rnkg:hasExecutable/rnkg:name ?x } OPTIONAL { ?n rnkg:pluginName ?plugin }
+  OPTIONAL { ?n rnkg:nodeName ?own }
+}"""
+_ENDS: Final = "?c ?t { ?c ros:hasMessage ?t ; rnkg:implicit false }"
+_MORE: Final = """
+?c ?p ?o { VALUES ?p { rnkg:parameterName rnkg:switchedBy rnkg:leastArguments rnkg:deprecated } ?c ?p ?o }"""
+_STARTED: Final = "SELECT ?n ?g { GRAPH ?g { ?i rnkg:instanceOf ?n } }"
+_WORD: Final = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+|[^\W_]")
+_FORMS: Final = frozenset({"node", "nodes", "nodelet", "component", "main", "ros", "exe"})
+_LOADED: Final = {"nodelet": "", "component": ""}
+_ROLES: Final = ("publisher", "subscriber")
+_UNRESOLVED: Final = "@unresolved"
+_FOLDER: Final = "compose"
+_FORMAT: Final = "3"
+_CHECKSUM_BYTES: Final = 4
+
+
+def network(snapshot: Snapshot, cache: Path | None) -> Network:
+    """Return the network of a snapshot: from the folder `cache` where it stands there, else read and kept there.
+
+    What is kept and damaged, or of another version, is read again.
+    """
+    if cache is None:
+        return read(snapshot)
+    path = cache / _FOLDER / f"{snapshot.identity}-{_FORMAT}"
+    with suppress(OSError, msgspec.DecodeError, UnicodeDecodeError):
+        content = path.read_bytes()
+        checksum, body = content[:_CHECKSUM_BYTES], content[_CHECKSUM_BYTES:]
+        if checksum == zlib.crc32(body).to_bytes(_CHECKSUM_BYTES, "big"):
+            return msgspec.json.decode(body, type=Network)
+    found = read(snapshot)
+    with suppress(OSError):
+        _keep(path, msgspec.json.encode(found))
+    return found
+
+
+def _keep(path: Path, body: bytes) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_atomically(path, zlib.crc32(body).to_bytes(_CHECKSUM_BYTES, "big") + body, durable=False)
+    for other in path.parent.iterdir():
+        if other.name != path.name and not other.name.endswith(".tmp"):
+            other.unlink(missing_ok=True)
+
+
+def read(snapshot: Snapshot) -> Network:
+    """Return the network of a snapshot: nodes that launch files can start, and that publish or subscribe something."""
+    rows = _Rows(snapshot)
+    more: defaultdict[str, defaultdict[str, set[str]]] = defaultdict(lambda: defaultdict(set))
+    for subject, predicate, value in rows.of_sources(_MORE):
+        more[subject][predicate].add(value)
+    ports = _ports(rows.of_sources(_ENDS), more)
+    launches = _numbered(rows.of(_STARTED))
+    found: dict[str, Part] = {}
+    for iri, kind, ros, path, line, executable, plugin, own in rows.of_sources(_NODES):
+        startable = executable or (plugin and kind.removeprefix(v.RNKG) in _LOADED)
+        if iri in found or iri not in ports or not startable:
+            continue
+        repository, package, name = _names(iri)
+        deprecated = v.bare(v.DEPRECATED) in more.get(_package_of(iri), ())
+        found[iri] = Part(
+            iri, repository, package, name, kind.removeprefix(v.RNKG), int(ros), path, int(line),
+            executable or None, plugin or None, own or None, deprecated,
+            launches=launches.get(iri, ()), inputs=_of(ports[iri], "subscriber"), outputs=_of(ports[iri], "publisher"),
+        )  # fmt: skip
+    parts = sorted(found.values(), key=lambda one: (one.repository, one.package, one.name, one.path, one.line, one.iri))
+    return Network(_with_families(parts))
+
+
+class _Rows:
+    """The rows of queries as texts, empty for what is not bound."""
+
+    def __init__(self, snapshot: Snapshot) -> None:
+        self.snapshot = snapshot
+        self.sources = " ".join(str(graph) for graph in snapshot.graphs() if _SOURCES in graph.value)
+
+    def of(self, text: str) -> Iterator[tuple[str, ...]]:
+        """Yield the rows of a query over named graphs."""
+        for row in self.snapshot.query(text, prefixes=_PREFIXES, union=False):  # type: ignore[union-attr]  # a SELECT
+            yield tuple(term.value if term is not None else "" for term in row)
+
+    def of_sources(self, body: str) -> Iterator[tuple[str, ...]]:
+        """Yield the rows of `variables { pattern }` over the graph of each source."""
+        variables, _, pattern = body.partition("{")
+        yield from self.of(f"SELECT {variables} {{ VALUES ?g {{ {self.sources} }} GRAPH ?g {{ {pattern} }}")
+
+
+def _numbered(rows: Iterable[tuple[str, ...]]) -> dict[str, tuple[int, ...]]:
+    """Return for each node the numbers of the graphs in which it stands."""
+    pairs = sorted(set(rows))
+    numbers = {graph: place for place, graph in enumerate(sorted({graph for _, graph in pairs}))}
+    found: defaultdict[str, list[int]] = defaultdict(list)
+    for node, graph in pairs:
+        found[node].append(numbers[graph])
+    return {node: tuple(sorted(places)) for node, places in found.items()}
+
+
+def _ports(
+    rows: Iterable[tuple[str, ...]], more: Mapping[str, Mapping[str, set[str]]]
+) -> dict[str, list[tuple[str, Port]]]:
+    """Return the ends of each node with their role, those of frameworks left out."""
+    found: defaultdict[str, list[tuple[str, Port]]] = defaultdict(list)
+    for iri, type_iri in sorted(set(rows)):
+        node, role, name = _split(iri)
+        if role not in _ROLES or (name is not None and f"/{name.lstrip('/')}" in FRAMEWORK):
+            continue
+        known = more.get(iri, {})
+        port = Port(
+            iri,
+            None if name == "{}" else name,
+            unquote(type_iri.rpartition("/message/")[2]),
+            min(known.get(v.bare(v.PARAMETER_NAME), ()), default=None),
+            tuple(sorted(known.get(v.bare(v.SWITCHED_BY), ()))),
+            int(min(known.get(v.bare(v.LEAST_ARGUMENTS), ()), default="0")),
+        )
+        found[node].append((role, port))
+    return found
+
+
+def _of(ports: Iterable[tuple[str, Port]], role: str) -> tuple[Port, ...]:
+    return tuple(port for one, port in ports if one == role)
+
+
+def _split(iri: str) -> tuple[str, str, str | None]:
+    """Return the node, the role and the name that stand in the IRI of an end (`kg.graph.iris.fragment`)."""
+    whole, _, part = iri.partition("#")
+    again = ""
+    if not part.startswith(_ROLES):  # one of several nodes of one name has a fragment of its own
+        at = min((place for role in _ROLES if (place := part.find(f"/{role}/")) >= 0), default=-1)
+        if at < 0:
+            return whole, part.partition("/")[0], None
+        again, part = f"#{part[:at]}", part[at + 1 :]
+    role, _, name = part.partition("/")
+    known = None if name.startswith(_UNRESOLVED) else unquote(name.partition("@")[0])
+    return whole + again, role, known or None
+
+
+def _package_of(iri: str) -> str:
+    """Return the IRI of the package of a node."""
+    return iri.replace("/node/", "/package/", 1).partition("#")[0].rpartition("/")[0]
+
+
+def _names(iri: str) -> tuple[str, str, str]:
+    """Return the repository, the package and the name of a node."""
+    *repository, package, name = iri.partition("/node/")[2].partition("#")[0].split("/")
+    return unquote("/".join(repository)), unquote(package), unquote(name)
+
+
+def _with_families(parts: list[Part]) -> list[Part]:
+    """Return the parts with their families: nodes of one name, but for words of their form, in packages of one name."""
+    first: dict[tuple[int, str, str], int] = {}
+    return [
+        msgspec.structs.replace(part, family=first.setdefault((part.ros, part.package, _bare(part.name)), place))
+        for place, part in enumerate(parts)
+    ]
+
+
+def _bare(name: str) -> str:
+    """Return the letters and digits of a name without its namespace and the words that tell its form."""
+    last = name.rpartition("::")[2].rpartition("/")[2].removesuffix(".py")
+    words = [word.lower() for word in _WORD.findall(last)]
+    return "".join(word for word in words if word not in _FORMS) or last

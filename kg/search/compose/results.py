@@ -1,0 +1,153 @@
+"""What is answered: chains of nodes with everything that is told of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.facts import Location, NodeKind, NodeType
+from kg.graph.reading import NodeRecord
+from kg.graph.records import how_to_start
+from kg.render.text import count
+from kg.search.compose.costs import together
+
+if TYPE_CHECKING:
+    from kg.search.compose.asking import Asked
+    from kg.search.compose.details import Details
+    from kg.search.compose.network import Part, Port
+    from kg.search.compose.wiring import Start, Wiring
+
+__all__ = ["Answer", "Composed", "Node", "composed_object", "grouped"]
+
+LAUNCH_ENDS: Final = {1: ".launch", 2: ".launch.py"}
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """A node of a chain: `needs` are its other inputs, of which `fed` are given by nodes before it in the chain.
+
+    `others` are the variants and copies that it stands for, `demerits` say why it is hardly one to reuse.
+    """
+
+    part: Part
+    start: Start
+    needs: tuple[Port, ...] = ()
+    fed: tuple[Port, ...] = ()
+    others: tuple[Part, ...] = ()
+    demerits: tuple[str, ...] = ()
+
+    @property
+    def how_to_start(self) -> str | None:
+        """The command that starts the node alone."""
+        part = self.part
+        fact = NodeType(
+            part.name, NodeKind(part.kind), "", part.ros, Location(part.path, part.line), part.executable, part.plugin
+        )
+        return how_to_start(NodeRecord(part.repository, None, part.package, fact))
+
+
+@dataclass(frozen=True, slots=True)
+class Composed:
+    """A chain, wired; `types` are what goes in, what goes from node to node, and what comes out."""
+
+    nodes: tuple[Node, ...]
+    wiring: Wiring
+    details: Details
+    cost: int
+
+    @property
+    def types(self) -> tuple[str, ...]:
+        """The types from the input to the output."""
+        return tuple(link.type for link in self.wiring.links)
+
+    @property
+    def file_name(self) -> str:
+        """A name for its launch file."""
+        first, last = (name.rpartition("/")[2].lower() for name in (self.types[0], self.types[-1]))
+        return f"{first}_to_{last}{LAUNCH_ENDS[self.wiring.ros]}"
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """Why it stands where it stands, in words."""
+        found = [f"{count(len(self.nodes), 'node')}, all of ROS {self.wiring.ros}"]
+        for node in self.nodes:
+            if node.part.started:
+                found.append(f"{count(node.part.started, 'launch file')} of the store start {node.part.name}")
+            found += [f"{node.part.name}: {one}" for one in node.demerits]
+        for one, other in pairwise(self.nodes):
+            if number := together(one.part, other.part):
+                found.append(f"{count(number, 'launch file')} start {one.part.name} and {other.part.name} together")
+        repositories = {node.part.repository for node in self.nodes}
+        if len(self.nodes) > 1 and len(repositories) == 1:
+            found.append(f"all of {repositories.pop()}")
+        return tuple(found)
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """The best chains; `more` tells that there are others, `cut_off` that the search ended before it had seen all."""
+
+    chains: tuple[Composed, ...]
+    asked: Asked
+    more: bool = False
+    cut_off: bool = False
+
+
+def grouped(ports: tuple[Port, ...]) -> list[tuple[str, list[str]]]:
+    """Return the types of ends with the names that a node has for them, as far as they are known."""
+    found: dict[str, list[str]] = {}
+    for port in ports:
+        found.setdefault(port.type, []).extend([port.name] if port.name is not None else [])
+    return [(kind, list(dict.fromkeys(names))) for kind, names in found.items()]
+
+
+def composed_object(chain: Composed, rank: int) -> dict[str, Any]:
+    """Return a chain as plain values, ready for JSON; the fields of docs/compose.md."""
+    from kg.search.compose.launching import launch_text  # noqa: PLC0415 - it needs what this module defines
+
+    return {
+        "rank": rank,
+        "ros": chain.wiring.ros,
+        "types": list(chain.types),
+        "nodes": [_node_object(chain, place) for place in range(len(chain.nodes))],
+        "reasons": list(chain.reasons),
+        "cost": chain.cost,
+        "launch_file": chain.file_name,
+        "launch": launch_text(chain),
+    }
+
+
+def _node_object(chain: Composed, place: int) -> dict[str, Any]:
+    node, links = chain.nodes[place], chain.wiring.links
+    part, start = node.part, node.start
+    return {
+        "repository": part.repository,
+        "package": part.package,
+        "node": part.name,
+        "kind": part.kind,
+        "start": node.how_to_start,
+        "name": start.name,
+        "file": part.path,
+        "line": part.line,
+        "takes": _end_object(chain, part, start.taken, links[place].topic),
+        "gives": _end_object(chain, part, start.given, links[place + 1].topic),
+        "also_needs": [{"type": kind, "names": names} for kind, names in grouped(node.needs)],
+        "also_gets": [{"type": kind, "names": names} for kind, names in grouped(node.fed)],
+        "also_as": [f"{one.repository}:{one.full_name}" for one in node.others],
+        "started_by": part.started,
+        "remarks": list(node.demerits),
+    }
+
+
+def _end_object(chain: Composed, part: Part, port: Port, topic: str) -> dict[str, Any]:
+    place = chain.details.place(port, part)
+    return {
+        "name": port.name,
+        "parameter": port.parameter,
+        "type": port.type,
+        "topic": topic,
+        "file": place.path,
+        "line": place.line,
+        "file_repository": place.repository,
+    }

@@ -1,0 +1,115 @@
+"""From a question to its answer: the best chains of all versions of ROS, wired."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from heapq import merge
+from itertools import islice, takewhile
+from typing import TYPE_CHECKING, Final
+
+from kg.search.compose.asking import asked
+from kg.search.compose.chains import Search
+from kg.search.compose.costs import demerits, knowledge, needs
+from kg.search.compose.details import Details, read_details
+from kg.search.compose.failing import nothing
+from kg.search.compose.reading import network
+from kg.search.compose.results import Answer, Composed, Node
+from kg.search.compose.steps import between, steps_of
+from kg.search.compose.wiring import wire
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from kg.search.compose.asking import Asked
+    from kg.search.compose.chains import Chain
+    from kg.search.compose.network import Network, Port
+    from kg.search.compose.wiring import Wiring
+    from kg.store.interface import Snapshot
+
+__all__ = ["Answer", "Question", "compose", "searches"]
+
+LENGTH: Final = 4
+LIMIT: Final = 5
+_VERSIONS: Final = (1, 2)
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """Which chains are asked for: from any type of `sources` to any of `targets`, through everything in `using`.
+
+    `ros` is 1 or 2, None for both; `limit` is how many chains are returned. `length` is how many nodes a chain may
+    have; None stands for four, and for no chains that are longer than the best by more than a node.
+    """
+
+    sources: tuple[str, ...]
+    targets: tuple[str, ...]
+    using: tuple[str, ...] = ()
+    ros: int | None = None
+    length: int | None = None
+    limit: int = LIMIT
+
+    @property
+    def most(self) -> int:
+        """How many nodes a chain may have."""
+        return LENGTH if self.length is None else self.length
+
+
+def compose(snapshot: Snapshot, question: Question, cache: Path | None = None) -> Answer:
+    """Return the best chains, the best first.
+
+    What is read of the store is kept below the folder `cache`, if that is given, for the next question.
+
+    Raises:
+        UnknownNameError: KG705 for a type that no node has, KG706 when there is no chain, KG707 for a name in `using`
+            that means nothing.
+    """
+    known = network(snapshot, cache)
+    meant = asked(known, snapshot, question.sources, question.targets, question.using)
+    made = searches(known, meant, question)
+    found = merge(*(one.best() for one in made), key=lambda chain: (chain.cost, chain.keys))
+    first = next(found, None)
+    if first is None:
+        raise nothing(known, meant, question.using, question.ros, question.most)
+    enough = first.cost + 2 * knowledge().costs.node if question.length is None else None
+    worth = takewhile(lambda chain: enough is None or chain.cost < enough, found)
+    chains = [first, *islice(worth, question.limit)]
+    shown = [(chain, _wired(known, chain)) for chain in chains[: question.limit]]
+    details = _details(snapshot, [wiring for _, wiring in shown])
+    composed = tuple(_composed(known, meant, chain, wiring, details) for chain, wiring in shown)
+    return Answer(composed, meant, len(chains) > question.limit, any(one.cut_off for one in made))
+
+
+def searches(known: Network, meant: Asked, question: Question) -> list[Search]:
+    """Return the search of each version of ROS that is asked for."""
+    link = between(known)
+    starts = {name: meant.types.get(name, 0) for name in meant.starts}
+    return [
+        Search(steps_of(known, meant, ros), meant.starts, meant.goals, question.most, link, meant.wanted, starts)
+        for ros in _VERSIONS
+        if question.ros in {None, ros}
+    ]
+
+
+def _wired(known: Network, chain: Chain) -> Wiring:
+    parts = ((known.parts[step.part], step) for step in chain.steps)
+    return wire([(part, part.inputs[step.taken], part.outputs[step.given]) for part, step in parts])
+
+
+def _details(snapshot: Snapshot, wirings: list[Wiring]) -> Details:
+    starts = [start for wiring in wirings for start in wiring.starts]
+    ports = [port for start in starts for port in (start.taken, start.given)]
+    return read_details(snapshot, [start.part for start in starts], ports)
+
+
+def _composed(known: Network, meant: Asked, chain: Chain, wiring: Wiring, details: Details) -> Composed:
+    nodes = []
+    given: set[str] = set()
+    for step, start in zip(chain.steps, wiring.starts, strict=True):
+        part = start.part
+        others = tuple(one for place, one in enumerate(known.parts) if one.family == step.family and place != step.part)
+        wanted = needs(part, start.taken, meant.starts)
+        fed: tuple[Port, ...] = tuple(port for port in wanted if port.type in given)
+        missing = tuple(port for port in wanted if port.type not in given)
+        nodes.append(Node(part, start, missing, fed, others, demerits(part)))
+        given.update(port.type for port in part.outputs)
+    return Composed(tuple(nodes), wiring, details, chain.cost)

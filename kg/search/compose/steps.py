@@ -1,0 +1,111 @@
+"""The steps that chains are made of: each way through each node, of a version of ROS, with its cost."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from typing import TYPE_CHECKING
+
+from kg.search.compose.chains import Step
+from kg.search.compose.costs import generic, knowledge, link_cost, needs, part_cost, port_cost
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Container, Iterator, Mapping, Sequence
+
+    from kg.search.compose.asking import Asked
+    from kg.search.compose.network import Network, Part, Port
+
+__all__ = ["between", "steps_of"]
+
+
+def steps_of(network: Network, asked: Asked, ros: int) -> Mapping[str, Sequence[Step]]:
+    """Return the best step of each family between each two types, by the type that it takes."""
+    best: dict[tuple[int, str, str], Step] = {}
+    for place, part in enumerate(network.parts):
+        if part.ros != ros:
+            continue
+        for step in _through(part, place, asked):
+            way = part.family, step.source, step.target
+            known = best.get(way)
+            if known is None or (step.cost, step.key) < (known.cost, known.key):
+                best[way] = step
+    found: defaultdict[str, list[Step]] = defaultdict(list)
+    for step in best.values():
+        found[step.source].append(step)
+    return found
+
+
+def _through(part: Part, place: int, asked: Asked) -> Iterator[Step]:
+    """Yield the ways through a node."""
+    kept = asked.names(place)
+    base = part_cost(part) if not kept else knowledge().costs.node
+    both = {port.name for port in part.inputs} & {port.name for port in part.outputs} - {None}
+    for source, taken in _best(part.inputs, both).items():
+        wanted = {port.type for port in needs(part, part.inputs[taken], asked.starts)}
+        entry = base + port_cost(part.inputs[taken]) + _need_cost(wanted)
+        for target, given in _best(part.outputs, both, part.inputs[taken]).items():
+            if source == target and not kept and not (source in asked.starts and source in asked.goals):
+                continue
+            link = knowledge().costs.generic_link if generic(target) and target not in asked.goals else 0
+            filters = knowledge().costs.filters if target in wanted else 0
+            cost = entry + port_cost(part.outputs[given]) + link + filters
+            marks = asked.marks(place, target)
+            yield Step(
+                place,
+                part.family,
+                source,
+                target,
+                cost,
+                f"{part.full_name} {part.repository}",
+                marks,
+                taken,
+                given,
+                kept,
+            )
+
+
+def _best(ports: Sequence[Port], both: Container[str | None], taken: Port | None = None) -> dict[str, int]:
+    """Return the place of the best end of each type: outputs are to go with an input.
+
+    Where a node publishes and subscribes under one name, which are `both`, the two cannot be told apart by remapping.
+    """
+    found: dict[str, int] = {}
+    for place, port in enumerate(ports):
+        if port.name in both or not port.can_be_wired or (taken is not None and not _together(taken, port)):
+            continue
+        other = found.get(port.type)
+        if other is None or _rank(port) < _rank(ports[other]):
+            found[port.type] = place
+    return found
+
+
+def _rank(port: Port) -> tuple[int, int, str]:
+    return port_cost(port), len(port.switches), port.name or ""
+
+
+def _together(taken: Port, given: Port) -> bool:
+    """Tell whether a node has both ends at once, under two names."""
+    if taken.name is not None and taken.name == given.name:
+        return False
+    if taken.name is None and taken.parameter == given.parameter and given.name is None:
+        return False
+    return not any(_opposite(switch) in given.switches for switch in taken.switches)
+
+
+def _opposite(switch: str) -> str:
+    return switch[1:] if switch.startswith("!") else f"!{switch}"
+
+
+def _need_cost(wanted: set[str]) -> int:
+    costs, optional = knowledge().costs, knowledge().types.optional
+    return min(costs.need * len(wanted - optional), costs.most_needs)
+
+
+def between(network: Network) -> Callable[[Step, Step], int]:
+    """Return what it costs to put one step behind another."""
+    parts = network.parts
+
+    def cost(one: Step, other: Step) -> int:
+        giver, taker = parts[one.part], parts[other.part]
+        return link_cost((giver, giver.outputs[one.given]), (taker, taker.inputs[other.taken]))
+
+    return cost

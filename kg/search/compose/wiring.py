@@ -1,0 +1,146 @@
+"""Names for what a chain starts and for the topics between: valid, unique, and none by which nodes meet unintended.
+
+A topic keeps the name that the node which publishes it gives it, unless another end of the chain has that name too.
+Then it stands below the name of that node.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from itertools import count
+from typing import TYPE_CHECKING, Final
+
+from kg.names import resolve
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+
+    from kg.search.compose.network import Part, Port
+
+__all__ = ["INPUT", "OUTPUT", "Link", "Start", "Wiring", "wire"]
+
+INPUT: Final = "input"
+"""The argument of a launch file that names the topic which a chain begins with."""
+OUTPUT: Final = "output"
+"""The argument that names the topic which it ends with."""
+_HOSTS: Final = {1: "nodelet_manager", 2: "component_container"}
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """A topic: its absolute name, and the `argument` of the launch file that may change it."""
+
+    topic: str
+    type: str
+    argument: str | None = None
+
+
+@dataclass(slots=True)
+class Start:
+    """A node as the launch file starts it; `remaps` are pairs of its own name for a topic and the link it becomes.
+
+    `topics` are parameters that name topics, `switches` boolean ones that make it have its ends.
+    """
+
+    part: Part
+    name: str
+    taken: Port
+    given: Port
+    remaps: list[tuple[str, Link]] = field(default_factory=list)
+    topics: list[tuple[str, Link]] = field(default_factory=list)
+    switches: dict[str, bool] = field(default_factory=dict)
+
+    @property
+    def loaded(self) -> bool:
+        """Whether it is a class that a manager or container loads."""
+        return self.part.executable is None
+
+    def own(self, port: Port) -> str | None:
+        """Return the absolute name that an end has where nothing changes it."""
+        return resolve(port.name, self.name) if port.name is not None else None
+
+
+@dataclass(frozen=True, slots=True)
+class Wiring:
+    """What a launch file says: `links` has one topic more than there are nodes, the first and the last from outside.
+
+    `host` is the name of what loads classes, None where there are none.
+    """
+
+    ros: int
+    starts: tuple[Start, ...]
+    links: tuple[Link, ...]
+    host: str | None
+
+
+def wire(ways: Sequence[tuple[Part, Port, Port]]) -> Wiring:
+    """Return the names of a chain: nodes in order, each with the input it is reached by and the output that goes on."""
+    ros = ways[0][0].ros
+    host = _HOSTS[ros] if any(part.executable is None for part, _, _ in ways) else None
+    taken = {host} if host else set()
+    starts = []
+    for part, entry, way_out in ways:
+        name = _unique(_node_name(part), taken)
+        taken.add(name)
+        starts.append(Start(part, name, entry, way_out))
+    links = _links(starts)
+    for place, start in enumerate(starts):
+        _connect(start, start.taken, links[place])
+        _connect(start, start.given, links[place + 1])
+    return Wiring(ros, tuple(starts), tuple(links), host)
+
+
+def _node_name(part: Part) -> str:
+    """Return the name that a node has by itself, as one that is valid."""
+    own = (part.node_name or "").rpartition("/")[2]
+    plain = own if own and "{" not in own else part.name.removesuffix(".py")
+    last = plain.rpartition("::")[2].rpartition("/")[2]
+    name = re.sub(r"\W", "_", last, flags=re.ASCII).strip("_")
+    return name if name[:1].isalpha() else f"node_{name}".rstrip("_")
+
+
+def _unique(name: str, taken: Iterable[str]) -> str:
+    """Return a name with a number behind it where it is taken."""
+    known = set(taken)
+    return next(one for number in count(1) if (one := name if number == 1 else f"{name}_{number}") not in known)
+
+
+def _links(starts: Sequence[Start]) -> list[Link]:
+    """Return the topics from the input of the first node to the output of the last."""
+    first = starts[0]
+    same = {name for name, port, gives in _staying(starts) if not gives and port.type == first.taken.type}
+    staying = {name for name, _, _ in _staying(starts)}
+    own = first.own(first.taken)
+    topic = own if own is not None and own not in staying - same else _unique(f"/{INPUT}", staying)
+    links = [Link(topic, first.taken.type, INPUT)]
+    for place, start in enumerate(starts, 1):
+        used = staying | {link.topic for link in links}
+        own = start.own(start.given)
+        last = start.given.name.rpartition("/")[2] if start.given.name is not None else OUTPUT
+        topic = own if own is not None and own not in used else _unique(f"/{start.name}/{last}", used)
+        links.append(Link(topic, start.given.type, OUTPUT if place == len(starts) else None))
+    return links
+
+
+def _staying(starts: Sequence[Start]) -> Iterator[tuple[str, Port, bool]]:
+    """Yield the ends that are no link of the chain, with their absolute names, and whether the node publishes there.
+
+    Ends that share the name of one which is a link move with it.
+    """
+    for start in starts:
+        moved = {start.taken.name, start.given.name, None}
+        for ports, gives in ((start.part.inputs, False), (start.part.outputs, True)):
+            for port in ports:
+                if port.name not in moved:
+                    yield resolve(port.name or "", start.name), port, gives
+
+
+def _connect(start: Start, port: Port, link: Link) -> None:
+    """Let an end of a node be on a topic."""
+    for switch in port.switches:
+        start.switches[switch.removeprefix("!")] = not switch.startswith("!")
+    if port.name is None:
+        start.topics.append((port.parameter or "", link))
+    elif link.argument is not None or start.own(port) != link.topic:
+        start.remaps.append((port.name, link))
