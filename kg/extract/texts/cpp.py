@@ -29,6 +29,8 @@ _FILE: Final = re.compile(r"[@\\]file\b")
 _BEFORE_CODE: Final = re.compile(r"(?:\s+|#\s*(?:ifndef|define|pragma|ifdef|if|endif)\b[^\n]*\n)*")
 _LOOK_AHEAD: Final = 400
 _DEEPEST_INDENTATION: Final = 300
+_LONGEST_HEADER: Final = 40
+"""Paragraphs of a header after which no more are looked for."""
 _MOST_COMMENTS: Final = 4000
 """Comments of a file that are looked at, more than files of people have."""
 
@@ -76,7 +78,9 @@ class Comments:
             self.classes.setdefault(name, []).extend(self._paragraphs(block))
         elif _MAIN.match(ahead):
             self.main.extend(self._paragraphs(block))
-        elif top or _FILE.search(text, block.start, min(block.end, block.start + 1000)):
+        elif len(self.header) < _LONGEST_HEADER and (
+            top or _FILE.search(text, block.start, min(block.end, block.start + 1000))
+        ):
             self.header.extend(self._paragraphs(block))
 
     def _blocks(self) -> list[_Block]:

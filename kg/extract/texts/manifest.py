@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 __all__ = ["of_manifest", "of_plugins"]
 
 _COMMENT: Final = re.compile(r"<!--.*?(?:-->|\Z)", re.DOTALL)
-_ELEMENT: Final = re.compile(r"<description\b[^>]{0,200}>(.*?)(?:</description\s*>|\Z)", re.DOTALL)
+_ELEMENT: Final = re.compile(r"<description\b(?:[^>/]|/(?!>)){0,200}>(.*?)(?:</description\s*>|\Z)", re.DOTALL)
 _BREAK: Final = re.compile(r"\n[ \t\r]*\n|</?(?:p|li|ul|ol|br|div|h\d|pre|table|tr)\b[^<>]{0,200}>|\Z", re.IGNORECASE)
 _CDATA: Final = re.compile(r"<!\[CDATA\[|\]\]>")
 _SETUP: Final = re.compile(r"""^\s*description\s*=\s*\(?\s*(['"])((?:(?!\1)[^\\\n]){5,600})\1""", re.MULTILINE)
@@ -59,7 +59,7 @@ def _paragraphs(text: str, start: int, end: int) -> Iterator[tuple[int, str]]:
     end = min(end, start + _LONGEST)
     for gap in _BREAK.finditer(text, start, end):
         piece = text[start : gap.start()]
-        said = plain(html.unescape(_CDATA.sub(" ", piece)))
+        said = html.unescape(plain(_CDATA.sub(" ", piece)))
         if said:
             begin = start + len(piece) - len(piece.lstrip())
             yield text.count("\n", 0, begin) + 1, said

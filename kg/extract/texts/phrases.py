@@ -125,7 +125,7 @@ LABELS: Final = _beginning(
     r"(?:class|struct) (?:definition|declaration)s?|(?:this )?(?:class|function|file|node)",
     r"end of .*|namespace .*|for debug\w*|needed for .*|\S+ is \.\.\..*|the \S+ package",
     r"list of (?:nodes|topics|services).*|created (?:on|by|in)\b.*|usage\b.*",
-    r"(?:please )?(?:see|refer to|read|check|visit|follow)\b.{0,120}",
+    r"(?:please )?(?:see|refer to|read|check|visit|follow)\b(?!-).{0,120}",
     r"(?:for )?(?:more|further|additional|detailed) (?:information|details?|documentation)\b.*",
     r"(?:the )?(?:image|figure|picture|diagram|video|gif|animation)s? (?:below|above)\b.*",
     r"(?:below|above|following)\b.{0,40}(?:example|figure|image|video|diagram|launch file).*",

@@ -31,7 +31,8 @@ _ADDRESSES_SHARE: Final = 0.6
 
 _CODE_SIGNS: Final = re.compile(r"[;{}=&|+<>\[\]$#%(]|^import |^from ")
 _CODE: Final = re.compile(
-    r"[;{}]\s*$|^\s*[#{}$]|\w\(\)\s*[;.{]|->\w|==|!=|&&|\|\||\+\+\w|\w\+\+[;)]|<<|>>|::\w+\(|^(?:from \S+ )?import \w[\w., ]*$"
+    r"[;{}]\s*$|^\s*[#{}$]|\w\(\)\s*[;.{]|->\w|==|!=|&&|\|\||\+\+\w|\w\+\+[;)]|<<|>>|::\w+\("
+    r"|^(?:from \S+ )?import \w[\w., ]*$"
     r"|^\s*(?:if|for|while|switch)\s*\(|\w+\[\w*\]\s*=|^\s*[\w.:<>*&]+(?: [\w*&]+)? ?\+?= ?\S+"
     r"|^\s*(?:self\.|def \w+\(|class \w+[(:]|print\b)|\bstd::\w+<|^\s*[\w.:]+\([^)]*\)\s*:?$|^<\w+[^>]*>"
     r"|\w+\s*=\s*[\w.:]+\([^)]*\)$|%[sdf]\b"

@@ -1,0 +1,49 @@
+"""Descriptions are cases: `cases/<case>/` holds packages and `expected.json`, what should be read of them.
+
+`expected.json` has for each package the descriptions as `[kind, path:line, node, heading, text]`, all of them, in the
+order of their places.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from kg.corpus.workspace import Workspace, scan
+from kg.extract.package import extract_package
+from kg.facts import Repository
+
+CASES = sorted(path.parent for path in (Path(__file__).parent / "cases").glob("*/expected.json"))
+
+
+def described(case: Path) -> dict[str, list[list[str | None]]]:
+    """Return the descriptions of all packages of a case in the form of its file."""
+    workspace = Workspace([scan(case, Repository(f"local/{case.name}", str(case)))])
+    found = {}
+    for source in workspace.sources:
+        for package in source.packages:
+            facts = extract_package(workspace, source, package)
+            found[package.name] = [
+                [str(one.kind), f"{one.location.path}:{one.location.line}", one.node, one.heading, one.text]
+                for one in facts.descriptions
+            ]
+    return found
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+def test_case(case: Path) -> None:
+    """The descriptions of a case are those that its file expects, each at its line, and no others."""
+    assert described(case) == json.loads((case / "expected.json").read_text())
+
+
+def test_cases_are_found() -> None:
+    """The runner finds the cases, so that none of them passes by not being run."""
+    assert {case.name for case in CASES} >= {
+        "cpp-comments",
+        "python-docstrings",
+        "readme",
+        "plugins-and-launch",
+        "wiki",
+    }
