@@ -4,9 +4,9 @@ A branch is marked by its name: `ros2`, `ros1-legacy`, `noetic-devel`, `humble`.
 say nothing: they were ROS 1 once and are ROS 2 in many repositories today. The order in which branches are tried is
 
 * for `any`: the default branch, and no other;
-* for one version: the default branch if it is marked so; where any branch is marked for the other version, the
-  branches marked for this one, the newest distribution first; the default branch if it is not marked at all;
-  `main`, `master`, `devel` and the like; last, marked branches that were passed over.
+* for one version: the default branch if it is marked so; where any branch is marked for the other version, or none is
+  the default one, the branches marked for this one, the newest distribution first; the default branch if it is
+  not marked at all; `main`, `master`, `devel` and the like; last, marked branches that were passed over.
 
 What the manifests in a branch say decides in the end (`kg.corpus.fetching_tree`): a branch that turns out to be for the
 other version is given up for the next one.
@@ -50,7 +50,7 @@ def branches_to_try(default: str | None, branches: Iterable[str], version: str) 
     own = marked(default, free=True) if default else None
     found = {name: mark for name in names if (mark := _mark(name)) and mark[0] == version}
     ours = sorted(found, key=lambda name: (found[name], name))
-    both = own == other or any(marked(name) == other for name in names)
+    both = default is None or own == other or any(marked(name) == other for name in names)
     order = [
         *([default] if default and own == version else []),
         *(ours if both else []),

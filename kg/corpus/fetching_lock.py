@@ -53,7 +53,7 @@ class Entry:
 
     `name` is host/owner/name, `moved` the address that the server led to, `folder` where the files are, relative to
     the lock file, `branch` and `commit` what was fetched (empty while nothing was), `ros` the versions that its
-    packages are for (`1`, `2`, `1 2`), `bytes` the size of the checkout, `reason` words about the state.
+    packages are for (`1`, `2`, `1 2`), `bytes` the size of the files of that commit, `reason` words about the state.
     """
 
     name: str

@@ -93,6 +93,7 @@ class _Fetching:
         self._choice = choice
         self._protocols = protocols(one.url)
         self._moved = ""
+        self._bytes = 0
 
     def run(self, commit: str, known: Entry) -> Entry:
         """Fetch it once: the commit, the ref that was named, or the branches that may be for the version of ROS."""
@@ -148,7 +149,8 @@ class _Fetching:
         if commit and found != commit:
             raise FetchingError("gone", f"the server sent {found[:12]} for {commit[:12]}")
         listing = self._git("ls-tree", "-r", "-l", "-z", "--full-tree", found)
-        if content_bytes(listing) + folder_bytes(self._tree) > self.watch.room:
+        self._bytes = content_bytes(listing)
+        if self._bytes + folder_bytes(self._tree) > self.watch.room:
             raise self.watch.large()
         self._git("checkout", "--quiet", "--force", "--detach", found)
         return found
@@ -179,25 +181,28 @@ class _Fetching:
                 (self._tree / link).unlink()
             remarks.append(f"left out {len(links)} link{'s' * (len(links) > 1)} that lead out, as {links[0]}")
         self._git("config", "remote.origin.url", _without_password(self._one.url))
-        size = self.watch.weigh()
-        entry = replace(
+        self.watch.weigh()
+        entry = self._entry(known, branch, commit, self._tree)
+        self._put()
+        return replace(entry, reason="; ".join(remarks))
+
+    def _present(self, known: Entry, branch: str, commit: str) -> Entry:
+        """Return the entry of a checkout that is there and whole."""
+        listing = run_git(("ls-tree", "-r", "-l", "-z", "--full-tree", commit), folder=self._place, timeout=None)
+        self._bytes = content_bytes(listing.encode(errors="surrogateescape"))
+        return self._entry(known, branch, commit, self._place)
+
+    def _entry(self, known: Entry, branch: str, commit: str, checkout: Path) -> Entry:
+        return replace(
             known,
             moved=self._moved or known.moved,
             branch=branch,
             commit=commit,
-            ros=ros_versions(self._tree),
-            bytes=size,
+            ros=ros_versions(checkout),
+            bytes=self._bytes,
             state=FETCHED,
-            reason="; ".join(remarks),
+            reason="",
         )
-        self._put()
-        return entry
-
-    def _present(self, known: Entry, branch: str, commit: str) -> Entry:
-        """Return the entry of a checkout that is there and whole."""
-        size, ros = folder_bytes(self._place), ros_versions(self._place)
-        moved = self._moved or known.moved
-        return replace(known, moved=moved, branch=branch, commit=commit, ros=ros, bytes=size, state=FETCHED, reason="")
 
     def _put(self) -> None:
         self._place.parent.mkdir(parents=True, exist_ok=True)
