@@ -9,7 +9,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final
 
 if TYPE_CHECKING:
-    from kg.api import build, find, findings, infer, instances, nodes, open_store, sparql
+    from kg.api import build, compose, find, findings, infer, instances, nodes, open_store, sparql
     from kg.errors import (
         Exit,
         GraphError,
@@ -34,6 +34,7 @@ __all__ = [
     "UsageError",
     "__version__",
     "build",
+    "compose",
     "find",
     "findings",
     "infer",
@@ -43,7 +44,7 @@ __all__ = [
     "sparql",
 ]
 
-_API: Final = frozenset({"build", "find", "findings", "infer", "instances", "nodes", "open_store", "sparql"})
+_API: Final = frozenset({"build", "compose", "find", "findings", "infer", "instances", "nodes", "open_store", "sparql"})
 
 
 def __getattr__(name: str) -> Any:

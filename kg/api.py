@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from kg.rules.reports import RunReport
     from kg.store.embedded import EmbeddedStore
 
-__all__ = ["build", "find", "findings", "infer", "instances", "nodes", "open_store", "sparql"]
+__all__ = ["build", "compose", "find", "findings", "infer", "instances", "nodes", "open_store", "sparql"]
 
 
 def open_store(store: str | Path | None = None) -> EmbeddedStore:
@@ -63,6 +63,37 @@ def build(
     given = settings.load({"store": store, "jobs": jobs})
     with opening.writable(given, create=bool(sources)) as target:
         return run([str(source) for source in sources], target, given, report, "kg.build")
+
+
+def compose(  # noqa: PLR0913 - what chains may be asked for by
+    sources: Sequence[str],
+    targets: Sequence[str],
+    *,
+    using: Sequence[str] = (),
+    ros: int | None = None,
+    length: int | None = None,
+    limit: int = 5,
+    store: str | Path | None = None,
+) -> list[dict[str, Any]]:
+    """Return chains of nodes from any type of `sources` to any of `targets`, as `kg compose --json` writes them.
+
+    Each goes through everything that `using` names: nodes, packages, types, words of what nodes are about. `ros` is 1
+    or 2, `length` how many nodes a chain may have; by default four, and one more than the best has. The best comes
+    first, each has its launch file (docs/compose.md).
+
+    Raises:
+        StoreError: KG301 when there is no store.
+        UnknownNameError: KG705 for a type that no node has, KG706 when there is no chain, KG707 for a name in `using`.
+    """
+    from kg.search.compose import Question  # noqa: PLC0415 - who asks otherwise needs none of it
+    from kg.search.compose import compose as composed  # noqa: PLC0415 - the same
+    from kg.search.compose.results import composed_object  # noqa: PLC0415 - the same
+
+    target = open_store(store)
+    question = Question(tuple(sources), tuple(targets), tuple(using), ros, length, limit)
+    with target.read() as snapshot:
+        answer = composed(snapshot, question, target.layout.cache)
+    return [composed_object(chain, rank) for rank, chain in enumerate(answer.chains, 1)]
 
 
 def find(

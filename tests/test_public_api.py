@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 SIGNATURES: Final = {
     "build": "(sources: 'Sequence[str | Path]' = (), *, store: 'str | Path | None' = None, jobs: 'int | None' = None, "
     "report: 'Report | None' = None) -> 'BuildReport'",
+    "compose": "(sources: 'Sequence[str]', targets: 'Sequence[str]', *, using: 'Sequence[str]' = (), "
+    "ros: 'int | None' = None, length: 'int | None' = None, limit: 'int' = 5, store: 'str | Path | None' = None) "
+    "-> 'list[dict[str, Any]]'",
     "find": "(text: 'str' = '', *, filters: 'Mapping[str, Sequence[str]] | None' = None, limit: 'int' = 10, "
     "store: 'str | Path | None' = None) -> 'list[dict[str, Any]]'",
     "findings": "(sources: 'Sequence[str | Path]' = (), *, launch: 'str | None' = None, package: 'str | None' = None, "

@@ -6,11 +6,13 @@ import typer
 
 from kg.cli.commands import (
     build,
+    compose,
     config,
     corpus,
     demo,
     diff,
     doctor,
+    evaluate,
     exchange,
     explain,
     graph,
@@ -66,6 +68,7 @@ COMMANDS: Final[tuple[tuple[str, str, Any], ...]] = (
     ("Ask", "nodes", nodes.nodes),
     ("Ask", "node", node.node),
     ("Ask", "search", search.search),
+    ("Ask", "compose", compose.compose),
     ("Ask", "instances", instances.instances),
     ("Ask", "graph", graph.graph),
     ("Ask", "diff", diff.diff),
@@ -104,6 +107,12 @@ RULE_COMMANDS: Final[tuple[tuple[str, str, Any], ...]] = (
 
 CORPUS_COMMANDS: Final[tuple[tuple[str, Any], ...]] = (("select", corpus.select), ("fetch", corpus.fetch))
 """The commands of `kg corpus`, in the order that its help lists them."""
+
+EVALUATIONS: Final[tuple[tuple[str, Any], ...]] = (
+    ("completeness", evaluate.completeness),
+    ("correctness", evaluate.correctness),
+)
+"""The commands of `kg eval`, in the order that its help lists them."""
 
 app = typer.Typer(
     cls=KgGroup,
@@ -187,6 +196,10 @@ corpus_app = typer.Typer(cls=KgGroup, rich_markup_mode=None, help=corpus.HELP)
 for _name, _function in CORPUS_COMMANDS:
     corpus_app.command(_name, cls=KgCommand)(_function)
 app.add_typer(corpus_app, name="corpus", rich_help_panel="Start")
+eval_app = typer.Typer(cls=KgGroup, rich_markup_mode=None, help=evaluate.HELP)
+for _name, _function in EVALUATIONS:
+    eval_app.command(_name, cls=KgCommand)(_function)
+app.add_typer(eval_app, name="eval", rich_help_panel="Ask")
 ontology_app = typer.Typer(cls=KgGroup, rich_markup_mode=None, help="Check ontologies, and data against shapes.")
 ontology_app.command("check", cls=KgCommand)(ontology.check)
 ontology_app.command("validate", cls=KgCommand)(ontology.validate)

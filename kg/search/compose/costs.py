@@ -50,6 +50,7 @@ class Costs(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     most_needs: int
     side_port: int
     named_by_parameter: int
+    unlike_type: int
     filters: int
     never_started: int
     seldom_started: int
@@ -168,7 +169,10 @@ def _words(name: str) -> frozenset[str]:
 
 
 def port_cost(port: Port) -> int:
-    """Return what an end costs: one for people to look at, and one that only a parameter names."""
+    """Return what an end costs: one for people to look at, of a name unlike its type, or that only a parameter names."""
     costs, side = knowledge().costs, knowledge().words.side
-    cost = 0 if port.name is not None else costs.named_by_parameter
-    return cost + (costs.side_port if port.name is not None and not side.isdisjoint(words(port.name)) else 0)
+    if port.name is None:
+        return costs.named_by_parameter
+    named = _words(port.name)
+    cost = 0 if named.isdisjoint(side) else costs.side_port
+    return cost + (costs.unlike_type if named.isdisjoint(_words(port.type.rpartition("/")[2])) else 0)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 from kg.errors import UnknownNameError
 from kg.query.similar import asked as asked_for
 from kg.query.similar import similar
+from kg.render.text import count
 from kg.search.compose.asking import Asked
 from kg.search.compose.chains import Search
 from kg.search.compose.costs import generic
@@ -56,7 +57,7 @@ def _reached(network: Network, asked: Asked, length: int, ros: int) -> Iterator[
     """Yield which types can be made of the starts, with the longest way, and of which ones the goals can be made."""
     steps = steps_of(network, Asked(asked.starts, asked.goals), ros)
     forwards = _levels(steps, asked.starts, length)
-    behind = {name: level for name, level in forwards.items() if level and not generic(name)}
+    behind = {name: level for name, level in forwards.items() if level}
     if behind:
         farthest = max(sorted(behind), key=lambda name: behind[name])
         yield f"ROS {ros}: {', '.join(asked.starts)} becomes {_some(behind)}."
@@ -69,7 +70,7 @@ def _reached(network: Network, asked: Asked, length: int, ros: int) -> Iterator[
         for step in found:
             back.setdefault(step.target, []).append(step)
     before = _levels(back, sorted(asked.goals), length, backwards=True)
-    sources = {name: level for name, level in before.items() if level and not generic(name)}
+    sources = {name: level for name, level in before.items() if level}
     if sources:
         yield f"ROS {ros}: {', '.join(sorted(asked.goals))} is made of {_some(sources)}."
 
@@ -77,19 +78,19 @@ def _reached(network: Network, asked: Asked, length: int, ros: int) -> Iterator[
 def _levels(
     steps: Mapping[str, Sequence[Step]], starts: Iterable[str], length: int, *, backwards: bool = False
 ) -> dict[str, int]:
-    """Return the types that are reached with the least number of nodes for each."""
+    """Return the types that are reached, and say something, with the least number of nodes for each."""
     found = dict.fromkeys(starts, 0)
     edge = list(found)
     for level in range(1, length + 1):
         reached = [step.source if backwards else step.target for name in edge for step in steps.get(name, ())]
-        edge = [name for name in dict.fromkeys(sorted(reached)) if name not in found]
+        edge = [name for name in dict.fromkeys(sorted(reached)) if name not in found and not generic(name)]
         found.update(dict.fromkeys(edge, level))
     return found
 
 
 def _some(levels: Mapping[str, int]) -> str:
     names = sorted(levels, key=lambda name: (levels[name], name))
-    more = f" and {len(names) - _SHOWN} more types" if len(names) > _SHOWN else ""
+    more = f" and {count(len(names) - _SHOWN, 'more type')}" if len(names) > _SHOWN else ""
     return ", ".join(names[:_SHOWN]) + more
 
 

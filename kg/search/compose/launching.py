@@ -35,7 +35,7 @@ def heading(chain: Composed) -> list[str]:
 def purpose(chain: Composed, place: int) -> str:
     """Return what the argument of the first or last topic of a chain is for."""
     link = chain.wiring.links[place]
-    return printable(f"the topic of {link.type} that the chain {'takes' if place == 0 else 'gives'}")
+    return printable(f"{link.type} that the chain {'takes' if place == 0 else 'gives'}")
 
 
 def remarks(chain: Composed, place: int) -> list[str]:

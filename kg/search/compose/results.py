@@ -73,11 +73,11 @@ class Composed:
         found = [f"{count(len(self.nodes), 'node')}, all of ROS {self.wiring.ros}"]
         for node in self.nodes:
             if node.part.started:
-                found.append(f"{count(node.part.started, 'launch file')} of the store start {node.part.name}")
+                found.append(f"{_starting(node.part.started)} {node.part.name}")
             found += [f"{node.part.name}: {one}" for one in node.demerits]
         for one, other in pairwise(self.nodes):
             if number := together(one.part, other.part):
-                found.append(f"{count(number, 'launch file')} start {one.part.name} and {other.part.name} together")
+                found.append(f"{_starting(number)} {one.part.name} and {other.part.name} together")
         repositories = {node.part.repository for node in self.nodes}
         if len(self.nodes) > 1 and len(repositories) == 1:
             found.append(f"all of {repositories.pop()}")
@@ -92,6 +92,10 @@ class Answer:
     asked: Asked
     more: bool = False
     cut_off: bool = False
+
+
+def _starting(number: int) -> str:
+    return "one launch file of the store starts" if number == 1 else f"{number:,} launch files of the store start"
 
 
 def grouped(ports: tuple[Port, ...]) -> list[tuple[str, list[str]]]:

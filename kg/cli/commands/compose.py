@@ -1,0 +1,138 @@
+"""`kg compose`: chains of nodes that turn one type of messages into another, and the launch files that wire them."""
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from kg.cli.completion import features, nodes
+from kg.cli.diagnostics import note
+from kg.cli.numbers import whole
+from kg.cli.options import Json, Store
+from kg.cli.output import json_lines, terminal, write
+from kg.cli.session import session
+from kg.errors import UsageError
+from kg.render.text import count
+from kg.store.opening import existing
+
+if TYPE_CHECKING:
+    from kg.search.compose.results import Composed
+
+__all__ = ["compose"]
+
+_LONGEST = 6
+From = Annotated[
+    list[str],
+    typer.Option(
+        "--from",
+        metavar="TYPE",
+        help="What is there: `package/Type` or `Type`; of several the first node takes one.",
+        autocompletion=features("subscribes"),
+    ),
+]
+To = Annotated[
+    list[str],
+    typer.Option(
+        "--to",
+        metavar="TYPE",
+        help="What is wanted; of several the last node gives one.",
+        autocompletion=features("publishes"),
+    ),
+]
+Using = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--using",
+        metavar="NAME",
+        help="Only through this: a node, a package, a type, or a word of what a node is about.",
+        autocompletion=nodes,
+    ),
+]
+Ros = Annotated[str | None, typer.Option("--ros", metavar="1|2", help="Only this version of ROS.")]
+Length = Annotated[
+    str | None,
+    typer.Option(
+        "--length",
+        metavar="N",
+        help="At most so many nodes. [default: 4, and no more than one more than the best chain has]",
+    ),
+]
+Most = Annotated[str, typer.Option("--limit", "-n", metavar="N", help="Show so many chains.")]
+Launch = Annotated[
+    str | None, typer.Option("--launch", metavar="RANK", help="Write the launch file of this chain instead.")
+]
+
+
+def compose(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    *,
+    source: From,
+    target: To,
+    using: Using = None,
+    ros: Ros = None,
+    length: Length = None,
+    limit: Most = "5",
+    launch: Launch = None,
+    json: Json = False,
+    store: Store = None,
+) -> None:
+    """Find chains of nodes that turn one type of messages into another.
+
+    Each node subscribes the type that the one before publishes. Chains of fewer nodes come first, then those of nodes
+    that launch files start, alone and together, and that need no more inputs; tests, demos and tools that only pass
+    messages on come last. `--launch RANK` writes the launch file that wires a chain: XML for ROS 1, Python for ROS 2.
+    For example:
+
+        kg compose --from LaserScan --to Twist
+        kg compose --from sensor_msgs/Image --to sensor_msgs/PointCloud2 --using stereo
+        kg compose --from LaserScan --to Twist --ros 1 --launch 1 > laserscan_to_twist.launch
+    """
+    from kg.search.compose import Question  # noqa: PLC0415 - start-up time
+    from kg.search.compose import compose as composed  # noqa: PLC0415 - the same
+
+    rank = whole(launch, "--launch", 1) if launch is not None else 0
+    question = Question(
+        tuple(source),
+        tuple(target),
+        tuple(using or ()),
+        whole(ros, "--ros", 1, 2) if ros is not None else None,
+        whole(length, "--length", 1, _LONGEST) if length is not None else None,
+        max(whole(limit, "--limit", 1), rank),
+    )
+    kept = existing(session(context).settings(store=store))
+    with kept.read() as snapshot:
+        answer = composed(snapshot, question, kept.layout.cache)
+    for one in answer.asked.notes:
+        note(one)
+    if rank:
+        _write_launch(answer.chains, rank)
+        return
+    _show(answer.chains, json=json)
+    if answer.more and (terminal() or json):
+        note(f"the best {count(len(answer.chains), 'chain')}; --limit shows more")
+    if answer.cut_off:
+        note("there were too many chains to look at all; --using and a shorter --length narrow them down")
+
+
+def _show(chains: "tuple[Composed, ...]", *, json: bool) -> None:
+    from kg.cli.compose_view import chain_lines  # noqa: PLC0415 - start-up time
+    from kg.search.compose.results import composed_object  # noqa: PLC0415 - the same
+
+    if json:
+        json_lines(composed_object(chain, rank) for rank, chain in enumerate(chains, 1))
+        return
+    for rank, chain in enumerate(chains, 1):
+        if rank > 1:
+            write()
+        for line in chain_lines(chain, rank):
+            write(line)
+
+
+def _write_launch(chains: "tuple[Composed, ...]", rank: int) -> None:
+    from kg.search.compose.launching import launch_text  # noqa: PLC0415 - start-up time
+
+    if rank > len(chains):
+        hint = "Without `--launch` they are listed with their ranks."
+        raise UsageError("KG003", f"there is no chain {rank}, only {count(len(chains), 'chain')}", hint=hint)
+    write(launch_text(chains[rank - 1]).removesuffix("\n"))
+    if terminal():
+        note(f"a launch file for {chains[rank - 1].file_name}")

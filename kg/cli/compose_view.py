@@ -1,0 +1,50 @@
+"""Chains of nodes as lines for people: what each node takes and gives, on which line, and what else it needs."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from kg.render.text import printable
+from kg.search.compose.results import grouped
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kg.search.compose.network import Port
+    from kg.search.compose.results import Composed, Node
+
+__all__ = ["chain_lines"]
+
+_MOST: Final = 4
+"""How many copies, and types that are needed, are named one by one."""
+
+
+def chain_lines(chain: Composed, rank: int) -> Iterator[str]:
+    """Yield the lines of a chain."""
+    yield f"{rank}. {' -> '.join(chain.types)}"
+    for node in chain.nodes:
+        yield from (f"   {printable(line)}" for line in _node_lines(chain, node))
+    yield f"   because: {printable('; '.join(chain.reasons))}"
+
+
+def _node_lines(chain: Composed, node: Node) -> Iterator[str]:
+    part, start = node.part, node.start
+    yield f"{part.full_name}  {part.kind}, {part.repository}"
+    for verb, port in (("takes", start.taken), ("gives", start.given)):
+        yield f"  {verb} {_name(port)} {port.type}  {chain.details.place(port, part)}"
+    needed = [f"{kind} ({', '.join(names[:_MOST])})" if names else kind for kind, names in grouped(node.needs)]
+    if needed:
+        yield f"  also needs {_some(needed)}"
+    if node.fed:
+        yield f"  also gets {_some([kind for kind, _ in grouped(node.fed)])} from before"
+    if node.others:
+        yield f"  also as {_some([f'{one.repository}:{one.full_name}' for one in node.others])}"
+
+
+def _name(port: Port) -> str:
+    return f"`{port.name}`" if port.name is not None else f"what `{port.parameter}` names"
+
+
+def _some(texts: list[str]) -> str:
+    more = f" and {len(texts) - _MOST} more" if len(texts) > _MOST else ""
+    return ", ".join(texts[:_MOST]) + more
