@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from rich.text import Text
 
     from kg.cli.links import Links
-    from kg.facts import Interface, NodeType, Parameter, Qos
+    from kg.facts import Description, Interface, NodeType, Parameter, Qos
     from kg.graph.reading import NodeRecord
 
 __all__ = ["TITLES", "left_out", "node_view"]
@@ -29,6 +29,8 @@ TITLES: Final = {
     Role.ACTION_SERVERS: "offers actions",
     Role.ACTION_CLIENTS: "calls actions",
 }
+_MOST_DESCRIPTIONS: Final = 2
+"""Texts that are shown unless all are asked for: the best say what a node is for."""
 _DONE: Final = {Access.DECLARE: "declared", Access.READ: "read", Access.WRITE: "written"}
 _LANGUAGES: Final = {"cpp": "C++", "python": "Python"}
 
@@ -45,6 +47,11 @@ def node_view(
     from rich.text import Text  # noqa: PLC0415 - start-up time
 
     parts: list[RenderableType] = list(_header(record, links))
+    said = record.descriptions if every else record.descriptions[:_MOST_DESCRIPTIONS]
+    for one in said:
+        parts += [Text(), *_description(one, record.repository, links)]
+    if len(said) < len(record.descriptions):
+        parts.append(Text(f"  and {len(record.descriptions) - len(said)} more texts; --all shows them", style="dim"))
     groups = _groups(record.node, every=every)
     if groups:
         parts += [Text(), interface_table(groups, record.repository, links, columns)]
@@ -83,6 +90,15 @@ def _header(record: NodeRecord, links: Links) -> Iterable[Text]:
     others = [path for path in node.sources if path != node.location.path]
     if others:
         yield _field("sources", _some(others))
+
+
+def _description(said: Description, repository: str, links: Links) -> Iterable[RenderableType]:
+    """Yield what was written about a node and, dim, where."""
+    from rich.padding import Padding  # noqa: PLC0415 - start-up time
+    from rich.text import Text  # noqa: PLC0415 - start-up time
+
+    yield Padding(Text(printable(said.text)), (0, 0, 0, 2))
+    yield Text.assemble(("  ", "dim"), place_text(said.location, repository, links))
 
 
 def _field(name: str, value: str) -> Text:

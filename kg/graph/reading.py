@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias
 
 from kg.facts import (
@@ -23,9 +23,12 @@ from kg.facts import (
 )
 from kg.graph import vocabulary as v
 from kg.graph.ntriples import literal
+from kg.graph.texts_reading import DESCRIPTIONS, descriptions_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
+
+    from kg.facts import Description
 
 __all__ = [
     "NodeRecord",
@@ -102,6 +105,8 @@ class NodeRecord:
     """The IRIs of its interfaces."""
     settable: Mapping[Parameter, str] = field(default_factory=dict, repr=False, compare=False)
     """The IRIs of its parameters."""
+    descriptions: tuple[Description, ...] = field(default=(), repr=False, compare=False)
+    """What people wrote about it, the best first."""
 
     @property
     def reference(self) -> NodeReference:
@@ -131,6 +136,7 @@ def node_records(
     sources = _listed(_rows(graph, _SOURCES % which))
     executables = _listed(_rows(graph, _EXECUTABLES % which))
     parts = _parts(graph, which, owners)
+    said = descriptions_of(_rows(graph, DESCRIPTIONS % which))
     found = []
     for iri, owner in owners.items():
         ends, settable = parts.get(iri, ([], []))
@@ -141,7 +147,8 @@ def node_records(
             ([end for end, _ in ends], [parameter for parameter, _ in settable]),
         )
         commit, place = owner["commit"], (_text(owner["repository"]), _text(owner["package"]))
-        found.append(NodeRecord(place[0], commit and _text(commit), place[1], fact, iri, dict(ends), dict(settable)))
+        record = NodeRecord(place[0], commit and _text(commit), place[1], fact, iri, dict(ends), dict(settable))
+        found.append(replace(record, descriptions=said.get(iri, ())))
     return sorted(found, key=lambda one: (one.repository, one.package, one.node.name, str(one.node.location)))
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from kg.facts import NodeKind, Role
+from kg.graph.texts_reading import summary
 
 if TYPE_CHECKING:
     from kg.facts import InstanceInterface, Interface, Location, NodeInstance, Parameter, Qos, System
@@ -31,6 +32,7 @@ def node_object(record: NodeRecord) -> dict[str, Any]:
         "node_aliases": list(node.aliases),
         "base_class": node.base_class,
         "start": how_to_start(record),
+        "description": summary(record.descriptions),
         **_place(node.location),
     }
     for role in Role:

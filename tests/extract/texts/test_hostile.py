@@ -1,4 +1,4 @@
-"""Files that were made, or broken, so that reading them would fail: descriptions of the others are found all the same."""
+"""Files that were made, or broken, so that reading them would fail: the other descriptions are found all the same."""
 
 from __future__ import annotations
 
