@@ -13,6 +13,7 @@ from kg.codes import (
     composing,
     corpora,
     defects,
+    evaluating,
     graphs,
     language,
     linting,
@@ -39,6 +40,7 @@ CATALOGUE: Final[dict[str, CodeEntry]] = {
     **queries.CODES,
     **graphs.CODES,
     **search.CODES,
+    **evaluating.CODES,
     **composing.CODES,
     **defects.CODES,
 }

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from kg.evaluate.references import Entry, Reference
     from kg.store.interface import Snapshot
 
-__all__ = ["Ground", "Linked", "link"]
+__all__ = ["Ground", "Linked", "Linker"]
 
 _ACTION_TOPIC: Final = re.compile(r"(.+)/(goal|cancel|status|feedback|result)")
 _HEARD: Final = frozenset({"goal", "cancel"})
@@ -98,20 +98,30 @@ class Ground:
         }
 
 
-def link(snapshot: Snapshot, references: Iterable[Reference]) -> Ground:
-    """Return the ground on which the references of repositories that the store has are compared with it."""
-    names = _Names(snapshot)
-    linked = [names.linked(one) for one in references if one.repository in names.repositories]
-    store = Store()
-    for repository in sorted({names.repositories[one.reference.repository] for one in linked}):
-        store.extend(_interfaces(snapshot, repository))
-    parts = _parts(store)
-    writer = Writer()
-    for number, one in enumerate(linked, 1):
-        _write(writer, number, one, parts.get(one.package or "", {}))
-    triples = writer.encoded()
-    store.load(triples, format=RdfFormat.N_TRIPLES)
-    return Ground(store, triples, linked)
+class Linker:
+    """Links references with a snapshot; what it read of a repository is kept for the next ones."""
+
+    def __init__(self, snapshot: Snapshot) -> None:
+        self._snapshot = snapshot
+        self._names = _Names(snapshot)
+        self._read: dict[str, tuple[Quad, ...]] = {}
+
+    def link(self, references: Iterable[Reference]) -> Ground:
+        """Return the ground on which the references of repositories that the store has are compared with it."""
+        known = self._names.repositories
+        linked = [self._names.linked(one) for one in references if one.repository in known]
+        store = Store()
+        for repository in sorted({known[one.reference.repository] for one in linked}):
+            if repository not in self._read:
+                self._read[repository] = tuple(_interfaces(self._snapshot, repository))
+            store.extend(self._read[repository])
+        parts = _parts(store)
+        writer = Writer()
+        for number, one in enumerate(linked, 1):
+            _write(writer, number, one, parts.get(one.package or "", {}))
+        triples = writer.encoded()
+        store.load(triples, format=RdfFormat.N_TRIPLES)
+        return Ground(store, triples, linked)
 
 
 class _Names:
@@ -134,6 +144,9 @@ class _Names:
         key = reference.repository, reference.package
         known = self._nodes.get(key, {})
         nodes = sorted({node for name in reference.names for node in known.get(name, ())})
+        if not nodes and reference.sole:
+            every = sorted(set().union(*known.values()))
+            nodes = every if len(every) == 1 else []
         return Linked(reference, self._packages.get(key), tuple(nodes))
 
 

@@ -3,16 +3,18 @@
 A file of references has one JSON object a line, in one of two shapes. The first is that of `kg nodes --json`
 (`publishes`, `subscribes`, ... hold objects with `name` and `type`), with `closed_world`, the roles of which it says
 that it names all. The second is that of documentation: pairs of name and type, `called_services`, `actions`,
-`actions_called` and `params` for the roles. Both name `repo`, `package` and `node`, and may name the `commit`. A page
-of the ROS wiki in its markup (`.txt`, `.wiki`) is read too, when the package is named with it.
+`actions_called` and `params` for the roles. Both name `repo`, `package` and `node`, and may name the `commit`.
+Pages of documentation themselves are read by `kg.evaluate.documents`.
 """
 
 from __future__ import annotations
 
-import json
 import re
-from dataclasses import dataclass, field
+from collections import Counter
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Final
+
+import msgspec
 
 from kg.errors import Place, UsageError
 
@@ -20,7 +22,18 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
     from pathlib import Path
 
-__all__ = ["PARAMETERS", "ROLES", "Entry", "Reference", "plain_name", "plain_type", "read", "short_name"]
+__all__ = [
+    "PARAMETERS",
+    "ROLES",
+    "Entry",
+    "Reading",
+    "Reference",
+    "plain_name",
+    "plain_type",
+    "read",
+    "short_name",
+    "text_of",
+]
 
 PARAMETERS: Final = "parameters"
 ROLES: Final = ("publishes", "subscribes", "services", "clients", "action_servers", "action_clients", PARAMETERS)
@@ -56,7 +69,8 @@ class Reference:
     """A node as a reference describes it.
 
     `repository` is `owner/name` in lower case, `names` are short names in lower case by which the node goes, `closed`
-    the roles of which the reference names all; `place` is where it was read.
+    the roles of which the reference names all; `place` is where it was read. A `sole` one speaks of the one node of
+    its package where none goes by its names.
     """
 
     repository: str
@@ -66,49 +80,109 @@ class Reference:
     entries: tuple[Entry, ...]
     place: Place
     closed: frozenset[str] = field(default_factory=frozenset)
+    sole: bool = False
 
 
-def read(path: Path, *, closed: bool = False) -> tuple[Reference, ...]:
-    """Return the references of a file, each node once; with `closed` each is taken to name all that its node has.
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """What was read: each node once, and how many records were left out, by reason."""
+
+    references: tuple[Reference, ...]
+    left_out: Mapping[str, int] = field(default_factory=dict)
+
+
+class _Named(msgspec.Struct):
+    name: str | None = None
+    type: str | None = None
+    before_remap: str | None = None
+    implicit: bool = False
+
+
+_Said = list[_Named | list[str | float | bool | None]] | None
+
+
+class _Record(msgspec.Struct, frozen=True):
+    """A line, whatever of its two shapes it has; what is not named here is passed over."""
+
+    repo: str | None = None
+    repository: str | None = None
+    commit: str | None = None
+    package: str | None = None
+    node: str | None = None
+    executable: str | None = None
+    plugin: str | None = None
+    node_name: str | None = None
+    node_aliases: list[str] | None = None
+    aliases: list[str] | None = None
+    scorable: bool | None = None
+    closed_world: list[str] | None = None
+    publishes: _Said = None
+    subscribes: _Said = None
+    services: _Said = None
+    clients: _Said = None
+    action_servers: _Said = None
+    action_clients: _Said = None
+    parameters: _Said = None
+    called_services: _Said = None
+    actions: _Said = None
+    actions_called: _Said = None
+    params: _Said = None
+    params_read: _Said = None
+    params_written: _Said = None
+
+
+def text_of(path: Path) -> str:
+    """Return the text of a file of references; UsageError KG721 when it cannot be read."""
+    try:
+        return path.read_text("utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise UsageError("KG721", f"the references cannot be read: {reason}", place=Place(str(path))) from None
+
+
+def read(path: Path, *, closed: bool = False) -> Reading:
+    """Return the references of a file of JSON lines; with `closed` each is taken to name all that its node has.
 
     Raises:
         UsageError: KG721 when the file cannot be read, or a line is no reference.
     """
-    try:
-        text = path.read_text("utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise UsageError("KG721", f"the references cannot be read: {error}", place=Place(str(path))) from None
-    found = [
-        _reference(record, Place(str(path), number), closed=closed)
-        for number, record in _records(text, path)
-        if record.get("scorable") is not False and record.get("package")
-    ]
-    return tuple(_merged(found))
+    left_out: Counter[str] = Counter()
+    merged: dict[tuple[str | None, ...], Reference] = {}
+    for number, record in _records(text_of(path), path):
+        if record.scorable is False:
+            left_out["not to be scored, as the file says"] += 1
+        elif not record.package:
+            left_out["no package is named"] += 1
+        else:
+            found = _reference(record, Place(str(path), number), closed=closed)
+            key = (found.repository, found.package, record.executable or record.node, record.plugin)
+            merged[key] = _joined(merged[key], found) if key in merged else found
+    return Reading(tuple(merged.values()), left_out)
 
 
-def _records(text: str, path: Path) -> Iterator[tuple[int, dict[str, Any]]]:
-    for number, line in enumerate(text.splitlines(), 1):
+def _records(text: str, path: Path) -> Iterator[tuple[int, _Record]]:
+    decoder = msgspec.json.Decoder(_Record)
+    for number, line in enumerate(text.split("\n"), 1):
         if not line.strip():
             continue
+        place = Place(str(path), number)
         try:
-            record = json.loads(line)
-        except ValueError as error:
-            place = Place(str(path), number)
-            raise UsageError("KG721", f"this line is not JSON: {error}", place=place, hint=_HINT) from None
-        if not isinstance(record, dict) or not (record.get("repo") or record.get("repository")):
-            place = Place(str(path), number)
+            record = decoder.decode(line.encode("utf-8", "replace"))
+        except (msgspec.MsgspecError, RecursionError) as error:
+            raise UsageError("KG721", f"this line is no reference: {error}", place=place, hint=_HINT) from None
+        if not (record.repo or record.repository):
             raise UsageError("KG721", "this line names no repository of a node", place=place, hint=_HINT)
         yield number, record
 
 
-def _reference(record: Mapping[str, Any], place: Place, *, closed: bool) -> Reference:
-    names = [record.get(key) for key in ("node", "executable", "plugin", "node_name")]
-    names += [*(record.get("node_aliases") or ()), *(record.get("aliases") or ())]
-    complete = {_OTHER_KEYS.get(key, key) for key in record.get("closed_world") or ()}
+def _reference(record: _Record, place: Place, *, closed: bool) -> Reference:
+    names = [record.node, record.executable, record.plugin, record.node_name]
+    names += [*(record.node_aliases or ()), *(record.aliases or ())]
+    complete = {_OTHER_KEYS.get(key, key) for key in record.closed_world or ()}
     return Reference(
-        repository=_owner_and_name(record.get("repo") or record["repository"]),
-        commit=record.get("commit"),
-        package=record["package"],
+        repository=_owner_and_name(record.repo or record.repository or ""),
+        commit=record.commit,
+        package=record.package or "",
         names=frozenset(short_name(name) for name in names if name),
         entries=tuple(dict.fromkeys(_entries(record))),
         place=place,
@@ -116,29 +190,30 @@ def _reference(record: Mapping[str, Any], place: Place, *, closed: bool) -> Refe
     )
 
 
-def _entries(record: Mapping[str, Any]) -> Iterator[Entry]:
+def _entries(record: _Record) -> Iterator[Entry]:
     for key in (*ROLES, *_OTHER_KEYS):
         role = _OTHER_KEYS.get(key, key)
-        for one in record.get(key) or ():
-            given = {"name": one[0], "type": one[1] if len(one) > 1 else None} if isinstance(one, list) else one
-            if not given.get("implicit"):
-                name = plain_name(given.get("before_remap") or given.get("name"))
-                yield Entry(role, name, None if role == PARAMETERS else plain_type(given.get("type")))
+        for one in getattr(record, key) or ():
+            given = _pair(one) if isinstance(one, list) else one
+            if not given.implicit:
+                name = plain_name(given.before_remap or given.name)
+                yield Entry(role, name, None if role == PARAMETERS else plain_type(given.type))
 
 
-def _merged(references: Iterable[Reference]) -> Iterator[Reference]:
-    """Yield each node once: what several lines say of it (one for each launch file) belongs together."""
-    known: dict[tuple[str, str, frozenset[str]], Reference] = {}
-    for one in references:
-        key = (one.repository, one.package, one.names)
-        before = known.get(key)
-        known[key] = one if before is None else _joined(before, one)
-    yield from known.values()
+def _pair(said: list[Any]) -> _Named:
+    name, kind = (*said, None, None)[:2]
+    return _Named(name if isinstance(name, str) else None, kind if isinstance(kind, str) else None)
 
 
 def _joined(one: Reference, other: Reference) -> Reference:
-    entries = tuple(dict.fromkeys((*one.entries, *other.entries)))
-    return Reference(one.repository, one.commit, one.package, one.names, entries, one.place, one.closed | other.closed)
+    """Return what two lines say of a node (one for each launch file, or page), together."""
+    entries: Iterable[Entry] = (*one.entries, *other.entries)
+    return replace(
+        one,
+        names=one.names | other.names,
+        entries=tuple(dict.fromkeys(entries)),
+        closed=one.closed | other.closed,
+    )
 
 
 def plain_name(name: str | None) -> str | None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-__all__ = ["Cell", "Share", "Table", "as_csv", "as_markdown", "as_objects", "spelled"]
+__all__ = ["Cell", "Score", "Share", "Table", "as_csv", "as_markdown", "as_objects", "spelled"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,10 +27,19 @@ class Share:
         return self.part / self.whole if self.whole else None
 
 
+@dataclass(frozen=True, slots=True)
+class Score:
+    """A figure, and its interval; `signed` for a difference, which may be below zero."""
+
+    value: float
+    interval: tuple[float, float]
+    signed: bool = False
+
+
 _UNKNOWN: Final = "-"
 
-Cell = str | int | float | Share | None
-"""What stands in a table: words, a count, a figure from 0 to 1, a share, or nothing that is known."""
+Cell = str | int | float | Share | Score | None
+"""What stands in a table: words, a count, a figure from 0 to 1, a share, a score, or nothing that is known."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +59,8 @@ def spelled(cell: Cell) -> str:
         return _UNKNOWN
     if isinstance(cell, Share):
         return _share(cell)
+    if isinstance(cell, Score):
+        return _score(cell)
     if isinstance(cell, float):
         return f"{cell:.3f}"
     return f"{cell:,}" if isinstance(cell, int) else cell
@@ -62,6 +73,12 @@ def _share(cell: Share) -> str:
     if cell.interval is None:
         return text
     return f"{text} [{100 * cell.interval[0]:.1f}, {100 * cell.interval[1]:.1f}]"
+
+
+def _score(cell: Score) -> str:
+    form = "+.3f" if cell.signed else ".3f"
+    low, high = cell.interval
+    return f"{cell.value:{form}} [{low:{form}}, {high:{form}}]"
 
 
 def as_markdown(table: Table) -> str:
@@ -96,10 +113,12 @@ def as_objects(table: Table) -> list[dict[str, object]]:
 def _object(row: Mapping[str, Cell]) -> dict[str, object]:
     found: dict[str, object] = {}
     for name, cell in row.items():
-        if not isinstance(cell, Share):
+        if not isinstance(cell, Share | Score):
             found[name] = cell
             continue
-        found |= {name: cell.value, f"{name} part": cell.part, f"{name} whole": cell.whole}
+        found[name] = cell.value
+        if isinstance(cell, Share):
+            found |= {f"{name} part": cell.part, f"{name} whole": cell.whole}
         if cell.interval is not None:
             found |= {f"{name} low": cell.interval[0], f"{name} high": cell.interval[1]}
     return found

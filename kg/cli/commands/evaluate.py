@@ -1,0 +1,129 @@
+"""`kg eval`: how complete and how right the graph is, and how well nodes are found, as RNKG evaluates it."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
+
+from kg.cli.diagnostics import say
+from kg.cli.evaluation_view import deliver
+from kg.cli.options import Json, Store
+from kg.cli.session import session
+from kg.errors import UsageError
+from kg.render.text import count
+from kg.store.opening import reading
+
+if TYPE_CHECKING:
+    from kg.evaluate.gathering import Choice
+    from kg.evaluate.linking import Ground
+    from kg.settings import Settings
+
+__all__ = ["HELP", "completeness", "correctness"]
+
+HELP: Final = "Measure the graph and the search against references and the code."
+
+References = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--reference", "-r", metavar="FILE", help="References: JSON lines, a wiki page, a README, a folder of pages."
+    ),
+]
+Closed = Annotated[bool, typer.Option("--closed", help="Take references to name all that a node has.")]
+AnyCommit = Annotated[bool, typer.Option("--any-commit", help="Compare references of other commits too.")]
+Package = Annotated[
+    str | None, typer.Option("--package", "-p", metavar="NAME", help="The package that wiki pages and READMEs are of.")
+]
+Keep = Annotated[bool, typer.Option("--keep", help="Keep the references in the store, for the stored queries.")]
+Forget = Annotated[bool, typer.Option("--forget", help="Take kept references out of the store.")]
+Output = Annotated[
+    str | None, typer.Option("--output", "-o", metavar="FOLDER", help="Write Markdown, CSV and SVG into FOLDER.")
+]
+
+
+def completeness(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    *,
+    reference: References = None,
+    package: Package = None,
+    any_commit: AnyCommit = False,
+    keep: Keep = False,
+    forget: Forget = False,
+    output: Output = None,
+    json: Json = False,
+    store: Store = None,
+) -> None:
+    """Count what references name and the graph knows.
+
+    Nodes, topics, services, actions, types and parameters, as in RNKG's Table 8, with Wilson intervals. A name is
+    known when its package has an end or parameter of that name and role. For example:
+
+        kg eval completeness --reference nodes.jsonl
+        kg eval completeness -r src/scan_tools/README.md -r src/nav/doc/wiki.txt --output tables
+    """
+    settings = session(context).settings(store=store)
+    if forget:
+        _forget(settings)
+        return
+    from kg.evaluate.completeness import completeness as measure  # noqa: PLC0415 - start-up time
+
+    with reading(settings) as snapshot:
+        table, ground = measure(snapshot, _paths(reference), _choice(any_commit=any_commit, package=package))
+    deliver(table, json=json, output=output)
+    if keep:
+        _keep(settings, ground)
+
+
+def correctness(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    *,
+    reference: References = None,
+    closed: Closed = False,
+    package: Package = None,
+    any_commit: AnyCommit = False,
+    keep: Keep = False,
+    output: Output = None,
+    json: Json = False,
+    store: Store = None,
+) -> None:
+    """Compare the relations of nodes with references: precision, recall and F1.
+
+    By relation, as in RNKG's Table 10. Precision needs references that name all that a node has: files say so by role
+    (`closed_world`), --closed says it of all. For example:
+
+        kg eval correctness --reference truth.jsonl
+        kg eval correctness -r truth.jsonl --closed --json
+    """
+    from kg.evaluate.correctness import correctness as measure  # noqa: PLC0415 - start-up time
+
+    settings = session(context).settings(store=store)
+    choice = _choice(closed=closed, any_commit=any_commit, package=package)
+    with reading(settings) as snapshot:
+        table, ground = measure(snapshot, _paths(reference), choice)
+    deliver(table, json=json, output=output)
+    if keep:
+        _keep(settings, ground)
+
+
+def _paths(reference: list[str] | None) -> list[Path]:
+    if not reference:
+        raise UsageError("KG003", "no reference is named", hint="Give --reference FILE, once for each.")
+    return [Path(one).expanduser() for one in reference]
+
+
+def _choice(*, closed: bool = False, any_commit: bool = False, package: str | None = None) -> "Choice":
+    from kg.evaluate.gathering import Choice  # noqa: PLC0415 - start-up time
+
+    return Choice(closed, any_commit, package)
+
+
+def _keep(settings: "Settings", ground: "Ground") -> None:
+    from kg.evaluate.keeping import keep  # noqa: PLC0415 - the branch that needs it
+
+    keep(settings, ground.triples)
+    say(f"kept {count(len(ground.linked), 'reference')} in the store")
+
+
+def _forget(settings: "Settings") -> None:
+    from kg.evaluate.keeping import forget  # noqa: PLC0415 - the branch that needs it
+
+    say("forgot the references" if forget(settings) else "no references were kept")

@@ -1,0 +1,22 @@
+"""The codes of evaluations: KG72x."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from kg.codes.entry import CodeEntry
+
+__all__ = ["CODES"]
+
+CODES: Final = {
+    "KG721": CodeEntry(
+        "references cannot be read",
+        "A file of references is not there, is no UTF-8, or has a line that is no reference.",
+        "Correct the line; docs/evaluation.md shows what such a file looks like.",
+    ),
+    "KG723": CodeEntry(
+        "package of a page",
+        "A page of documentation stands in no package of the store, or the package named with it is not there.",
+        "Name the package with `--package NAME` or `--package REPOSITORY:NAME`.",
+    ),
+}

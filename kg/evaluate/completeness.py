@@ -1,0 +1,95 @@
+"""Table 8: what references name, and how much of it the graph knows."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING, Final
+
+from kg.evaluate.gathering import gather
+from kg.evaluate.intervals import wilson
+from kg.evaluate.linking import Linker
+from kg.evaluate.paper import beside
+from kg.evaluate.tables import Share, Table
+from kg.render.text import count
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+    from pathlib import Path
+
+    from kg.evaluate.gathering import Choice, Gathered
+    from kg.evaluate.linking import Ground
+    from kg.evaluate.tables import Cell
+    from kg.store.interface import Snapshot
+
+__all__ = ["completeness", "grounds", "remarks", "share"]
+
+_QUERY: Final = "completeness/reference-entities"
+_ENTITIES: Final = (
+    "node",
+    "topic",
+    "service",
+    "action",
+    "parameter",
+    "message type",
+    "service type",
+    "action type",
+)
+_ALL: Final = "all"
+
+
+def completeness(snapshot: Snapshot, paths: Sequence[Path], choice: Choice) -> tuple[Table, Ground]:
+    """Return the table of a store and references, and what was linked of all of them together.
+
+    Raises:
+        UsageError: KG721 for a file that cannot be read, KG723 for a page whose package is not known.
+    """
+    gathered, linked = grounds(snapshot, paths, choice)
+    rows = [
+        row
+        for name, ground in linked
+        for row in _rows(name, {entity: (n["named"], n["known"]) for entity, n in ground.counts(_QUERY).items()})
+    ]
+    table = Table(
+        "completeness",
+        "Entities of references that the graph knows",
+        ("reference", "entity", "known"),
+        tuple(rows),
+        tuple(remarks(gathered, linked[-1][1])),
+    )
+    return beside(table, ("entity",)), linked[-1][1]
+
+
+def grounds(
+    snapshot: Snapshot, paths: Sequence[Path], choice: Choice
+) -> tuple[tuple[Gathered, ...], list[tuple[str, Ground]]]:
+    """Return what was gathered of each path, and what was linked: of each, then, when they are several, of all."""
+    gathered = gather(snapshot, paths, choice)
+    linker = Linker(snapshot)
+    linked = [(one.path.name, linker.link(one.references)) for one in gathered if len(gathered) > 1]
+    name = _ALL if len(gathered) > 1 else gathered[0].path.name
+    return gathered, [*linked, (name, linker.link(each for one in gathered for each in one.references))]
+
+
+def share(part: int, whole: int) -> Share:
+    """Return a share with its Wilson interval."""
+    return Share(part, whole, wilson(part, whole) if whole else None)
+
+
+def _rows(reference: str, counts: dict[str, tuple[int, int]]) -> Iterator[tuple[Cell, ...]]:
+    for entity in _ENTITIES:
+        named, known = counts.get(entity, (0, 0))
+        if named:
+            yield reference, entity, share(known, named)
+
+
+def remarks(gathered: Iterable[Gathered], ground: Ground) -> Iterator[str]:
+    """Yield how much was compared, and how much was left out of it and why."""
+    repositories = {one.reference.repository for one in ground.linked}
+    nodes = count(len(ground.linked), "documented node")
+    yield f"{nodes} of {count(len(repositories), 'repository', 'repositories')} compared."
+    left_out: Counter[str] = Counter()
+    for one in gathered:
+        left_out.update(one.left_out)
+    if left_out:
+        told = "; ".join(f"{number:,} {reason}" for reason, number in left_out.most_common())
+        yield f"Left out: {told}."

@@ -1,0 +1,84 @@
+"""Table 10: precision, recall and F1 of the graph's relations against references."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from kg.evaluate.completeness import grounds, remarks, share
+from kg.evaluate.paper import beside
+from kg.evaluate.tables import Table
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from pathlib import Path
+
+    from kg.evaluate.gathering import Choice
+    from kg.evaluate.linking import Ground
+    from kg.evaluate.tables import Cell, Share
+    from kg.store.interface import Snapshot
+
+__all__ = ["correctness"]
+
+_RECALL: Final = "correctness/reference-recall"
+_PRECISION: Final = "correctness/reference-precision"
+_TYPES: Final = "correctness/reference-types"
+_RELATIONS: Final = {
+    "publishes": "publishes",
+    "subscribes": "subscribes",
+    "provides": "services",
+    "calls": "clients",
+    "serves action": "action_servers",
+    "calls action": "action_clients",
+    "has parameter": "parameters",
+}
+"""The relations of RNKG, by the roles that references have."""
+_OPEN: Final = (
+    "No precision without references that name all that a node has (`closed_world` in the file, or --closed): what "
+    "they do not name may still be right."
+)
+_TYPED: Final = "`has type`: recall of names with their types; precision of the types of ends that were found."
+
+
+def correctness(snapshot: Snapshot, paths: Sequence[Path], choice: Choice) -> tuple[Table, Ground]:
+    """Return the table of a store and references, and what was linked of all of them together.
+
+    Raises:
+        UsageError: KG721 for a file that cannot be read, KG723 for a page whose package is not known.
+    """
+    gathered, linked = grounds(snapshot, paths, choice)
+    rows = tuple(row for name, ground in linked for row in _rows(name, ground))
+    notes = [*remarks(gathered, linked[-1][1]), _TYPED]
+    if any(row[2] is None for row in rows):
+        notes.append(_OPEN)
+    columns = ("reference", "relation", "precision", "recall", "F1")
+    table = Table("correctness", "Relations of the graph against references", columns, rows, tuple(notes))
+    return beside(table, ("relation",)), linked[-1][1]
+
+
+def _rows(reference: str, ground: Ground) -> Iterator[tuple[Cell, ...]]:
+    recalled, claimed = ground.counts(_RECALL), ground.counts(_PRECISION)
+    for relation, role in _RELATIONS.items():
+        if role in recalled:
+            precision = _share(claimed, (role,), "confirmed", "stated")
+            yield _row(reference, relation, precision, _share(recalled, (role,), "had", "stated"))
+    roles = [role for role in _RELATIONS.values() if role in recalled]
+    every = _share(claimed, roles, "confirmed", "stated")
+    yield _row(reference, "all of these", every, _share(recalled, roles, "had", "stated"))
+    types = ground.counts(_TYPES)
+    precision = _share(types, types, "same", "typed")
+    yield _row(reference, "has type", precision, _share(recalled, roles, "had_with_type", "stated_with_type"))
+
+
+def _share(counts: Mapping[str, Mapping[str, int]], roles: Iterable[str], part: str, whole: str) -> Share | None:
+    """Return the share of all these roles together; None when there is nothing to be right about."""
+    found = [counts[role] for role in roles if role in counts]
+    number = sum(one[whole] for one in found)
+    return share(sum(one[part] for one in found), number) if number else None
+
+
+def _row(reference: str, relation: str, precision: Share | None, recall: Share | None) -> tuple[Cell, ...]:
+    right, found = (one.value if one else None for one in (precision, recall))
+    harmonic = None
+    if right is not None and found is not None:
+        harmonic = 2 * right * found / (right + found) if right + found else 0.0
+    return reference, relation, precision, recall, harmonic
