@@ -44,6 +44,8 @@ _ENGLISH: Final = re.compile(r"[A-Za-z]")
 _SIGNS: Final = re.compile(r"[^\w\s.,:'\"()/-]")
 _UNPRINTABLE: Final = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u200b-\u200f\u2028-\u202e\ud800-\udfff\ufeff]")
 _BOUNDARY: Final = re.compile(r"(?<=[^\W\d_][a-z0-9)\]'\"][.!?])\s+(?=[A-Z\"'(`])|\n{2,}|(?<=;)\s*\n")
+_LAST_NUMBER: Final = re.compile(r"(?<=\w \d)\.$")
+"""A full stop behind a number at the end; at the beginning the two are one word, as in lists."""
 _BATCH: Final = 128
 
 
@@ -84,7 +86,9 @@ def sentences(text: str) -> list[str]:
     clean = _UNPRINTABLE.sub(" ", text[:LONGEST_TEXT])
     found = []
     for part in _BOUNDARY.split(clean):
-        kept = " ".join(word for word in part.split() if len(word) <= LONGEST_WORD)[:LONGEST_SENTENCE]
+        kept = _LAST_NUMBER.sub(
+            " .", " ".join(word for word in part.split() if len(word) <= LONGEST_WORD)[:LONGEST_SENTENCE]
+        )
         if _is_language(kept):
             found.append(kept)
     return found

@@ -27,9 +27,11 @@ __all__ = ["FILE_NAME", "Pattern", "PhraseFinder", "read_patterns"]
 
 FILE_NAME: Final = "hardware-patterns.toml"
 
-_REFERENCE: Final = re.compile(r"([a-z]+)([?*+]|\{\d+,\d+\})?")
+_REFERENCE: Final = re.compile(r"([a-z]+)(?:([?*+])|\{(\d+),(\d+)\})?")
 _LONGEST_PHRASE: Final = 8
 """A phrase of more words is a list without commas, or no language."""
+
+_NOUNS: Final = frozenset({"NOUN", "PROPN"})
 
 Tokens = list[dict[str, Any]]
 
@@ -67,22 +69,28 @@ def _patterns(content: Mapping[str, Any]) -> Iterator[Pattern]:
     tokens = content.get("tokens", {})
     for one in content["pattern"]:
         before, phrase, after = (
-            [_token(part, tokens, words) for part in one.get(key, ())] for key in ("before", "phrase", "after")
+            [token for part in one.get(key, ()) for token in _tokens(part, tokens, words)]
+            for key in ("before", "phrase", "after")
         )
         yield Pattern(one["name"], one["example"], one["documentation"], before, phrase, after)
 
 
-def _token(part: str | dict[str, Any], tokens: Mapping[str, Any], words: Mapping[str, Any]) -> dict[str, Any]:
-    """Return one token of a pattern with its references to `[tokens]` and `[words]` filled in."""
+def _tokens(part: str | dict[str, Any], tokens: Mapping[str, Any], words: Mapping[str, Any]) -> Tokens:
+    """Return a part of a pattern with its references to `[tokens]` and `[words]` filled in.
+
+    `{n,m}` becomes so many tokens, of which some may be missing, as spaCy counts them when it tells what matched.
+    """
     if isinstance(part, dict):
-        return {key: _filled(value, words) for key, value in part.items()}
+        return [{key: _filled(value, words) for key, value in part.items()}]
     reference = _REFERENCE.fullmatch(part)
     if reference is None:
         message = f"{part!r} is no name of [tokens]"
         raise ValueError(message)
-    name, operator = reference.groups()
+    name, operator, least, most = reference.groups()
     token = {key: _filled(value, words) for key, value in tokens[name].items()}
-    return {**token, "OP": operator} if operator else token
+    if least is None:
+        return [{**token, "OP": operator} if operator else token]
+    return [token] * int(least) + [{**token, "OP": "?"}] * (int(most) - int(least))
 
 
 def _filled(value: Any, words: Mapping[str, Any]) -> Any:
@@ -110,7 +118,7 @@ class PhraseFinder:
     def find(self, doc: Doc) -> tuple[Phrase, ...]:
         """Return the phrases of a document in the order of the text: of those that overlap the longest, else the first.
 
-        A dash with a space on one side parts two phrases; a phrase neither begins nor ends with a hyphen.
+        A dash with a space on one side parts two phrases.
         """
         matches: Any = self._matcher(doc, with_alignments=True)
         spans = {span for match in matches if (span := self._span(doc, match))}
@@ -130,11 +138,9 @@ class PhraseFinder:
         own = [begin + place for place, part in enumerate(alignments) if part in inside]
         if not own or len(own) > _LONGEST_PHRASE:
             return None
-        start = own[0]
-        for place in own:
-            if _is_dash(doc, place):
-                start = place + 1
-        return (start, own[-1] + 1, pattern.name) if start <= own[-1] else None
+        if any(_is_dash(doc, place) for place in own):
+            return None
+        return own[0], own[-1] + 1, pattern.name
 
 
 def _is_dash(doc: Doc, place: int) -> bool:
@@ -144,4 +150,7 @@ def _is_dash(doc: Doc, place: int) -> bool:
 
 
 def _text(tokens: Iterable[Token]) -> str:
-    return " ".join(token.lemma_.lower() for token in tokens if token.text != "-")
+    """Return the words of a phrase: nouns as the dictionary has them, others as written ("charging station")."""
+    return " ".join(
+        (token.lemma_ if token.pos_ in _NOUNS else token.text).lower() for token in tokens if token.text != "-"
+    )

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 from spacy.util import load_config, load_model_from_config
 
 import kg.language.embedding
-import kg.language.lemmas  # noqa: F401 - both register parts that the model's configuration names
-from kg.language.tokenizer import extend
+import kg.language.lemmas
+import kg.language.tokenizer  # noqa: F401 - these register parts that the model's configuration names
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -35,7 +35,6 @@ def load(folder: Path) -> Language:
     for name in nlp.pipe_names:
         for label in getattr(nlp.get_pipe(name), "labels", ()):
             nlp.vocab.strings.add(label)
-    extend(nlp)
     return nlp
 
 

@@ -6,14 +6,17 @@ spaCy's rules for English split `sensor_msgs/LaserScan` and `AT91SAM7-EK/2` as t
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
-from spacy.util import compile_infix_regex, compile_prefix_regex, compile_suffix_regex
+from spacy.tokenizer import Tokenizer  # type: ignore[import-not-found]  # has no stub
+from spacy.util import compile_infix_regex, compile_prefix_regex, compile_suffix_regex, registry
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from spacy.language import Language
 
-__all__ = ["IDENTIFIER", "extend"]
+__all__ = ["IDENTIFIER", "make_tokenizer"]
 
 IDENTIFIER: Final = re.compile(
     r"""
@@ -36,15 +39,23 @@ _JOINED: Final = ("and/or",)
 """What spaCy keeps whole and the treebank splits."""
 
 
-def extend(nlp: Language) -> None:
-    """Add the rules of this module to the tokenizer of `nlp`, which has those of spaCy for English."""
+def make_tokenizer() -> Callable[[Language], Tokenizer]:
+    """Return what makes the tokenizer of a pipeline: spaCy's rules for English, and those of this module."""
+    return _make
+
+
+def _make(nlp: Language) -> Tokenizer:
+    # All at once: each property of a tokenizer that is set later reads the special cases anew.
     defaults = nlp.Defaults
-    prefixes = [*_RUNS, "-", *(defaults.prefixes or ())]
-    suffixes = [*_RUNS, r"(?<=\w\w)\.", *(defaults.suffixes or ())]
-    infixes = [*_RUNS, *(defaults.infixes or ())]
-    tokenizer: Any = nlp.tokenizer
-    tokenizer.prefix_search = compile_prefix_regex(prefixes).search
-    tokenizer.suffix_search = compile_suffix_regex(suffixes).search
-    tokenizer.infix_finditer = compile_infix_regex(infixes).finditer
-    tokenizer.token_match = IDENTIFIER.fullmatch
-    tokenizer.rules = {text: rule for text, rule in (tokenizer.rules or {}).items() if text not in _JOINED}
+    return Tokenizer(
+        nlp.vocab,
+        rules={text: rule for text, rule in (defaults.tokenizer_exceptions or {}).items() if text not in _JOINED},
+        prefix_search=compile_prefix_regex([*_RUNS, "-", *(defaults.prefixes or ())]).search,
+        suffix_search=compile_suffix_regex([*_RUNS, r"(?<=\w\w)\.", *(defaults.suffixes or ())]).search,
+        infix_finditer=compile_infix_regex([*_RUNS, *(defaults.infixes or ())]).finditer,
+        token_match=IDENTIFIER.fullmatch,
+        url_match=defaults.url_match,
+    )
+
+
+registry.tokenizers.register("kg.Tokenizer.v1", func=make_tokenizer)
