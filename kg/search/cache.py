@@ -29,9 +29,9 @@ if TYPE_CHECKING:
 __all__ = ["Documents", "load", "save"]
 
 _FOLDER: Final = "search"
-_FORMAT: Final = 1
+_FORMAT: Final = 2
 _CHECKSUM_BYTES: Final = 4
-_COLUMNS: Final = ("text", "features")
+_COLUMNS: Final = ("text", "names", "features")
 
 
 class _Header(msgspec.Struct):
@@ -125,6 +125,7 @@ def _index(header: _Header, content: bytes, at: int) -> Index:
         Documents(parts["nodes"], np.frombuffer(parts["starts"], np.int64)),
         msgspec.json.decode(parts["concepts"], type=list[Concept]),
         columns["text"],
+        columns["names"],
         columns["features"],
         np.frombuffer(parts["group"], np.int32),
         np.frombuffer(parts["order"], np.int32),

@@ -7,18 +7,22 @@ weight of the name, and a long page about the whole package does not drown the o
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from kg.search.words import terms
+from kg.search.words import name_terms, terms
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Sequence
 
     from kg.search.documents import Document, PackageDocument
+    from kg.search.reading import Content
 
-__all__ = ["FIELDS", "Field", "own_words", "shared_words", "weighted"]
+__all__ = ["FIELDS", "Field", "documents", "own_words", "shared_words", "weighted"]
+
+_COMMON: Final = ("name", "text", "interface", "type", "parameter", "class")
+"""What variants of a node have in common."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,18 +34,18 @@ class Field:
 
 
 FIELDS: Final = {
-    "name": Field(8.0, 2),
-    "plugin": Field(2.0, 1),
-    "package": Field(3.0, 1),
-    "repository": Field(1.0, 1),
-    "text": Field(3.0, 3),
-    "manifest": Field(2.0, 2),
-    "readme": Field(0.6, 3),
+    "name": Field(12.0, 2),
+    "plugin": Field(0.0, 1),
+    "package": Field(1.5, 1),
+    "repository": Field(1.5, 1),
+    "text": Field(3.0, 1),
+    "manifest": Field(2.0, 1),
+    "readme": Field(1.5, 2),
     "interface": Field(1.5, 2),
-    "type": Field(1.5, 2),
+    "type": Field(1.0, 2),
     "parameter": Field(0.7, 2),
     "class": Field(1.5, 1),
-    "neighbour": Field(0.3, 1),
+    "neighbour": Field(0.1, 1),
 }
 
 
@@ -84,8 +88,25 @@ def counted(texts: Iterable[tuple[str, str]]) -> dict[str, Counter[str]]:
     """Return how often each term stands in each field."""
     found: dict[str, Counter[str]] = {}
     for field, text in texts:
-        found.setdefault(field, Counter()).update(set(terms(text)) if field == "name" else terms(text))
+        found.setdefault(field, Counter()).update(set(name_terms(text)) if field == "name" else terms(text))
     return found
+
+
+def documents(content: Content, groups: Sequence[int]) -> list[dict[str, Counter[str]]]:
+    """Return the fields of each node. Variants of one node have each other's texts: who wrote about one meant both."""
+    shared = [counted(shared_words(package)) for package in content.packages]
+    own = [counted(own_words(node)) for node in content.nodes]
+    members: defaultdict[tuple[int, int], list[int]] = defaultdict(list)
+    for place, (node, group) in enumerate(zip(content.nodes, groups, strict=True)):
+        members[group, node.package].append(place)
+    for places in members.values():
+        for field in _COMMON if len(places) > 1 else ():
+            union: Counter[str] = Counter()
+            for place in places:
+                union |= own[place].get(field, Counter())
+            for place in places:
+                own[place][field] = union
+    return [{**shared[node.package], **fields} for node, fields in zip(content.nodes, own, strict=True)]
 
 
 def weighted(fields: dict[str, Counter[str]]) -> Counter[str]:

@@ -26,6 +26,8 @@ _FORMS: Final = frozenset({"node", "nodelet", "component", "nodes", "main", "ros
 
 _STARTED: Final = ("executable", "script")
 _LOADED: Final = ("nodelet", "component", "plugin")
+_LEAST: Final = 2
+"""So many interfaces in common are no chance."""
 _KINDS: Final = {"executable": 0, "script": 1, "component": 2, "nodelet": 3, "plugin": 4}
 
 
@@ -55,30 +57,33 @@ def groups(packages: Sequence[PackageDocument], nodes: Sequence[Document]) -> ND
 def _join_wrappers(nodes: Sequence[Document], found: list[int]) -> None:
     """Put a program that only starts a nodelet or component into the group of this.
 
-    Both have the same interfaces, from the same lines. Where several have them, as filters of one base class do, a
-    word that is in no other's name has to tell which belong together.
+    Such a program has all interfaces of the other, from the same lines. Where several might be meant, as those that
+    have one base class are, a word that is in no rival's name has to tell which.
     """
-    alike: defaultdict[tuple[int, tuple[End, ...]], list[int]] = defaultdict(list)
+    packages: defaultdict[int, tuple[list[int], list[int]]] = defaultdict(lambda: ([], []))
     for place, node in enumerate(nodes):
-        if node.ends:
-            alike[node.package, node.ends].append(place)
-    for places in alike.values():
-        programs = [place for place in places if nodes[place].kind in _STARTED]
-        others = [place for place in places if nodes[place].kind in _LOADED]
-        for program in programs:
-            partner = _partner(nodes, program, programs, others)
+        if node.kind in _STARTED or node.kind in _LOADED:
+            packages[node.package][node.kind in _LOADED].append(place)
+    for programs, loaded in packages.values():
+        ends = {place: frozenset(nodes[place].ends) for place in (*programs, *loaded)}
+        partners = {one: [other for other in loaded if _wraps(ends[one], ends[other])] for one in programs}
+        for program, others in partners.items():
+            rivals = [one for one in programs if one != program and set(partners[one]) & set(others)]
+            partner = _partner(nodes, program, rivals, others)
             if partner is not None:
                 old, new = found[program], found[partner]
                 found[:] = [min(old, new) if group in {old, new} else group for group in found]
 
 
-def _partner(nodes: Sequence[Document], program: int, programs: Sequence[int], others: Sequence[int]) -> int | None:
-    if len(programs) == len(others) == 1:
+def _wraps(program: frozenset[End], loaded: frozenset[End]) -> bool:
+    return len(loaded) >= _LEAST and loaded <= program
+
+
+def _partner(nodes: Sequence[Document], program: int, rivals: Sequence[int], others: Sequence[int]) -> int | None:
+    if len(others) == 1 and not rivals:
         return others[0]
     named = set(bare_name(nodes[program].name).split())
-    for rival in programs:
-        if rival != program:
-            named -= set(bare_name(nodes[rival].name).split())
+    named -= {word for rival in rivals for word in bare_name(nodes[rival].name).split()}
     kept = [place for place in others if named & set(bare_name(nodes[place].name).split())]
     return kept[0] if len(kept) == 1 else None
 

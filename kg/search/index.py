@@ -6,18 +6,20 @@ BM25 (bm25s, the variant of Lucene) gives the worth of a term; a feature is what
 
 from __future__ import annotations
 
-from collections import defaultdict
+import math
+from collections import Counter, defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Protocol
 
 import numpy as np
 
-from kg.search.fields import counted, own_words, shared_words, weighted
-from kg.search.folding import groups, order
+from kg.search.fields import documents, weighted
+from kg.search.folding import bare_name, groups, order
 from kg.search.marking import marks
+from kg.search.words import name_terms
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
     from typing import TypeAlias
 
     from numpy.typing import NDArray
@@ -32,6 +34,8 @@ __all__ = ["Columns", "Index", "Nodes", "build"]
 
 _SATURATION: Final = 5.0
 """BM25's k1, in weighted occurrences."""
+_ANY: Final = ("/ShapeShifter", "/AnyMsg")
+"""Types that stand for any."""
 _LENGTH: Final = 0.35
 """BM25's b: how much long documents are marked down."""
 
@@ -82,6 +86,7 @@ class Nodes(Protocol):
 class Index:
     """Everything a search reads.
 
+    `names` has for each term its share of the name of a node: the shares of all terms of a name sum up to one.
     `group` has for each node the place of the first of those that are one to a user, `order` where it stands among
     hits of the same worth.
     """
@@ -90,6 +95,7 @@ class Index:
     nodes: Nodes
     concepts: Sequence[Concept]
     text: Columns
+    names: Columns
     features: Columns
     group: Places
     order: Places
@@ -99,23 +105,19 @@ class Index:
         """How many nodes there are."""
         return len(self.nodes)
 
-    def names(self, kind: str) -> list[str]:
-        """Return the names of the features of a kind, sorted: of `subscribes` the types that nodes subscribe to."""
-        start = f"{kind}:"
-        return sorted(name.removeprefix(start) for name in self.features.names if name.startswith(start))
-
 
 def build(content: Content) -> Index:
     """Return the index of what was read from a store."""
-    shared = [counted(shared_words(package)) for package in content.packages]
-    documents = [weighted({**shared[node.package], **counted(own_words(node))}) for node in content.nodes]
+    group = groups(content.packages, content.nodes)
+    counts = [weighted(fields) for fields in documents(content, group.tolist())]
     return Index(
         content.packages,
         content.nodes,
         content.concepts,
-        _scores(documents),
+        _scores(counts),
+        _shares(content.nodes),
         _features(content),
-        groups(content.packages, content.nodes),
+        group,
         order(content.packages, content.nodes),
     )
 
@@ -145,11 +147,11 @@ _SCALE: Final = 2
 
 
 def _features(content: Content) -> Columns:
-    found: defaultdict[str, set[int]] = defaultdict(set)
+    found: defaultdict[str, dict[int, float]] = defaultdict(dict)
     wider = {(concept.kind, concept.label): concept.wider for concept in content.concepts}
     for place, node in enumerate(content.nodes):
         for feature in _features_of(node, content.packages[node.package], wider):
-            found[feature].add(place)
+            found[feature][place] = 1.0
     return _columns(found)
 
 
@@ -159,6 +161,8 @@ def _features_of(
     for end in node.ends:
         if end.type:
             yield f"{end.role}:{end.type}"
+        if end.type is None or end.type.endswith(_ANY):
+            yield f"{end.role}:"
     for kind, labels in (("hardware", node.hardware), ("function", node.functions), ("capability", node.capabilities)):
         for label in labels:
             yield f"{kind}:{label}"
@@ -168,15 +172,29 @@ def _features_of(
     yield f"kind:{node.kind}"
     yield f"package:{package.name}"
     yield from (f"mark:{word}" for word in marks(node, package))
+    if not node.texts:
+        yield "untold:"
     if package.deprecated:
         yield "deprecated:"
     for name in package.licenses:
         yield f"license:{name}"
 
 
-def _columns(found: Mapping[str, Iterable[int]]) -> Columns:
+def _shares(nodes: Sequence[Document]) -> Columns:
+    """Return what share of a node's name each term has, by how rare the term is in names."""
+    named = [set(name_terms(bare_name(node.name))) for node in nodes]
+    common: Counter[str] = Counter(term for terms in named for term in terms)
+    found: defaultdict[str, dict[int, float]] = defaultdict(dict)
+    for place, terms in enumerate(named):
+        rarity = {term: math.log(1 + len(nodes) / common[term]) for term in terms}
+        for term, value in rarity.items():
+            found[term][place] = value / sum(rarity.values())
+    return _columns(found)
+
+
+def _columns(found: Mapping[str, Mapping[int, float]]) -> Columns:
     names = {name: place for place, name in enumerate(sorted(found))}
-    lists = [sorted(found[name]) for name in names]
+    lists = [sorted(found[name].items()) for name in names]
     starts = np.cumsum([0, *map(len, lists)], dtype=np.int64)
-    rows = np.array([place for places in lists for place in places], np.int32)
-    return Columns(names, starts, rows, np.ones(len(rows), np.float32))
+    rows = np.array([place for places in lists for place, _ in places], np.int32)
+    return Columns(names, starts, rows, np.array([value for places in lists for _, value in places], np.float32))

@@ -22,8 +22,9 @@ FILE: Final = "search.toml"
 class Lexicon:
     """The tables of `ontology/search.toml`, as they are written there.
 
-    `compounds` has the words of a word written as one; `families` the word that stands for another; `synonyms` are
-    groups of phrases; `types` the last parts of message types by phrase; `directions` the phrases before them.
+    `stop_words` tell nothing; `compounds` has the words of a word written as one; `families` the word that stands for
+    another; `synonyms` are groups of phrases; `types` the last parts of message types by phrase; `directions` the
+    phrases before them; `surroundings` the phrases that begin what is told beside the point.
     """
 
     stop_words: frozenset[str]
@@ -32,6 +33,7 @@ class Lexicon:
     synonyms: tuple[tuple[str, ...], ...]
     types: Mapping[str, tuple[str, ...]]
     directions: Mapping[str, tuple[str, ...]]
+    surroundings: Mapping[str, tuple[str, ...]]
 
 
 @lru_cache(maxsize=1)
@@ -45,4 +47,5 @@ def lexicon() -> Lexicon:
         tuple(tuple(group) for group in content["synonyms"].values()),
         {phrase: tuple(types) for phrase, types in content["types"].items()},
         {direction: tuple(phrases) for direction, phrases in content["directions"].items()},
+        {part: tuple(phrases) for part, phrases in content["surroundings"].items()},
     )

@@ -26,7 +26,7 @@ class Names:
         self.features = frozenset(features)
         for feature in sorted(self.features):
             kind, _, name = feature.partition(":")
-            if kind in ROLES:
+            if kind in ROLES and name:
                 self._types[kind][name].append(feature)
                 self._types[kind][name.rpartition("/")[2]].append(feature)
             elif kind == "license":

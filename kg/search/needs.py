@@ -50,6 +50,11 @@ _LONGEST: Final = 6
 _SYNONYM: Final = 0.7
 """What a synonym is worth beside the word that was typed."""
 
+_TOLD: Final = 3
+"""Behind so many words that tell something, `for` begins a purpose."""
+_PARTS: Final = {"side": 0.4, "purpose": 0.4, "unwanted": 0.2}
+"""What words of the surroundings count."""
+
 
 @dataclass(frozen=True, slots=True)
 class Alternative:
@@ -61,10 +66,14 @@ class Alternative:
 
 @dataclass(frozen=True, slots=True)
 class Wording:
-    """A word or phrase of the need, as typed, and all the ways to say it; the first is the phrase itself."""
+    """A word or phrase of the need, as typed, and all the ways to say it; the first is the phrase itself.
+
+    `weight` is below one for what is told of the surroundings.
+    """
 
     text: str
     alternatives: tuple[Alternative, ...]
+    weight: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,12 +102,13 @@ class Need:
 class _Token:
     stem: str
     word: str
+    weight: float = 1.0
 
 
 def parse(text: str, names: Names) -> Need:
     """Return what a text asks for; `names` are those that the store knows. Any text gives a need, always the same."""
     strict, rest = _strict(text, names)
-    tokens = [_Token(stem(word), word) for word in words(rest)]
+    tokens = _weighed(rest)
     wishes = [*strict, *_typed(tokens, names), *_classes(tokens, names)]
     return Need(text, tuple(_wordings(tokens)), tuple(dict.fromkeys(wishes)))
 
@@ -137,12 +147,44 @@ def _versions(text: str) -> Iterator[Wish]:
 
 
 @lru_cache(maxsize=1)
+def _turns() -> dict[tuple[str, ...], str]:
+    return {phrase(one): part for part, phrases in lexicon().surroundings.items() for one in phrases}
+
+
+def _weighed(text: str) -> list[_Token]:
+    """Return the tokens of a text; those of its surroundings count less."""
+    found: list[_Token] = []
+    for clause in re.split(r"[,;:]\s", text):
+        stems = [(stem(word), word) for word in words(clause)]
+        at, part = 0, ""
+        while at < len(stems):
+            turn, length = _turn(tuple(one for one, _ in stems), at)
+            told = sum(not is_stop(token.word) for token in found)
+            if turn == "wanted":
+                part = "" if part == "unwanted" else part
+            elif turn and (turn != "purpose" or told >= _TOLD):
+                part = turn
+            found += [_Token(one, word, _PARTS.get(part, 1.0)) for one, word in stems[at : at + length]]
+            at += length
+    return found
+
+
+def _turn(stems: tuple[str, ...], at: int) -> tuple[str, int]:
+    """Return the part of a need that a phrase at a place begins, if any, and how many words that phrase has."""
+    for length in range(_LONGEST, 0, -1):
+        part = _turns().get(stems[at : at + length])
+        if part is not None:
+            return part, min(length, len(stems) - at)
+    return "", 1
+
+
+@lru_cache(maxsize=1)
 def _synonyms() -> dict[tuple[str, ...], tuple[tuple[str, ...], ...]]:
     """Return for each phrase, as stems, the other phrases of its groups."""
     found: dict[tuple[str, ...], dict[tuple[str, ...], None]] = {}
     for group in lexicon().synonyms:
         stems = [phrase(one) for one in group]
-        others = [_content(one) for one in group if "not" not in one.split()]
+        others = [_content(one) for one in group if not one.startswith("=") and "not" not in one.split()]
         for one in stems:
             found.setdefault(one, {}).update(dict.fromkeys(others))
     return {one: tuple(others) for one, others in found.items()}
@@ -189,7 +231,8 @@ def _wordings(tokens: Sequence[_Token]) -> Iterator[Wording]:
         if own and own not in seen:
             seen.add(own)
             others = (Alternative(one, _SYNONYM) for one in known.get(key, ()) if one != own)
-            yield Wording(" ".join(token.word for token in part), (Alternative(own, 1.0), *others))
+            weight = max(token.weight for token in part)
+            yield Wording(" ".join(token.word for token in part), (Alternative(own, 1.0), *others), weight)
         begin = end
 
 
@@ -197,6 +240,8 @@ def _typed(tokens: Sequence[_Token], names: Names) -> Iterator[Wish]:
     """Yield the wishes of words for message types, with the direction that the words around them give."""
     phrases = _type_phrases()
     for begin, end in _matches(tokens, phrases):  # type: ignore[arg-type]  # only the keys are looked at
+        if tokens[begin].weight < 1:
+            continue
         stems = tuple(token.stem for token in tokens[begin:end])
         said = " ".join(token.word for token in tokens[begin:end])
         side = _side(tokens, begin, end)
@@ -226,6 +271,8 @@ def _side(tokens: Sequence[_Token], begin: int, end: int) -> str:
 def _classes(tokens: Sequence[_Token], names: Names) -> Iterator[Wish]:
     """Yield the wishes of words for hardware, functions and capabilities."""
     for begin, end in _matches(tokens, names.concepts):  # type: ignore[arg-type]  # only the keys are looked at
+        if tokens[begin].weight < 1:
+            continue
         said = " ".join(token.word for token in tokens[begin:end])
         for feature in names.concepts[tuple(token.stem for token in tokens[begin:end])]:
             yield Wish(feature.partition(":")[0], (feature,), said)

@@ -16,7 +16,7 @@ from kg.search.lexicon import lexicon
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["is_stop", "phrase", "stem", "terms", "words"]
+__all__ = ["is_stop", "name_terms", "phrase", "stem", "terms", "words"]
 
 _WORD: Final = re.compile(
     r"\d[dD](?![a-zA-Z])"  # 2D, 3d
@@ -27,6 +27,7 @@ _WORD: Final = re.compile(
     r"|[^\W\d_]+"  # letters of other alphabets
     r"|\d+"
 )
+_WITHOUT: Final = frozenset(("no", "non", "without"))
 _SHORT: Final = 2
 _STEMMER: Final = EnglishStemmer()
 
@@ -42,9 +43,18 @@ def words(text: str) -> Iterator[str]:
 @lru_cache(maxsize=1 << 16)
 def stem(word: str) -> str:
     """Return the stem of a word in lower case; words of one family have one."""
-    word = lexicon().families.get(word, word)
-    stemmed: str = _STEMMER.stemWord(word) if len(word) > _SHORT else word
-    return stemmed
+    stemmed = _stemmed(word)
+    return _families().get(stemmed, stemmed)
+
+
+def _stemmed(word: str) -> str:
+    found: str = _STEMMER.stemWord(word) if len(word) > _SHORT else word
+    return found
+
+
+@lru_cache(maxsize=1)
+def _families() -> dict[str, str]:
+    return {_stemmed(other): _stemmed(word) for other, word in lexicon().families.items()}
 
 
 def is_stop(word: str) -> bool:
@@ -55,6 +65,19 @@ def is_stop(word: str) -> bool:
 def phrase(text: str) -> tuple[str, ...]:
     """Return the stems of all words of a text, stop words too."""
     return tuple(map(stem, words(text)))
+
+
+def name_terms(name: str) -> list[str]:
+    """Return the terms of an identifier, but not what it says it is without: `MarkersNoKinect` has no kinect."""
+    found, skip = [], False
+    for word in words(name):
+        if skip:
+            skip = False
+        elif word in _WITHOUT:
+            skip = True
+        elif not is_stop(word):
+            found.append(stem(word))
+    return found
 
 
 def terms(text: str) -> list[str]:
