@@ -31,7 +31,7 @@ _ADDRESSES_SHARE: Final = 0.6
 
 _CODE_SIGNS: Final = re.compile(r"[;{}=&|+<>\[\]$#%(]|^import |^from ")
 _CODE: Final = re.compile(
-    r"[;{}]\s*$|^\s*[#{}$]|\w\(\)\s*[;.{]|->\w|==|!=|&&|\|\||\+\+\w|\w\+\+[;)]|<<|>>|::\w+\("
+    r"[;{}]\s*$|^\s*[#{}$]|\w\(\)\s*[;.{]|->\w|==|!=|:=|&&|\|\||\+\+\w|\w\+\+[;)]|<<|>>|::\w+\("
     r"|^(?:from \S+ )?import \w[\w., ]*$"
     r"|^\s*(?:if|for|while|switch)\s*\(|\w+\[\w*\]\s*=|^\s*[\w.:<>*&]+(?: [\w*&]+)? ?\+?= ?\S+"
     r"|^\s*(?:self\.|def \w+\(|class \w+[(:]|print\b)|\bstd::\w+<|^\s*[\w.:]+\([^)]*\)\s*:?$|^<\w+[^>]*>"
@@ -44,6 +44,9 @@ _PLACE: Final = re.compile(
     r"(?:https?|ftp)://\S+|www\.\S+|[\w.+-]{1,64}@[\w-]{1,63}\.\w+|(?:^|(?<=\s))[~.]?/?(?:[\w.-]+/){2,}[\w.-]*"
 )
 _WORD: Final = re.compile(r"[^\W\d_]{2,}")
+_FIELD: Final = re.compile(r"(?:^| )[\w-]+: \S")
+_MOST_FIELDS: Final = 3
+"""So many `key: value` in what is no sentence are data."""
 _PERSON: Final = r"(?:[A-Z][\w.'-]*\s+){1,3}[A-Z][\w'-]+"
 _PEOPLE: Final = re.compile(rf"^{_PERSON}(?:(?:\s*[,;]|\s+and)\s+{_PERSON})+\W*$")
 _SENTENCE_END: Final = re.compile(r"[.!?。]\s")
@@ -71,6 +74,8 @@ def is_prose(text: str) -> bool:
         return False
     if LABELS.match(low) or AUTHORSHIP.match(low) or _is_listing(low):
         return False
+    if len(_FIELD.findall(text)) >= _MOST_FIELDS and ". " not in text:
+        return False
     if _PEOPLE.match(text) or _COMMAND.match(text) or _is_lead_in(text):
         return False
     return not (_CODE_SIGNS.search(bare) and _CODE.search(bare))
@@ -82,7 +87,7 @@ def _has_words(text: str) -> bool:
     solid = len(text) - sum(map(str.isspace, text))
     if letters < _FEWEST_LETTERS or letters < _LETTERS_SHARE * solid:
         return False
-    if len(_WORD.findall(text)) >= _FEWEST_WORDS:
+    if len(_WORD.findall(text)) >= _FEWEST_WORDS and " " in text.strip():
         return True
     return not text.isascii() and sum(not char.isascii() and char.isalpha() for char in text) >= _FEWEST_LETTERS
 

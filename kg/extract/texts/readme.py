@@ -36,6 +36,8 @@ _INTERFACE: Final = re.compile(
     r"^(?:~|/)\w|^[\w/~.]+\s?[(\[](?:\w+_msgs|(?:string|int|float|double|bool|list)\b)", re.IGNORECASE
 )
 """A topic or parameter of a node, in a list of them."""
+_FIELD: Final = re.compile(r"^[a-z][a-z0-9_/]*$")
+"""The first word of an item that explains a field, a parameter or a file."""
 _FEWEST_SPACES: Final = 5
 """In an item about a package: shorter ones are a table of contents."""
 _MOST_NODES: Final = 3
@@ -133,6 +135,8 @@ def _described(block: Block, section: _Section, about: About) -> Iterator[Found]
         return
     if lead and not about.own and key(plain(lead[1])) == key(about.package):
         yield Found(shortened(text), block.line, None, heading)
+        return
+    if lead and _FIELD.match(plain(lead[1])) and not is_about(section.heading):
         return
     yield from _paragraph(block, text, section, about)
 

@@ -146,11 +146,8 @@ def _is_own(sources: _Sources, node: NodeType, path: str) -> bool:
     """Tell whether the header of a file is about a node: it begins there, or the file has its name."""
     if sources.uses[path] > _MOST_NODES:
         return False
-    return (
-        path == node.location.path
-        or (path in node.sources and len(node.sources) <= _MOST_NODES)
-        or _alike(_stem(path), node)
-    )
+    methods = node.plugin is not None and path in node.sources
+    return path == node.location.path or methods or _alike(_stem(path), node)
 
 
 def _is_class_of(sources: _Sources, node: NodeType, name: str, main: str) -> bool:
