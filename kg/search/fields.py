@@ -11,6 +11,7 @@ from collections import Counter, defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
+from kg.search.folding import is_main
 from kg.search.words import name_terms, terms
 
 if TYPE_CHECKING:
@@ -23,6 +24,10 @@ __all__ = ["FIELDS", "Field", "documents", "own_words", "shared_words", "weighte
 
 _COMMON: Final = ("name", "text", "interface", "type", "parameter", "class")
 """What variants of a node have in common."""
+
+_PROSE: Final = ("manifest", "readme")
+_MAIN: Final = 3
+"""What a word about a package counts for its main node, beside what it counts for others."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,9 +98,12 @@ def counted(texts: Iterable[tuple[str, str]]) -> dict[str, Counter[str]]:
 
 
 def documents(content: Content, groups: Sequence[int]) -> list[dict[str, Counter[str]]]:
-    """Return the fields of each node. Variants of one node have each other's texts: who wrote about one meant both."""
-    shared = [counted(shared_words(package)) for package in content.packages]
-    own = [counted(own_words(node)) for node in content.nodes]
+    """Return the fields of each node, with how much each term counts in them.
+
+    Variants of one node have each other's texts, for who wrote about one meant both.
+    """
+    shared = [_capped(counted(shared_words(package))) for package in content.packages]
+    own = [_capped(counted(own_words(node))) for node in content.nodes]
     members: defaultdict[tuple[int, int], list[int]] = defaultdict(list)
     for place, (node, group) in enumerate(zip(content.nodes, groups, strict=True)):
         members[group, node.package].append(place)
@@ -106,14 +114,34 @@ def documents(content: Content, groups: Sequence[int]) -> list[dict[str, Counter
                 union |= own[place].get(field, Counter())
             for place in places:
                 own[place][field] = union
-    return [{**shared[node.package], **fields} for node, fields in zip(content.nodes, own, strict=True)]
+    sizes = Counter(node.package for node in content.nodes)
+    found = []
+    for node, group, fields in zip(content.nodes, groups, own, strict=True):
+        package = content.packages[node.package]
+        main = is_main(node, package, len(members[group, node.package]), sizes[node.package])
+        found.append({**(_told(shared[node.package]) if main else shared[node.package]), **fields})
+    return found
 
 
-def weighted(fields: dict[str, Counter[str]]) -> Counter[str]:
+def _capped(fields: dict[str, Counter[str]]) -> dict[str, Counter[str]]:
+    return {
+        name: Counter({term: min(count, FIELDS[name].most) for term, count in counts.items()})
+        for name, counts in fields.items()
+    }
+
+
+def _told(fields: dict[str, Counter[str]]) -> dict[str, Counter[str]]:
+    """Return the fields of a package as those of its main node."""
+    return {
+        name: Counter({term: count * _MAIN for term, count in counts.items()}) if name in _PROSE else counts
+        for name, counts in fields.items()
+    }
+
+
+def weighted(fields: dict[str, Counter[str]]) -> dict[str, float]:
     """Return the weighted frequency of each term."""
-    total: Counter[str] = Counter()
+    total: defaultdict[str, float] = defaultdict(float)
     for name, counts in fields.items():
-        field = FIELDS[name]
         for term, count in counts.items():
-            total[term] += field.weight * min(count, field.most)  # type: ignore[assignment]  # a Counter of floats
+            total[term] += FIELDS[name].weight * count
     return total

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from kg.search.documents import Document, End, PackageDocument
 
-__all__ = ["bare_name", "groups", "order"]
+__all__ = ["bare_name", "groups", "is_main", "order"]
 
 _FORMS: Final = frozenset({"node", "nodelet", "component", "nodes", "main", "ros", "ros2", "exe"})
 
@@ -100,6 +100,15 @@ def order(packages: Sequence[PackageDocument], nodes: Sequence[Document]) -> NDA
     for position, place in enumerate(sorted(range(len(nodes)), key=key)):
         found[place] = position
     return found
+
+
+def is_main(node: Document, package: PackageDocument, variants: int, others: int) -> bool:
+    """Tell whether what is said of a package is said of this node: there are no others, or it has the package's name.
+
+    `variants` nodes are one with it, itself counted, of `others` in the package.
+    """
+    names = {bare_name(name).replace(" ", "") for name in (node.name, *node.aliases)}
+    return variants == others or bare_name(package.name).replace(" ", "") in names
 
 
 def _families(packages: Sequence[PackageDocument]) -> list[int]:
