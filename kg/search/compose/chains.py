@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from heapq import heappop, heappush
+from itertools import count
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 if TYPE_CHECKING:
@@ -61,8 +62,14 @@ class _Path:
     type: str
     marks: int
 
+    @property
+    def keys(self) -> tuple[str, ...]:
+        return tuple(step.key for step in self.steps)
+
 
 _Follow: TypeAlias = "list[tuple[int, str, Step]]"
+_Waiting: TypeAlias = "list[tuple[int, tuple[str, ...], int, int | None, _Path]]"
+"""What the chain costs at least, its keys, a number, the place of the step to look at (None: none), and the path."""
 
 
 @dataclass(slots=True)
@@ -84,6 +91,7 @@ class Search:
     looks: int = 0
     """How many steps were looked at; the search is cut off where there are more than a limit."""
     _rest: list[dict[tuple[str, int], int]] = field(default_factory=list)
+    _numbers: Iterator[int] = field(default_factory=count)
     _known: dict[tuple[str, int, int], _Follow] = field(default_factory=dict)
 
     @property
@@ -92,46 +100,45 @@ class Search:
         return self.looks >= _MOST_LOOKS
 
     def best(self) -> Iterator[Chain]:
-        """Yield the chains by rising cost, those of the same nodes once; of the same cost by their keys."""
+        """Yield the chains by rising cost and, of the same cost, by their keys; those of the same nodes once.
+
+        What waits comes in that order too, and what follows from it is never before it, so that what is complete when
+        its turn comes is the next. Where the search is cut off, the complete chains that wait are all there is.
+        """
         self._look_back()
-        waiting: list[tuple[int, int, tuple[str, ...], int, int, _Path]] = []
-        number = 0
+        waiting: _Waiting = []
         for start in sorted(set(self.starts)):
-            path = _Path(0, (), start, self.start_marks.get(start, 0) & self.wanted)
-            number += self._wait(waiting, path, 0, number)
+            self._wait(waiting, _Path(0, (), start, self.start_marks.get(start, 0) & self.wanted), 0)
         seen: set[tuple[int, ...]] = set()
         while waiting:
-            _, complete, _, _, place, path = heappop(waiting)
-            if complete:
+            _, _, _, place, path = heappop(waiting)
+            if place is None:
                 families = tuple(step.family for step in path.steps)
                 if families not in seen:
                     seen.add(families)
                     yield Chain(path.cost, path.steps)
-                continue
-            self.looks += 1
-            if self.cut_off:
-                return
-            number += self._wait(waiting, path, place + 1, number)
-            step = self._follow(path)[place][2]
-            grown = self._grown(path, step)
-            if grown is None:
-                continue
-            if self._ends(step, grown.marks):
-                keys = tuple(one.key for one in grown.steps)
-                heappush(waiting, (grown.cost, 1, keys, number, 0, grown))
-                number += 1
-            else:
-                number += self._wait(waiting, grown, 0, number)
+            elif not self.cut_off:
+                self._look(waiting, path, place)
 
-    def _wait(
-        self, waiting: list[tuple[int, int, tuple[str, ...], int, int, _Path]], path: _Path, place: int, number: int
-    ) -> int:
-        """Let a path wait for its step at a place to be looked at; return how many were added."""
+    def _look(self, waiting: _Waiting, path: _Path, place: int) -> None:
+        """Let a path grow by its step at a place, and wait for the step behind that."""
+        self.looks += 1
+        self._wait(waiting, path, place + 1)
+        step = self._follow(path)[place][2]
+        grown = self._grown(path, step)
+        if grown is None:
+            return
+        if self._ends(step, grown.marks):
+            heappush(waiting, (grown.cost, grown.keys, next(self._numbers), None, grown))
+        else:
+            self._wait(waiting, grown, 0)
+
+    def _wait(self, waiting: _Waiting, path: _Path, place: int) -> None:
+        """Let a path wait for its step at a place to be looked at."""
         follow = self._follow(path)
-        if place >= len(follow):
-            return 0
-        heappush(waiting, (path.cost + follow[place][0], 0, (), number, place, path))
-        return 1
+        if place < len(follow):
+            rest, key, _ = follow[place]
+            heappush(waiting, (path.cost + rest, (*path.keys, key), next(self._numbers), place, path))
 
     def _grown(self, path: _Path, step: Step) -> _Path | None:
         """Return a path with one more step, None where it may not follow."""

@@ -107,7 +107,7 @@ def needs(part: Part, taken: Port, given: Iterable[str] = ()) -> tuple[Port, ...
         port
         for port in part.inputs
         if port.iri != taken.iri
-        and (port.name is None or port.name != taken.name)
+        and (port.topic is None or port.topic != taken.topic)
         and port.type not in had
         and not generic(port.type)
     )
@@ -169,7 +169,7 @@ def _words(name: str) -> frozenset[str]:
 
 
 def port_cost(port: Port) -> int:
-    """Return what an end costs: one for people to look at, of a name unlike its type, or that only a parameter names."""
+    """Return what an end costs: one to look at, of a name unlike its type, or that only a parameter names."""
     costs, side = knowledge().costs, knowledge().words.side
     if port.name is None:
         return costs.named_by_parameter

@@ -31,6 +31,11 @@ class Port(msgspec.Struct, array_like=True, frozen=True, gc=False):
     arguments: int = 0
 
     @property
+    def topic(self) -> str | None:
+        """The name in one form for relative and absolute ones, which are the same for a node in no namespace."""
+        return self.name.removeprefix("/") if self.name is not None else None
+
+    @property
     def can_be_wired(self) -> bool:
         """Whether a launch file can say which topic it is on: by a remapping, or by the parameter that names it."""
         if self.arguments:

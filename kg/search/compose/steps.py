@@ -38,7 +38,7 @@ def _through(part: Part, place: int, asked: Asked) -> Iterator[Step]:
     """Yield the ways through a node."""
     kept = asked.names(place)
     base = part_cost(part) if not kept else knowledge().costs.node
-    both = {port.name for port in part.inputs} & {port.name for port in part.outputs} - {None}
+    both = {port.topic for port in part.inputs} & {port.topic for port in part.outputs} - {None}
     for source, taken in _best(part.inputs, both).items():
         wanted = {port.type for port in needs(part, part.inputs[taken], asked.starts)}
         entry = base + port_cost(part.inputs[taken]) + _need_cost(wanted)
@@ -70,7 +70,7 @@ def _best(ports: Sequence[Port], both: Container[str | None], taken: Port | None
     """
     found: dict[str, int] = {}
     for place, port in enumerate(ports):
-        if port.name in both or not port.can_be_wired or (taken is not None and not _together(taken, port)):
+        if port.topic in both or not port.can_be_wired or (taken is not None and not _together(taken, port)):
             continue
         other = found.get(port.type)
         if other is None or _rank(port) < _rank(ports[other]):
@@ -84,7 +84,7 @@ def _rank(port: Port) -> tuple[int, int, str]:
 
 def _together(taken: Port, given: Port) -> bool:
     """Tell whether a node has both ends at once, under two names."""
-    if taken.name is not None and taken.name == given.name:
+    if taken.topic is not None and taken.topic == given.topic:
         return False
     if taken.name is None and taken.parameter == given.parameter and given.name is None:
         return False

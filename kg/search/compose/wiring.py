@@ -107,20 +107,30 @@ def _unique(name: str, taken: Iterable[str]) -> str:
 
 
 def _links(starts: Sequence[Start]) -> list[Link]:
-    """Return the topics from the input of the first node to the output of the last."""
+    """Return the topics from the input of the first node to the output of the last.
+
+    New names are none that any end of the chain has by itself, since a remapping may move what has such a name.
+    """
     first = starts[0]
     same = {name for name, port, gives in _staying(starts) if not gives and port.type == first.taken.type}
     staying = {name for name, _, _ in _staying(starts)}
+    every = {start.own(port) or "" for start in starts for port in (*start.part.inputs, *start.part.outputs)}
     own = first.own(first.taken)
-    topic = own if own is not None and own not in staying - same else _unique(f"/{INPUT}", staying)
+    topic = own if own is not None and own not in staying - same else _unique(f"/{INPUT}", every)
     links = [Link(topic, first.taken.type, INPUT)]
     for place, start in enumerate(starts, 1):
-        used = staying | {link.topic for link in links}
+        used = {link.topic for link in links}
         own = start.own(start.given)
-        last = start.given.name.rpartition("/")[2] if start.given.name is not None else OUTPUT
-        topic = own if own is not None and own not in used else _unique(f"/{start.name}/{last}", used)
-        links.append(Link(topic, start.given.type, OUTPUT if place == len(starts) else None))
+        if own is None or own in staying | used | _moved_by_name(starts[place : place + 1]):
+            last = start.given.name.rpartition("/")[2] if start.given.name is not None else OUTPUT
+            own = _unique(f"/{start.name}/{last}", every | used)
+        links.append(Link(own, start.given.type, OUTPUT if place == len(starts) else None))
     return links
+
+
+def _moved_by_name(starts: Sequence[Start]) -> set[str]:
+    """Return the names that remappings of nodes move, where a parameter names the input: it is remapped after that."""
+    return {start.own(start.given) or "" for start in starts if start.taken.name is None}
 
 
 def _staying(starts: Sequence[Start]) -> Iterator[tuple[str, Port, bool]]:
@@ -129,11 +139,12 @@ def _staying(starts: Sequence[Start]) -> Iterator[tuple[str, Port, bool]]:
     Ends that share the name of one which is a link move with it.
     """
     for start in starts:
-        moved = {start.taken.name, start.given.name, None}
+        moved = {start.own(start.taken), start.own(start.given)}
         for ports, gives in ((start.part.inputs, False), (start.part.outputs, True)):
             for port in ports:
-                if port.name not in moved:
-                    yield resolve(port.name or "", start.name), port, gives
+                own = start.own(port)
+                if own is not None and own not in moved:
+                    yield own, port, gives
 
 
 def _connect(start: Start, port: Port, link: Link) -> None:
