@@ -25,6 +25,8 @@ class BlockKind(StrEnum):
     HEADING = "heading"
     PARAGRAPH = "paragraph"
     ITEM = "item"
+    CONTINUED = "continued"
+    """A paragraph that goes on with the item above it, of which it can say anything."""
     ROW = "row"
 
 
@@ -170,6 +172,9 @@ def _take(page: _Page, number: int, line: str) -> None:
 
 
 def _gather(page: _Page, number: int, line: str) -> None:
+    if not page.gathered and line.startswith("  ") and page.blocks:
+        inside = page.blocks[-1].kind in {BlockKind.ITEM, BlockKind.CONTINUED}
+        page.kind = BlockKind.CONTINUED if inside else BlockKind.PARAGRAPH
     if not (page.rst and line.endswith("::")):
         page.gather(number, line.lstrip("> "))
         return

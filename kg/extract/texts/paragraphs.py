@@ -52,6 +52,7 @@ class Paragraph:
 
 
 _INLINE_COMMAND: Final = re.compile(r"[@\\](?:b|c|e|p|a|em|ref|link|endlink|n|li|i|ingroup|brief|sa|see)\b\s*")
+_ESCAPE: Final = re.compile(r"\\([_*#`<>\[\]~-])")
 _TAG: Final = re.compile(r"</?[a-zA-Z][^<>]{0,300}>")
 _IMAGE: Final = re.compile(r"!\[[^\]]{0,300}\](?:\([^)]{0,500}\)|\[[^\]]{0,100}\])")
 _LINK: Final = re.compile(r"\[([^\[\]]{1,300})\](?:\([^()]{0,500}(?:\([^()]{0,100}\)[^()]{0,100})?\)|\[[^\]]{0,100}\])")
@@ -75,7 +76,7 @@ def plain(text: str) -> str:
     if "*" in text or "_" in text:
         text = _EMPHASIS.sub(r"\2", text)
     if "@" in text or "\\" in text:
-        text = _INLINE_COMMAND.sub("", text)
+        text = _ESCAPE.sub(r"\1", _INLINE_COMMAND.sub("", text))
     if "&" in text:
         for entity, sign in _ENTITIES.items():
             text = text.replace(entity, sign)

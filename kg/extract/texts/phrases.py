@@ -46,6 +46,8 @@ LEGAL: Final = (
     "see license",
     "see the license",
     "license:",
+    "this license",
+    "licensor",
     "governing permissions",
     "specific language governing",
     "trade secret",

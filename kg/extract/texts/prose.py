@@ -29,9 +29,9 @@ _LETTERS_SHARE: Final = 0.72
 _ADDRESSES_SHARE: Final = 0.6
 """So much of a text may addresses and paths take."""
 
-_CODE_SIGNS: Final = re.compile(r"[;{}=&|+<>\[\]$#%(]|^import |^from ")
+_CODE_SIGNS: Final = re.compile(r"[;{}=&|+<>\[\]$#%(]|^~|^import |^from ")
 _CODE: Final = re.compile(
-    r"[;{}]\s*$|^\s*[#{}$]|\w\(\)\s*[;.{]|->\w|==|!=|:=|&&|\|\||\+\+\w|\w\+\+[;)]|<<|>>|::\w+\("
+    r"[;{}]\s*$|^\s*[#{}$]|^~\w|\w\(\)\s*[;.{]|->\w|==|!=|:=|&&|\|\||\+\+\w|\w\+\+[;)]|<<|>>|::\w+\("
     r"|^(?:from \S+ )?import \w[\w., ]*$"
     r"|^\s*(?:if|for|while|switch)\s*\(|\w+\[\w*\]\s*=|^\s*[\w.:<>*&]+(?: [\w*&]+)? ?\+?= ?\S+"
     r"|^\s*(?:self\.|def \w+\(|class \w+[(:]|print\b)|\bstd::\w+<|^\s*[\w.:]+\([^)]*\)\s*:?$|^<\w+[^>]*>"

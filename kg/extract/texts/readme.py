@@ -98,7 +98,7 @@ def find(blocks: Iterable[Block], about: About) -> Iterator[Found]:
             first_heading = False
             continue
         section = stack[-1]
-        if not (section.never or section.foreign):
+        if block.kind is not BlockKind.CONTINUED and not (section.never or section.foreign):
             yield from _described(block, section, about)
 
 

@@ -29,6 +29,16 @@ def test_markdown() -> None:
     ]
 
 
+def test_what_goes_on_with_an_item() -> None:
+    """A paragraph that is indented below an item is told from one that stands by itself."""
+    assert [one.kind for one in read_page("* a\n\n  more of a\n\n  still\n\nfree\n")] == [
+        "item",
+        "continued",
+        "continued",
+        "paragraph",
+    ]
+
+
 def test_what_is_no_text_of_a_page() -> None:
     """Code in fences or indented, comments, rules and definitions of links are left out."""
     page = "<!-- not\nthis -->\n```\ncode\n```\n\n    indented\n\n---\n[a]: http://x\n~~~ sh\n```\n~~~\nText.\n"

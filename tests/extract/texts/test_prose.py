@@ -52,6 +52,11 @@ NO_PROSE = (
     "rosrun foo bar with these words",
     "Run it as follows:",
     "0 0 1 | 1 0 0 | 0 1 0 + 3.5 e7",
+    "laser_filters_jsk_patch",
+    "~rate: how often it looks",
+    "name: /camera/rgb msg_class: sensor_msgs/Image fname: image.png",
+    "a subscriber to subscribe input := sub_input_",
+    "This is my nodelet.",
     "depth_image_proc is ... for now",
     "// ---- x ---- //",
 )
