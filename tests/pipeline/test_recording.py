@@ -22,7 +22,8 @@ def test_recorded_answers_are_given_again(bench: Bench) -> None:
     assert recording.package("two")
     assert recording.package("none") is None
     assert recording.entry(near)
-    assert len(recording.lookups) == 7
+    assert recording.documents("local/src", "one") == ()
+    assert len(recording.lookups) == 8
     plain = Workspace(scan_tree(bench.source))
     assert {lookup: answer(plain, lookup) for lookup in recording.lookups} == recording.lookups
 
@@ -38,6 +39,16 @@ def test_only_the_answers_that_differ_differ(bench: Bench) -> None:
     changed = Workspace(scan_tree(bench.source))
     differ = [lookup[1] for lookup, before in recording.lookups.items() if answer(changed, lookup) != before]
     assert differ == ["new/file.hpp"]
+
+
+def test_a_page_that_appears_differs(bench: Bench) -> None:
+    """When a README appears around a package, the look-up of its pages has another answer."""
+    recording = RecordingWorkspace(scan_tree(bench.source))
+    recording.documents("local/src", "one")
+    (bench.source / "README.md").write_text("# All\n")
+    changed = Workspace(scan_tree(bench.source))
+    (lookup,) = recording.lookups
+    assert answer(changed, lookup) == "local/src:README.md"
 
 
 def test_each_package_has_its_own_record(bench: Bench) -> None:

@@ -38,6 +38,14 @@ def test_case(case: Path) -> None:
     assert described(case) == json.loads((case / "expected.json").read_text())
 
 
+def test_pages_around_a_package_are_inputs() -> None:
+    """A README of the repository is among the inputs of the package that it was read for, so that a change is seen."""
+    case = Path(__file__).parent / "cases" / "readme"
+    source = scan(case, Repository("local/readme", str(case)))
+    facts = extract_package(Workspace([source]), source, source.packages[0])
+    assert {"local/readme:README.md", "local/readme:doc/arm/index.rst"} <= dict(facts.inputs).keys()
+
+
 def test_cases_are_found() -> None:
     """The runner finds the cases, so that none of them passes by not being run."""
     assert {case.name for case in CASES} >= {
