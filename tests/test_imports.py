@@ -21,6 +21,7 @@ HEAVY = {
     "rdflib",
     "rich",
     "rosbags",
+    "spacy",
     "tree_sitter",
     "tree_sitter_cpp",
     "tree_sitter_python",

@@ -76,6 +76,14 @@ def test_the_wheel_carries_every_file_of_the_data(wheel: Path) -> None:
     assert not missing
 
 
+def test_the_wheel_carries_the_tagger(wheel: Path) -> None:
+    """Every file of the shipped pipeline is inside, with the notice of the treebank's licence."""
+    names = zipfile.ZipFile(wheel).namelist()
+    model = [path for path in (ROOT / "kg" / "language" / "model").rglob("*") if path.is_file()]
+    assert not {str(path.relative_to(ROOT)) for path in model} - set(names)
+    assert any(name.endswith("licenses/kg/language/model/NOTICE") for name in names)
+
+
 def test_no_tool_of_development_is_needed(installed: Path) -> None:
     """The programs start with what the wheel asks for, and nothing else."""
     assert run(installed / "kg", "--version", folder=installed).startswith("kg ")

@@ -92,7 +92,7 @@ class Bench:
 @pytest.fixture(autouse=True)
 def _one_version(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let results depend on the settings only, so that editing `kg` while tests run does not disturb them."""
-    monkeypatch.setattr("kg.pipeline.build.version", lambda base, limit: f"{base} {limit}")
+    monkeypatch.setattr("kg.pipeline.build.version", lambda base, limit, model: f"{base} {limit} {model}")
 
 
 @pytest.fixture

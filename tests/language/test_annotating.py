@@ -1,0 +1,128 @@
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kg.facts.places import Location
+from kg.facts.texts import Description, DescriptionKind
+from kg.language import annotate
+from kg.language.annotating import LONGEST_TEXT, STOP_WORDS, sentences
+
+SOME_WORDS = (
+    "robot",
+    "Publishes",
+    "the",
+    "laser",
+    "scan",
+    "of",
+    "a",
+    "Kinect",
+    "2",
+    "-",
+    "/scan",
+    "base_link",
+    ".",
+    "{",
+    "\n\n",
+)
+TEXTS = st.one_of(st.text(), st.lists(st.sampled_from(SOME_WORDS)).map(" ".join))
+HOSTILE = {
+    "a word of 100,000 characters": "x" * 100_000,
+    "words of 100 characters": " ".join("ab" * 50 for _ in range(5000)),
+    "one noun, 20,000 times": "camera " * 20_000,
+    "proper nouns without end": "Velodyne VLP-16 " * 20_000,
+    "hyphens": "-" * 50_000,
+    "hyphens between nouns": "laser-" * 20_000,
+    "full stops": "." * 100_000,
+    "slashes": "/a" * 50_000,
+    "an identifier without end": "a_" * 50_000,
+    "colons": "a::" * 50_000,
+    "numbers": "1.2.3-4 " * 20_000,
+    "code": "for (int i = 0; i < n; ++i) { a[i] = b[i] * c[i]; } " * 500,
+    "control characters": "The \x00\x01\x1b[31mcamera\x07 \u202e moves. " * 500,
+    "half of a pair": "a camera \ud800 moves \udfff here",
+    "Chinese": "这个节点发布激光扫描仪的数据。" * 2000,
+    "Russian": "Этот узел публикует данные лазерного сканера. " * 500,
+    "pictures": "\U0001f916\U0001f4f7" * 20_000,
+    "no-break spaces": "a\u00a0camera\u00a0" * 20_000,
+    "brackets": "(" * 50_000 + ")" * 50_000,
+    "quotes": "'\"`" * 30_000,
+    "newlines": "\n" * 100_000,
+    "addresses": "https://example.org/" + "a/" * 50_000,
+    "mail": "a@" * 50_000,
+}
+
+
+def described(text: str) -> Description:
+    """Return a description of this text."""
+    return Description(text, DescriptionKind.COMMENT, Location("src/node.cpp", 1), heading="Usage")
+
+
+def test_words_are_lemmas_of_the_classes_that_carry_meaning() -> None:
+    """Nouns, names, verbs and adjectives; no numbers, no identifiers, no verbs that say nothing."""
+    (found,) = annotate([described("This node has merged 2 small scans of /front and uses base_link.")])
+    assert found.words == ("merge", "node", "scan", "small")
+
+
+def test_descriptions_keep_their_order_and_the_rest() -> None:
+    """Only words and phrases are filled in."""
+    given_texts = ["It reads a camera.", "", "It moves an arm.", "It reads a camera."]
+    found = annotate([described(text) for text in given_texts])
+    assert [one.text for one in found] == given_texts
+    assert found[0] == found[3]
+    assert found[1] == described("")
+    assert [phrase.text for one in found for phrase in one.phrases] == ["camera", "arm", "camera"]
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(TEXTS, max_size=4))
+def test_annotating_is_a_pure_function_of_each_text(texts: list[str]) -> None:
+    """Whatever stands around it, a text gives the same; words are sorted, in lower case, each once."""
+    together = annotate([described(text) for text in texts])
+    assert together == tuple(annotate([described(text)])[0] for text in texts)
+    assert together == annotate(together)
+    for one in together:
+        assert list(one.words) == sorted(set(one.words))
+        assert all(word == word.lower() and word not in STOP_WORDS for word in one.words)
+        assert len(set(one.phrases)) == len(one.phrases)
+        assert all(phrase.text == " ".join(phrase.text.split()) for phrase in one.phrases)
+
+
+@given(st.text())
+def test_sentences_hold_nothing_but_words_of_the_text(text: str) -> None:
+    """Nothing is invented, and nothing is longer than the text."""
+    assert sum(map(len, sentences(text))) <= len(text) + 1
+    assert set("".join(sentences(text))) <= set(text) | {" "}
+
+
+@pytest.mark.parametrize("text", HOSTILE.values(), ids=HOSTILE)
+def test_hostile_texts_are_tagged_in_bounded_time(text: str) -> None:
+    """No text takes long or ends the process, and what is found is bounded by what is looked at."""
+    annotate([described("A camera.")])
+    began = time.process_time()
+    (found,) = annotate([described(text)])
+    assert time.process_time() - began < 10
+    assert sum(len(phrase.text) for phrase in found.phrases) <= LONGEST_TEXT
+
+
+def test_texts_that_are_no_language_are_left_alone() -> None:
+    """Code, other scripts and data give no words."""
+    for name in ("Chinese", "Russian", "code", "full stops", "a word of 100,000 characters"):
+        (found,) = annotate([described(HOSTILE[name])])
+        assert (found.words, found.phrases) == ((), ()), name
+
+
+def test_nothing_to_tag_loads_nothing() -> None:
+    """Packages without descriptions, or with empty ones, do not pay for spaCy."""
+    code = (
+        "import sys; from kg.language import annotate, identity; from kg.facts.texts import *;"
+        "from kg.facts.places import Location; import kg.pipeline.work;"
+        "annotate([]); annotate([Description('', DescriptionKind.WIKI, Location('a', 1))]); identity('');"
+        "assert 'spacy' not in sys.modules and 'thinc' not in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=120)
