@@ -96,7 +96,7 @@ def node(  # noqa: PLR0913 - what tests tell nodes apart by
         ros=ros,
         location=Location(path, 1),
         executable=None if loaded or kind in {"plugin", "class"} else name,
-        plugin=f"demo/{name}" if loaded and ros == 1 else f"demo::{name}" if loaded else None,
+        plugin=f"robots/{name}" if loaded and ros == 1 else f"robots::{name}" if loaded else None,
         interfaces=(*ends, *more),
         parameters=tuple(parameters),
     )
@@ -107,7 +107,7 @@ def read(name: str, default: str | None = None, line: int = 30) -> Parameter:
     return Parameter(name, "string", default, Access.READ, Location("src/x.cpp", line))
 
 
-def store_of(root: Path, *nodes: NodeType, package: str = "demo", **others: Sequence[NodeType]) -> EmbeddedStore:
+def store_of(root: Path, *nodes: NodeType, package: str = "robots", **others: Sequence[NodeType]) -> EmbeddedStore:
     """Return a store with the nodes in one package; `others` are packages of another source."""
     iris = Iris()
     sources = {Repository(HERE, "/nowhere"): {package: nodes}}

@@ -195,9 +195,9 @@ def test_nodelets_get_a_manager_and_components_a_container(tmp_path: Path) -> No
     )
     old, new = (launch_text(answer_of(store, "LaserScan", "PointCloud2", ros=ros).chains[0]) for ros in (1, 2))
     assert 'type="nodelet" name="nodelet_manager" args="manager"' in old
-    assert 'args="load demo/Old nodelet_manager"' in old
+    assert 'args="load robots/Old nodelet_manager"' in old
     assert "ComposableNodeContainer(" in new
-    assert "plugin='demo::New'" in new
+    assert "plugin='robots::New'" in new
 
 
 def test_a_file_name_follows_from_the_types(tmp_path: Path) -> None:
