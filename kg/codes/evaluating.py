@@ -19,4 +19,14 @@ CODES: Final = {
         "A page of documentation stands in no package of the store, or the package named with it is not there.",
         "Name the package with `--package NAME` or `--package REPOSITORY:NAME`.",
     ),
+    "KG724": CodeEntry(
+        "library of a comparison missing",
+        "A way to rank nodes that the search is compared with needs a library that is not installed.",
+        "Install it as the message says: `pip install 'kg-ros[evaluate]'` brings most of them.",
+    ),
+    "KG725": CodeEntry(
+        "needs cannot be read",
+        "A file of needs is not there, has no need, or has a line that is none.",
+        "Correct the line; docs/evaluation.md shows what such a file looks like.",
+    ),
 }

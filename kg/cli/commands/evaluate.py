@@ -11,14 +11,14 @@ from kg.cli.options import Json, Store
 from kg.cli.session import session
 from kg.errors import UsageError
 from kg.render.text import count
-from kg.store.opening import reading
+from kg.store.opening import existing, reading
 
 if TYPE_CHECKING:
     from kg.evaluate.gathering import Choice
     from kg.evaluate.linking import Ground
     from kg.settings import Settings
 
-__all__ = ["HELP", "completeness", "correctness"]
+__all__ = ["HELP", "completeness", "correctness", "search"]
 
 HELP: Final = "Measure the graph and the search against references and the code."
 
@@ -35,6 +35,10 @@ Package = Annotated[
 ]
 Keep = Annotated[bool, typer.Option("--keep", help="Keep the references in the store, for the stored queries.")]
 Forget = Annotated[bool, typer.Option("--forget", help="Take kept references out of the store.")]
+Needs = Annotated[str, typer.Option("--queries", "-q", metavar="FILE", help="Needs with judged nodes: JSON lines.")]
+Model = Annotated[
+    str | None, typer.Option("--model", metavar="FOLDER", help="A model of sentence embeddings to compare with too.")
+]
 Output = Annotated[
     str | None, typer.Option("--output", "-o", metavar="FOLDER", help="Write Markdown, CSV and SVG into FOLDER.")
 ]
@@ -102,6 +106,33 @@ def correctness(  # noqa: PLR0913 - the options of a command
     deliver(table, json=json, output=output)
     if keep:
         _keep(settings, ground)
+
+
+def search(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    *,
+    queries: Needs,
+    model: Model = None,
+    output: Output = None,
+    json: Json = False,
+    store: Store = None,
+) -> None:
+    """Compare the search with other ways to find nodes: NDCG@1 and NDCG@5.
+
+    TF-IDF, fuzzy names, subgraph matching of the interfaces that a need names, and sentence embeddings where a model
+    is given, as in RNKG's Table 11; with bootstrap intervals. For example:
+
+        kg eval search --queries needs.jsonl
+        kg eval search --queries needs.jsonl --model ~/models/all-MiniLM-L6-v2 --output tables
+    """
+    from kg.evaluate.judged_needs import read_needs  # noqa: PLC0415 - start-up time
+    from kg.evaluate.retrieval import retrieval  # noqa: PLC0415 - start-up time
+    from kg.search.searching import open_search  # noqa: PLC0415 - start-up time
+
+    needs = read_needs(Path(queries).expanduser())
+    found = open_search(existing(session(context).settings(store=store)))
+    table = retrieval(found, needs, Path(model).expanduser() if model else None)
+    deliver(table, json=json, output=output)
 
 
 def _paths(reference: list[str] | None) -> list[Path]:
