@@ -32,18 +32,21 @@ def known_package(graph: Queryable, name: str) -> None:
 
 
 def one_node(graph: Queryable, name: str) -> list[NodeRecord]:
-    """Return the node called `name`, `package/name` or `repository:package/name`.
+    """Return the node called `name`, `package/name` or `repository:package/name`; of a plugin its class will do.
 
     A package may declare a node twice (for two robots, say); these are one node here, and all are returned.
 
     KG001 with suggestions when there is none, KG003 with the full names when there are several.
     """
-    from kg.graph.reading import node_names, node_records  # noqa: PLC0415 - start-up time
+    from kg.graph.reading import loaded_as, node_names, node_records  # noqa: PLC0415 - start-up time
 
     front, _, last = name.rpartition("/")
     found = [*node_records(graph, node=name)]
     if front and not found:
         found = node_records(graph, node=last, package=front)
+    if not found:
+        package = front or None
+        found = [one for known in loaded_as(graph, last) for one in node_records(graph, node=known, package=package)]
     if len({one.full_name for one in found}) == 1:
         return found
     if not found:

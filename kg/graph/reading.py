@@ -36,6 +36,7 @@ __all__ = [
     "Queryable",
     "end_of",
     "grouped",
+    "loaded_as",
     "node_names",
     "node_records",
     "one",
@@ -165,6 +166,15 @@ def node_names(graph: Queryable) -> list[str]:
     """Return the names of all node types, each once, sorted."""
     return sorted(
         {_text(row["name"]) for row in _rows(graph, "SELECT ?name WHERE { ?n a rnkg:NodeType ; rnkg:name ?name }")}
+    )
+
+
+def loaded_as(graph: Queryable, name: str) -> list[str]:
+    """Return the names of the node types whose plugin is `name`, whole (`pkg::Class`) or by its last part, sorted."""
+    rows = _rows(graph, "SELECT ?name ?plugin { ?n a rnkg:NodeType ; rnkg:name ?name ; rnkg:pluginName ?plugin }")
+    found = {_text(row["name"]): _text(row["plugin"]) for row in rows}
+    return sorted(
+        one for one, plugin in found.items() if plugin == name or plugin.replace("::", "/").endswith(f"/{name}")
     )
 
 

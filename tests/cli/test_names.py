@@ -37,6 +37,13 @@ def test_a_node_is_found_by_as_much_of_its_name_as_tells_it(rover: EmbeddedSnaps
     assert found.full_name.endswith(name)
 
 
+@pytest.mark.parametrize("name", ["Planner", "nav/Planner"])
+def test_a_node_is_found_by_the_class_that_is_loaded(rover: EmbeddedSnapshot, name: str) -> None:
+    """`kg search` calls a component by its class; so may who looks at it."""
+    (found,) = one_node(rover, name)
+    assert found.node.plugin == "nav/Planner"
+
+
 def test_of_several_nodes_the_ways_to_name_each_are_said(rover: EmbeddedSnapshot) -> None:
     """The error lists what can be typed instead."""
     with pytest.raises(UsageError) as caught:

@@ -1,0 +1,63 @@
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+import pytest
+from cli.rover import build
+
+from kg.cli.completion import features
+
+if TYPE_CHECKING:
+    from cli.program import Program
+
+
+@pytest.fixture
+def rover(kg: Program) -> Program:
+    """Return the program beside the store of the rover."""
+    build(kg.folder / ".kg")
+    return kg
+
+
+def test_hits_are_tab_separated_off_a_terminal(rover: Program) -> None:
+    """A head and a line for each hit, with the reasons; what was understood goes to standard error."""
+    run = rover("search", "plan", "the", "way", "for", "ROS", "1")
+    assert run.code == 0
+    head, first, *_ = run.out.splitlines()
+    assert head.split("\t") == ["rank", "score", "package", "node", "why", "also in", "file:line"]
+    assert first.split("\t")[3] == "planner"
+    assert "only what ros ROS 1" in run.err
+
+
+def test_hits_are_json_lines(rover: Program) -> None:
+    """`--json` writes an object a hit, best first, with the name that `kg node` takes."""
+    run = rover("search", "planner", "--json")
+    hits = [json.loads(line) for line in run.out.splitlines()]
+    assert [hit["rank"] for hit in hits] == list(range(1, len(hits) + 1))
+    assert rover("node", f"{hits[0]['package']}/{hits[0]['name']}").code == 0
+
+
+def test_nothing_found_is_said(rover: Program) -> None:
+    """No hit is no error of the command; the exit code tells scripts."""
+    run = rover("search", "zygomorphic")
+    assert run.code == 1
+    assert "nothing was found" in run.err
+
+
+def test_a_filter_that_nothing_fulfils_is_refused(rover: Program) -> None:
+    """The error names the code and what there is."""
+    run = rover("search", "--publishes", "Twits")
+    assert run.code == 2
+    assert "KG701" in run.err
+
+
+def test_values_of_filters_are_completed(rover: Program, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Tab offers what nodes have, types by their last part too; without a store nothing."""
+    monkeypatch.chdir(rover.folder)
+    kinds = features("kind")("")
+    assert kinds == sorted(kinds)
+    assert kinds
+    offered = features("publishes")("")
+    assert {name.rpartition("/")[2] for name in offered} <= set(offered)
+    monkeypatch.chdir(rover.folder.parent)
+    assert features("kind")("") == []
