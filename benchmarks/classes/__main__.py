@@ -1,9 +1,9 @@
 """Compares the functions and the hardware that rules infer for nodes with labels given by hand.
 
-    python benchmarks/classes --store FOLDER --labels LABELS.jsonl [--misses]
+    python benchmarks/classes --store FOLDER [--store FOLDER ...] --labels LABELS.jsonl [--misses]
 
-Labels are JSON Lines as in benchmarks/labels. A node is found by repository, package and name; one that the store does
-not have counts as a node of which nothing is inferred. Printed are precision, recall and F1 of each class, and
+Labels are JSON Lines as in benchmarks/labels. A node is found by repository, package and name; one that no store
+has counts as a node of which nothing is inferred. Printed are precision, recall and F1 of each class, and
 
 * micro-F1: over all pairs of node and class;
 * macro-F1: the mean of F1 over the classes that some label has. A class that is inferred and that no label has lowers
@@ -11,7 +11,7 @@ not have counts as a node of which nothing is inferred. Printed are precision, r
 
 Kinds of hardware are compared in the vocabulary of the labels (benchmarks/labels/README.md): an inferred kind that is
 not in it counts as the nearest broader one that is (`underwaterSonar` as `rangeSensor`), and as none where there is no
-such (`sensor`). Of the inferred kinds of a node only the most specific ones count: `camera` goes where `depthCamera` is.
+such (`sensor`). Of the inferred kinds of a node only the most specific ones count: no `camera` beside `depthCamera`.
 A label is met by itself alone, neither by a broader nor by a narrower kind.
 """
 
@@ -126,14 +126,14 @@ class Taxonomy:
 def main() -> None:
     """Read the command line, compare, and print."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--store", required=True, help="a store with the labelled nodes, in which the rules have run")
+    parser.add_argument(
+        "--store", required=True, action="append", help="a store in which the rules have run; repeatable"
+    )
     parser.add_argument("--labels", required=True, type=Path, help="JSON Lines")
     parser.add_argument("--misses", action="store_true", help="also list where inference and labels differ")
     options = parser.parse_args()
     inferred = read(options.store)
-    taxonomy = Taxonomy(
-        {_local(row["kind"]): _local(row["broader"]) for row in api.sparql(BROADER, store=options.store)}
-    )
+    taxonomy = Taxonomy({_local(kind): _local(broader) for kind, broader in rows(options.store[:1], BROADER)})
     counts = {"functions": Counts(), "hardware": Counts()}
     absent = 0
     for line in options.labels.read_text().splitlines():
@@ -148,20 +148,20 @@ def main() -> None:
                 print(f"too many {sorted(found - set(label[name]))}")
     for name, each in counts.items():
         show(name, each)
-    print(f"{absent} labelled nodes are not in the store")
+    print(f"{absent} labelled nodes are not in a store")
 
 
-def rows(store: str, query: str) -> Iterator[tuple[str, ...]]:
-    """Yield the rows of an answer as texts."""
-    answer = api.sparql(query, store=store)
-    if isinstance(answer, Solutions):
-        yield from (tuple("" if term is None else term.value for term in row) for row in answer.rows)
+def rows(stores: list[str], query: str) -> Iterator[tuple[str, ...]]:
+    """Yield the rows of the answers of stores as texts."""
+    for answer in (api.sparql(query, store=store) for store in stores):
+        if isinstance(answer, Solutions):
+            yield from (tuple(str(getattr(term, "value", "")) for term in row) for row in answer.rows)
 
 
-def read(store: str) -> dict[Key, tuple[set[str], set[str]]]:
-    """Return the functions and the kinds of hardware of each node of the store."""
+def read(stores: list[str]) -> dict[Key, tuple[set[str], set[str]]]:
+    """Return the functions and the kinds of hardware of each node of the stores."""
     found: dict[Key, tuple[set[str], set[str]]] = {}
-    for repository, package, node, inferred in rows(store, INFERRED):
+    for repository, package, node, inferred in rows(stores, INFERRED):
         functions, kinds = found.setdefault((repository, package, node), (set(), set()))
         (functions if inferred.startswith(FUNCTION) else kinds).add(_local(inferred))
     return found
