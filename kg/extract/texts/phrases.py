@@ -123,6 +123,9 @@ BOILERPLATE: Final = (
     "the above research",
     "here we declare",
     "follow the following",
+    "please send",
+    "it depends on",
+    "launch the example",
     "@gmail",
 )
 """Phrases of templates, generators, editors, linters, and of how to install."""
@@ -138,7 +141,7 @@ LABELS: Final = _beginning(
     r"(?:the )?(?:default |copy )?(?:con|de)structors?(?: (?:for|of) .{0,40})?|a (?:con|de)structor.{0,40}",
     r"forward (?:class )?declarations?|function (?:prototypes|declarations)|helper (?:functions?|class)",
     r"(?:class|struct) (?:definition|declaration)s?|(?:this )?(?:class|function|file|node)",
-    r"main method.*|bring in .*|end of .*|namespace .*|for debug\w*|needed for .*|\S+ is \.\.\..*|the \S+ package",
+    r"main method.*|(?:the )?main\b.{0,30}entry point|dependencies(?: for .{0,40})?|bring in .*|end of .*|namespace .*|for debug\w*|needed for .*|\S+ is \.\.\..*|the \S+ package",
     r"list of (?:nodes|topics|services).*|created (?:on|by|in)\b.*|usage\b.*",
     r"(?:please )?(?:see|refer to|read|check|visit|follow)\b(?!-).{0,120}",
     r"(?:for )?(?:more|further|additional|detailed) (?:information|details?|documentation)\b.*",

@@ -57,6 +57,9 @@ NO_PROSE = (
     "name: /camera/rgb msg_class: sensor_msgs/Image fname: image.png",
     "a subscriber to subscribe input := sub_input_",
     "This is my nodelet.",
+    "Main node entry point.",
+    "Dependencies for ROS",
+    "Please send comments, questions, or patches to somebody",
     "depth_image_proc is ... for now",
     "// ---- x ---- //",
 )
