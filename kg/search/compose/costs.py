@@ -52,6 +52,7 @@ class Costs(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     named_by_parameter: int
     unlike_type: int
     filters: int
+    shared_name: int
     never_started: int
     seldom_started: int
     often_started: int
@@ -101,13 +102,17 @@ def generic(type_name: str) -> bool:
 
 
 def needs(part: Part, taken: Port, given: Iterable[str] = ()) -> tuple[Port, ...]:
-    """Return what a node subscribes besides the input that a chain comes in by, but for the types `given`."""
+    """Return what a node subscribes besides the input that a chain comes in by, but for the types `given`.
+
+    What it publishes itself is no need either.
+    """
     had = set(given)
+    own = {port.topic for port in part.outputs}
     return tuple(
         port
         for port in part.inputs
         if port.iri != taken.iri
-        and (port.topic is None or port.topic != taken.topic)
+        and (port.topic is None or (port.topic != taken.topic and port.topic not in own))
         and port.type not in had
         and not generic(port.type)
     )

@@ -9,7 +9,7 @@ from kg.search.compose.chains import Step
 from kg.search.compose.costs import generic, knowledge, link_cost, needs, part_cost, port_cost
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Container, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from kg.search.compose.asking import Asked
     from kg.search.compose.network import Network, Part, Port
@@ -37,49 +37,41 @@ def steps_of(network: Network, asked: Asked, ros: int) -> Mapping[str, Sequence[
 def _through(part: Part, place: int, asked: Asked) -> Iterator[Step]:
     """Yield the ways through a node."""
     kept = asked.names(place)
-    base = part_cost(part) if not kept else knowledge().costs.node
-    both = {port.topic for port in part.inputs} & {port.topic for port in part.outputs} - {None}
-    for source, taken in _best(part.inputs, both).items():
-        wanted = {port.type for port in needs(part, part.inputs[taken], asked.starts)}
-        entry = base + port_cost(part.inputs[taken]) + _need_cost(wanted)
-        for target, given in _best(part.outputs, both, part.inputs[taken]).items():
+    costs, key = knowledge().costs, f"{part.full_name} {part.repository}"
+    base = costs.node if kept else part_cost(part)
+    shared = frozenset({port.topic for port in part.inputs} & {port.topic for port in part.outputs} - {None})
+    for source, taken in _best(part.inputs, shared).items():
+        entry = part.inputs[taken]
+        wanted = {port.type for port in needs(part, entry, asked.starts)}
+        before = base + _cost(entry, shared) + _need_cost(wanted)
+        for target, given in _best(part.outputs, shared, entry).items():
             if source == target and not kept and not (source in asked.starts and source in asked.goals):
                 continue
-            link = knowledge().costs.generic_link if generic(target) and target not in asked.goals else 0
-            filters = knowledge().costs.filters if target in wanted else 0
-            cost = entry + port_cost(part.outputs[given]) + link + filters
+            cost = before + _cost(part.outputs[given], shared) + (costs.filters if target in wanted else 0)
+            if generic(target) and target not in asked.goals:
+                cost += costs.generic_link
             marks = asked.marks(place, target)
-            yield Step(
-                place,
-                part.family,
-                source,
-                target,
-                cost,
-                f"{part.full_name} {part.repository}",
-                marks,
-                taken,
-                given,
-                kept,
-            )
+            yield Step(place, part.family, source, target, cost, key, marks, taken, given, kept)
 
 
-def _best(ports: Sequence[Port], both: Container[str | None], taken: Port | None = None) -> dict[str, int]:
-    """Return the place of the best end of each type: outputs are to go with an input.
-
-    Where a node publishes and subscribes under one name, which are `both`, the two cannot be told apart by remapping.
-    """
+def _best(ports: Sequence[Port], shared: frozenset[str | None], taken: Port | None = None) -> dict[str, int]:
+    """Return the place of the best end of each type; outputs are to go with the input `taken`."""
     found: dict[str, int] = {}
     for place, port in enumerate(ports):
-        if port.topic in both or not port.can_be_wired or (taken is not None and not _together(taken, port)):
+        if not port.can_be_wired or (taken is not None and not _together(taken, port)):
             continue
         other = found.get(port.type)
-        if other is None or _rank(port) < _rank(ports[other]):
+        if other is None or _rank(port, shared) < _rank(ports[other], shared):
             found[port.type] = place
     return found
 
 
-def _rank(port: Port) -> tuple[int, int, str]:
-    return port_cost(port), len(port.switches), port.name or ""
+def _rank(port: Port, shared: frozenset[str | None]) -> tuple[int, int, str]:
+    return _cost(port, shared), len(port.switches), port.name or ""
+
+
+def _cost(port: Port, shared: frozenset[str | None]) -> int:
+    return port_cost(port) + (knowledge().costs.shared_name if port.topic in shared else 0)
 
 
 def _together(taken: Port, given: Port) -> bool:

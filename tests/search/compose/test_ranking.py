@@ -111,6 +111,13 @@ def test_an_end_for_debugging_is_not_the_one(tmp_path: Path) -> None:
     assert chain.nodes[0].start.given.name == "cmd_vel"
 
 
+def test_a_topic_that_a_node_publishes_and_subscribes_is_its_own_need(tmp_path: Path) -> None:
+    """What a node says to itself is no input that someone else has to give, and may well be its output."""
+    mapper = node("mapper", {"scan": SCAN, "/map": GRID}, {"/map": GRID})
+    (chain,) = answer_of(store_of(tmp_path / "store", mapper), SCAN, GRID).chains
+    assert not chain.nodes[0].needs
+
+
 def test_chains_much_longer_than_the_best_are_left_out_unless_asked_for(tmp_path: Path) -> None:
     """Where one node does it, three are no answer; with a length they are."""
     way = (
