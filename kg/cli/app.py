@@ -111,6 +111,7 @@ CORPUS_COMMANDS: Final[tuple[tuple[str, Any], ...]] = (("select", corpus.select)
 EVALUATIONS: Final[tuple[tuple[str, Any], ...]] = (
     ("completeness", evaluate.completeness),
     ("correctness", evaluate.correctness),
+    ("sample", evaluate.sample),
     ("search", evaluate.search),
 )
 """The commands of `kg eval`, in the order that its help lists them."""

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kg.cli.diagnostics import note, say
-from kg.cli.output import Column, listing
+from kg.cli.output import Column, listing, write_bytes
 
 if TYPE_CHECKING:
     from kg.evaluate.tables import Table
 
-__all__ = ["deliver"]
+__all__ = ["deliver", "write_text"]
 
 
 def deliver(table: Table, *, json: bool, output: str | None) -> None:
@@ -30,3 +30,18 @@ def deliver(table: Table, *, json: bool, output: str | None) -> None:
 
         written = write(table, Path(output).expanduser())
         say(f"wrote {', '.join(path.name for path in written)} to {output}")
+
+
+def write_text(text: str, output: str | None) -> None:
+    """Write a text to a file, else to standard output; UsageError KG003 when it cannot be written."""
+    if output is None or output == "-":
+        write_bytes(text.encode("utf-8"))
+        return
+    from pathlib import Path  # noqa: PLC0415 - the branch that needs it
+
+    from kg.errors import Place, UsageError  # noqa: PLC0415 - the same
+
+    try:
+        Path(output).expanduser().write_text(text, "utf-8")
+    except OSError as error:
+        raise UsageError("KG003", f"cannot be written: {error.strerror}", place=Place(output)) from None

@@ -14,6 +14,11 @@ CODES: Final = {
         "A file of references is not there, is no UTF-8, or has a line that is no reference.",
         "Correct the line; docs/evaluation.md shows what such a file looks like.",
     ),
+    "KG722": CodeEntry(
+        "sheet of sampled facts",
+        "A sheet that `kg eval sample --score` reads is no CSV, lacks a column, or has an answer that is none.",
+        "Write yes, no or unsure into the column `right`, or leave it empty.",
+    ),
     "KG723": CodeEntry(
         "package of a page",
         "A page of documentation stands in no package of the store, or the package named with it is not there.",

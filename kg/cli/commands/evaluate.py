@@ -6,10 +6,12 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from kg.cli.diagnostics import say
-from kg.cli.evaluation_view import deliver
+from kg.cli.evaluation_view import deliver, write_text
+from kg.cli.numbers import whole
 from kg.cli.options import Json, Store
 from kg.cli.session import session
 from kg.errors import UsageError
+from kg.query.similar import did_you_mean
 from kg.render.text import count
 from kg.store.opening import existing, reading
 
@@ -18,7 +20,7 @@ if TYPE_CHECKING:
     from kg.evaluate.linking import Ground
     from kg.settings import Settings
 
-__all__ = ["HELP", "completeness", "correctness", "search"]
+__all__ = ["HELP", "completeness", "correctness", "sample", "search"]
 
 HELP: Final = "Measure the graph and the search against references and the code."
 
@@ -35,6 +37,16 @@ Package = Annotated[
 ]
 Keep = Annotated[bool, typer.Option("--keep", help="Keep the references in the store, for the stored queries.")]
 Forget = Annotated[bool, typer.Option("--forget", help="Take kept references out of the store.")]
+Size = Annotated[str, typer.Option("--size", "-n", metavar="N", help="Draw so many facts.")]
+Seed = Annotated[str, typer.Option("--seed", metavar="N", help="Another seed draws others.")]
+Relations = Annotated[
+    list[str] | None, typer.Option("--relation", metavar="NAME", help="Only of this relation; may be repeated.")
+]
+Sheet = Annotated[str | None, typer.Option("--output", "-o", metavar="FILE", help="Write the sheet to FILE.")]
+Judged = Annotated[str | None, typer.Option("--score", metavar="FILE", help="Score a sheet that was judged.")]
+Tables = Annotated[
+    str | None, typer.Option("--tables", metavar="FOLDER", help="Write the scores as Markdown, CSV and SVG.")
+]
 Needs = Annotated[str, typer.Option("--queries", "-q", metavar="FILE", help="Needs with judged nodes: JSON lines.")]
 Model = Annotated[
     str | None, typer.Option("--model", metavar="FOLDER", help="A model of sentence embeddings to compare with too.")
@@ -106,6 +118,54 @@ def correctness(  # noqa: PLR0913 - the options of a command
     deliver(table, json=json, output=output)
     if keep:
         _keep(settings, ground)
+
+
+def sample(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    *,
+    size: Size = "100",
+    seed: Seed = "0",
+    relation: Relations = None,
+    output: Sheet = None,
+    score: Judged = None,
+    tables: Tables = None,
+    json: Json = False,
+    store: Store = None,
+) -> None:
+    """Draw facts for a person to judge, or score such a sheet.
+
+    The sheet (CSV) has as many facts of each relation, inferred ones too, each with its line of code; write yes, no
+    or unsure into its column `right`. Its score is the precision by relation, with Wilson intervals. For example:
+
+        kg eval sample --size 100 --output sheet.csv
+        kg eval sample --score sheet.csv
+    """
+    if score:
+        from kg.evaluate.sheet import score_sheet  # noqa: PLC0415 - the branch that needs it
+
+        deliver(score_sheet(Path(score).expanduser()), json=json, output=tables)
+        return
+    from kg.evaluate.facts import RELATIONS, Facts  # noqa: PLC0415 - start-up time
+    from kg.evaluate.sheet import as_sheet, drawn  # noqa: PLC0415 - start-up time
+    from kg.evaluate.source_lines import SourceLines  # noqa: PLC0415 - start-up time
+
+    number, chance = whole(size, "--size", 1), whole(seed, "--seed", 0)
+    chosen = [_known_relation(one) for one in relation] if relation else list(RELATIONS)
+    with reading(session(context).settings(store=store)) as snapshot:
+        facts = Facts(snapshot)
+        found = drawn(facts, chosen, number, chance)
+        text = as_sheet(facts, found, SourceLines(snapshot))
+    write_text(text, output)
+    say(f"{count(len(found), 'fact')} to judge")
+
+
+def _known_relation(name: str) -> str:
+    from kg.evaluate.facts import RELATIONS  # noqa: PLC0415 - start-up time
+
+    if name not in RELATIONS:
+        hint = did_you_mean(name, RELATIONS) or f"One of {', '.join(RELATIONS)}."
+        raise UsageError("KG003", f"`{name}` is no relation of facts", hint=hint)
+    return name
 
 
 def search(  # noqa: PLR0913 - the options of a command

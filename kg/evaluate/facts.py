@@ -1,0 +1,124 @@
+"""What the graph states of nodes, as facts that can be looked up in the code: what to sample from.
+
+A fact is a relation of a node to an end, a parameter, a function, a hardware or a capability. Listing them reads IRIs
+alone; what is told of one is read when it was drawn.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+from urllib.parse import unquote
+
+from kg.graph import vocabulary as v
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kg.store.interface import Snapshot
+
+__all__ = ["INFERRED", "RELATIONS", "STATED", "Fact", "Facts"]
+
+STATED: Final = {
+    "publishes": v.PUBLISHER,
+    "subscribes": v.SUBSCRIBER,
+    "provides": v.SERVICE_SERVER,
+    "calls": v.SERVICE_CLIENT,
+    "serves action": v.ACTION_SERVER,
+    "calls action": v.ACTION_CLIENT,
+    "has parameter": v.PARAMETER,
+}
+"""Relations that were read from code, by the class of what they lead to."""
+INFERRED: Final = {
+    "has function": v.rnkg("hasFunction"),
+    "uses hardware": v.rnkg("usesHardware"),
+    "has capability": v.rnkg("hasCapability"),
+}
+"""Relations that rules inferred."""
+RELATIONS: Final = (*STATED, *INFERRED)
+_PREFIXES: Final = {"ros": v.ROS, "rnkg": v.RNKG, "rdfs": v.RDFS}
+_SOURCES: Final = "/graph/source/"
+_PARTS: Final = """
+SELECT ?node ?part ?class { GRAPH %s {
+  ?node a rnkg:NodeType ; ros:hasComponent|rnkg:hasParameter ?part . ?part rnkg:implicit false ; a ?class
+} }"""
+_RULED: Final = "SELECT ?node ?what { ?node %s ?what . ?node a rnkg:NodeType }"
+_OWNER: Final = """
+SELECT ?repository ?package ?name ?path ?line {
+  ?package_ rnkg:contains %(node)s ; a rnkg:Package ; rnkg:name ?package .
+  ?repository_ rnkg:contains ?package_ ; a rnkg:Repository ; rnkg:name ?repository .
+  %(node)s rnkg:name ?name ; rnkg:path ?path ; rnkg:line ?line .
+}"""
+_TYPES: Final = ("/message/", "/service-type/", "/action-type/")
+_TYPE_OF: Final = (v.bare(v.ROS_HAS_MESSAGE), v.bare(v.HAS_SERVICE_TYPE), v.bare(v.HAS_ACTION_TYPE))
+
+
+@dataclass(frozen=True, slots=True)
+class Fact:
+    """One statement about a node, and where it was read; an inferred one stands where its node does.
+
+    `repository` is the node's source, `file_repository` the one that has the file. `value` is the name of the end or
+    parameter, None where it is not known, or the label of what was inferred; `written` the expression in the code.
+    """
+
+    relation: str
+    repository: str
+    package: str
+    node: str
+    value: str | None
+    type: str | None
+    written: str | None
+    file_repository: str
+    path: str
+    line: int
+
+
+class Facts:
+    """The facts of a store by relation."""
+
+    def __init__(self, snapshot: Snapshot) -> None:
+        self._snapshot = snapshot
+        self.listed: dict[str, list[tuple[str, str]]] = {}
+        """For each relation pairs of IRIs, sorted: of a node, and of what it leads to."""
+        found: defaultdict[str, set[tuple[str, str]]] = defaultdict(set)
+        relations = {v.bare(kind): relation for relation, kind in STATED.items()}
+        for graph in snapshot.graphs():
+            if _SOURCES in graph.value:
+                for node, part, kind in self._rows(_PARTS % graph, union=False):
+                    if kind in relations:
+                        found[relations[kind]].add((node, part))
+        for relation, term in INFERRED.items():
+            found[relation].update((node, what) for node, what in self._rows(_RULED % term))
+        self.listed = {relation: sorted(found[relation]) for relation in RELATIONS if found[relation]}
+
+    def told(self, relation: str, pair: tuple[str, str]) -> Fact:
+        """Return what is told of a fact that is listed."""
+        node, part = pair
+        repository, package, name, path, line = min(self._rows(_OWNER % {"node": f"<{node}>"}))
+        if relation in INFERRED:
+            labels = self._rows(f"SELECT ?label {{ <{part}> rdfs:label ?label }}")
+            label = min((row[0] for row in labels), default=part)
+            return Fact(relation, repository, package, name, label, None, None, repository, path, int(line))
+        told = dict(self._rows(f"SELECT ?p ?o {{ <{part}> ?p ?o }}"))
+        kind = next((_type_name(told[term]) for term in _TYPE_OF if term in told), told.get(v.bare(v.PARAMETER_TYPE)))
+        return Fact(
+            relation,
+            repository,
+            package,
+            name,
+            told.get(v.bare(v.NAME)),
+            kind,
+            told.get(v.bare(v.WRITTEN)),
+            told.get(v.bare(v.IN_REPOSITORY), repository),
+            told[v.bare(v.PATH)],
+            int(told[v.bare(v.LINE)]),
+        )
+
+    def _rows(self, text: str, *, union: bool = True) -> Iterator[Any]:
+        for row in self._snapshot.query(text, prefixes=_PREFIXES, union=union):  # type: ignore[union-attr]  # a SELECT
+            yield tuple(term.value for term in row)
+
+
+def _type_name(iri: str) -> str | None:
+    return next((unquote(iri.partition(kind)[2]) for kind in _TYPES if kind in iri), None)

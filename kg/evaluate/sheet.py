@@ -1,0 +1,180 @@
+"""A sheet of sampled facts for a person to judge, and what such a sheet tells when it comes back.
+
+The sample is stratified: every relation gets as many rows as any other, as far as it has facts. So a sheet gives the
+precision of each relation, and that of all facts by weighing relations with how many facts they have.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import random
+from collections import defaultdict
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from kg.errors import Place, UsageError
+from kg.evaluate.completeness import share
+from kg.evaluate.intervals import Z95
+from kg.evaluate.tables import Score, Table
+from kg.render.text import count, printable
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+    from pathlib import Path
+
+    from kg.evaluate.facts import Facts
+    from kg.evaluate.source_lines import SourceLines
+    from kg.evaluate.tables import Cell
+
+__all__ = ["COLUMNS", "as_sheet", "drawn", "score_sheet", "shares_of"]
+
+COLUMNS: Final = (
+    "number",
+    "relation",
+    "facts",
+    "package",
+    "node",
+    "value",
+    "type",
+    "address",
+    "source",
+    "right",
+    "remark",
+)
+_ANSWERS: Final = {"yes": True, "y": True, "no": False, "n": False, "unsure": None, "?": None}
+_FORMULA: Final = ("=", "+", "-", "@")
+_HINT: Final = "Write yes, no or unsure into the column `right`, or leave it empty."
+_LONGEST: Final = 10_000
+"""Characters of a cell that a sheet may have."""
+
+
+def shares_of(sizes: Mapping[str, int], size: int) -> dict[str, int]:
+    """Return how many rows each stratum gets: the same for all, what one cannot take for the others."""
+    found = dict.fromkeys(sizes, 0)
+    left = min(size, sum(sizes.values()))
+    while left:
+        open_ = [name for name, number in sizes.items() if found[name] < number]
+        for name in open_[:left]:
+            found[name] += 1
+        left -= len(open_[:left])
+    return found
+
+
+def drawn(facts: Facts, relations: Sequence[str], size: int, seed: int) -> list[tuple[str, tuple[str, str]]]:
+    """Return a stratified random sample, the same for the same store and seed."""
+    chance = random.Random(seed)  # noqa: S311 - no secret
+    listed = {relation: facts.listed[relation] for relation in relations if relation in facts.listed}
+    rows = shares_of({relation: len(pairs) for relation, pairs in listed.items()}, size)
+    return [(relation, pair) for relation, pairs in listed.items() for pair in chance.sample(pairs, rows[relation])]
+
+
+def as_sheet(facts: Facts, sample: Sequence[tuple[str, tuple[str, str]]], lines: SourceLines) -> str:
+    """Return a sample as CSV, each fact with the text of its line and where to look at it."""
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    for number, (relation, pair) in enumerate(sample, 1):
+        fact = facts.told(relation, pair)
+        place = fact.file_repository, fact.path, fact.line
+        cells = (fact.package, fact.node, fact.value, fact.type, lines.address(*place), lines.text(*place))
+        words = [_safe(cell or "") for cell in cells]
+        writer.writerow([number, relation, len(facts.listed[relation]), *words, "", ""])
+    return out.getvalue()
+
+
+def _safe(text: str) -> str:
+    """Return a text as a cell that spreadsheets take for no formula."""
+    text = printable(text)[:_LONGEST]
+    return f"'{text}" if text.startswith(_FORMULA) else text
+
+
+@dataclass(slots=True)
+class _Stratum:
+    facts: int = 0
+    right: int = 0
+    wrong: int = 0
+    unsure: int = 0
+    empty: int = 0
+
+    @property
+    def judged(self) -> int:
+        return self.right + self.wrong
+
+
+def score_sheet(path: Path) -> Table:
+    """Return the precision of each relation that a judged sheet gives, with Wilson intervals.
+
+    Facts that a person is unsure of, and those not judged, do not count. The last row weighs relations by how many
+    facts they have (stratified estimate, Cochran 1977, section 5.6).
+
+    Raises:
+        UsageError: KG722 with the line, for what is no sheet or no answer.
+    """
+    strata: defaultdict[str, _Stratum] = defaultdict(_Stratum)
+    for line, row in _rows(path):
+        answer = (row["right"] or "").strip().lower()
+        if answer and answer not in _ANSWERS:
+            raise UsageError("KG722", f"`{answer}` is no answer", place=Place(str(path), line), hint=_HINT)
+        facts = row["facts"] or ""
+        if not facts.isdecimal() or len(facts) > 12:  # noqa: PLR2004 - more facts than any store has
+            raise UsageError("KG722", f"`{facts}` is no number of facts", place=Place(str(path), line))
+        _count(strata[row["relation"] or ""], int(facts), answer)
+    rows: list[tuple[Cell, ...]] = [
+        (relation, share(one.right, one.judged), one.unsure, one.empty, one.facts) for relation, one in strata.items()
+    ]
+    rows.append(("all, weighed by facts", _weighed(list(strata.values())), None, None, None))
+    judged = sum(one.judged for one in strata.values())
+    return Table(
+        "sample",
+        "Sampled facts that a person judged right",
+        ("relation", "precision", "unsure", "not judged", "facts"),
+        tuple(rows),
+        (f"{count(judged, 'fact')} judged.",),
+    )
+
+
+def _count(stratum: _Stratum, facts: int, answer: str) -> None:
+    stratum.facts = facts
+    if not answer:
+        stratum.empty += 1
+    elif _ANSWERS[answer] is None:
+        stratum.unsure += 1
+    elif _ANSWERS[answer]:
+        stratum.right += 1
+    else:
+        stratum.wrong += 1
+
+
+def _rows(path: Path) -> Iterator[tuple[int, dict[str, str | None]]]:
+    try:
+        text = path.read_text("utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise UsageError("KG722", f"the sheet cannot be read: {reason}", place=Place(str(path))) from None
+    reader = csv.DictReader(io.StringIO(text))
+    needed = ("relation", "facts", "right")
+    try:
+        missing = [name for name in needed if name not in (reader.fieldnames or ())]
+        if missing:
+            message = f"the sheet has no column `{missing[0]}`"
+            raise UsageError("KG722", message, place=Place(str(path), 1), hint="`kg eval sample` writes sheets.")
+        for row in reader:
+            yield reader.line_num, row
+    except csv.Error as error:
+        raise UsageError("KG722", f"this is no CSV: {error}", place=Place(str(path), reader.line_num)) from None
+
+
+def _weighed(strata: Sequence[_Stratum]) -> Score | None:
+    """Return the share of right facts of all; None when a relation was not judged."""
+    every = sum(one.facts for one in strata)
+    if not every or any(not one.judged for one in strata):
+        return None
+    value = variance = 0.0
+    for one in strata:
+        weight, right = one.facts / every, one.right / one.judged
+        value += weight * right
+        variance += weight**2 * right * (1 - right) / one.judged
+    half = Z95 * math.sqrt(variance)
+    return Score(value, (max(0.0, value - half), min(1.0, value + half)))

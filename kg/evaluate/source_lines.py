@@ -1,0 +1,64 @@
+"""Lines of the sources of a store, where they stand on this machine as they were read."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from kg.graph.source_states import sources
+
+if TYPE_CHECKING:
+    from kg.store.interface import Snapshot
+
+__all__ = ["SourceLines"]
+
+_LARGEST: Final = 4_000_000
+"""Bytes of a source file; kg reads no larger one unless told."""
+_FORGES: Final = {
+    "github.com": "https://{name}/blob/{commit}/{path}#L{line}",
+    "gitlab.com": "https://{name}/-/blob/{commit}/{path}#L{line}",
+    "bitbucket.org": "https://{name}/src/{commit}/{path}#lines-{line}",
+}
+
+
+class SourceLines:
+    """The files of the sources of a store."""
+
+    def __init__(self, snapshot: Snapshot) -> None:
+        self.states = {one.name: one for one in sources(snapshot)}
+        self.lines = lru_cache(maxsize=256)(self._lines)
+        """The lines of a file of a source; None when it is not there, or is no text."""
+
+    def root(self, repository: str) -> Path | None:
+        """Return the folder of a source on this machine; None when it is not there."""
+        state = self.states.get(repository)
+        root = Path(state.root) if state and state.root else None
+        return root if root and root.is_dir() else None
+
+    def _lines(self, repository: str, path: str) -> list[str] | None:
+        root = self.root(repository)
+        if root is None:
+            return None
+        file = root / path
+        try:
+            # A path in a store that came from elsewhere must not lead out of its source.
+            if not file.resolve().is_relative_to(root.resolve()) or file.stat().st_size > _LARGEST:
+                return None
+            return file.read_bytes().decode("utf-8", "replace").split("\n")
+        except OSError:
+            return None
+
+    def text(self, repository: str, path: str, line: int) -> str | None:
+        """Return one line, without the blanks around it; None when there is none."""
+        lines = self.lines(repository, path)
+        return lines[line - 1].strip() if lines and 0 < line <= len(lines) else None
+
+    def address(self, repository: str, path: str, line: int) -> str:
+        """Return where a person can look at a line: the page of the commit, else the file."""
+        state = self.states.get(repository)
+        pattern = _FORGES.get(repository.partition("/")[0])
+        if state and state.commit and pattern:
+            return pattern.format(name=repository, commit=state.commit, path=path, line=line)
+        root = state.root if state else None
+        return f"{Path(root) / path if root else path}:{line}"
