@@ -24,7 +24,7 @@ def chain_lines(chain: Composed, rank: int) -> Iterator[str]:
     yield f"{rank}. {' -> '.join(chain.types)}"
     for node in chain.nodes:
         yield from (f"   {printable(line)}" for line in _node_lines(chain, node))
-    yield f"   because: {printable('; '.join(chain.reasons))}"
+    yield f"   {printable('; '.join(chain.reasons))}"
 
 
 def _node_lines(chain: Composed, node: Node) -> Iterator[str]:
@@ -37,6 +37,8 @@ def _node_lines(chain: Composed, node: Node) -> Iterator[str]:
         yield f"  also needs {_some(needed)}"
     if node.fed:
         yield f"  also gets {_some([kind for kind, _ in grouped(node.fed)])} from before"
+    if node.remarks:
+        yield f"  {'; '.join(node.remarks)}"
     if node.others:
         yield f"  also as {_some([f'{one.repository}:{one.full_name}' for one in node.others])}"
 

@@ -31,7 +31,7 @@ def test_chains_are_told_with_their_lines(robots: Program) -> None:
     assert f"\n2. {SCAN} -> {GRID} -> {TWIST}\n" in run.out
     assert f"takes `map` {GRID}  src/x.cpp:10" in run.out
     assert "also needs geometry_msgs/PoseStamped (goal)" in run.out
-    assert "because: 2 nodes, all of ROS 1" in run.out
+    assert "2 nodes of ROS 1; all of local/here" in run.out
 
 
 def test_json_has_everything(robots: Program) -> None:

@@ -135,4 +135,4 @@ def _write_launch(chains: "tuple[Composed, ...]", rank: int) -> None:
         raise UsageError("KG003", f"there is no chain {rank}, only {count(len(chains), 'chain')}", hint=hint)
     write(launch_text(chains[rank - 1]).removesuffix("\n"))
     if terminal():
-        note(f"a launch file for {chains[rank - 1].file_name}")
+        note(f"`--launch {rank} > {chains[rank - 1].file_name}` keeps it")

@@ -54,7 +54,7 @@ def remarks(chain: Composed, place: int) -> list[str]:
         found += [f"{verb} {kind}{_named(names)}" for kind, names in known[:_MOST]]
         if len(known) > _MOST:
             found.append(f"{verb} {len(known) - _MOST} more types")
-    found += [f"note: {one}" for one in node.demerits]
+    found += [f"note: {one}" for one in node.remarks]
     return [printable(line) for line in found]
 
 

@@ -38,6 +38,11 @@ class Node:
     demerits: tuple[str, ...] = ()
 
     @property
+    def remarks(self) -> tuple[str, ...]:
+        """What speaks for it and against it, in words."""
+        return (*((f"{_starting(self.part.started)} it",) if self.part.started else ()), *self.demerits)
+
+    @property
     def how_to_start(self) -> str | None:
         """The command that starts the node alone."""
         part = self.part
@@ -69,18 +74,14 @@ class Composed:
 
     @property
     def reasons(self) -> tuple[str, ...]:
-        """Why it stands where it stands, in words."""
-        found = [f"{count(len(self.nodes), 'node')}, all of ROS {self.wiring.ros}"]
-        for node in self.nodes:
-            if node.part.started:
-                found.append(f"{_starting(node.part.started)} {node.part.name}")
-            found += [f"{node.part.name}: {one}" for one in node.demerits]
-        for one, other in pairwise(self.nodes):
-            if number := together(one.part, other.part):
-                found.append(f"{_starting(number)} {one.part.name} and {other.part.name} together")
+        """What is to be said of the chain as a whole, in words."""
+        found = [f"{count(len(self.nodes), 'node')} of ROS {self.wiring.ros}"]
         repositories = {node.part.repository for node in self.nodes}
         if len(self.nodes) > 1 and len(repositories) == 1:
             found.append(f"all of {repositories.pop()}")
+        for one, other in pairwise(self.nodes):
+            if number := together(one.part, other.part):
+                found.append(f"{_starting(number)} {one.part.name} and {other.part.name} together")
         return tuple(found)
 
 
@@ -140,7 +141,7 @@ def _node_object(chain: Composed, place: int) -> dict[str, Any]:
         "also_gets": [{"type": kind, "names": names} for kind, names in grouped(node.fed)],
         "also_as": [f"{one.repository}:{one.full_name}" for one in node.others],
         "started_by": part.started,
-        "remarks": list(node.demerits),
+        "remarks": list(node.remarks),
     }
 
 

@@ -1,7 +1,7 @@
 """Names for what a chain starts and for the topics between: valid, unique, and none by which nodes meet unintended.
 
-A topic keeps the name that the node which publishes it gives it, unless another end of the chain has that name too.
-Then it stands below the name of that node.
+A topic keeps the name that the node which publishes it gives it, unless another end of the chain has that name too, but
+for later nodes that subscribe the same type. Then it stands below the name of that node.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 from kg.names import resolve
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Iterable, Sequence
 
     from kg.search.compose.network import Part, Port
 
@@ -112,39 +112,38 @@ def _links(starts: Sequence[Start]) -> list[Link]:
     New names are none that any end of the chain has by itself, since a remapping may move what has such a name.
     """
     first = starts[0]
-    same = {name for name, port, gives in _staying(starts) if not gives and port.type == first.taken.type}
-    staying = {name for name, _, _ in _staying(starts)}
     every = {start.own(port) or "" for start in starts for port in (*start.part.inputs, *start.part.outputs)}
     own = first.own(first.taken)
-    topic = own if own is not None and own not in staying - same else _unique(f"/{INPUT}", every)
-    links = [Link(topic, first.taken.type, INPUT)]
+    free = own is not None and own not in _disturbing(starts, first.taken.type, 0)
+    links = [Link(own if own is not None and free else _unique(f"/{INPUT}", every), first.taken.type, INPUT)]
     for place, start in enumerate(starts, 1):
         used = {link.topic for link in links}
+        others = used | _disturbing(starts, start.given.type, place) | _moved_by_name(starts[place : place + 1])
         own = start.own(start.given)
-        if own is None or own in staying | used | _moved_by_name(starts[place : place + 1]):
+        if own is None or own in others:
             last = start.given.name.rpartition("/")[2] if start.given.name is not None else OUTPUT
             own = _unique(f"/{start.name}/{last}", every | used)
         links.append(Link(own, start.given.type, OUTPUT if place == len(starts) else None))
     return links
 
 
+def _disturbing(starts: Sequence[Start], type_name: str, place: int) -> set[str]:
+    """Return the names that the topic of a type must not have which goes to the node at a place of the chain.
+
+    Nodes from there on may hear it too; those before it would hear what comes of their own words. Ends that are links
+    of the chain themselves, or share the name of one, move away.
+    """
+    found = set()
+    for number, start in enumerate(starts):
+        moved = {start.own(start.taken), start.own(start.given)}
+        heard = [port for port in start.part.inputs if number < place or port.type != type_name]
+        found |= {own for port in (*heard, *start.part.outputs) if (own := start.own(port)) is not None} - moved
+    return found
+
+
 def _moved_by_name(starts: Sequence[Start]) -> set[str]:
     """Return the names that remappings of nodes move, where a parameter names the input: it is remapped after that."""
     return {start.own(start.given) or "" for start in starts if start.taken.name is None}
-
-
-def _staying(starts: Sequence[Start]) -> Iterator[tuple[str, Port, bool]]:
-    """Yield the ends that are no link of the chain, with their absolute names, and whether the node publishes there.
-
-    Ends that share the name of one which is a link move with it.
-    """
-    for start in starts:
-        moved = {start.own(start.taken), start.own(start.given)}
-        for ports, gives in ((start.part.inputs, False), (start.part.outputs, True)):
-            for port in ports:
-                own = start.own(port)
-                if own is not None and own not in moved:
-                    yield own, port, gives
 
 
 def _connect(start: Start, port: Port, link: Link) -> None:
