@@ -42,15 +42,16 @@ _OWNED: Final = (
     "?n ?p ?r { ?p a rnkg:Package ; rnkg:contains ?n . ?n a rnkg:NodeType . ?r rnkg:contains ?p ; a rnkg:Repository }"
 )
 _PROGRAMS: Final = "?n ?x { ?n rnkg:hasExecutable/rnkg:name ?x }"
-_ENDS: Final = "?n ?c ?p ?l { ?n ros:hasComponent ?c . ?c rnkg:path ?p ; rnkg:line ?l ; rnkg:implicit false }"
+_ENDS: Final = (
+    "?c ?p ?l { ?c rnkg:implicit false ; rnkg:path ?p ; rnkg:line ?l FILTER(!CONTAINS(STR(?c), '#parameter/')) }"
+)
 _TRANSFORMS: Final = (
-    "?n ?c ?p ?l { VALUES ?t { %s } ?c ros:hasMessage ?t ; rnkg:implicit true ; rnkg:path ?p ; rnkg:line ?l . "
-    "?n ros:hasComponent ?c }"
+    "?c ?p ?l { VALUES ?t { %s } ?c ros:hasMessage ?t ; rnkg:implicit true ; rnkg:path ?p ; rnkg:line ?l }"
 )
 _TRANSFORM_TYPES: Final = ("tf2_msgs/TFMessage", "tf/tfMessage")
 _TYPES: Final = "?c ?t { ?c ros:hasMessage|rnkg:hasServiceType|rnkg:hasActionType ?t }"
-_PARAMETERS: Final = "?n ?c { ?n rnkg:hasParameter ?c . ?c rnkg:implicit false }"
-_TOLD: Final = "?c ?d { ?c a rnkg:Parameter ; dcterms:description ?d }"
+_PARAMETERS: Final = "?c { ?c rnkg:implicit false FILTER(CONTAINS(STR(?c), 'parameter/')) }"
+_TOLD: Final = "?c ?d { ?c dcterms:description ?d }"
 _TEXTS: Final = "?n ?d ?p ?o { ?n rnkg:hasDescription ?d . ?d ?p ?o }"
 _PHRASES: Final = "SELECT ?d ?t { GRAPH ?g { ?d rnkg:hasPhrase ?x } GRAPH ?h { ?x rnkg:text ?t } }"
 _CONCEPTS: Final = """
@@ -74,6 +75,7 @@ _ROLES: Final = {
     "action-server": Role.ACTION_SERVERS,
     "action-client": Role.ACTION_CLIENTS,
 }
+_PARAMETER: Final = "parameter"
 _UNRESOLVED: Final = "@unresolved"
 _MOST_FEEDS: Final = 12
 
@@ -106,12 +108,15 @@ class _Reading:
     def __init__(self, snapshot: Snapshot) -> None:
         self.snapshot = snapshot
         self.graphs = [graph for graph in snapshot.graphs() if _SOURCES in graph.value]
+        self.known: defaultdict[str, list[str]] = defaultdict(list)
         self.texts = self._texts()
         ontologies = (graph for graph in snapshot.graphs() if graph.value.endswith(_ONTOLOGY))
         self.individuals = _grouped(row for graph in ontologies for row in self._rows(_CONCEPTS % graph))
 
     def content(self) -> Content:
         owners = {node: (package, source) for node, package, source in self._sources(_OWNED)}
+        for node in owners:
+            self.known[node.partition("#")[0]].append(node)
         packages = self._packages(owners.values())
         places = {package.iri: place for place, package in enumerate(packages)}
         return Content(packages, self._nodes(owners, places), self._concepts())
@@ -215,7 +220,8 @@ class _Reading:
         messages = {iri.rpartition("/message/")[0] for iri in types.values() if "/message/" in iri}
         transforms = " ".join(f"<{base}/message/{name}>" for base in sorted(messages) for name in _TRANSFORM_TYPES)
         for body in (_ENDS, _TRANSFORMS % transforms):
-            for node, part, path, line in self._sources(body):
+            for part, path, line in self._sources(body):
+                node = self._owner(part)
                 role, name = _part(node, part)
                 if role in _ROLES:
                     found[node].add((_ROLES[role], name or "", _type_name(types.get(part)) or "", path, int(line)))
@@ -226,12 +232,18 @@ class _Reading:
             for node, ends in found.items()
         }
 
+    def _owner(self, part: str) -> str:
+        """Return the node of a part: the IRI of the part is a fragment of it (`kg.graph.iris.fragment`)."""
+        whole = part.partition("#")[0]
+        return max((one for one in self.known.get(whole, ()) if part.startswith(one)), key=len, default=whole)
+
     def _parameters(self) -> dict[str, tuple[tuple[str, str | None], ...]]:
         told = dict(self._sources(_TOLD))
         found: defaultdict[str, dict[str, str | None]] = defaultdict(dict)
-        for node, part in self._sources(_PARAMETERS):
-            name = _part(node, part)[1]
-            if name is not None:
+        for (part,) in self._sources(_PARAMETERS):
+            node = self._owner(part)
+            kind, name = _part(node, part)
+            if kind == _PARAMETER and name is not None:
                 found[node][name] = told.get(part) or found[node].get(name)
         return {node: tuple(sorted(named.items())) for node, named in found.items()}
 

@@ -27,7 +27,7 @@ _WORD: Final = re.compile(
     r"|[^\W\d_]+"  # letters of other alphabets
     r"|\d+"
 )
-_WITHOUT: Final = frozenset(("no", "non", "without"))
+_WITHOUT: Final = frozenset(("no", "without"))
 _SHORT: Final = 2
 _STEMMER: Final = EnglishStemmer()
 
