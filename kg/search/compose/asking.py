@@ -76,7 +76,7 @@ def asked(
             parts[node] = parts.get(node, 0) | bit
         named.update(nodes if exact else ())
     return Asked(
-        tuple(sorted({one for found in starts.values() for one in found})),
+        tuple(dict.fromkeys(one for found in starts.values() for one in found)),
         frozenset(one for found in goals.values() for one in found),
         (1 << len(using)) - 1,
         types,

@@ -12,8 +12,6 @@ from kg import resources
 from kg.search.words import words
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from kg.search.compose.network import Part, Port
 
 __all__ = [
@@ -101,19 +99,14 @@ def generic(type_name: str) -> bool:
     return package in types.generic or not types.generic_words.isdisjoint(words(package))
 
 
-def needs(part: Part, taken: Port, given: Iterable[str] = ()) -> tuple[Port, ...]:
-    """Return what a node subscribes besides the input that a chain comes in by, but for the types `given`.
-
-    What it publishes itself is no need either.
-    """
-    had = set(given)
+def needs(part: Part, taken: Port) -> tuple[Port, ...]:
+    """Return what a node subscribes besides the input that a chain comes in by; what it publishes itself is no need."""
     own = {port.topic for port in part.outputs}
     return tuple(
         port
         for port in part.inputs
         if port.iri != taken.iri
         and (port.topic is None or (port.topic != taken.topic and port.topic not in own))
-        and port.type not in had
         and not generic(port.type)
     )
 

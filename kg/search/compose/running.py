@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from kg.search.compose.asking import Asked
     from kg.search.compose.chains import Chain
-    from kg.search.compose.network import Network, Port
+    from kg.search.compose.network import Network
     from kg.search.compose.wiring import Wiring
     from kg.store.interface import Snapshot
 
@@ -75,7 +75,7 @@ def compose(snapshot: Snapshot, question: Question, cache: Path | None = None) -
     chains = [first, *islice(worth, question.limit)]
     shown = [(chain, _wired(known, chain)) for chain in chains[: question.limit]]
     details = _details(snapshot, [wiring for _, wiring in shown])
-    composed = tuple(_composed(known, meant, chain, wiring, details) for chain, wiring in shown)
+    composed = tuple(_composed(known, chain, wiring, details) for chain, wiring in shown)
     return Answer(composed, meant, len(chains) > question.limit, any(one.cut_off for one in made))
 
 
@@ -101,15 +101,15 @@ def _details(snapshot: Snapshot, wirings: list[Wiring]) -> Details:
     return read_details(snapshot, [start.part for start in starts], ports)
 
 
-def _composed(known: Network, meant: Asked, chain: Chain, wiring: Wiring, details: Details) -> Composed:
+def _composed(known: Network, chain: Chain, wiring: Wiring, details: Details) -> Composed:
     nodes = []
-    given: set[str] = set()
+    said: set[tuple[str, str]] = set()
     for step, start in zip(chain.steps, wiring.starts, strict=True):
         part = start.part
         others = tuple(one for place, one in enumerate(known.parts) if one.family == step.family and place != step.part)
-        wanted = needs(part, start.taken, meant.starts)
-        fed: tuple[Port, ...] = tuple(port for port in wanted if port.type in given)
-        missing = tuple(port for port in wanted if port.type not in given)
+        wanted = needs(part, start.taken)
+        fed = tuple(port for port in wanted if (start.own(port), port.type) in said)
+        missing = tuple(port for port in wanted if port not in fed)
         nodes.append(Node(part, start, missing, fed, others, demerits(part)))
-        given.update(port.type for port in part.outputs)
+        said |= wiring.said(len(nodes) - 1)
     return Composed(tuple(nodes), wiring, details, chain.cost)

@@ -42,8 +42,10 @@ def _through(part: Part, place: int, asked: Asked) -> Iterator[Step]:
     shared = frozenset({port.topic for port in part.inputs} & {port.topic for port in part.outputs} - {None})
     for source, taken in _best(part.inputs, shared).items():
         entry = part.inputs[taken]
-        wanted = {port.type for port in needs(part, entry, asked.starts)}
-        before = base + _cost(entry, shared) + _need_cost(wanted)
+        wanted = {port.type for port in needs(part, entry)}
+        before = (
+            base + _cost(entry, shared) + _need_cost(wanted.difference(asked.starts) | wanted.intersection({source}))
+        )
         for target, given in _best(part.outputs, shared, entry).items():
             if source == target and not kept and not (source in asked.starts and source in asked.goals):
                 continue

@@ -73,6 +73,13 @@ class Wiring:
     links: tuple[Link, ...]
     host: str | None
 
+    def said(self, place: int) -> set[tuple[str, str]]:
+        """Return the topics with their types that the node at a place publishes, as they are called then."""
+        start, link = self.starts[place], self.links[place + 1]
+        moved = start.own(start.given)
+        found = {(start.own(port) or "", port.type) for port in start.part.outputs if start.own(port) != moved}
+        return {*found, (link.topic, link.type)}
+
 
 def wire(ways: Sequence[tuple[Part, Port, Port]]) -> Wiring:
     """Return the names of a chain: nodes in order, each with the input it is reached by and the output that goes on."""

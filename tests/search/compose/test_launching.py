@@ -181,6 +181,18 @@ def test_a_launch_file_says_what_else_is_needed(tmp_path: Path) -> None:
     assert '"rate"' not in text
 
 
+def test_what_nodes_of_a_chain_give_besides_is_told(tmp_path: Path) -> None:
+    """A second topic by which one node feeds another is no need; one that only has the type is."""
+    gives = {"cloud": "sensor_msgs/PointCloud2", "pose": "geometry_msgs/PoseStamped"}
+    takes = {**gives, "goal": "geometry_msgs/PoseStamped"}
+    tracker = node("tracker", {"scan": "sensor_msgs/LaserScan"}, gives)
+    store = store_of(tmp_path / "s", tracker, node("follower", takes, {"cmd_vel": "geometry_msgs/Twist"}))
+    chain = answer_of(store, "LaserScan", "Twist", using=["PointCloud2"]).chains[0]
+    assert [port.name for port in chain.nodes[1].fed] == ["pose"]
+    assert [port.name for port in chain.nodes[1].needs] == ["goal"]
+    assert "is also given geometry_msgs/PoseStamped as pose" in launch_text(chain)
+
+
 def test_switches_and_parameters_that_name_topics_are_set(tmp_path: Path) -> None:
     """An input that a parameter names is wired by it, and one that a parameter turns on is turned on."""
     more = [
