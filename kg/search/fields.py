@@ -39,18 +39,18 @@ class Field:
 
 
 FIELDS: Final = {
-    "name": Field(12.0, 2),
+    "name": Field(14.0, 2),
     "plugin": Field(0.0, 1),
     "package": Field(1.5, 1),
-    "repository": Field(1.5, 1),
-    "text": Field(3.0, 1),
-    "manifest": Field(2.0, 1),
+    "repository": Field(1.0, 1),
+    "text": Field(2.0, 1),
+    "manifest": Field(3.0, 1),
     "readme": Field(1.5, 2),
     "interface": Field(1.5, 2),
     "type": Field(1.0, 2),
     "parameter": Field(0.7, 2),
     "class": Field(1.5, 1),
-    "neighbour": Field(0.1, 1),
+    "neighbour": Field(0.0, 1),
 }
 
 

@@ -47,7 +47,7 @@ _IN, _OUT, _BOTH = "in", "out", "both"
 _SIDES: Final = {_IN: ("subscribes",), _OUT: ("publishes",), _BOTH: ("subscribes", "publishes")}
 _LONGEST: Final = 6
 """So many words has the longest phrase of the lexicon."""
-_SYNONYM: Final = 0.7
+_SYNONYM: Final = 0.8
 """What a synonym is worth beside the word that was typed."""
 
 _TOLD: Final = 3

@@ -25,7 +25,7 @@ __all__ = ["WEIGHTS", "prior", "scores", "wish_rows", "wording_scores"]
 
 WEIGHTS: Final = {
     "subscribes": 0.5,
-    "publishes": 0.5,
+    "publishes": 0.7,
     "uses": 0.3,
     "hardware": 0.3,
     "function": 0.1,
@@ -35,7 +35,7 @@ WEIGHTS: Final = {
 _OPEN: Final = ("subscribes", "publishes")
 _OPEN_SHARE: Final = 0.7
 """What a topic of a type that is not known, or any type, is worth beside one of the type wished for."""
-_COVERAGE: Final = 0.3
+_COVERAGE: Final = 0.5
 _PRESENT: Final = 0.5
 """A wording is there where it is worth this share of what it is worth where it is worth most."""
 _TINY: Final = 1e-6
