@@ -25,10 +25,9 @@ LAUNCH_ENDS: Final = {1: ".launch", 2: ".launch.py"}
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """A node of a chain: `fed` are other inputs that nodes before it in the chain give, `needs` those that
-    nobody gives.
+    """A node of a chain.
 
-    `others` are the variants and copies that it stands for, `demerits` say why it is hardly one to reuse.
+    `fed` are other inputs that nodes before it in the chain give, `needs` those that nobody gives. `others` are the variants and copies that it stands for, `demerits` say why it is hardly one to reuse.
     """
 
     part: Part

@@ -43,9 +43,8 @@ def _through(part: Part, place: int, asked: Asked) -> Iterator[Step]:
     for source, taken in _best(part.inputs, shared).items():
         entry = part.inputs[taken]
         wanted = {port.type for port in needs(part, entry)}
-        before = (
-            base + _cost(entry, shared) + _need_cost(wanted.difference(asked.starts) | wanted.intersection({source}))
-        )
+        before = base + _cost(entry, shared) + _need_cost(wanted - (set(asked.starts) - {source}))
+        before += asked.starts.index(source) if source in asked.starts else 0
         for target, given in _best(part.outputs, shared, entry).items():
             if source == target and not kept and not (source in asked.starts and source in asked.goals):
                 continue
