@@ -27,7 +27,8 @@ LAUNCH_ENDS: Final = {1: ".launch", 2: ".launch.py"}
 class Node:
     """A node of a chain.
 
-    `fed` are other inputs that nodes before it in the chain give, `needs` those that nobody gives. `others` are the variants and copies that it stands for, `demerits` say why it is hardly one to reuse.
+    `fed` are other inputs that nodes before it in the chain give, `needs` those that nobody gives. `others` are the
+    variants and copies that it stands for, `demerits` say why it is hardly one to reuse.
     """
 
     part: Part
