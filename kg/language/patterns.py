@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from spacy.matcher import Matcher
     from spacy.tokens import Doc, Token
     from spacy.vocab import Vocab
 
@@ -107,10 +106,15 @@ class PhraseFinder:
         from spacy.matcher import Matcher  # noqa: PLC0415 - spaCy is loaded where texts are tagged only
 
         self._patterns = {pattern.name: pattern for pattern in patterns}
-        self._matcher: Matcher = Matcher(vocab)
+        self._always = Matcher(vocab)
+        self._gated = Matcher(vocab)
+        self._needed: set[int] = set()
         for pattern in patterns:
+            words = _needed(pattern)
+            self._needed.update(vocab.strings.add(word) for word in words)
+            matcher = self._gated if words else self._always
             try:
-                self._matcher.add(pattern.name, [[*pattern.before, *pattern.phrase, *pattern.after]])
+                matcher.add(pattern.name, [[*pattern.before, *pattern.phrase, *pattern.after]])
             except ValueError as problem:
                 reason = str(problem).strip().splitlines()[0]
                 raise UsageError("KG143", f"spaCy refuses the pattern {pattern.name}: {reason}") from None
@@ -120,7 +124,9 @@ class PhraseFinder:
 
         A dash with a space on one side parts two phrases.
         """
-        matches: Any = self._matcher(doc, with_alignments=True)
+        matches: Any = self._always(doc, with_alignments=True)
+        if not self._needed.isdisjoint(doc.to_array(["LEMMA", "LOWER"]).ravel().tolist()):
+            matches += self._gated(doc, with_alignments=True)
         spans = {span for match in matches if (span := self._span(doc, match))}
         taken: set[int] = set()
         found: list[tuple[int, Phrase]] = []
@@ -141,6 +147,20 @@ class PhraseFinder:
         if any(_is_dash(doc, place) for place in own):
             return None
         return own[0], own[-1] + 1, pattern.name
+
+
+def _needed(pattern: Pattern) -> list[str]:
+    """Return words of which a text needs one, as lemma or in lower case, for a pattern to match; none where any may.
+
+    Most sentences name no hardware, and to look for words first is cheaper than to match.
+    """
+    for token in (*pattern.before, *pattern.phrase, *pattern.after):
+        if "OP" not in token:
+            for wanted in (token.get("LEMMA"), token.get("LOWER")):
+                words = wanted.get("IN", []) if isinstance(wanted, dict) else [wanted] if wanted else []
+                if words:
+                    return list(words)
+    return []
 
 
 def _is_dash(doc: Doc, place: int) -> bool:
