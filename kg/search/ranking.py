@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from kg.search.index import Columns, Floats, Index
     from kg.search.needs import Alternative, Need, Wish, Wording
 
-__all__ = ["WEIGHTS", "prior", "scores", "wish_rows", "wording_scores"]
+__all__ = ["WEIGHTS", "gain", "prior", "scores", "wish_rows", "wording_scores"]
 
 WEIGHTS: Final = {
     "subscribes": 0.5,
@@ -88,14 +88,17 @@ def _named(index: Index, need: Need) -> Floats:
 def _wished(index: Index, need: Need) -> Floats:
     total = np.zeros(index.size, np.float32)
     for wish in need.wishes:
-        weight = WEIGHTS.get(wish.kind, 0.0)
-        if weight and not wish.strict:
-            rows = wish_rows(index, wish)
-            gain = weight * _rarity(index, len(rows))
-            total[rows] += gain
+        if wish.kind in WEIGHTS and not wish.strict:
+            rows, added = wish_rows(index, wish), gain(index, wish)
+            total[rows] += added
             if wish.kind in _OPEN:
-                total[np.setdiff1d(index.features.rows_of(f"{wish.kind}:"), rows)] += _OPEN_SHARE * gain
+                total[np.setdiff1d(index.features.rows_of(f"{wish.kind}:"), rows)] += _OPEN_SHARE * added
     return total
+
+
+def gain(index: Index, wish: Wish) -> float:
+    """Return what a wish adds to the worth of a node that fulfils it: the more, the rarer that is."""
+    return WEIGHTS.get(wish.kind, 0.0) * _rarity(index, len(wish_rows(index, wish)))
 
 
 def wording_scores(index: Index, wording: Wording) -> Floats:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from kg.search.fields import FIELDS, own_words
+from kg.search.ranking import gain
 from kg.search.words import terms
 
 if TYPE_CHECKING:
@@ -61,7 +62,7 @@ def reasons(index: Index, need: Need, place: int, limit: int) -> tuple[Reason, .
     node = index.nodes[place]
     package = index.packages[node.package]
     weights = _weights(index, need, place)
-    found = [*_of_wishes(need.wishes, node, package), *_of_words(weights, node, package)]
+    found = [*_of_wishes(index, need.wishes, node, package), *_of_words(weights, node, package)]
     found.sort(key=lambda one: (-one.weight, one.text))
     seen: dict[str, Reason] = {}
     for one in found:
@@ -80,10 +81,10 @@ def _weights(index: Index, need: Need, place: int) -> dict[str, float]:
     return {term: value for term, value in found.items() if value > 0}
 
 
-def _of_wishes(wishes: Iterable[Wish], node: Document, package: PackageDocument) -> Iterator[Reason]:
+def _of_wishes(index: Index, wishes: Iterable[Wish], node: Document, package: PackageDocument) -> Iterator[Reason]:
     for wish in wishes:
         features = set(wish.features)
-        weight = 4.0 if wish.strict else 1.5
+        weight = gain(index, wish) + (1.0 if wish.strict else 0.0)
         for end in node.ends:
             if end.role in _ROLES.get(wish.kind, (wish.kind,)) and f"{end.role}:{end.type}" in features:
                 yield Reason(f"{_VERBS[end.role]} {end.type}", weight, end.path, end.line)
@@ -93,7 +94,7 @@ def _of_wishes(wishes: Iterable[Wish], node: Document, package: PackageDocument)
             kept = [label for label in labels[wish.kind] if f"{wish.kind}:{label}" in features]
             kept = kept or ([wish.features[0].partition(":")[2]] if wish.strict else [])
             verb = {"hardware": "uses a", "function": "function", "capability": "can"}[wish.kind]
-            yield from (Reason(f"{verb} {label}", weight / 4) for label in kept[:1])
+            yield from (Reason(f"{verb} {label}", weight) for label in kept[:1])
         if wish.strict and wish.kind == "license":
             yield Reason(f"licence {' and '.join(package.licenses)}", 0.5, package.path, 1)
 
@@ -102,7 +103,7 @@ def _of_words(weights: Mapping[str, float], node: Document, package: PackageDocu
     """Yield a reason for each place that the words of the need stand in, and what it counts."""
 
     def worth(text: str, field: str) -> float:
-        return sum(weights.get(term, 0.0) for term in set(terms(text))) * min(1.0, FIELDS[field].weight / 4)
+        return sum(weights.get(term, 0.0) for term in set(terms(text))) * min(1.0, FIELDS[field].weight)
 
     for field, text in own_words(node):
         if field in {"name", "plugin"} and (value := worth(text, field)):
