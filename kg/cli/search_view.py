@@ -1,37 +1,111 @@
-"""Hits of a search as rows, and what was understood of the words."""
+"""Hits of a search for people and as rows, and what was understood of the words."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from kg.cli.diagnostics import note
+from kg.cli.output import console, line_width, show
+from kg.render.text import printable
 
 if TYPE_CHECKING:
-    from kg.search.needs import Need
+    from collections.abc import Iterable, Iterator
+
+    from rich.text import Text
+
+    from kg.search.needs import Need, Wish
     from kg.search.searching import Hit
 
-__all__ = ["row", "understood"]
+__all__ = ["row", "show_hits", "understood"]
 
-_REASONS = 3
+_REASONS: Final = 3
+_MOST: Final = 4
+"""How many copies and variants of a hit are named."""
+_VERBS: Final = {"uses": "subscribes or publishes", "services": "offers", "clients": "calls"}
+"""How kinds of wishes are said; the others go by their names."""
+_FIRST, _LATER, _NARROWEST = "   ", "     ", 24
+_LABELLED: Final = {"hardware", "function", "capability"}
 
 
 def row(hit: Hit) -> tuple[object, ...]:
     """Return the cells of a hit: rank, score, package, node, why, also in, file:line."""
     why = "; ".join(str(reason) for reason in hit.why[:_REASONS])
-    also = ", ".join(
+    return hit.rank, f"{hit.score:.2f}", hit.package.name, hit.name, why, ", ".join(_others(hit)), _declared(hit)
+
+
+def show_hits(hits: Iterable[Hit]) -> None:
+    """Write hits for people: each with its reasons below it, and the line of code that shows each."""
+    from rich.text import Text  # noqa: PLC0415 - start-up time
+
+    for hit in hits:
+        if hit.rank > 1:
+            show("")
+        version = hit.node.ros or hit.package.ros
+        about = ", ".join([hit.node.kind, *([f"ROS {version}"] if version else []), hit.package.repository])
+        head = f"{hit.rank}. {hit.package.name}/{hit.name}"
+        show(_line(Text.assemble((printable(head), "bold"), f"  {printable(about)}")))
+        for text, place in _told(hit):
+            show(*_folded(Text(printable(text)), Text(printable(place), style="green")))
+
+
+def _folded(words: Text, place: Text) -> list[Text]:
+    """Return the rows of a reason: what does not fit goes on below; places are never broken."""
+    from rich.text import Text  # noqa: PLC0415 - start-up time
+
+    room = max(_NARROWEST, line_width() - len(_FIRST))
+    parts = [words] if words.cell_len <= room else list(words.wrap(console(), room - 2))
+    if place and parts[-1].cell_len + place.cell_len + 4 > room:
+        parts.append(place)
+    elif place:
+        parts[-1] = Text.assemble(parts[-1], "  ", place)
+    return [_line(Text.assemble(_FIRST if at == 0 else _LATER, part)) for at, part in enumerate(parts)]
+
+
+def _told(hit: Hit) -> Iterator[tuple[str, str]]:
+    """Yield what is told of a hit, each with its place; at least one is where the node is declared."""
+    places = []
+    for reason in hit.why[:_REASONS]:
+        places.append("" if reason.path is None else f"{reason.path}:{reason.line}")
+        yield reason.text, places[-1]
+    if _declared(hit) not in places:
+        yield "declared", _declared(hit)
+    others = _others(hit)
+    if others:
+        more = f" and {len(others) - _MOST} more" if len(others) > _MOST else ""
+        yield f"also as {', '.join(others[:_MOST])}{more}", ""
+
+
+def _line(text: Text) -> Text:
+    text.no_wrap, text.overflow = True, "ignore"
+    return text
+
+
+def _declared(hit: Hit) -> str:
+    return f"{hit.node.path}:{hit.node.line}"
+
+
+def _others(hit: Hit) -> list[str]:
+    return list(
         dict.fromkeys(
             one.name if package.iri == hit.package.iri else f"{package.repository}:{package.name}/{one.name}"
             for package, one in hit.others
         )
     )
-    return hit.rank, f"{hit.score:.2f}", hit.package.name, hit.name, why, also, f"{hit.node.path}:{hit.node.line}"
 
 
 def understood(need: Need) -> None:
     """Tell on standard error which filters and preferences the words were taken for."""
-    strict = [f"{wish.kind} {wish.said}" for wish in need.wishes if wish.strict]
-    rather = [f"{wish.kind} {wish.said}" for wish in need.wishes if not wish.strict]
+    strict = [_said(wish) for wish in need.wishes if wish.strict]
+    rather = [_said(wish) for wish in need.wishes if not wish.strict]
     if strict:
-        note(f"only what {', '.join(dict.fromkeys(strict))}")
+        note(f"only nodes with: {', '.join(dict.fromkeys(strict))}")
     if rather:
-        note(f"rather what {', '.join(dict.fromkeys(rather))}")
+        note(f"rather nodes with: {', '.join(dict.fromkeys(rather))}")
+
+
+def _said(wish: Wish) -> str:
+    """Return a wish in words: types as they were typed, hardware and the like by their labels."""
+    label = wish.features[0].partition(":")[2]
+    if wish.kind == "ros":
+        return f"ROS {label}"
+    return f"{_VERBS.get(wish.kind, wish.kind)} {label if wish.kind in _LABELLED else wish.said}"

@@ -1,10 +1,12 @@
 from __future__ import annotations
 
 import json
+import re
 from typing import TYPE_CHECKING
 
 import pytest
 from cli.rover import build
+from cli.test_terminal import on_terminal
 
 from kg.cli.completion import features
 
@@ -26,7 +28,23 @@ def test_hits_are_tab_separated_off_a_terminal(rover: Program) -> None:
     head, first, *_ = run.out.splitlines()
     assert head.split("\t") == ["rank", "score", "package", "node", "why", "also in", "file:line"]
     assert first.split("\t")[3] == "planner"
-    assert "only what ros ROS 1" in run.err
+    assert "only nodes with: ROS 1" in run.err
+
+
+def test_hits_have_their_reasons_below_them_on_a_terminal(rover: Program) -> None:
+    """Every hit has a head, then reasons, each with its line of code; a place is never broken."""
+    shown = on_terminal(rover.folder, "search", "planner", NO_COLOR="1").replace("\r\n", "\n")
+    head, *reasons = [line.strip() for line in shown[shown.index("1. ") :].split("\n\n")[0].splitlines()]
+    assert head.startswith("1. nav/planner")
+    assert any(re.search(r"[.](py|cpp|h|hpp):\d+$", line) for line in reasons)
+
+
+def test_a_search_needs_words_or_filters(rover: Program) -> None:
+    """Nothing asked for is a wrong call, not a search that found nothing."""
+    for arguments in ((), ("",), ("  ",)):
+        run = rover("search", *arguments)
+        assert (run.code, run.out) == (2, "")
+        assert "nothing to search for" in run.err
 
 
 def test_hits_are_json_lines(rover: Program) -> None:

@@ -9,23 +9,15 @@ from kg.cli.diagnostics import note
 from kg.cli.numbers import whole
 from kg.cli.options import Json, PackageName, Store
 from kg.cli.output import Column, listing, terminal
-from kg.cli.search_view import row, understood
+from kg.cli.search_view import row, show_hits, understood
 from kg.cli.session import session
-from kg.errors import Exit
+from kg.errors import Exit, UsageError
 from kg.render.text import count
 from kg.store.opening import existing
 
 __all__ = ["search"]
 
-COLUMNS: Final = (
-    Column("rank", "number"),
-    Column("score", "number", spare=2),
-    Column("package"),
-    Column("node", "name"),
-    Column("why"),
-    Column("also in", "dim", spare=1),
-    Column("file:line", "dim", spare=3),
-)
+COLUMNS: Final = tuple(map(Column, ("rank", "score", "package", "node", "why", "also in", "file:line")))
 Words = Annotated[list[str] | None, typer.Argument(metavar="TEXT", help="What the node does, in words.")]
 Subscribes = Annotated[
     list[str] | None,
@@ -115,12 +107,18 @@ def search(  # noqa: PLR0913 - the options of a command
     }
     filters = {name: values for name, values in given.items() if values}
     words = " ".join(text or ())
+    if not words.strip() and not filters:
+        hint = 'For example `kg search "merge two laser scans"`, or `kg search --publishes LaserScan`.'
+        raise UsageError("KG003", "there is nothing to search for", hint=hint)
     most = whole(limit, "--limit", 1)
     found = open_search(existing(session(context).settings(store=store)))
     answer = found.find(words, filters, most)
     if words:
         understood(answer.need)
-    listing(COLUMNS, [row(hit) for hit in answer.hits], objects=map(hit_object, answer.hits) if json else None)
+    if terminal() and not json:
+        show_hits(answer.hits)
+    else:
+        listing(COLUMNS, [row(hit) for hit in answer.hits], objects=map(hit_object, answer.hits) if json else None)
     if len(answer.hits) < answer.total and (terminal() or json):
         note(f"the best {len(answer.hits)} of {count(answer.total, 'hit')}; --limit shows more")
     if not answer.hits:
