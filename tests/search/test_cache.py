@@ -1,9 +1,9 @@
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from search.store import CONTENT
 
@@ -16,34 +16,34 @@ if TYPE_CHECKING:
 
     import pytest
 
-NEED = "merge the scans of two lasers into one"
+NEED: Final = "merge the scans of two lasers into one"
+INDEX: Final = build(CONTENT)
 
 
 def test_an_index_read_back_answers_alike(tmp_path: Path) -> None:
     """What was kept gives the same hits with the same reasons."""
-    index = build(CONTENT)
-    cache.save(tmp_path, "7", index)
+    cache.save(tmp_path, "7", INDEX)
     kept = cache.load(tmp_path, "7")
     assert kept is not None
-    assert np.array_equal(kept.text.values, index.text.values)
-    expected = [hit_object(hit) for hit in Search(index).find(NEED).hits]
+    assert np.array_equal(kept.text.values, INDEX.text.values)
+    expected = [hit_object(hit) for hit in Search(INDEX).find(NEED).hits]
     assert [hit_object(hit) for hit in Search(kept).find(NEED).hits] == expected
 
 
 def test_the_index_of_another_generation_is_removed(tmp_path: Path) -> None:
     """Only the index that was written last stays."""
-    index = build(CONTENT)
-    cache.save(tmp_path, "7", index)
-    cache.save(tmp_path, "8", index)
+    cache.save(tmp_path, "7", INDEX)
+    cache.save(tmp_path, "8", INDEX)
     assert cache.load(tmp_path, "7") is None
     assert [path.name for path in (tmp_path / "search").iterdir()] == ["8"]
 
 
 @given(st.data())
+@settings(max_examples=40)
 def test_a_damaged_index_is_no_index(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> None:
     """Bytes that changed, or are missing, are noticed; the index is built again instead of believed."""
     folder = tmp_path_factory.mktemp("cache")
-    cache.save(folder, "1", build(CONTENT))
+    cache.save(folder, "1", INDEX)
     file = folder / "search" / "1"
     content = bytearray(file.read_bytes())
     place = data.draw(st.integers(0, len(content) - 1))
@@ -57,6 +57,6 @@ def test_a_damaged_index_is_no_index(tmp_path_factory: pytest.TempPathFactory, d
 
 def test_an_index_for_another_lexicon_is_no_index(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Terms depend on the lexicon, so an index is of one lexicon."""
-    cache.save(tmp_path, "1", build(CONTENT))
+    cache.save(tmp_path, "1", INDEX)
     monkeypatch.setattr(cache, "_version", lambda: "another")
     assert cache.load(tmp_path, "1") is None

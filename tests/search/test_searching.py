@@ -4,7 +4,7 @@ import json
 from typing import TYPE_CHECKING, Final
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from repository import ROOT
 from search.store import CONTENT
@@ -92,6 +92,7 @@ def test_unknown_names_are_refused_with_near_ones(kind: str, value: str, code: s
 
 
 @given(st.text(max_size=60))
+@settings(max_examples=40)
 def test_any_text_can_be_searched_for(text: str) -> None:
     """Every text has an answer, the same each time, in order of falling worth, that is JSON."""
     answer = SEARCH.find(text)
