@@ -15,7 +15,7 @@ from kg.language.loading import pipeline
 from kg.language.patterns import PhraseFinder, read_patterns
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
     from spacy.tokens import Doc, Token
 
@@ -57,19 +57,26 @@ class _Tagged:
     phrases: tuple[Phrase, ...]
 
 
-def annotate(descriptions: Iterable[Description], model: str | None = None) -> tuple[Description, ...]:
+def annotate(
+    descriptions: Iterable[Description], model: str | None = None, known: Mapping[str, Description] | None = None
+) -> tuple[Description, ...]:
     """Return the descriptions with their `words` and `phrases`, in the same order.
 
-    `model` names an installed spaCy pipeline or the folder of one; the shipped one without.
+    `model` names an installed spaCy pipeline or the folder of one; the shipped one without. `known` are descriptions
+    that the same pipeline and patterns have annotated, by their text: what has such a text is not tagged again.
 
     Raises:
         UsageError: KG141, KG142 when the pipeline cannot be used, KG143 when the patterns cannot.
     """
+    earlier = known or {}
     given = tuple(descriptions)
-    parts = [sentences(one.text) for one in given]
+    parts = [[] if one.text in earlier else sentences(one.text) for one in given]
     # Comments and pages repeat themselves, and a sentence does not depend on what stands around it.
     tagged = _tag(dict.fromkeys(sentence for part in parts for sentence in part), model or "")
-    return tuple(_filled(one, [tagged[part] for part in own]) for one, own in zip(given, parts, strict=True))
+    return tuple(
+        _like(one, earlier[one.text]) if one.text in earlier else _filled(one, [tagged[part] for part in own])
+        for one, own in zip(given, parts, strict=True)
+    )
 
 
 def prepare(model: str | None = None) -> None:
@@ -125,6 +132,10 @@ def _words(doc: Doc) -> frozenset[str]:
 def _word(token: Token) -> str | None:
     lemma = (token.lemma_ or token.text).lower()
     return lemma if _WORD.fullmatch(lemma) and lemma not in STOP_WORDS else None
+
+
+def _like(description: Description, known: Description) -> Description:
+    return replace(description, words=known.words, phrases=known.phrases)
 
 
 def _filled(description: Description, tagged: list[_Tagged]) -> Description:

@@ -266,13 +266,23 @@ class _Build:
 
         workspace.prepare()
         model = self._settings.nlp_model
-        if model or self._jobs > 1:
-            # Once for all workers, which are forked; a single one loads it with the first text that it meets.
-            prepare(model)
         largest = sorted(plan.read, key=lambda place: -_code_bytes(place[1]))
-        tasks = [Task(source.repository.name, package.name, package.path) for source, package in largest]
-        job = Job(workspace, self._settings.base, self._settings.max_file_bytes, model)
+        tasks = [
+            Task(source.repository.name, package.name, package.path, self._earlier(source, package, plan))
+            for source, package in largest
+        ]
+        if model or (self._jobs > 1 and not all(task.earlier for task in tasks)):
+            # Once for all workers, which are forked; a single one loads it with the first text that it meets, and
+            # where all packages were read before, most of their texts are tagged.
+            prepare(model)
+        job = Job(workspace, self._settings.base, self._settings.max_file_bytes, model, self._cache)
         return Pool(job, tasks, self._jobs)
+
+    def _earlier(self, source: Source, package: PackageFolder, plan: Plan) -> str:
+        """Return the name of the last result of a package, if the same version of `kg` made it."""
+        known = self._state.sources.get(source.repository.name) if self._state.version == plan.version else None
+        before = known.packages.get(package.path) if known else None
+        return before.result if before else ""
 
     def _kept(self, package: PackageFolder, outcome: Outcome, mark: str) -> PackageState:
         """Put a result into the cache and return what the next build compares with."""

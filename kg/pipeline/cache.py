@@ -1,6 +1,6 @@
 """Results of extraction on disk: the N-Triples of a package, its own and those that sources share, compressed.
 
-The look-ups that they depend on, and what its launch files start, stand before them.
+The look-ups that they depend on, what its launch files start, and its descriptions stand before them.
 
 A file is named by the digest of its content, so a damaged or foreign one is noticed, and two builds cannot disturb
 each other.
@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Final
 
 import msgspec
 
-from kg.facts import LaunchConfiguration
+from kg.facts import Description, LaunchConfiguration
 from kg.store.layout import write_atomically
 
 if TYPE_CHECKING:
@@ -24,12 +24,12 @@ if TYPE_CHECKING:
 
     from kg.pipeline.recording import Lookup
 
-__all__ = ["exists", "keep_only", "launches", "lookups", "pack", "shared", "store", "triples"]
+__all__ = ["descriptions", "exists", "keep_only", "launches", "lookups", "pack", "shared", "store", "triples"]
 
 _LEVEL: Final = 1
 _ENDING: Final = ".z"
 _LENGTH_BYTES: Final = 8
-_LOOKUPS, _SHARED, _LAUNCHES, _CONTENT = range(4)
+_LOOKUPS, _SHARED, _LAUNCHES, _DESCRIPTIONS, _CONTENT = range(5)
 
 
 def pack(
@@ -37,15 +37,17 @@ def pack(
     found: Mapping[Lookup, str],
     common: bytes = b"",
     configurations: tuple[LaunchConfiguration, ...] = (),
+    texts: tuple[Description, ...] = (),
 ) -> bytes:
     """Return the packed form of N-Triples, of the look-ups (with their answers) that they depend on, of shared ones.
 
-    With them go the configurations of the package's launch files.
+    With them go the configurations of the package's launch files, and its annotated descriptions.
     """
     listed = json.dumps([[*lookup, answer] for lookup, answer in found.items()], separators=(",", ":"))
+    encode = msgspec.msgpack.encode
     parts = [
         zlib.compress(part, _LEVEL)
-        for part in (listed.encode(), common, msgspec.msgpack.encode(configurations), content)
+        for part in (listed.encode(), common, encode(configurations), encode(texts), content)
     ]
     return b"".join(len(part).to_bytes(_LENGTH_BYTES) + part for part in parts)
 
@@ -77,6 +79,12 @@ def launches(folder: Path, name: str) -> tuple[LaunchConfiguration, ...] | None:
     """Return the configurations of a package's launch files; None when the result is not there or damaged."""
     part = _part(folder, name, _LAUNCHES)
     return None if part is None else msgspec.msgpack.decode(part, type=tuple[LaunchConfiguration, ...])
+
+
+def descriptions(folder: Path, name: str) -> tuple[Description, ...]:
+    """Return the annotated descriptions of a package; none when the result is not there or damaged."""
+    part = _part(folder, name, _DESCRIPTIONS)
+    return () if part is None else msgspec.msgpack.decode(part, type=tuple[Description, ...])
 
 
 def exists(folder: Path, name: str) -> bool:

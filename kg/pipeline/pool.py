@@ -43,11 +43,12 @@ _GC_THRESHOLD: Final = 100_000
 
 
 class Task(NamedTuple):
-    """A package to read."""
+    """A package to read; `earlier` names its last result of the same version, if there is one."""
 
     source: str
     name: str
     path: str
+    earlier: str = ""
 
 
 @dataclass(slots=True)
@@ -164,7 +165,7 @@ class Pool:
         culprit = worker.given.popleft() if worker.given else None
         self._queue.extendleft(reversed(worker.given))
         if culprit:
-            yield failed(*culprit, message)
+            yield failed(*culprit[:3], message)
 
 
 def _end(process: BaseProcess) -> str:
@@ -192,6 +193,6 @@ def _serve(job: Job, pipe: Connection, others: list[Connection], *, forked: bool
 
 def _attempt(job: Job, task: Task) -> Outcome:
     try:
-        return work(job, task.source, task.path)
+        return work(job, task.source, task.path, task.earlier)
     except _DEFECTS as error:
-        return failed(*task, f"{type(error).__name__}: {error}")
+        return failed(*task[:3], f"{type(error).__name__}: {error}")

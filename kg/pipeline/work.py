@@ -16,6 +16,8 @@ from kg.pipeline import cache
 from kg.pipeline.report import PackageResult
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from kg.facts import PackageFacts
     from kg.pipeline.recording import RecordingWorkspace
 
@@ -29,13 +31,15 @@ _NO_REASON: Final = "no reason was noted"
 class Job:
     """What all workers share: the build, the base of IRIs, the limit of the size of a file in bytes.
 
-    `model` names the spaCy pipeline that tags descriptions; empty is the shipped one.
+    `model` names the spaCy pipeline that tags descriptions; empty is the shipped one. `cache` is the folder of earlier
+    results, None where there are none.
     """
 
     workspace: RecordingWorkspace
     base: str
     max_file_bytes: int
     model: str = ""
+    cache: Path | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,8 +52,11 @@ class Outcome:
     reusable: bool = True
 
 
-def work(job: Job, source: str, path: str) -> Outcome:
-    """Extract the package in the folder `path` of a source; what goes wrong in the sources is in the problems."""
+def work(job: Job, source: str, path: str, earlier: str = "") -> Outcome:
+    """Extract the package in the folder `path` of a source; what goes wrong in the sources is in the problems.
+
+    `earlier` names its last result of the same version, whose descriptions need no tagging where they are the same.
+    """
     began = time.perf_counter()
     found = job.workspace.source(source)
     package = next(one for one in found.packages if one.path == path) if found else None
@@ -57,7 +64,9 @@ def work(job: Job, source: str, path: str) -> Outcome:
         raise LookupError(f"{source}:{path}")
     job.workspace.forget()
     facts = extract_package(job.workspace, found, package, ExtractSettings(job.max_file_bytes))
-    facts = replace(facts, descriptions=annotate(facts.descriptions, job.model))
+    tagged = cache.descriptions(job.cache, earlier) if job.cache and earlier else ()
+    known = {one.text: one for one in tagged}
+    facts = replace(facts, descriptions=annotate(facts.descriptions, job.model, known))
     iris = Iris(job.base)
     own, shared = split(package_triples(facts, iris), iris)
     loadable = sum(node.plugin is not None for node in facts.nodes)
@@ -75,7 +84,7 @@ def work(job: Job, source: str, path: str) -> Outcome:
 
 
 def _packed(job: Job, facts: PackageFacts, own: list[bytes], shared: list[bytes]) -> bytes:
-    return cache.pack(b"".join(own), job.workspace.lookups, b"".join(shared), facts.launches)
+    return cache.pack(b"".join(own), job.workspace.lookups, b"".join(shared), facts.launches, facts.descriptions)
 
 
 def failed(source: str, name: str, path: str, message: str) -> Outcome:

@@ -126,3 +126,13 @@ def test_nothing_to_tag_loads_nothing() -> None:
         "assert 'spacy' not in sys.modules and 'thinc' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", code], check=True, timeout=120)
+
+
+@given(TEXTS)
+@settings(max_examples=25, deadline=None)
+def test_what_is_known_is_taken_over(text: str) -> None:
+    """A text that was annotated before gets the same words and phrases again, wherever it stands now."""
+    place = Location("README.md", 1)
+    (before,) = annotate([Description(text, DescriptionKind.README, place)])
+    moved = Description(text, DescriptionKind.COMMENT, Location("a.cpp", 7), "driver")
+    assert annotate([moved], known={text: before}) == annotate([moved])

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from hypothesis import given
 from hypothesis import strategies as st
 
+from kg.facts import Description, DescriptionKind, Location, Phrase
 from kg.pipeline import cache
 
 if TYPE_CHECKING:
@@ -27,6 +28,17 @@ def test_round_trip(
     assert cache.exists(folder, name)
     assert cache.triples(folder, name) == content
     assert cache.lookups(folder, name) == lookups
+
+
+@given(text=st.text(), words=st.lists(st.text()).map(tuple))
+def test_descriptions_come_back(tmp_path_factory: pytest.TempPathFactory, text: str, words: tuple[str, ...]) -> None:
+    """Annotated descriptions come back equal, and there are none where there is no result."""
+    folder = tmp_path_factory.mktemp("cache")
+    place = Location("README.md", 3)
+    found = (Description(text, DescriptionKind.README, place, words=words, phrases=(Phrase("laser", "device"),)),)
+    name = cache.store(folder, cache.pack(b"", {}, texts=found))
+    assert cache.descriptions(folder, name) == found
+    assert cache.descriptions(folder, "0" * 32) == ()
 
 
 def test_damaged_and_missing(tmp_path: Path) -> None:

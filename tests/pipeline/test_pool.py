@@ -17,7 +17,7 @@ from kg.pipeline.work import Job, Outcome
 TASKS = [Task("local/x", f"p{number}", f"p{number}") for number in range(9)]
 
 
-def _work(_job: Job, source: str, path: str) -> Outcome:
+def _work(_job: Job, source: str, path: str, _earlier: str) -> Outcome:
     """Behave as the number of the package says."""
     if path == "p3":
         os.kill(os.getpid(), signal.SIGKILL)

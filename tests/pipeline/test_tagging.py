@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from kg.errors import UsageError
+from kg.language import annotating
 from kg.pipeline.build import build
 from kg.pipeline.plan import version
 from kg.settings import load
@@ -34,6 +35,24 @@ def test_a_build_stores_the_phrases_of_descriptions(tmp_path: Path) -> None:
     (tmp_path / "src" / "package.xml").write_text(MANIFEST, encoding="utf-8")
     store = EmbeddedStore.create(tmp_path / "store")
     build([str(tmp_path / "src")], store, load({}, environment={}, folder=tmp_path), rules=False)
+    assert phrases(store) == ["basler camera"]
+
+
+def test_what_was_tagged_before_is_not_tagged_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A package that changes elsewhere keeps the phrases of its texts, and spaCy is not even loaded."""
+    (tmp_path / "src").mkdir()
+    (tmp_path / "src" / "package.xml").write_text(MANIFEST, encoding="utf-8")
+    store = EmbeddedStore.create(tmp_path / "store")
+    settings = load({"jobs": 2}, environment={}, folder=tmp_path)
+    build([str(tmp_path / "src")], store, settings, rules=False)
+    (tmp_path / "src" / "package.xml").write_text(MANIFEST.replace("1.0.0", "1.0.1"), encoding="utf-8")
+
+    def refuse(_model: str) -> None:
+        raise AssertionError("spaCy was loaded")
+
+    monkeypatch.setattr(annotating, "pipeline", refuse)
+    report = build([str(tmp_path / "src")], store, settings, rules=False)
+    assert not [problem for source in report.sources for one in source.packages for problem in one.problems]
     assert phrases(store) == ["basler camera"]
 
 
