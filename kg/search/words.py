@@ -29,6 +29,7 @@ _WORD: Final = re.compile(
 )
 _WITHOUT: Final = frozenset(("no", "without"))
 _SHORT: Final = 2
+_NAME: Final = 60
 _STEMMER: Final = EnglishStemmer()
 
 
@@ -80,6 +81,14 @@ def name_terms(name: str) -> list[str]:
     return found
 
 
-def terms(text: str) -> list[str]:
+def terms(text: str) -> tuple[str, ...]:
     """Return the terms of a text in their order, repeated as often as they stand there."""
-    return [stem(word) for word in words(text) if not is_stop(word)]
+    return _short_terms(text) if len(text) <= _NAME else _terms(text)
+
+
+def _terms(text: str) -> tuple[str, ...]:
+    return tuple(stem(word) for word in words(text) if not is_stop(word))
+
+
+# Names of topics, types and parameters come again and again, sentences do not.
+_short_terms = lru_cache(maxsize=1 << 15)(_terms)
