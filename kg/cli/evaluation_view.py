@@ -8,9 +8,12 @@ from kg.cli.diagnostics import note, say
 from kg.cli.output import Column, listing, write_bytes
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from kg.evaluate.code_check import Miss
     from kg.evaluate.tables import Table
 
-__all__ = ["deliver", "write_text"]
+__all__ = ["deliver", "misses_csv", "write_text"]
 
 
 def deliver(table: Table, *, json: bool, output: str | None) -> None:
@@ -45,3 +48,11 @@ def write_text(text: str, output: str | None) -> None:
         Path(output).expanduser().write_text(text, "utf-8")
     except OSError as error:
         raise UsageError("KG003", f"cannot be written: {error.strerror}", place=Place(output)) from None
+
+
+def misses_csv(missed: Iterable[Miss]) -> str:
+    """Return what was missed as a table of CSV."""
+    from kg.evaluate.tables import Table, as_csv  # noqa: PLC0415 - the branch that needs it
+
+    rows = tuple((one.measure, one.kind, one.address, one.text) for one in missed)
+    return as_csv(Table("missed", "Missed", ("measure", "kind", "address", "source"), rows))

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import csv
 import io
-import math
 import random
 from collections import defaultdict
 from dataclasses import dataclass
@@ -16,19 +15,19 @@ from typing import TYPE_CHECKING, Final
 
 from kg.errors import Place, UsageError
 from kg.evaluate.completeness import share
-from kg.evaluate.intervals import Z95
-from kg.evaluate.tables import Score, Table
-from kg.render.text import count, printable
+from kg.evaluate.strata import shares_of, weighed
+from kg.evaluate.tables import Table, safe_cell
+from kg.render.text import count
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Sequence
     from pathlib import Path
 
     from kg.evaluate.facts import Facts
     from kg.evaluate.source_lines import SourceLines
     from kg.evaluate.tables import Cell
 
-__all__ = ["COLUMNS", "as_sheet", "drawn", "score_sheet", "shares_of"]
+__all__ = ["COLUMNS", "as_sheet", "drawn", "score_sheet"]
 
 COLUMNS: Final = (
     "number",
@@ -44,22 +43,7 @@ COLUMNS: Final = (
     "remark",
 )
 _ANSWERS: Final = {"yes": True, "y": True, "no": False, "n": False, "unsure": None, "?": None}
-_FORMULA: Final = ("=", "+", "-", "@")
 _HINT: Final = "Write yes, no or unsure into the column `right`, or leave it empty."
-_LONGEST: Final = 10_000
-"""Characters of a cell that a sheet may have."""
-
-
-def shares_of(sizes: Mapping[str, int], size: int) -> dict[str, int]:
-    """Return how many rows each stratum gets: the same for all, what one cannot take for the others."""
-    found = dict.fromkeys(sizes, 0)
-    left = min(size, sum(sizes.values()))
-    while left:
-        open_ = [name for name, number in sizes.items() if found[name] < number]
-        for name in open_[:left]:
-            found[name] += 1
-        left -= len(open_[:left])
-    return found
 
 
 def drawn(facts: Facts, relations: Sequence[str], size: int, seed: int) -> list[tuple[str, tuple[str, str]]]:
@@ -79,15 +63,9 @@ def as_sheet(facts: Facts, sample: Sequence[tuple[str, tuple[str, str]]], lines:
         fact = facts.told(relation, pair)
         place = fact.file_repository, fact.path, fact.line
         cells = (fact.package, fact.node, fact.value, fact.type, lines.address(*place), lines.text(*place))
-        words = [_safe(cell or "") for cell in cells]
+        words = [safe_cell(cell or "") for cell in cells]
         writer.writerow([number, relation, len(facts.listed[relation]), *words, "", ""])
     return out.getvalue()
-
-
-def _safe(text: str) -> str:
-    """Return a text as a cell that spreadsheets take for no formula."""
-    text = printable(text)[:_LONGEST]
-    return f"'{text}" if text.startswith(_FORMULA) else text
 
 
 @dataclass(slots=True)
@@ -124,7 +102,8 @@ def score_sheet(path: Path) -> Table:
     rows: list[tuple[Cell, ...]] = [
         (relation, share(one.right, one.judged), one.unsure, one.empty, one.facts) for relation, one in strata.items()
     ]
-    rows.append(("all, weighed by facts", _weighed(list(strata.values())), None, None, None))
+    every = weighed((one.facts, one.judged, one.right) for one in strata.values())
+    rows.append(("all, weighed by facts", every, None, None, None))
     judged = sum(one.judged for one in strata.values())
     return Table(
         "sample",
@@ -164,17 +143,3 @@ def _rows(path: Path) -> Iterator[tuple[int, dict[str, str | None]]]:
             yield reader.line_num, row
     except csv.Error as error:
         raise UsageError("KG722", f"this is no CSV: {error}", place=Place(str(path), reader.line_num)) from None
-
-
-def _weighed(strata: Sequence[_Stratum]) -> Score | None:
-    """Return the share of right facts of all; None when a relation was not judged."""
-    every = sum(one.facts for one in strata)
-    if not every or any(not one.judged for one in strata):
-        return None
-    value = variance = 0.0
-    for one in strata:
-        weight, right = one.facts / every, one.right / one.judged
-        value += weight * right
-        variance += weight**2 * right * (1 - right) / one.judged
-    half = Z95 * math.sqrt(variance)
-    return Score(value, (max(0.0, value - half), min(1.0, value + half)))

@@ -7,10 +7,12 @@ import io
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
+from kg.render.text import printable
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-__all__ = ["Cell", "Score", "Share", "Table", "as_csv", "as_markdown", "as_objects", "spelled"]
+__all__ = ["Cell", "Score", "Share", "Table", "as_csv", "as_markdown", "as_objects", "safe_cell", "spelled"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,8 +103,22 @@ def as_csv(table: Table) -> str:
     objects = as_objects(table)
     columns = list(dict.fromkeys(key for row in objects for key in row))
     writer.writerow(columns)
-    writer.writerows(["" if row.get(column) is None else row[column] for column in columns] for row in objects)
+    writer.writerows(
+        ["" if row.get(column) is None else safe_cell(row[column]) for column in columns] for row in objects
+    )
     return out.getvalue()
+
+
+_FORMULA: Final = ("=", "+", "-", "@")
+_LONGEST: Final = 10_000
+
+
+def safe_cell(value: object) -> object:
+    """Return a value as a cell that spreadsheets take for no formula; texts of sources may begin as one."""
+    if not isinstance(value, str):
+        return value
+    text = printable(value)[:_LONGEST]
+    return f"'{text}" if text.startswith(_FORMULA) else text
 
 
 def as_objects(table: Table) -> list[dict[str, object]]:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from kg.cli.diagnostics import say
-from kg.cli.evaluation_view import deliver, write_text
+from kg.cli.evaluation_view import deliver, misses_csv, write_text
 from kg.cli.numbers import whole
 from kg.cli.options import Json, Store
 from kg.cli.session import session
@@ -35,10 +35,13 @@ AnyCommit = Annotated[bool, typer.Option("--any-commit", help="Compare reference
 Package = Annotated[
     str | None, typer.Option("--package", "-p", metavar="NAME", help="The package that wiki pages and READMEs are of.")
 ]
+Seed = Annotated[str, typer.Option("--seed", metavar="N", help="Another seed draws others.")]
+Code = Annotated[bool, typer.Option("--code", help="Compare with the code instead of references.")]
+SampleSize = Annotated[str, typer.Option("--sample", metavar="N", help="With --code: so many calls, and facts.")]
+Missed = Annotated[str | None, typer.Option("--missed", metavar="FILE", help="With --code: write what failed, as CSV.")]
 Keep = Annotated[bool, typer.Option("--keep", help="Keep the references in the store, for the stored queries.")]
 Forget = Annotated[bool, typer.Option("--forget", help="Take kept references out of the store.")]
 Size = Annotated[str, typer.Option("--size", "-n", metavar="N", help="Draw so many facts.")]
-Seed = Annotated[str, typer.Option("--seed", metavar="N", help="Another seed draws others.")]
 Relations = Annotated[
     list[str] | None, typer.Option("--relation", metavar="NAME", help="Only of this relation; may be repeated.")
 ]
@@ -60,6 +63,10 @@ def completeness(  # noqa: PLR0913 - the options of a command
     context: typer.Context,
     *,
     reference: References = None,
+    code: Code = False,
+    number: SampleSize = "300",
+    seed: Seed = "0",
+    missed: Missed = None,
     package: Package = None,
     any_commit: AnyCommit = False,
     keep: Keep = False,
@@ -68,25 +75,44 @@ def completeness(  # noqa: PLR0913 - the options of a command
     json: Json = False,
     store: Store = None,
 ) -> None:
-    """Count what references name and the graph knows.
+    """Count what references name, or the code calls, and the graph knows.
 
-    Nodes, topics, services, actions, types and parameters, as in RNKG's Table 8, with Wilson intervals. A name is
-    known when its package has an end or parameter of that name and role. For example:
+    Nodes, topics, services, actions, types and parameters, as in RNKG's Table 8, with Wilson intervals: a name is
+    known when its package has an end or parameter of that name and role. With --code the graph is compared with the
+    code (Table 9): sampled calls that another, simpler reader finds, and sampled facts with their lines. For example:
 
         kg eval completeness --reference nodes.jsonl
         kg eval completeness -r src/scan_tools/README.md -r src/nav/doc/wiki.txt --output tables
+        kg eval completeness --code --sample 500 --missed missed.csv
     """
     settings = session(context).settings(store=store)
-    if forget:
+    if code:
+        size, chance = whole(number, "--sample", 1), whole(seed, "--seed", 0)
+        _code(settings, size, chance, missed=missed, output=output, json=json)
+    elif forget:
         _forget(settings)
-        return
-    from kg.evaluate.completeness import completeness as measure  # noqa: PLC0415 - start-up time
+    else:
+        from kg.evaluate.completeness import completeness as measure  # noqa: PLC0415 - start-up time
+
+        with reading(settings) as snapshot:
+            table, ground = measure(snapshot, _paths(reference), _choice(any_commit=any_commit, package=package))
+        deliver(table, json=json, output=output)
+        if keep:
+            _keep(settings, ground)
+
+
+def _code(  # noqa: PLR0913 - the options of a command
+    settings: "Settings", size: int, seed: int, *, missed: str | None, output: str | None, json: bool
+) -> None:
+    from kg.evaluate.code_check import check_code  # noqa: PLC0415 - start-up time
+    from kg.evaluate.source_lines import SourceLines  # noqa: PLC0415 - start-up time
 
     with reading(settings) as snapshot:
-        table, ground = measure(snapshot, _paths(reference), _choice(any_commit=any_commit, package=package))
-    deliver(table, json=json, output=output)
-    if keep:
-        _keep(settings, ground)
+        found = check_code(snapshot, SourceLines(snapshot), size, seed)
+    deliver(found.table, json=json, output=output)
+    if missed:
+        write_text(misses_csv(found.missed), missed)
+        say(f"{count(len(found.missed), 'miss', 'misses')} in {missed}")
 
 
 def correctness(  # noqa: PLR0913 - the options of a command

@@ -1,0 +1,125 @@
+"""Table 9: calls found by words alone, facts held against their lines."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from kg.evaluate.call_sites import Site, sites, statement_end, without_words
+from kg.evaluate.code_check import check_code, holds
+from kg.evaluate.facts import Fact
+from kg.evaluate.source_lines import SourceLines
+from kg.evaluate.strata import weighed
+from kg.evaluate.tables import Share
+
+if TYPE_CHECKING:
+    from evaluate.conftest import Field
+
+CASES = Path(__file__).parent / "cases"
+FACT = Fact("publishes", "r", "p", "n", "~/ns/scan", None, None, "r", "a.cpp", 2)
+
+
+def test_calls_of_cpp() -> None:
+    """Comments, strings, macros and declarations are no calls; a statement reaches over lines."""
+    found = set(sites((CASES / "calls.cpp").read_text("utf-8"), "cpp"))
+    assert found == {
+        Site("publishes", 8, 8, 8),
+        Site("subscribes", 10, 9, 11),
+        Site("publishes", 12, 12, 12),
+        Site("calls action", 13, 13, 13),
+        Site("provides", 14, 14, 14),
+        Site("serves action", 15, 15, 15),
+        Site("has parameter", 16, 16, 16),
+        Site("has parameter", 17, 17, 17),
+    }
+
+
+def test_calls_of_python() -> None:
+    """Docstrings, definitions and base classes are no calls."""
+    found = set(sites((CASES / "calls.py.txt").read_text("utf-8"), "python"))
+    assert found == {
+        Site("publishes", 5, 5, 6),
+        Site("subscribes", 8, 8, 8),
+        Site("calls action", 9, 9, 9),
+        Site("has parameter", 10, 10, 10),
+    }
+
+
+@given(st.text(alphabet="ab\n\"'#/*\\R(){};.<>=, x", max_size=200), st.sampled_from(["cpp", "python"]))
+def test_any_text_keeps_its_places(text: str, language: str) -> None:
+    """Blanks stand for what is no code: as many characters, the same lines; and calls lie in their statements."""
+    code = without_words(text, language)
+    assert len(code) == len(text)
+    assert [at for at, sign in enumerate(code) if sign == "\n"] == [at for at, sign in enumerate(text) if sign == "\n"]
+    call = f"\n{text}\nx.create_publisher(a, b)\n"
+    assert all(site.first <= site.line <= site.last for site in sites(call, language))
+    assert 0 <= statement_end(code, 0) <= len(code)
+
+
+@pytest.mark.parametrize(
+    ("fact", "line", "right"),
+    [
+        (FACT, 'pub = nh.advertise<A>("scan", 1);', True),
+        (FACT, 'pub = nh.advertise<A>(\n  "scan",\n 1);', True),
+        (FACT, 'pub = nh.advertise<A>(name, 1);\nother("scan");', False),
+        (FACT, 'scan = nh.subscribe("scan", 1);', False),
+        (replace(FACT, written="topic + name"), "pub = nh.advertise<A>(topic+name, 1);", True),
+        (replace(FACT, value="{}/scan"), 'pub = nh.advertise<A>(ns + "/scan", 1);', True),
+        (replace(FACT, value=None), "pub = nh.advertise<A>(name, 1);", True),
+        (replace(FACT, value=None, written="other"), "pub = nh.advertise<A>(name, 1);", False),
+        (replace(FACT, relation="has parameter", path="a.yaml", value="gains.p"), "p: 1.0", True),
+    ],
+)
+def test_a_line_holds_a_fact(fact: Fact, line: str, right: bool) -> None:  # noqa: FBT001 - a case
+    """The statement that begins on the line needs the call, and the name's last part or the written expression."""
+    assert holds(fact, ["", *line.split("\n")]) is right
+
+
+def test_the_example_against_its_code(field: Field) -> None:
+    """All but the pair of a statement that makes options and one that uses them is found; what fails is named."""
+    with field.store.read() as snapshot:
+        found = check_code(snapshot, SourceLines(snapshot), 1000, 0)
+        again = check_code(snapshot, SourceLines(snapshot), 30, 7)
+        assert again == check_code(snapshot, SourceLines(snapshot), 30, 7)
+    shares = {(row[0], row[1]): row[2] for row in found.table.rows if isinstance(row[2], Share)}
+    calls = [share for (measure, _), share in shares.items() if str(measure).startswith("calls")]
+    assert sum(share.whole for share in calls) == 80
+    assert sum(share.part for share in calls) == 79
+    assert [(one.kind, one.address.partition("rover_robot/")[2]) for one in found.missed] == [
+        ("publishes", "src/scan_filter_nodelet.cpp:34"),
+        ("publishes", "src/scan_filter_nodelet.cpp:33"),
+    ]
+
+
+def test_files_that_changed_are_counted_apart(field: Field, tmp_path: Path) -> None:
+    """A file that is not as it was read says nothing; nor does a source that is not here."""
+    copy = Path(shutil.copytree(field.source, tmp_path / "field"))
+    (copy / "rover" / "rover_robot" / "scripts" / "patrol").with_suffix(".py").write_text("changed = 1\n")
+    node = copy / "rover" / "rover_robot" / "src" / "scan_filter_nodelet.cpp"
+    node.write_text("// changed\n" + node.read_text())
+    with field.store.read() as snapshot:
+        lines = SourceLines(snapshot)
+        (name,) = lines.states
+        lines.states[name] = replace(lines.states[name], root=str(copy))
+        assert "2 files that were changed since" in check_code(snapshot, lines, 10, 0).table.notes[1]
+        gone = SourceLines(snapshot)
+        gone.states[name] = replace(gone.states[name], root=str(tmp_path / "none"))
+        absent = check_code(snapshot, gone, 10, 0).table.notes
+    assert "1 sources that are not on this machine" in absent[1]
+    assert "10 sampled facts" in absent[2]
+
+
+def test_groups_are_weighed_by_their_size() -> None:
+    """The mean of the shares by size; nothing where a group was not looked at, no spread where all were."""
+    found = weighed([(90, 10, 10), (10, 10, 5)])
+    assert found is not None
+    assert found.value == pytest.approx(0.95)
+    assert found.interval == pytest.approx((0.95, 0.95))
+    assert weighed([(90, 0, 0), (10, 10, 5)]) is None
+    assert weighed([]) is None
