@@ -1,12 +1,14 @@
 """Answers needs of developers by a store, writes the ranked nodes for a scorer, and measures what that takes.
 
     python benchmarks/search --store FOLDER --queries QUERIES.jsonl --ranked RANKED.jsonl [--limit 10] [--half odd|even]
+    python benchmarks/search --store FOLDER --needs benchmarks/search/needs.jsonl
     python benchmarks/search --store FOLDER --times [--nodes 5000]
 
 The first writes one object a query: {"id": ..., "nodes": [{"repository", "package", "node"}, ...]}, in rank order; each
 query has an `id` and a `query`. A half takes every second query, so that weights can be tried on one and checked on
-the other. The second times in CPU seconds: reading the store, building the index (repeated until it has so many nodes),
-reading it back, and a query of a warm process.
+the other. The second prints for how many needs a node that does (`package/node`) comes first, or among five. The third
+times in CPU seconds: reading the store, building the index (repeated until it has so many nodes), reading it back, and
+a query of a warm process.
 """
 
 from __future__ import annotations
@@ -31,6 +33,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from kg.search.documents import Document, PackageDocument
+    from kg.search.searching import Hit
 
 T = TypeVar("T")
 NEEDS = (
@@ -42,6 +45,7 @@ NEEDS = (
     "stop before obstacles that a depth camera sees, BSD licensed",
 )
 REPEAT = 20
+FIVE, TEN = 5, 10
 
 
 def main() -> None:
@@ -52,11 +56,14 @@ def main() -> None:
     parser.add_argument("--ranked", type=Path, help="where to write the ranked nodes")
     parser.add_argument("--limit", type=int, default=10, help="how many nodes a query gets")
     parser.add_argument("--half", choices=("even", "odd"), help="only the queries at even or odd places")
+    parser.add_argument("--needs", type=Path, help="JSON Lines with `query` and the `nodes` that do")
     parser.add_argument("--times", action="store_true", help="measure")
     parser.add_argument("--nodes", type=int, default=5000, help="how many nodes the measured index has")
     options = parser.parse_args()
     if options.times:
         measure(options.store, options.nodes)
+    elif options.needs:
+        check(options.store, options.needs)
     else:
         rank(options)
 
@@ -71,6 +78,24 @@ def rank(options: argparse.Namespace) -> None:
             hits = map(hit_object, search.find(query["query"], limit=options.limit).hits)
             nodes = [{key: hit[key] for key in ("repository", "package", "node")} for hit in hits]
             file.write(json.dumps({"id": query["id"], "nodes": nodes}) + "\n")
+
+
+def check(store: str, needs: Path) -> None:
+    """Print for how many needs the first node, or one of the first five, is one that does."""
+    search = open_search(opening.existing(settings.load({"store": store})))
+    ranks = []
+    for need in map(json.loads, needs.read_text("utf-8").splitlines()):
+        hits = search.find(need["query"], limit=TEN).hits
+        names = [{hit.package.name + "/" + name for name in _names(hit)} for hit in hits]
+        ranks.append(next((rank for rank, found in enumerate(names, 1) if found & set(need["nodes"])), None))
+    found = [rank for rank in ranks if rank]
+    print(f"{len(ranks)} needs: first {found.count(1)}, among five {sum(rank <= FIVE for rank in found)}")
+    print(f"mean reciprocal rank {sum(1 / rank for rank in found) / len(ranks):.3f}")
+
+
+def _names(hit: Hit) -> set[str]:
+    """Return the names of a hit and of the variants that it stands for."""
+    return {hit.name, hit.node.name, *(node.name for package, node in hit.others if package.name == hit.package.name)}
 
 
 def measure(store: str, size: int) -> None:
