@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["CPP", "KINDS", "PYTHON", "Site", "sites", "statement_end", "without_words"]
+__all__ = ["CPP", "KINDS", "PYTHON", "Site", "line_end", "sites", "statement_end", "without_words"]
 
 CPP: Final = frozenset({".c", ".cc", ".cpp", ".cxx", ".c++", ".h", ".hh", ".hpp", ".hxx", ".ipp"})
 PYTHON: Final = frozenset({".py"})
@@ -158,3 +158,16 @@ def statement_end(code: str, at: int) -> int:
         elif sign == ";" and depth <= 0:
             return place
     return at
+
+
+def line_end(code: str) -> int:
+    """Return where the first line ends, or the one on which all brackets are closed that the first one opens."""
+    depth = 0
+    for place, sign in enumerate(code):
+        if sign in "([{":
+            depth += 1
+        elif sign in ")]}":
+            depth -= 1
+        elif sign == "\n" and depth <= 0:
+            return place
+    return len(code)

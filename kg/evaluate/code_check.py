@@ -15,7 +15,7 @@ from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Final
 
 from kg.corpus.reading import digest
-from kg.evaluate.call_sites import CPP, KINDS, PYTHON, sites, statement_end
+from kg.evaluate.call_sites import CPP, KINDS, PYTHON, line_end, sites
 from kg.evaluate.completeness import share
 from kg.evaluate.facts import STATED, Facts
 from kg.evaluate.paper import beside
@@ -39,6 +39,10 @@ _CALLS: Final = "calls that the graph has"
 _FACTS: Final = "facts that their line holds"
 _ALL: Final = "all, weighed by number"
 _LARGEST: Final = 4_000_000
+_TEST: Final = re.compile(
+    r"(?:^|/)(?:[gm]?tests?|[^/]*_tests?|gtest[^/]*)/|(?:^|/)(?:test_[^/]*|[^/]*_?[tT]ests?)\.\w+$"
+)
+"""Paths of files of tests."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,10 +72,13 @@ class _Found:
     files: int = 0
 
 
-def check_code(snapshot: Snapshot, lines: SourceLines, size: int, seed: int) -> Checked:
-    """Return how a sample of `size` calls and one of `size` facts fare; the same for the same store, code and seed."""
+def check_code(snapshot: Snapshot, lines: SourceLines, size: int, seed: int, *, tests: bool = False) -> Checked:
+    """Return how a sample of `size` calls and one of `size` facts fare; the same for the same store, code and seed.
+
+    Files of tests are searched for calls with `tests` alone: a test's body is mostly no part of a node.
+    """
     places = Places(snapshot)
-    found = _calls(places, lines)
+    found = _calls(places, lines, tests=tests)
     rows: list[tuple[Cell, ...]] = []
     missed: list[Miss] = []
     chance = random.Random(seed)  # noqa: S311 - no secret
@@ -124,7 +131,7 @@ def _notes(found: _Found, absent: int) -> tuple[str, ...]:
     return tuple(told)
 
 
-def _calls(places: Places, lines: SourceLines) -> _Found:
+def _calls(places: Places, lines: SourceLines, *, tests: bool) -> _Found:
     """Search the files of C++ and Python in the packages of the store, where they stand as they were read."""
     found = _Found()
     for repository in sorted(lines.states):
@@ -135,6 +142,9 @@ def _calls(places: Places, lines: SourceLines) -> _Found:
         folders = places.folders(repository)
         for path in _files(root):
             if folders.isdisjoint([*map(str, PurePosixPath(path).parents)]):
+                continue
+            if not tests and _TEST.search(path):
+                found.left_out["files of tests"] += 1
                 continue
             _search(repository, root, path, places, found)
     return found
@@ -186,8 +196,8 @@ _WORDS: Final = {
     "subscribes": r"ubscri|Filter",
     "provides": r"ervice|advertise|[sS]rv|Server",
     "calls": r"lient|ervice|[sS]rv|Proxy",
-    "serves action": r"ction|[sS]erver",
-    "calls action": r"ction|lient",
+    "serves action": r"ction|[sS]erver|^\s*[:,]?\s*\w+_\s*[({]",
+    "calls action": r"ction|lient|^\s*[:,]?\s*\w+_\s*[({]",
     "has parameter": r"",
 }
 _MOST: Final = 12
@@ -203,10 +213,7 @@ def holds(fact: Fact, lines: list[str]) -> bool:
     parameters, of dynamic reconfigure) need to have the name alone.
     """
     text = "\n".join(lines[fact.line - 1 : fact.line - 1 + _MOST])
-    opening = text.find("(")
-    first_line = text.find("\n") if "\n" in text else len(text)
-    end = statement_end(text, opening) if 0 <= opening <= first_line else first_line
-    statement = text[: max(end, first_line) + 1]
+    statement = text[: line_end(text) + 1]
     is_code = PurePosixPath(fact.path).suffix.lower() in CPP | PYTHON
     called = not is_code or re.search(_WORDS[fact.relation], statement) is not None
     return called and _named(fact, statement)

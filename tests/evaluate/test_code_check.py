@@ -70,6 +70,7 @@ def test_any_text_keeps_its_places(text: str, language: str) -> None:
         (FACT, 'pub = nh.advertise<A>(name, 1);\nother("scan");', False),
         (FACT, 'scan = nh.subscribe("scan", 1);', False),
         (replace(FACT, written="topic + name"), "pub = nh.advertise<A>(topic+name, 1);", True),
+        (FACT, 'pub = ImageTransport(nh).advertise(\n  "scan", 1);', True),
         (replace(FACT, value="{}/scan"), 'pub = nh.advertise<A>(ns + "/scan", 1);', True),
         (replace(FACT, value=None), "pub = nh.advertise<A>(name, 1);", True),
         (replace(FACT, value=None, written="other"), "pub = nh.advertise<A>(name, 1);", False),
@@ -113,6 +114,21 @@ def test_files_that_changed_are_counted_apart(field: Field, tmp_path: Path) -> N
         absent = check_code(snapshot, gone, 10, 0).table.notes
     assert "1 sources that are not on this machine" in absent[1]
     assert "10 sampled facts" in absent[2]
+
+
+def test_files_of_tests_are_searched_on_demand(field: Field, tmp_path: Path) -> None:
+    """What a test calls counts when it is asked for."""
+    copy = Path(shutil.copytree(field.source, tmp_path / "field"))
+    folder = copy / "rover" / "rover_robot" / "test"
+    folder.mkdir()
+    (folder / "a.py").write_text("rospy.Publisher('x', String)\n")
+    with field.store.read() as snapshot:
+        lines = SourceLines(snapshot)
+        (name,) = lines.states
+        lines.states[name] = replace(lines.states[name], root=str(copy))
+        without, with_ = (check_code(snapshot, lines, 1000, 0, tests=tests) for tests in (False, True))
+    assert "1 files of tests" in without.table.notes[1]
+    assert len(with_.missed) == len(without.missed) + 1
 
 
 def test_groups_are_weighed_by_their_size() -> None:

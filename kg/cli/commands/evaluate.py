@@ -38,6 +38,7 @@ Package = Annotated[
 Seed = Annotated[str, typer.Option("--seed", metavar="N", help="Another seed draws others.")]
 Code = Annotated[bool, typer.Option("--code", help="Compare with the code instead of references.")]
 SampleSize = Annotated[str, typer.Option("--sample", metavar="N", help="With --code: so many calls, and facts.")]
+Tests = Annotated[bool, typer.Option("--tests", help="With --code: search the files of tests too.")]
 Missed = Annotated[str | None, typer.Option("--missed", metavar="FILE", help="With --code: write what failed, as CSV.")]
 Keep = Annotated[bool, typer.Option("--keep", help="Keep the references in the store, for the stored queries.")]
 Forget = Annotated[bool, typer.Option("--forget", help="Take kept references out of the store.")]
@@ -66,6 +67,7 @@ def completeness(  # noqa: PLR0913 - the options of a command
     code: Code = False,
     number: SampleSize = "300",
     seed: Seed = "0",
+    tests: Tests = False,
     missed: Missed = None,
     package: Package = None,
     any_commit: AnyCommit = False,
@@ -88,7 +90,7 @@ def completeness(  # noqa: PLR0913 - the options of a command
     settings = session(context).settings(store=store)
     if code:
         size, chance = whole(number, "--sample", 1), whole(seed, "--seed", 0)
-        _code(settings, size, chance, missed=missed, output=output, json=json)
+        _code(settings, size, chance, tests=tests, missed=missed, output=output, json=json)
     elif forget:
         _forget(settings)
     else:
@@ -102,13 +104,13 @@ def completeness(  # noqa: PLR0913 - the options of a command
 
 
 def _code(  # noqa: PLR0913 - the options of a command
-    settings: "Settings", size: int, seed: int, *, missed: str | None, output: str | None, json: bool
+    settings: "Settings", size: int, seed: int, *, tests: bool, missed: str | None, output: str | None, json: bool
 ) -> None:
     from kg.evaluate.code_check import check_code  # noqa: PLC0415 - start-up time
     from kg.evaluate.source_lines import SourceLines  # noqa: PLC0415 - start-up time
 
     with reading(settings) as snapshot:
-        found = check_code(snapshot, SourceLines(snapshot), size, seed)
+        found = check_code(snapshot, SourceLines(snapshot), size, seed, tests=tests)
     deliver(found.table, json=json, output=output)
     if missed:
         write_text(misses_csv(found.missed), missed)
