@@ -188,7 +188,10 @@ class _Fetching:
 
     def _present(self, known: Entry, branch: str, commit: str) -> Entry:
         """Return the entry of a checkout that is there and whole."""
-        listing = run_git(("ls-tree", "-r", "-l", "-z", "--full-tree", commit), folder=self._place, timeout=None)
+        try:
+            listing = run_git(("ls-tree", "-r", "-l", "-z", "--full-tree", commit), folder=self._place, timeout=None)
+        except subprocess.SubprocessError:
+            raise FetchingError("in the way", f"the checkout at {self._place} lacks files of its commit") from None
         self._bytes = content_bytes(listing.encode(errors="surrogateescape"))
         return self._entry(known, branch, commit, self._place)
 
@@ -206,9 +209,15 @@ class _Fetching:
 
     def _put(self) -> None:
         self._place.parent.mkdir(parents=True, exist_ok=True)
+        before = self._tree.with_name("before")
         if self._place.exists():
-            self._place.rename(self._tree.with_name("before"))
-        self._tree.rename(self._place)
+            self._place.rename(before)
+        try:
+            self._tree.rename(self._place)
+        except OSError:
+            if before.exists():
+                before.rename(self._place)
+            raise
 
     def _submodules(self) -> list[str]:
         options = ("update", "--init", "--recursive", "--depth=1", "--quiet")
