@@ -182,7 +182,7 @@ def _python(sources: _Sources, node: NodeType, function: str | None) -> Iterator
             yield from _descriptions(node, path, texts.header)
             yield from _descriptions(node, path, texts.module, DescriptionKind.DOCSTRING)
         if path == node.location.path:
-            for name in {function or "main", "main"}:
+            for name in dict.fromkeys((function or "main", "main")):
                 yield from _descriptions(node, path, texts.functions.get(name, ()), DescriptionKind.DOCSTRING)
         text = (sources.text(path) or "") if path == node.location.path else ""
         for name, paragraphs in texts.classes.items():
