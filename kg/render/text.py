@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 from unicodedata import category, east_asian_width
 
-__all__ = ["count", "printable", "width"]
+__all__ = ["count", "printable", "printable_json", "width"]
 
 _UNSAFE: Final = frozenset({"Cc", "Cf", "Cn", "Co", "Cs", "Zl", "Zp"})
 _SPACES = str.maketrans({"\n": " ", "\r": " ", "\t": " "})
@@ -19,6 +19,18 @@ def printable(text: str) -> str:
         sign if category(sign) not in _UNSAFE else sign.encode("unicode_escape").decode()
         for sign in text.translate(_SPACES)
     )
+
+
+def printable_json(text: str) -> str:
+    """Return JSON of the same value, with control and direction characters as escapes instead of as they are."""
+    if text.isascii() and text.isprintable():
+        return text
+    return "".join(sign if category(sign) not in _UNSAFE else _escape(sign) for sign in text)
+
+
+def _escape(sign: str) -> str:
+    units = sign.encode("utf-16-be", "surrogatepass")
+    return "".join(f"\\u{units[at : at + 2].hex()}" for at in range(0, len(units), 2))
 
 
 def width(text: str) -> int:

@@ -1,12 +1,13 @@
 from __future__ import annotations
 
+import json
 from unicodedata import category
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kg.render.text import count, printable, width
+from kg.render.text import count, printable, printable_json, width
 
 
 @given(st.text())
@@ -29,6 +30,14 @@ def test_nothing_printable_steers_a_terminal(text: str) -> None:
 def test_what_is_unsafe_is_shown_as_an_escape(text: str, shown: str) -> None:
     """A reader sees that something was there, and what."""
     assert printable(text) == shown
+
+
+@given(st.text(alphabet=st.characters()))
+def test_json_keeps_its_value_and_steers_no_terminal(text: str) -> None:
+    """What is unsafe stands as an escape of JSON; programs read the same value."""
+    written = printable_json(json.dumps(text, ensure_ascii=False))
+    assert json.loads(written) == text
+    assert not {category(sign) for sign in written} & {"Cc", "Cf", "Cs", "Zl", "Zp"}
 
 
 def test_wide_characters_count_twice() -> None:
