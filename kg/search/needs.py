@@ -45,6 +45,8 @@ _LICENSED: Final = re.compile(
 )
 _IN, _OUT, _BOTH = "in", "out", "both"
 _SIDES: Final = {_IN: ("subscribes",), _OUT: ("publishes",), _BOTH: ("subscribes", "publishes")}
+_MOST: Final = 2000
+"""So many characters of a text are read: a need is a sentence or two, and longer texts cost with their square."""
 _LONGEST: Final = 6
 """So many words has the longest phrase of the lexicon."""
 _SYNONYM: Final = 0.8
@@ -107,7 +109,7 @@ class _Token:
 
 def parse(text: str, names: Names) -> Need:
     """Return what a text asks for; `names` are those that the store knows. Any text gives a need, always the same."""
-    strict, rest = _strict(text, names)
+    strict, rest = _strict(text[:_MOST], names)
     tokens = _weighed(rest)
     wishes = [*strict, *_typed(tokens, names), *_classes(tokens, names)]
     return Need(text, tuple(_wordings(tokens)), tuple(dict.fromkeys(wishes)))
