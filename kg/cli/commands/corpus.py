@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 __all__ = ["HELP", "fetch", "select"]
 
 HELP: Final = "Select repositories from a table of projects, and fetch them."
+_MOST_JOBS: Final = 64
+"""No server is asked for more at a time."""
 
 Table = Annotated[str, typer.Argument(metavar="DATASET.csv", help="A table of projects, as CSV.")]
 CriteriaFile = Annotated[
@@ -89,7 +91,7 @@ def select(
     else:
         _tables(found)
     if output:
-        _write_list(Path(output), found)
+        _write_list(Path(output).expanduser(), found)
 
 
 def _selected(table: str, criteria: str | None) -> "Selection":
@@ -97,8 +99,8 @@ def _selected(table: str, criteria: str | None) -> "Selection":
     from kg.corpus.selection_criteria import default_criteria, read_criteria  # noqa: PLC0415 - start-up time
     from kg.corpus.selection_data import read_dataset  # noqa: PLC0415 - start-up time
 
-    chosen = read_criteria(Path(criteria) if criteria else default_criteria())
-    return selection.select(read_dataset(Path(table)), chosen)
+    chosen = read_criteria(Path(criteria).expanduser() if criteria else default_criteria())
+    return selection.select(read_dataset(Path(table).expanduser()), chosen)
 
 
 def _tables(found: "Selection") -> None:
@@ -181,7 +183,7 @@ def _wanted(named: str | None, lock: Path, criteria: str | None) -> "tuple[Wante
         return pinned(lock)
     if named.lower().endswith(".csv"):
         return wanted_among(_selected(named, criteria).addresses())
-    return read_wanted(Path(named))
+    return read_wanted(Path(named).expanduser())
 
 
 def _options(  # noqa: PLR0913 - the options of a command
@@ -200,10 +202,10 @@ def _options(  # noqa: PLR0913 - the options of a command
 
     if ros is not None and ros not in VERSIONS:
         raise UsageError("KG003", f"`--ros {ros}` is no version of ROS", hint="Write --ros 1, --ros 2 or --ros any.")
-    limits = Limits()
+    usual, limits = Options(), Limits()
     return Options(
-        ros=ros or "any",
-        jobs=whole(jobs, "--jobs", 1, 64) if jobs else 4,
+        ros=ros or usual.ros,
+        jobs=whole(jobs, "--jobs", 1, _MOST_JOBS) if jobs else usual.jobs,
         submodules=submodules,
         update=update,
         limits=Limits(
