@@ -42,7 +42,7 @@ _ROOMS: Final = {
     "4": "Findings in an architecture",
     "5": "Queries",
     "6": "Graph and ontology",
-    "7": "Robots",
+    "7": "Search and evaluation",
     "9": "Inside kg",
 }
 

@@ -58,7 +58,7 @@ Data goes to standard output, words go to standard error. Exit codes:
     70   a defect in kg
     130  interrupted
 
-Start with `kg demo`, or with `kg build FOLDER` and then `kg nodes`.
+Start with `kg demo`, or with `kg build FOLDER` and then `kg search "what you need"`.
 """
 
 COMMANDS: Final[tuple[tuple[str, str, Any], ...]] = (
