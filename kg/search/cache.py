@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 __all__ = ["Documents", "load", "save"]
 
 _FOLDER: Final = "search"
-_FORMAT: Final = 2
+_FORMAT: Final = 3
 _CHECKSUM_BYTES: Final = 4
 _COLUMNS: Final = ("text", "names", "features")
 

@@ -67,7 +67,6 @@ class Document(msgspec.Struct, frozen=True, gc=False):
     texts: tuple[Text, ...] = ()
     ends: tuple[End, ...] = ()
     parameters: tuple[tuple[str, str | None], ...] = ()
-    phrases: tuple[str, ...] = ()
     hardware: tuple[str, ...] = ()
     functions: tuple[str, ...] = ()
     capabilities: tuple[str, ...] = ()

@@ -52,8 +52,10 @@ _TRANSFORM_TYPES: Final = ("tf2_msgs/TFMessage", "tf/tfMessage")
 _TYPES: Final = "?c ?t { ?c ros:hasMessage|rnkg:hasServiceType|rnkg:hasActionType ?t }"
 _PARAMETERS: Final = "?c { ?c rnkg:implicit false FILTER(CONTAINS(STR(?c), 'parameter/')) }"
 _TOLD: Final = "?c ?d { ?c dcterms:description ?d }"
-_TEXTS: Final = "?n ?d ?p ?o { ?n rnkg:hasDescription ?d . ?d ?p ?o }"
-_PHRASES: Final = "SELECT ?d ?t { GRAPH ?g { ?d rnkg:hasPhrase ?x } GRAPH ?h { ?x rnkg:text ?t } }"
+_TEXTS: Final = (
+    "?n ?d ?p ?o { ?n rnkg:hasDescription ?d . ?d ?p ?o "
+    "FILTER(?p IN (rnkg:text, rnkg:descriptionKind, rnkg:path, rnkg:line, rnkg:heading)) }"
+)
 _CONCEPTS: Final = """
 SELECT ?s ?p ?o {
   GRAPH %s { ?s a owl:NamedIndividual ; ?p ?o }
@@ -181,7 +183,7 @@ class _Reading:
     def _nodes(self, owners: Mapping[str, tuple[str, str]], places: Mapping[str, int]) -> list[Document]:
         ends, parameters = self._ends(), self._parameters()
         programs = dict(self._sources(_PROGRAMS))
-        classes, phrases = self._classes(), self._phrases()
+        classes = self._classes()
         feeds, fed = self._feeds()
         found = []
         for iri, properties in _grouped(self._sources(_NODES)).items():
@@ -204,7 +206,6 @@ class _Reading:
                     texts=self.texts.get(iri, ()),
                     ends=ends.get(iri, ()),
                     parameters=parameters.get(iri, ()),
-                    phrases=phrases.get(iri, ()),
                     hardware=classes[iri, "hardware"],
                     functions=classes[iri, "functions"],
                     capabilities=classes[iri, "capabilities"],
@@ -246,12 +247,6 @@ class _Reading:
             if kind == _PARAMETER and name is not None:
                 found[node][name] = told.get(part) or found[node].get(name)
         return {node: tuple(sorted(named.items())) for node, named in found.items()}
-
-    def _phrases(self) -> dict[str, tuple[str, ...]]:
-        found: defaultdict[str, set[str]] = defaultdict(set)
-        for part, text in self._rows(_PHRASES):
-            found[part.partition("#description")[0]].add(text)
-        return {node: tuple(sorted(texts)) for node, texts in found.items()}
 
     def _classes(self) -> Mapping[tuple[str, str], tuple[str, ...]]:
         """Return the labels of the classes of nodes, by node and field of a document."""
