@@ -8,6 +8,9 @@ from typing import Final
 from repository import ROOT, files
 
 LARGEST_BYTES: Final = 500_000
+MODEL: Final = ROOT / "kg" / "language" / "model"
+"""The tagger: minutes of training, and shipped; its size has a test of its own."""
+LARGEST_MODEL_BYTES: Final = 6_000_000
 
 _TEXT: Final = {
     ".py",
@@ -54,10 +57,18 @@ def test_no_path_of_a_developers_machine() -> None:
 
 
 def test_no_large_or_generated_files() -> None:
-    """What can be made again is not kept, and no file is large."""
+    """What can be made again is not kept, and no file is large but the tagger that is shipped."""
     unwanted = {".pyc", ".so", ".whl", ".egg", ".nq", ".sst"}
     assert not [
         str(path.relative_to(ROOT))
         for path in files()
-        if path.suffix in unwanted or (path.stat().st_size > LARGEST_BYTES and "cases" not in path.parts)
+        if path.suffix in unwanted
+        or (path.stat().st_size > LARGEST_BYTES and "cases" not in path.parts and MODEL not in path.parents)
     ]
+
+
+def test_the_tagger_is_small() -> None:
+    """The model that every installation carries stays at a few megabytes."""
+    sizes = [path.stat().st_size for path in files() if MODEL in path.parents]
+    assert sizes
+    assert sum(sizes) < LARGEST_MODEL_BYTES
