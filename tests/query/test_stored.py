@@ -49,7 +49,8 @@ def test_rows(examples: EmbeddedSnapshot, name: str) -> None:
             csv.writer(file, lineterminator="\n").writerows(table)
     with path.open(newline="", encoding="utf-8") as file:
         expected = list(csv.reader(file))
-    assert len(expected) > 1
+    # Those about references find none in this store; tests/evaluate asks them where references are kept.
+    assert len(expected) > 1 or "/reference-" in name
     assert table == expected
 
 
