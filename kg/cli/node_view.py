@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.cli.interface_table import Row, interface_table, place_text
 from kg.facts import Access, NodeKind, Resolution, Role
+from kg.graph.classes_reading import Classes
 from kg.graph.records import how_to_start
 from kg.render.text import printable
 
@@ -32,21 +33,29 @@ TITLES: Final = {
 _MOST_DESCRIPTIONS: Final = 2
 """Texts that are shown unless all are asked for: the best say what a node is for."""
 _DONE: Final = {Access.DECLARE: "declared", Access.READ: "read", Access.WRITE: "written"}
+_NO_CLASSES: Final = Classes()
 _LANGUAGES: Final = {"cpp": "C++", "python": "Python"}
 
 
-def node_view(
-    record: NodeRecord, links: Links, columns: int, *, every: bool, most: int | None = None
+def node_view(  # noqa: PLR0913 - what is shown, and how much of it
+    record: NodeRecord,
+    links: Links,
+    columns: int,
+    *,
+    every: bool,
+    most: int | None = None,
+    classes: Classes = _NO_CLASSES,
 ) -> tuple[RenderableType, ...]:
     """Return what to show of a node on so many columns; `every` adds what frameworks make by themselves.
 
-    `most` bounds how many parameters are shown, so that a terminal still shows the interface.
+    `most` bounds how many parameters are shown, so that a terminal still shows the interface; `classes` is what rules
+    inferred.
 
     Where the lines are too narrow for whole paths their beginnings are left out; the links still lead to the file.
     """
     from rich.text import Text  # noqa: PLC0415 - start-up time
 
-    parts: list[RenderableType] = list(_header(record, links))
+    parts: list[RenderableType] = [*_header(record, links), *_inferred(classes)]
     said = record.descriptions if every else record.descriptions[:_MOST_DESCRIPTIONS]
     for one in said:
         parts += [Text(), *_description(one, record.repository, links)]
@@ -90,6 +99,14 @@ def _header(record: NodeRecord, links: Links) -> Iterable[Text]:
     others = [path for path in node.sources if path != node.location.path]
     if others:
         yield _field("sources", _some(others))
+
+
+def _inferred(classes: Classes) -> Iterable[Text]:
+    """Yield what the node is for and works with; `kg why` explains both."""
+    if classes.functions:
+        yield _field("function", ", ".join(classes.functions))
+    if classes.hardware or classes.devices:
+        yield _field("hardware", ", ".join((*classes.hardware, *classes.devices)))
 
 
 def _description(said: Description, repository: str, links: Links) -> Iterable[RenderableType]:

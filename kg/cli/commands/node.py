@@ -20,6 +20,7 @@ from kg.store.opening import reading
 
 if TYPE_CHECKING:
     from kg.cli.links import Links
+    from kg.graph.classes_reading import Classes
     from kg.graph.reading import NodeRecord
     from kg.settings import Settings
 
@@ -70,8 +71,9 @@ def node(  # noqa: PLR0913 - the options of a command
 ) -> None:
     """Show one node: its interface, with lines of code.
 
-    How to start it, what it publishes, subscribes, offers and calls, its parameters, and the line behind each. Of an
-    instance, named as it is when it runs: the launch line, remappings, parameters and the names that its ends have.
+    How to start it, what it is for, what it publishes, subscribes, offers and calls, its parameters, and the line
+    behind each. Of an instance, named as it is when it runs: the launch line, remappings, parameters and the names
+    that its ends have.
     For example:
 
         kg node move_base
@@ -80,6 +82,7 @@ def node(  # noqa: PLR0913 - the options of a command
         kg node /rover1/patrol --launch rover.launch
     """
     from kg.cli.links import Links  # noqa: PLC0415 - start-up time
+    from kg.graph.classes_reading import classes  # noqa: PLC0415 - start-up time
     from kg.graph.records import node_object  # noqa: PLC0415 - start-up time
     from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
 
@@ -93,15 +96,16 @@ def node(  # noqa: PLR0913 - the options of a command
     with reading(settings) as snapshot:
         records = one_node(snapshot, name)
         links = Links.of(sources(snapshot))
+        inferred = [classes(snapshot, record.iri) for record in records]
     if json:
         json_lines(map(node_object, records))
     elif picture is not None:
         _draw(records[0], picture, every=every)
     else:
-        for number, record in enumerate(records):
+        for number, (record, found) in enumerate(zip(records, inferred, strict=True)):
             if number:
                 write()
-            _show(record, links, every=every)
+            _show(record, found, links, every=every)
 
 
 def _instance(  # noqa: PLR0913 - the options of the command
@@ -132,10 +136,11 @@ def _instance(  # noqa: PLR0913 - the options of the command
         show(*instance_view(system, one, links, line_width(), every=every))
 
 
-def _show(record: "NodeRecord", links: "Links", *, every: bool) -> None:
+def _show(record: "NodeRecord", found: "Classes", links: "Links", *, every: bool) -> None:
     from kg.cli.node_view import left_out, node_view  # noqa: PLC0415 - start-up time
 
-    show(*node_view(record, links, line_width(), every=every, most=_MOST_PARAMETERS if terminal() else None))
+    most = _MOST_PARAMETERS if terminal() else None
+    show(*node_view(record, links, line_width(), every=every, most=most, classes=found))
     hidden = 0 if every else left_out(record.node)
     if hidden:
         note(f"{count(hidden, 'implicit entry', 'implicit entries')} made by frameworks not shown; --all shows them")

@@ -1,0 +1,28 @@
+"""What rules inferred of a node, by its labels."""
+
+from __future__ import annotations
+
+from pyoxigraph import RdfFormat, Store
+
+from kg.graph.classes_reading import Classes, classes
+
+NODE = "https://w3id.org/rnkg/node/local/ws/base/driver"
+INFERRED = f"""
+@prefix rnkg: <https://w3id.org/rnkg/ns#> .
+@prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> .
+<{NODE}> rnkg:hasFunction <x:two>, <x:one> ; rnkg:usesHardware <x:scanner> ; rnkg:usesDevice <x:utm> .
+<x:one> rdfs:label "control"@en . <x:two> rdfs:label "navigation"@en .
+<x:scanner> rdfs:label "laser scanner"@en . <x:utm> rdfs:label "Hokuyo UTM-30LX" .
+"""
+
+
+def test_classes_are_read_by_their_labels() -> None:
+    """Functions, hardware and devices of the node, each sorted, without tags of language."""
+    store = Store()
+    store.load(INFERRED, RdfFormat.TURTLE)
+    assert classes(store, NODE) == Classes(("control", "navigation"), ("laser scanner",), ("Hokuyo UTM-30LX",))
+
+
+def test_nothing_is_said_where_nothing_was_inferred() -> None:
+    """A store without rules has no classes."""
+    assert classes(Store(), NODE) == Classes()
