@@ -36,7 +36,9 @@ _TYPED: Final = {
     "services": ("services", "action_servers"),
     "calls": ("clients", "action_clients"),
 }
-_WHAT: Final = {"KG701": "type", "KG702": "", "KG703": ""}
+_MOST: Final = 8
+"""So many values are named in an error; they fit a line."""
+_NONE: Final = "No node has any; `kg nodes` lists the nodes."
 
 
 def wishes(filters: Mapping[str, Sequence[str]], names: Names) -> tuple[Wish, ...]:
@@ -60,7 +62,8 @@ def _wish(kind: str, value: str, names: Names) -> Wish:
     if not features:
         choices = known(kind, names)
         near = did_you_mean(value, [*choices, *(name.rpartition("/")[2] for name in choices if kind in _TYPED)])
-        some = f"There are {', '.join(choices[:8])}{', ...' if len(choices) > 8 else ''}." if choices else None  # noqa: PLR2004 - as many as fit a line
+        named = ", ".join(f"`{one}`" for one in choices[:_MOST])
+        some = f"There are {named}{' and more' if len(choices) > _MOST else ''}." if choices else _NONE
         raise UsageError(FILTERS[kind], f"no node of the store has `--{kind} {value}`", hint=near or some)
     return Wish(kind, features, value, strict=True)
 

@@ -40,6 +40,7 @@ _KINDS: Final = {
     "wiki": "its documentation says",
     "plugin": "its description says",
 }
+_CLASSES: Final = {"hardware": "works with {}", "function": "is for {}", "capability": "can {}"}
 _EXCERPT: Final = 90
 """So many characters of a text stand in a reason."""
 
@@ -66,7 +67,8 @@ def reasons(index: Index, need: Need, place: int, limit: int) -> tuple[Reason, .
     found.sort(key=lambda one: (-one.weight, one.text))
     seen: dict[str, Reason] = {}
     for one in found:
-        seen.setdefault(one.text, one)
+        # `named scan` and `named scan.py` say the same twice.
+        seen.setdefault("named" if one.text.startswith("named ") else one.text, one)
     return tuple(seen.values())[:limit]
 
 
@@ -93,8 +95,7 @@ def _of_wishes(index: Index, wishes: Iterable[Wish], node: Document, package: Pa
         if wish.kind in labels:
             kept = [label for label in labels[wish.kind] if f"{wish.kind}:{label}" in features]
             kept = kept or ([wish.features[0].partition(":")[2]] if wish.strict else [])
-            verb = {"hardware": "uses a", "function": "function", "capability": "can"}[wish.kind]
-            yield from (Reason(f"{verb} {label}", weight) for label in kept[:1])
+            yield from (Reason(_CLASSES[wish.kind].format(label), weight) for label in kept[:1])
         if wish.strict and wish.kind == "license":
             yield Reason(f"licence {' and '.join(package.licenses)}", 0.5, package.path, 1)
 

@@ -59,7 +59,12 @@ def test_nothing_found_is_said(rover: Program) -> None:
     """No hit is no error of the command; the exit code tells scripts."""
     run = rover("search", "zygomorphic")
     assert run.code == 1
-    assert "nothing was found" in run.err
+    assert "nothing was found; fewer words" in run.err
+
+
+def test_a_name_that_is_nearly_right_is_named(rover: Program) -> None:
+    """A word that nothing has may be a name with a slip in it."""
+    assert "Did you mean `planner`" in rover("search", "plannner").err
 
 
 def test_a_filter_that_nothing_fulfils_is_refused(rover: Program) -> None:

@@ -1,6 +1,6 @@
 """`kg search`: nodes by what they do, need and are wired to, with the reasons."""
 
-from typing import Annotated, Final
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
@@ -15,9 +15,13 @@ from kg.errors import Exit, UsageError
 from kg.render.text import count
 from kg.store.opening import existing
 
+if TYPE_CHECKING:
+    from kg.search.searching import Search
+
 __all__ = ["search"]
 
 COLUMNS: Final = tuple(map(Column, ("rank", "score", "package", "node", "why", "also in", "file:line")))
+_LONGEST_NAME: Final = 80
 Words = Annotated[list[str] | None, typer.Argument(metavar="TEXT", help="What the node does, in words.")]
 Subscribes = Annotated[
     list[str] | None,
@@ -122,5 +126,17 @@ def search(  # noqa: PLR0913 - the options of a command
     if len(answer.hits) < answer.total and (terminal() or json):
         note(f"the best {len(answer.hits)} of {count(answer.total, 'hit')}; --limit shows more")
     if not answer.hits:
-        note("nothing was found; fewer words or filters find more")
+        note(f"nothing was found; {_near(words, found) or 'fewer words or filters find more'}")
         raise typer.Exit(Exit.FOUND)
+
+
+def _near(words: str, found: "Search") -> str | None:
+    """Return the question whether one of the names that are like a single word was meant."""
+    from kg.query.similar import did_you_mean  # noqa: PLC0415 - start-up time
+
+    single = len(words.split()) == 1 and len(words) <= _LONGEST_NAME
+    return (
+        did_you_mean(words, sorted({found.index.nodes[place].name for place in range(found.index.size)}))
+        if single
+        else None
+    )
