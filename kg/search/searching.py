@@ -16,7 +16,7 @@ from kg.search.ranking import scores
 from kg.search.reasons import Reason, reasons
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from kg.search.documents import Document, PackageDocument
     from kg.search.index import Index
@@ -96,8 +96,10 @@ class Search:
         )
 
 
-def open_search(store: EmbeddedStore) -> Search:
+def open_search(store: EmbeddedStore, indexing: Callable[[], None] | None = None) -> Search:
     """Return the search over the generation in force; its index is read from the store's cache, or built and put there.
+
+    `indexing` is called before it is built, which takes seconds in a large store.
 
     Raises:
         StoreError: KG301 for a store without data, KG303 for a damaged one.
@@ -108,6 +110,8 @@ def open_search(store: EmbeddedStore) -> Search:
         from kg.search.index import build  # noqa: PLC0415 - who finds an index loads no engine
         from kg.search.reading import read  # noqa: PLC0415 - the same
 
+        if indexing is not None:
+            indexing()
         with store.read() as snapshot:
             index = build(read(snapshot))
             # An index that cannot be kept is built again the next time, in a store that one may only read.

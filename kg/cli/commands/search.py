@@ -1,5 +1,6 @@
 """`kg search`: nodes by what they do, need and are wired to, with the reasons."""
 
+import sys
 from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
@@ -115,7 +116,7 @@ def search(  # noqa: PLR0913 - the options of a command
         hint = 'For example `kg search "merge two laser scans"`, or `kg search --publishes LaserScan`.'
         raise UsageError("KG003", "there is nothing to search for", hint=hint)
     most = whole(limit, "--limit", 1)
-    found = open_search(existing(session(context).settings(store=store)))
+    found = open_search(existing(session(context).settings(store=store)), _indexing)
     answer = found.find(words, filters, most)
     if words:
         understood(answer.need)
@@ -128,6 +129,11 @@ def search(  # noqa: PLR0913 - the options of a command
     if not answer.hits:
         note(f"nothing was found; {_near(words, found) or 'fewer words or filters find more'}")
         raise typer.Exit(Exit.FOUND)
+
+
+def _indexing() -> None:
+    if sys.stderr.isatty():
+        note("indexing the store; this is done once after each change")
 
 
 def _near(words: str, found: "Search") -> str | None:
