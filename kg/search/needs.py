@@ -36,9 +36,17 @@ _ROLES: Final = {
 }
 _ROS: Final = re.compile(r"\bros\s?(?P<version>[12])\b", re.IGNORECASE)
 _DISTRIBUTIONS: Final = {
-    "1": ("noetic", "melodic", "kinetic", "indigo"),
-    "2": ("foxy", "galactic", "humble", "iron", "jazzy", "kilted", "rolling"),
+    **dict.fromkeys(("noetic", "melodic", "kinetic", "indigo"), "1"),
+    **dict.fromkeys(("foxy", "galactic", "humble", "iron", "jazzy", "kilted", "rolling"), "2"),
 }
+_NAMES: Final = "|".join(_DISTRIBUTIONS)
+# Names of distributions are words of English too: `a rolling window` and `an iron bar` name no version.
+_DISTRIBUTION: Final = re.compile(
+    rf"\bros\s?[12]?\s+(?P<behind>{_NAMES})\b"
+    rf"|\b(?:for|in|on|under|with)\s+(?P<last>{_NAMES})\b(?=\s*(?:$|[,;:.!?)]|and\b|or\b))"
+    rf"|\b(?P<before>{_NAMES})\s+(?:distribution|distro|release)\b",
+    re.IGNORECASE,
+)
 _LICENSED: Final = re.compile(
     r"\b(?P<one>[\w.+-]+)[- ]licen[sc]ed?\b|\blicen[sc]ed?\s+(?:under|as|with)\s+(?:the\s+)?(?P<two>[\w.+-]+)",
     re.IGNORECASE,
@@ -139,13 +147,15 @@ def _strict(text: str, names: Names) -> tuple[list[Wish], str]:
     return found, _ROS.sub(" ", text)
 
 
-def _versions(text: str) -> Iterator[Wish]:
-    for match in _ROS.finditer(text):
-        yield Wish("ros", (f"ros:{match['version']}",), match[0], strict=True)
-    for word in re.findall(r"[a-z]+", text.lower()):
-        for version, distributions in _DISTRIBUTIONS.items():
-            if word in distributions:
-                yield Wish("ros", (f"ros:{version}",), word, strict=True)
+def _versions(text: str) -> list[Wish]:
+    """Return the wishes for a version of ROS; none where a text names both, as that of a bridge between them does."""
+    found = [(match["version"], match[0]) for match in _ROS.finditer(text)]
+    for match in _DISTRIBUTION.finditer(text):
+        name = match["behind"] or match["last"] or match["before"]
+        found.append((_DISTRIBUTIONS[name.lower()], name))
+    if len({version for version, _ in found}) > 1:
+        return []
+    return [Wish("ros", (f"ros:{version}",), said, strict=True) for version, said in found]
 
 
 @lru_cache(maxsize=1)
