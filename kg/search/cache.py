@@ -1,26 +1,20 @@
-"""The index on disk: one file a generation, `.kg/cache/search/{generation}`, checked before it is believed.
+"""The index on disk: one file a generation, `.kg/cache/search/{generation}` (`kg.search.kept`).
 
-A file holds a checksum, a line of JSON that says what follows, and the parts themselves: JSON and arrays. Documents
-are decoded one by one, when a hit shows them. What is damaged, of another version of `kg` or of another lexicon is
-built again.
+A file holds a line of JSON that says what follows, and the parts themselves: JSON and arrays. Documents are decoded
+one by one, when a hit shows them.
 """
 
 from __future__ import annotations
 
-import zlib
-from contextlib import suppress
-from hashlib import blake2b
 from typing import TYPE_CHECKING, Any, Final
 
 import msgspec
 import numpy as np
 
-from kg import resources
 from kg.search.documents import Document, PackageDocument
 from kg.search.index import Columns, Index
-from kg.search.lexicon import FILE
+from kg.search.kept import keep, kept
 from kg.search.reading import Concept
-from kg.store.layout import write_atomically
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -29,13 +23,10 @@ if TYPE_CHECKING:
 __all__ = ["Documents", "load", "save"]
 
 _FOLDER: Final = "search"
-_FORMAT: Final = 3
-_CHECKSUM_BYTES: Final = 4
 _COLUMNS: Final = ("text", "names", "features")
 
 
 class _Header(msgspec.Struct):
-    version: str
     names: dict[str, list[str]]
     sizes: dict[str, int]
 
@@ -58,37 +49,19 @@ class Documents:
 
 def save(cache: Path, generation: str, index: Index) -> None:
     """Write an index below the folder `cache` and remove those of other generations; OSError when it cannot be."""
-    folder = cache / _FOLDER
-    folder.mkdir(parents=True, exist_ok=True)
     parts = dict(_parts(index))
     names = {one: sorted(getattr(index, one).names, key=getattr(index, one).names.get) for one in _COLUMNS}
-    header = _Header(_version(), names, {name: len(content) for name, content in parts.items()})
-    body = b"".join([msgspec.json.encode(header), b"\n", *parts.values()])
-    checksum = zlib.crc32(body).to_bytes(_CHECKSUM_BYTES, "little")
-    write_atomically(folder / generation, checksum + body, durable=False)
-    for path in folder.iterdir():
-        if path.name != generation and not path.name.endswith(".tmp"):
-            with suppress(OSError):
-                path.unlink()
+    header = _Header(names, {name: len(content) for name, content in parts.items()})
+    keep(cache / _FOLDER, generation, (msgspec.json.encode(header), b"\n", *parts.values()))
 
 
 def load(cache: Path, generation: str) -> Index | None:
     """Return the index of a generation below the folder `cache`; None where there is none that can be used."""
-    try:
-        content = (cache / _FOLDER / generation).read_bytes()
-    except OSError:
+    content = kept(cache / _FOLDER, generation)
+    if content is None:
         return None
-    if (
-        zlib.crc32(memoryview(content)[_CHECKSUM_BYTES:]).to_bytes(_CHECKSUM_BYTES, "little")
-        != content[:_CHECKSUM_BYTES]
-    ):
-        return None
-    end = content.index(b"\n", _CHECKSUM_BYTES)
-    try:
-        header = msgspec.json.decode(content[_CHECKSUM_BYTES:end], type=_Header)
-    except msgspec.DecodeError:
-        return None
-    return _index(header, content, end + 1) if header.version == _version() else None
+    end = content.index(b"\n")
+    return _index(msgspec.json.decode(content[:end], type=_Header), content, end + 1)
 
 
 def _parts(index: Index) -> Iterator[tuple[str, bytes]]:
@@ -130,9 +103,3 @@ def _index(header: _Header, content: bytes, at: int) -> Index:
         np.frombuffer(parts["group"], np.int32),
         np.frombuffer(parts["order"], np.int32),
     )
-
-
-def _version() -> str:
-    """Return what tells indexes that this `kg` writes from any other: its code's format, and the lexicon."""
-    lexicon = (resources.folder("ontology") / FILE).read_bytes()
-    return f"{_FORMAT} {blake2b(lexicon, digest_size=8).hexdigest()}"

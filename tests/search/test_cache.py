@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from search.store import CONTENT
 
-from kg.search import cache
+from kg.search import cache, kept
 from kg.search.index import build
 from kg.search.searching import Search, hit_object
 
@@ -23,11 +23,11 @@ INDEX: Final = build(CONTENT)
 def test_an_index_read_back_answers_alike(tmp_path: Path) -> None:
     """What was kept gives the same hits with the same reasons."""
     cache.save(tmp_path, "7", INDEX)
-    kept = cache.load(tmp_path, "7")
-    assert kept is not None
-    assert np.array_equal(kept.text.values, INDEX.text.values)
+    found = cache.load(tmp_path, "7")
+    assert found is not None
+    assert np.array_equal(found.text.values, INDEX.text.values)
     expected = [hit_object(hit) for hit in Search(INDEX).find(NEED).hits]
-    assert [hit_object(hit) for hit in Search(kept).find(NEED).hits] == expected
+    assert [hit_object(hit) for hit in Search(found).find(NEED).hits] == expected
 
 
 def test_the_index_of_another_generation_is_removed(tmp_path: Path) -> None:
@@ -55,8 +55,8 @@ def test_a_damaged_index_is_no_index(tmp_path_factory: pytest.TempPathFactory, d
     assert cache.load(folder, "1") is None
 
 
-def test_an_index_for_another_lexicon_is_no_index(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Terms depend on the lexicon, so an index is of one lexicon."""
+def test_an_index_of_other_code_or_data_is_no_index(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Terms depend on the lexicon, and what they are worth on the code, so an index is of one of each."""
     cache.save(tmp_path, "1", INDEX)
-    monkeypatch.setattr(cache, "_version", lambda: "another")
+    monkeypatch.setattr(kept, "_version", lambda: 1)
     assert cache.load(tmp_path, "1") is None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import zlib
 from collections import defaultdict
 from contextlib import suppress
 from typing import TYPE_CHECKING, Final
@@ -14,7 +13,7 @@ import msgspec
 from kg.graph import vocabulary as v
 from kg.names import FRAMEWORK
 from kg.search.compose.network import Network, Part, Port
-from kg.store.layout import write_atomically
+from kg.search.kept import keep, kept
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -42,35 +41,20 @@ _LOADED: Final = {"nodelet": "", "component": ""}
 _ROLES: Final = ("publisher", "subscriber")
 _UNRESOLVED: Final = "@unresolved"
 _FOLDER: Final = "compose"
-_FORMAT: Final = "3"
-_CHECKSUM_BYTES: Final = 4
 
 
 def network(snapshot: Snapshot, cache: Path | None) -> Network:
-    """Return the network of a snapshot: from the folder `cache` where it stands there, else read and kept there.
-
-    What is kept and damaged, or of another version, is read again.
-    """
+    """Return the network of a snapshot: from the folder `cache` where it stands there, else read and kept there."""
     if cache is None:
         return read(snapshot)
-    path = cache / _FOLDER / f"{snapshot.identity}-{_FORMAT}"
-    with suppress(OSError, msgspec.DecodeError, UnicodeDecodeError):
-        content = path.read_bytes()
-        checksum, body = content[:_CHECKSUM_BYTES], content[_CHECKSUM_BYTES:]
-        if checksum == zlib.crc32(body).to_bytes(_CHECKSUM_BYTES, "big"):
-            return msgspec.json.decode(body, type=Network)
+    body = kept(cache / _FOLDER, snapshot.identity)
+    if body is not None:
+        return msgspec.json.decode(body, type=Network)
     found = read(snapshot)
+    # A network that cannot be kept is read again the next time, in a store that one may only read.
     with suppress(OSError):
-        _keep(path, msgspec.json.encode(found))
+        keep(cache / _FOLDER, snapshot.identity, [msgspec.json.encode(found)])
     return found
-
-
-def _keep(path: Path, body: bytes) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_atomically(path, zlib.crc32(body).to_bytes(_CHECKSUM_BYTES, "big") + body, durable=False)
-    for other in path.parent.iterdir():
-        if other.name != path.name and not other.name.endswith(".tmp"):
-            other.unlink(missing_ok=True)
 
 
 def read(snapshot: Snapshot) -> Network:
