@@ -20,11 +20,13 @@ if TYPE_CHECKING:
     from kg.search.documents import Document, PackageDocument
     from kg.search.reading import Content
 
-__all__ = ["FIELDS", "Field", "documents", "own_words", "shared_words", "weighted"]
+__all__ = ["FIELDS", "LEAST", "Field", "documents", "own_words", "shared_words", "weighted"]
 
 _COMMON: Final = ("name", "text", "interface", "type", "parameter", "class")
 """What variants of a node have in common."""
 
+LEAST: Final = 0.5
+"""The weighted occurrences that a term has in a document at least, in whatever field it stands."""
 _PROSE: Final = ("manifest", "readme")
 _MAIN: Final = 3
 """What a word about a package counts for its main node, beside what it counts for others."""
@@ -32,7 +34,10 @@ _MAIN: Final = 3
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """A part of a document: what one occurrence of a term in it counts, and how many occurrences count at most."""
+    """A part of a document: what one occurrence of a term in it counts, and how many occurrences count at most.
+
+    With a weight of zero a field adds nothing to others; a term that is in no other counts `LEAST`, as any does.
+    """
 
     weight: float
     most: int

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final, Protocol
 
 import numpy as np
 
-from kg.search.fields import documents, weighted
+from kg.search.fields import LEAST, documents, weighted
 from kg.search.folding import bare_name, groups, order
 from kg.search.marking import marks
 from kg.search.words import name_terms
@@ -127,7 +127,7 @@ def _scores(documents: Sequence[Mapping[str, float]]) -> Columns:
 
     vocabulary = {term: place for place, term in enumerate(sorted(set().union(*documents)))}
     ids = [
-        [place for term, count in document.items() for place in [vocabulary[term]] * max(1, round(_SCALE * count))]
+        [place for term, count in document.items() for place in [vocabulary[term]] * round(_SCALE * max(LEAST, count))]
         for document in documents
     ]
     if not vocabulary:

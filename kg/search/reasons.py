@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from kg.search.fields import FIELDS, own_words
+from kg.search.fields import FIELDS, LEAST, own_words
 from kg.search.ranking import gain
 from kg.search.words import terms
 
@@ -104,7 +104,7 @@ def _of_words(weights: Mapping[str, float], node: Document, package: PackageDocu
     """Yield a reason for each place that the words of the need stand in, and what it counts."""
 
     def worth(text: str, field: str) -> float:
-        return sum(weights.get(term, 0.0) for term in set(terms(text))) * min(1.0, FIELDS[field].weight)
+        return sum(weights.get(term, 0.0) for term in set(terms(text))) * min(1.0, max(LEAST, FIELDS[field].weight))
 
     for field, text in own_words(node):
         if field in {"name", "plugin"} and (value := worth(text, field)):
