@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 from urllib.parse import unquote
 
 from kg.graph import vocabulary as v
+from kg.graph.iris import is_source_graph
+from kg.query.rows import rows
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from kg.store.interface import Snapshot
 
 __all__ = ["INFERRED", "RELATIONS", "STATED", "Fact", "Facts"]
@@ -37,8 +37,6 @@ INFERRED: Final = {
 }
 """Relations that rules inferred."""
 RELATIONS: Final = (*STATED, *INFERRED)
-_PREFIXES: Final = {"ros": v.ROS, "rnkg": v.RNKG, "rdfs": v.RDFS}
-_SOURCES: Final = "/graph/source/"
 _PARTS: Final = """
 SELECT ?node ?part ?class { GRAPH %s {
   ?node a rnkg:NodeType ; ros:hasComponent|rnkg:hasParameter ?part . ?part rnkg:implicit false ; a ?class
@@ -84,23 +82,23 @@ class Facts:
         found: defaultdict[str, set[tuple[str, str]]] = defaultdict(set)
         relations = {v.bare(kind): relation for relation, kind in STATED.items()}
         for graph in snapshot.graphs():
-            if _SOURCES in graph.value:
-                for node, part, kind in self._rows(_PARTS % graph, union=False):
+            if is_source_graph(graph.value):
+                for node, part, kind in rows(snapshot, _PARTS % graph):
                     if kind in relations:
                         found[relations[kind]].add((node, part))
         for relation, term in INFERRED.items():
-            found[relation].update((node, what) for node, what in self._rows(_RULED % term))
+            found[relation].update((node, what) for node, what in rows(snapshot, _RULED % term, union=True))
         self.listed = {relation: sorted(found[relation]) for relation in RELATIONS if found[relation]}
 
     def told(self, relation: str, pair: tuple[str, str]) -> Fact:
         """Return what is told of a fact that is listed."""
         node, part = pair
-        repository, package, name, path, line = min(self._rows(_OWNER % {"node": f"<{node}>"}))
+        repository, package, name, path, line = min(rows(self._snapshot, _OWNER % {"node": f"<{node}>"}, union=True))
         if relation in INFERRED:
-            labels = self._rows(f"SELECT ?label {{ <{part}> rdfs:label ?label }}")
+            labels = rows(self._snapshot, f"SELECT ?label {{ <{part}> rdfs:label ?label }}", union=True)
             label = min((row[0] for row in labels), default=part)
             return Fact(relation, repository, package, name, label, None, None, repository, path, int(line))
-        told = dict(self._rows(f"SELECT ?p ?o {{ <{part}> ?p ?o }}"))
+        told = dict(rows(self._snapshot, f"SELECT ?p ?o {{ <{part}> ?p ?o }}", union=True))
         kind = next((_type_name(told[term]) for term in _TYPE_OF if term in told), told.get(v.bare(v.PARAMETER_TYPE)))
         return Fact(
             relation,
@@ -114,10 +112,6 @@ class Facts:
             told[v.bare(v.PATH)],
             int(told[v.bare(v.LINE)]),
         )
-
-    def _rows(self, text: str, *, union: bool = True) -> Iterator[Any]:
-        for row in self._snapshot.query(text, prefixes=_PREFIXES, union=union):  # type: ignore[union-attr]  # a SELECT
-            yield tuple(term.value for term in row)
 
 
 def _type_name(iri: str) -> str | None:

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from kg.evaluate.facts import STATED
 from kg.graph import vocabulary as v
+from kg.graph.iris import is_source_graph
+from kg.query.rows import rows
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from kg.store.interface import Snapshot
 
 __all__ = ["Places"]
 
-_PREFIXES: Final = {"rnkg": v.RNKG}
-_SOURCES: Final = "/graph/source/"
 _REPOSITORY: Final = "SELECT ?name { GRAPH %s { ?repository a rnkg:Repository ; rnkg:name ?name } }"
 _LINES: Final = "SELECT ?part ?class ?path ?line { GRAPH %s { ?part a ?class ; rnkg:path ?path ; rnkg:line ?line } }"
 _ELSEWHERE: Final = "SELECT ?part ?repository { GRAPH %s { ?part rnkg:repository ?repository } }"
@@ -34,18 +32,18 @@ class Places:
         self._folders: defaultdict[str, set[str]] = defaultdict(set)
         kinds = {v.bare(term): relation for relation, term in STATED.items()}
         for graph in snapshot.graphs():
-            if _SOURCES in graph.value:
-                for (repository,) in self._rows(_REPOSITORY % graph):
+            if is_source_graph(graph.value):
+                for (repository,) in rows(self._snapshot, _REPOSITORY % graph):
                     self._read(str(graph), repository, kinds)
 
     def _read(self, graph: str, repository: str, kinds: dict[str, str]) -> None:
-        elsewhere = dict(self._rows(_ELSEWHERE % graph))
-        for part, kind, path, line in self._rows(_LINES % graph):
+        elsewhere = dict(rows(self._snapshot, _ELSEWHERE % graph))
+        for part, kind, path, line in rows(self._snapshot, _LINES % graph):
             if kind in kinds:
                 self._lines[kinds[kind], elsewhere.get(part, repository), path].add(int(line))
-        for path, value in self._rows(_FILES % graph):
+        for path, value in rows(self._snapshot, _FILES % graph):
             self._digests[repository, path] = value
-        self._folders[repository].update(folder or "." for (folder,) in self._rows(_FOLDERS % graph))
+        self._folders[repository].update(folder or "." for (folder,) in rows(self._snapshot, _FOLDERS % graph))
 
     def has(self, relation: str, file: tuple[str, str], first: int, last: int) -> bool:
         """Tell whether an end or parameter of a relation was read on one of some lines of a file of a source."""
@@ -58,7 +56,3 @@ class Places:
     def folders(self, repository: str) -> set[str]:
         """Return the folders of the packages of a source, `.` for the whole."""
         return self._folders[repository]
-
-    def _rows(self, text: str) -> Iterator[Any]:
-        for row in self._snapshot.query(text, prefixes=_PREFIXES, union=False):  # type: ignore[union-attr]  # a SELECT
-            yield tuple(term.value for term in row)

@@ -15,7 +15,7 @@ from urllib.parse import quote, unquote, urlsplit
 
 from kg.errors import UsageError
 
-__all__ = ["DEFAULT_BASE", "Iris", "Thing", "fragment"]
+__all__ = ["DEFAULT_BASE", "UNKNOWN", "Iris", "Thing", "fragment", "is_source_graph"]
 
 DEFAULT_BASE: Final = "https://w3id.org/rnkg/"
 """The base of all IRIs unless a setting says otherwise."""
@@ -24,6 +24,7 @@ UNKNOWN: Final = "@unresolved"
 """Stands in a fragment for a name that is not known; `@` never occurs in an encoded name."""
 
 _BETWEEN: Final = "-"
+_SOURCE_GRAPHS: Final = "graph/source/"
 _SHAPES: Final[dict[str, str]] = {
     "repository": "p",
     "package": "ps",
@@ -54,6 +55,11 @@ class Thing:
 
     kind: str
     parts: tuple[str, ...]
+
+
+def is_source_graph(iri: str) -> bool:
+    """Tell whether the IRI of a named graph, of whatever base, is that of what was read from a source."""
+    return f"/{_SOURCE_GRAPHS}" in iri
 
 
 @lru_cache(maxsize=1 << 16)
@@ -165,7 +171,7 @@ class Iris:
 
     def source_graph(self, repository: str) -> str:
         """Return the IRI of the named graph of what was read from a source."""
-        return f"{self.base}graph/source/{_path(repository)}"
+        return f"{self.base}{_SOURCE_GRAPHS}{_path(repository)}"
 
     def launch_graph(self, repository: str, path: str) -> str:
         """Return the IRI of the named graph of what one launch file starts."""

@@ -13,6 +13,8 @@ from urllib.parse import unquote
 
 from kg.facts import Role
 from kg.graph import vocabulary as v
+from kg.graph.iris import UNKNOWN, is_source_graph
+from kg.query.rows import rows
 from kg.search.documents import Document, End, PackageDocument, Text
 
 if TYPE_CHECKING:
@@ -22,15 +24,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Concept", "Content", "read"]
 
-_PREFIXES: Final = {
-    "ros": v.ROS,
-    "rnkg": v.RNKG,
-    "rdfs": v.RDFS,
-    "owl": v.OWL,
-    "skos": v.SKOS,
-    "dcterms": v.DCTERMS,
-}
-_SOURCES: Final = "/graph/source/"
 _NODES: Final = (
     "?s ?p ?o { ?s a rnkg:NodeType ; ?p ?o FILTER(?p NOT IN (ros:hasComponent, rnkg:hasParameter, rnkg:hasSource)) }"
 )
@@ -78,7 +71,6 @@ _ROLES: Final = {
     "action-client": Role.ACTION_CLIENTS,
 }
 _PARAMETER: Final = "parameter"
-_UNRESOLVED: Final = "@unresolved"
 _MOST_FEEDS: Final = 12
 
 
@@ -109,11 +101,11 @@ def read(snapshot: Snapshot) -> Content:
 class _Reading:
     def __init__(self, snapshot: Snapshot) -> None:
         self.snapshot = snapshot
-        self.graphs = [graph for graph in snapshot.graphs() if _SOURCES in graph.value]
+        self.graphs = [graph for graph in snapshot.graphs() if is_source_graph(graph.value)]
         self.known: defaultdict[str, list[str]] = defaultdict(list)
         self.texts = self._texts()
         ontologies = (graph for graph in snapshot.graphs() if graph.value.endswith(_ONTOLOGY))
-        self.individuals = _grouped(row for graph in ontologies for row in self._rows(_CONCEPTS % graph))
+        self.individuals = _grouped(row for graph in ontologies for row in rows(self.snapshot, _CONCEPTS % graph))
 
     def content(self) -> Content:
         owners = {node: (package, source) for node, package, source in self._sources(_OWNED)}
@@ -123,15 +115,11 @@ class _Reading:
         places = {package.iri: place for place, package in enumerate(packages)}
         return Content(packages, self._nodes(owners, places), self._concepts())
 
-    def _rows(self, text: str) -> Iterator[Any]:
-        for row in self.snapshot.query(text, prefixes=_PREFIXES, union=False):  # type: ignore[union-attr]  # a SELECT
-            yield tuple(term.value for term in row)
-
     def _sources(self, body: str) -> Iterator[Any]:
         """Yield the rows of `variables { pattern }` over each source graph, one after another."""
         variables, _, pattern = body.partition("{")
         for graph in self.graphs:
-            yield from self._rows(f"SELECT {variables} {{ GRAPH {graph} {{ {pattern} }}")
+            yield from rows(self.snapshot, f"SELECT {variables} {{ GRAPH {graph} {{ {pattern} }}")
 
     def _texts(self) -> dict[str, tuple[Text, ...]]:
         """Return the descriptions of nodes and packages by their IRIs."""
@@ -154,7 +142,7 @@ class _Reading:
         sources = dict(owners)
         names = {iri: unquote(iri.partition("repository/")[2]) for iri in sources.values()}
         copies: defaultdict[str, set[str]] = defaultdict(set)
-        for one, other in self._rows("SELECT ?a ?b { GRAPH ?g { ?a rnkg:copyOf ?b } }"):
+        for one, other in rows(self.snapshot, "SELECT ?a ?b { GRAPH ?g { ?a rnkg:copyOf ?b } }"):
             copies[one].add(other)
             copies[other].add(one)
         found = []
@@ -253,14 +241,14 @@ class _Reading:
         labels = {iri: _Getter(properties)(v.LABEL) for iri, properties in self.individuals.items()}
         found: defaultdict[tuple[str, str], set[str]] = defaultdict(set)
         for name, predicate in _CLASSES.items():
-            for node, concept in self._rows(f"SELECT ?n ?c {{ GRAPH ?g {{ ?n {predicate} ?c }} }}"):
+            for node, concept in rows(self.snapshot, f"SELECT ?n ?c {{ GRAPH ?g {{ ?n {predicate} ?c }} }}"):
                 found[node, name].add(labels.get(concept) or concept.rpartition("#")[2])
         return defaultdict(tuple, {key: tuple(sorted(names)) for key, names in found.items()})
 
     def _feeds(self) -> tuple[dict[str, tuple[str, ...]], dict[str, tuple[str, ...]]]:
         feeds: defaultdict[str, set[str]] = defaultdict(set)
         fed: defaultdict[str, set[str]] = defaultdict(set)
-        for one, other in self._rows("SELECT ?a ?b { GRAPH ?g { ?a rnkg:feeds ?b } }"):
+        for one, other in rows(self.snapshot, "SELECT ?a ?b { GRAPH ?g { ?a rnkg:feeds ?b } }"):
             feeds[one].add(_short(other))
             fed[other].add(_short(one))
         return (
@@ -313,7 +301,7 @@ def _grouped(rows: Iterable[tuple[str, ...]]) -> dict[str, Mapping[str, list[str
 def _part(node: str, part: str) -> tuple[str, str | None]:
     """Return the kind and the name that stand in the IRI of a part of a node (`kg.graph.iris.fragment`)."""
     kind, _, name = part[len(node) + 1 :].partition("/")
-    name = unquote(name.partition("@")[0]) if not name.startswith(_UNRESOLVED) else ""
+    name = unquote(name.partition("@")[0]) if not name.startswith(UNKNOWN) else ""
     return kind, name or None
 
 

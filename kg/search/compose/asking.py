@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import UnknownNameError
-from kg.graph import vocabulary as v
 from kg.graph.ntriples import literal
+from kg.query.rows import rows
 from kg.query.similar import did_you_mean
 from kg.search.words import words
 
@@ -145,6 +145,5 @@ def _names(part: Part) -> set[str | None]:
 
 def _described(network: Network, snapshot: Snapshot, name: str) -> set[int]:
     """Return the parts in whose descriptions a word stands."""
-    rows = snapshot.query(_DESCRIBED % literal(name.lower()), prefixes={"rnkg": v.RNKG}, union=False)
-    found = {row["n"].value for row in rows}  # type: ignore[union-attr]  # a SELECT
+    found = {node for (node,) in rows(snapshot, _DESCRIBED % literal(name.lower()))}
     return {place for place, part in enumerate(network.parts) if part.iri in found}

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.facts import Location
 from kg.graph import vocabulary as v
+from kg.query.rows import rows
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Details", "Unset", "read_details"]
 
-_PREFIXES: Final = {"rnkg": v.RNKG}
 _QUERY: Final = """
 SELECT ?n ?s ?p ?o {
   { VALUES ?s { %s } GRAPH ?g { ?s ?p ?o } }
@@ -57,9 +57,8 @@ def read_details(snapshot: Snapshot, parts: Iterable[Part], ports: Iterable[Port
     ends = {port.iri for port in ports}
     values = (" ".join(f"<{iri}>" for iri in sorted(chosen)) for chosen in (ends | set(cycles), nodes))
     found: defaultdict[tuple[str, str], defaultdict[str, set[str]]] = defaultdict(lambda: defaultdict(set))
-    for row in snapshot.query(_QUERY % tuple(values), prefixes=_PREFIXES, union=False):  # type: ignore[union-attr]  # a SELECT
-        node, subject, predicate, value = (term.value if term is not None else "" for term in row)
-        found[node, subject][predicate].add(value)
+    for node, subject, predicate, value in rows(snapshot, _QUERY % tuple(values)):
+        found[node or "", subject][predicate].add(value)
     places = {
         subject: Location(_one(known, v.PATH) or "", int(_one(known, v.LINE) or 0), _one(known, v.IN_REPOSITORY))
         for (node, subject), known in found.items()

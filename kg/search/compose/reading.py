@@ -5,13 +5,15 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from contextlib import suppress
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 from urllib.parse import unquote
 
 import msgspec
 
 from kg.graph import vocabulary as v
+from kg.graph.iris import UNKNOWN, is_source_graph
 from kg.names import FRAMEWORK
+from kg.query.rows import rows
 from kg.search.compose.network import Network, Part, Port
 from kg.search.kept import keep, kept
 
@@ -23,8 +25,6 @@ if TYPE_CHECKING:
 
 __all__ = ["network", "read"]
 
-_PREFIXES: Final = {"ros": v.ROS, "rnkg": v.RNKG}
-_SOURCES: Final = "/graph/source/"
 _NODES: Final = """
 ?n ?kind ?ros ?path ?line ?x ?plugin ?own {
   ?n a rnkg:NodeType ; rnkg:kind ?kind ; rnkg:rosVersion ?ros ; rnkg:path ?path ; rnkg:line ?line
@@ -39,7 +39,6 @@ _WORD: Final = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+|[^\W_]")
 _FORMS: Final = frozenset({"node", "nodes", "nodelet", "component", "main", "ros", "exe"})
 _LOADED: Final = {"nodelet": "", "component": ""}
 _ROLES: Final = ("publisher", "subscriber")
-_UNRESOLVED: Final = "@unresolved"
 _FOLDER: Final = "compose"
 
 
@@ -59,14 +58,14 @@ def network(snapshot: Snapshot, cache: Path | None) -> Network:
 
 def read(snapshot: Snapshot) -> Network:
     """Return the network of a snapshot: nodes that launch files can start, and that publish or subscribe something."""
-    rows = _Rows(snapshot)
+    sources = _Sources(snapshot)
     more: defaultdict[str, defaultdict[str, set[str]]] = defaultdict(lambda: defaultdict(set))
-    for subject, predicate, value in rows.of_sources(_MORE):
+    for subject, predicate, value in sources.rows(_MORE):
         more[subject][predicate].add(value)
-    ports = _ports(rows.of_sources(_ENDS), more)
-    launches = _numbered(rows.of(_STARTED))
+    ports = _ports(sources.rows(_ENDS), more)
+    launches = _numbered(rows(snapshot, _STARTED))
     found: dict[str, Part] = {}
-    for iri, kind, ros, path, line, executable, plugin, own in rows.of_sources(_NODES):
+    for iri, kind, ros, path, line, executable, plugin, own in sources.rows(_NODES):
         startable = executable or (plugin and kind.removeprefix(v.RNKG) in _LOADED)
         if iri in found or iri not in ports or not startable:
             continue
@@ -81,22 +80,17 @@ def read(snapshot: Snapshot) -> Network:
     return Network(_with_families(parts))
 
 
-class _Rows:
-    """The rows of queries as texts, empty for what is not bound."""
+class _Sources:
+    """The rows of queries over the graphs of sources."""
 
     def __init__(self, snapshot: Snapshot) -> None:
         self.snapshot = snapshot
-        self.sources = " ".join(str(graph) for graph in snapshot.graphs() if _SOURCES in graph.value)
+        self.graphs = " ".join(str(graph) for graph in snapshot.graphs() if is_source_graph(graph.value))
 
-    def of(self, text: str) -> Iterator[tuple[str, ...]]:
-        """Yield the rows of a query over named graphs."""
-        for row in self.snapshot.query(text, prefixes=_PREFIXES, union=False):  # type: ignore[union-attr]  # a SELECT
-            yield tuple(term.value if term is not None else "" for term in row)
-
-    def of_sources(self, body: str) -> Iterator[tuple[str, ...]]:
+    def rows(self, body: str) -> Iterator[Any]:
         """Yield the rows of `variables { pattern }` over the graph of each source."""
         variables, _, pattern = body.partition("{")
-        yield from self.of(f"SELECT {variables} {{ VALUES ?g {{ {self.sources} }} GRAPH ?g {{ {pattern} }}")
+        yield from rows(self.snapshot, f"SELECT {variables} {{ VALUES ?g {{ {self.graphs} }} GRAPH ?g {{ {pattern} }}")
 
 
 def _numbered(rows: Iterable[tuple[str, ...]]) -> dict[str, tuple[int, ...]]:
@@ -145,7 +139,7 @@ def _split(iri: str) -> tuple[str, str, str | None]:
             return whole, part.partition("/")[0], None
         again, part = f"#{part[:at]}", part[at + 1 :]
     role, _, name = part.partition("/")
-    known = None if name.startswith(_UNRESOLVED) else unquote(name.partition("@")[0])
+    known = None if name.startswith(UNKNOWN) else unquote(name.partition("@")[0])
     return whole + again, role, known or None
 
 
