@@ -191,6 +191,10 @@ class Settings:
             _pipeline, "PIPELINE", "Name or path of the spaCy pipeline that tags descriptions; by default kg's own."
         ),
     )
+    search_model: Path | None = field(
+        default=None,
+        metadata=_about(_path, "FOLDER", "Folder of a model of sentence embeddings, for searches by meaning too."),
+    )
     timeout: float = field(
         default=60.0,
         metadata=_about(_seconds, "SECONDS", "How long a query may run; 0 is without end."),

@@ -1,7 +1,8 @@
 """Answers needs of developers by a store, writes the ranked nodes for a scorer, and measures what that takes.
 
     python benchmarks/search --store FOLDER --queries QUERIES.jsonl --ranked RANKED.jsonl [--limit 10] [--half odd|even]
-    python benchmarks/search --store FOLDER --needs benchmarks/search/needs.jsonl
+                             [--model FOLDER]
+    python benchmarks/search --store FOLDER --needs benchmarks/search/needs.jsonl [--model FOLDER]
     python benchmarks/search --store FOLDER --times [--nodes 5000]
 
 The first writes one object a query: {"id": ..., "nodes": [{"repository", "package", "node"}, ...]}, in rank order; each
@@ -57,20 +58,21 @@ def main() -> None:
     parser.add_argument("--limit", type=int, default=10, help="how many nodes a query gets")
     parser.add_argument("--half", choices=("even", "odd"), help="only the queries at even or odd places")
     parser.add_argument("--needs", type=Path, help="JSON Lines with `query` and the `nodes` that do")
+    parser.add_argument("--model", type=Path, help="a model of sentence embeddings, to weigh meaning too")
     parser.add_argument("--times", action="store_true", help="measure")
     parser.add_argument("--nodes", type=int, default=5000, help="how many nodes the measured index has")
     options = parser.parse_args()
     if options.times:
         measure(options.store, options.nodes)
     elif options.needs:
-        check(options.store, options.needs)
+        check(options.store, options.needs, options.model)
     else:
         rank(options)
 
 
 def rank(options: argparse.Namespace) -> None:
     """Write the ranked nodes of each query."""
-    search = open_search(opening.existing(settings.load({"store": options.store})))
+    search = open_search(opening.existing(settings.load({"store": options.store})), model=options.model)
     queries = [json.loads(line) for line in options.queries.read_text("utf-8").splitlines()]
     chosen = queries if options.half is None else queries[options.half == "odd" :: 2]
     with options.ranked.open("w", encoding="utf-8") as file:
@@ -80,9 +82,9 @@ def rank(options: argparse.Namespace) -> None:
             file.write(json.dumps({"id": query["id"], "nodes": nodes}) + "\n")
 
 
-def check(store: str, needs: Path) -> None:
+def check(store: str, needs: Path, model: Path | None) -> None:
     """Print for how many needs the first node, or one of the first five, is one that does."""
-    search = open_search(opening.existing(settings.load({"store": store})))
+    search = open_search(opening.existing(settings.load({"store": store})), model=model)
     ranks = []
     for need in map(json.loads, needs.read_text("utf-8").splitlines()):
         hits = search.find(need["query"], limit=TEN).hits

@@ -20,6 +20,7 @@ __all__ = [
     "PackageName",
     "Queries",
     "Rules",
+    "SearchModel",
     "Store",
     "Timeout",
     "from_setting",
@@ -44,6 +45,7 @@ Base = Annotated[str | None, from_setting("base")]
 Jobs = Annotated[str | None, from_setting("jobs", "-j")]
 MaxFileBytes = Annotated[str | None, from_setting("max_file_bytes")]
 NlpModel = Annotated[str | None, from_setting("nlp_model")]
+SearchModel = Annotated[str | None, from_setting("search_model", "--model")]
 Timeout = Annotated[str | None, from_setting("timeout")]
 Limit = Annotated[str | None, from_setting("limit", "-n")]
 Format = Annotated[str | None, from_setting("format")]

@@ -27,7 +27,7 @@ CODES: Final = {
     "KG724": CodeEntry(
         "library of a comparison missing",
         "A way to rank nodes that the search is compared with needs a library that is not installed.",
-        "Install it as the message says: `pip install 'kg-ros[evaluate]'` brings most of them.",
+        "Install it as the message says: `pip install 'kg-ros[evaluate]'` brings them.",
     ),
     "KG725": CodeEntry(
         "needs cannot be read",

@@ -24,4 +24,9 @@ CODES: Final = {
         "No node of the store is under the licence, in the package, of the kind or for the version of ROS named.",
         "Use one of the values named, or leave the filter out.",
     ),
+    "KG704": CodeEntry(
+        "model of sentence embeddings",
+        "The model that searches by meaning is no folder with a model, cannot be loaded, or its library is not there.",
+        "Name a folder that holds a model, install `kg-ros[semantic]`, or search without a model.",
+    ),
 }

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from kg.errors import UsageError
 from kg.evaluate.matching import Patterns
+from kg.search.encoding import FolderModel
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -37,12 +38,12 @@ class Ranker(Protocol):
         ...
 
 
-def library(name: str, package: str, extra: str | None = _EXTRA) -> Any:
+def library(name: str, package: str) -> Any:
     """Return a library that not every installation has; UsageError KG724 with how to get it."""
     try:
         return import_module(name)
     except ImportError:
-        hint = f"pip install 'kg-ros[{extra}]'" if extra else f"pip install {package}"
+        hint = f"pip install 'kg-ros[{_EXTRA}]'"
         raise UsageError("KG724", f"{package} is not installed, which this comparison needs", hint=hint) from None
 
 
@@ -111,18 +112,15 @@ class Subgraphs:
 
 
 class Embeddings:
-    """Cosine of sentence embeddings by a model in a folder; sentence-transformers loads it."""
+    """Cosine of sentence embeddings by a model in a folder (`kg.search.encoding`)."""
 
     name = "sentence embeddings"
 
     def __init__(self, index: Index, model: Path) -> None:
-        transformers = library("sentence_transformers", "sentence-transformers", None)
-        if not model.is_dir():
-            raise UsageError("KG003", f"there is no model at {model}", hint="Name the folder of a model.")
-        self._model = transformers.SentenceTransformer(str(model))
-        self._vectors = self._model.encode(_texts(index), normalize_embeddings=True)
+        self._model = FolderModel(model)
+        self._vectors = self._model.encode(_texts(index))
 
     def scores(self, need: Need) -> Sequence[float]:
         """Return the cosines."""
-        query = self._model.encode([need.query], normalize_embeddings=True)[0]
+        query = self._model.encode([need.query])[0]
         return [float(one) for one in self._vectors @ query]

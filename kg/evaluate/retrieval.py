@@ -38,7 +38,7 @@ def retrieval(search: Search, needs: Sequence[Need], model: Path | None = None) 
     by the mean of the other way.
 
     Raises:
-        UsageError: KG724 when a library of the extra `evaluate` is missing.
+        UsageError: KG724 when a library of the extra `evaluate` is missing, KG704 for a model that cannot be used.
     """
     rankers: list[Ranker] = [TfIdf(search.index), FuzzyNames(search.index), Subgraphs(search.index)]
     if model is not None:

@@ -24,7 +24,8 @@ class Lexicon:
 
     `stop_words` tell nothing; `compounds` has the words of a word written as one; `families` the word that stands for
     another; `synonyms` are groups of phrases; `types` the last parts of message types by phrase; `directions` the
-    phrases before them; `surroundings` the phrases that begin what is told beside the point.
+    phrases before them; `surroundings` the phrases that begin what is told beside the point; `meaning` the numbers that
+    likeness in meaning is weighed by.
     """
 
     stop_words: frozenset[str]
@@ -34,6 +35,7 @@ class Lexicon:
     types: Mapping[str, tuple[str, ...]]
     directions: Mapping[str, tuple[str, ...]]
     surroundings: Mapping[str, tuple[str, ...]]
+    meaning: Mapping[str, float]
 
 
 @lru_cache(maxsize=1)
@@ -48,4 +50,5 @@ def lexicon() -> Lexicon:
         {phrase: tuple(types) for phrase, types in content["types"].items()},
         {direction: tuple(phrases) for direction, phrases in content["directions"].items()},
         {part: tuple(phrases) for part, phrases in content["surroundings"].items()},
+        {name: float(value) for name, value in content["meaning"].items()},
     )

@@ -1,11 +1,11 @@
 """The worth of each node for a need: a weighted sum, whose parts are the reasons that hits give.
 
-    worth = (text + name + wishes) * prior
+    worth = (text + name + wishes + meaning) * prior
 
 `text` sums BM25 over the wordings of the need, each by the best of its alternatives. `name` is how much of the node's
 name was asked for: of two nodes with a voxel grid the one that has nothing else in its name. A wish adds its weight
-times its rarity to the nodes that have it. The prior marks down what is rarely meant: tests, examples, what is
-deprecated.
+times its rarity to the nodes that have it. `meaning` is there with a model of sentence embeddings only. The prior marks
+down what is rarely meant: tests, examples, what is deprecated.
 """
 
 from __future__ import annotations
@@ -15,13 +15,14 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from kg.search.lexicon import lexicon
 from kg.search.marking import MARKED_DOWN
 
 if TYPE_CHECKING:
     from kg.search.index import Columns, Floats, Index
     from kg.search.needs import Alternative, Need, Wish, Wording
 
-__all__ = ["WEIGHTS", "gain", "prior", "scores", "wish_rows", "wording_scores"]
+__all__ = ["WEIGHTS", "gain", "meant", "prior", "scores", "wish_rows", "wording_scores"]
 
 WEIGHTS: Final = {
     "subscribes": 0.5,
@@ -50,9 +51,14 @@ _UNTOLD: Final = 0.9
 """What a node is worth that nobody wrote a sentence about."""
 
 
-def scores(index: Index, need: Need) -> Floats:
-    """Return the worth of each node, zero for those that a strict wish leaves out."""
+def scores(index: Index, need: Need, likeness: Floats | None = None) -> Floats:
+    """Return the worth of each node, zero for those that a strict wish leaves out.
+
+    `likeness` has the cosine of the need to each node (`kg.search.meaning`); without it meaning counts nothing.
+    """
     total = _text(index, need) + _NAMED * _named(index, need) + _wished(index, need)
+    if likeness is not None:
+        total += meant(likeness)
     asked = {term for wording in need.wordings for one in wording.alternatives for term in one.terms}
     total *= prior(index, frozenset(asked))
     strict = [wish for wish in need.wishes if wish.strict]
@@ -63,6 +69,14 @@ def scores(index: Index, need: Need) -> Floats:
         kept[wish_rows(index, wish)] += 1
     # What fulfils the filters is a hit, whatever else the words say.
     return np.where(kept == len(strict), total + 1, 0).astype(np.float32)
+
+
+def meant(likeness: Floats) -> Floats:
+    """Return what its likeness in meaning adds to the worth of each node (`[meaning]` of `ontology/search.toml`)."""
+    weights = lexicon().meaning
+    least = weights["least"]
+    found: Floats = np.maximum(0, likeness - np.float32(least)) * np.float32(weights["weight"] / (1 - least))
+    return found
 
 
 def _text(index: Index, need: Need) -> Floats:

@@ -12,19 +12,23 @@ from kg.search import cache
 from kg.search.filters import wishes
 from kg.search.names import Names
 from kg.search.needs import Need, parse
-from kg.search.ranking import scores
+from kg.search.ranking import meant, scores
 from kg.search.reasons import Reason, reasons
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
+    from pathlib import Path
 
     from kg.search.documents import Document, PackageDocument
-    from kg.search.index import Index
+    from kg.search.encoding import Encoder
+    from kg.search.index import Floats, Index
+    from kg.search.meaning import Meaning
     from kg.store.embedded import EmbeddedStore
 
 __all__ = ["Answer", "Hit", "Search", "hit_object", "open_search"]
 
 _REASONS = 5
+_ALIKE = "is like it in meaning"
 _DIGITS = 4
 """Scores are compared to so many decimals, so that sums of floats in another order change nothing."""
 
@@ -60,50 +64,57 @@ class Answer:
 class Search:
     """Searches over one index; a process that stays keeps it."""
 
-    def __init__(self, index: Index) -> None:
-        self.index = index
+    def __init__(self, index: Index, meaning: Meaning | None = None) -> None:
+        self.index, self.meaning = index, meaning
         self.names = Names(index.features.names, index.concepts)
 
     def find(self, text: str, filters: Mapping[str, Sequence[str]] | None = None, limit: int = 10) -> Answer:
         """Return the best hits for a need in words, of which filters leave out some (`kg.search.filters`).
 
         Raises:
-            UsageError: KG701, KG702, KG703 for the name in a filter that no node has.
+            UsageError: KG701, KG702, KG703 for the name in a filter that no node has, KG704 for a model that fails.
         """
         given = wishes(filters or {}, self.names)
         need = parse(text, self.names)
         need = Need(need.text, need.wordings, (*given, *need.wishes))
-        worth = np.round(scores(self.index, need), _DIGITS)
+        likeness = self.meaning.likeness(text) if self.meaning is not None and text.strip() else None
+        worth = np.round(scores(self.index, need, likeness), _DIGITS)
         places = np.flatnonzero(worth > 0)
         places = places[np.lexsort((self.index.order[places], -worth[places]))]
         groups: dict[int, list[int]] = {}
         for place in places.tolist():
             groups.setdefault(int(self.index.group[place]), []).append(place)
         chosen = list(groups.values())[:limit]
-        hits = (self._hit(rank, members, worth, need) for rank, members in enumerate(chosen, 1))
+        hits = (self._hit(rank, members, worth, need, likeness) for rank, members in enumerate(chosen, 1))
         return Answer(need, tuple(hits), len(groups))
 
-    def _hit(self, rank: int, members: Sequence[int], worth: Any, need: Need) -> Hit:
+    def _hit(self, rank: int, members: Sequence[int], worth: Any, need: Need, likeness: Floats | None) -> Hit:
         place, *others = members
         node = self.index.nodes[place]
+        why = reasons(self.index, need, place, _REASONS)
+        if likeness is not None and (added := float(meant(likeness[place]))):
+            why = tuple(sorted((*why, Reason(_ALIKE, added)), key=lambda one: -one.weight))[:_REASONS]
         return Hit(
             rank,
             float(worth[place]),
             node,
             self.index.packages[node.package],
-            reasons(self.index, need, place, _REASONS),
+            why,
             tuple((self.index.packages[other.package], other) for other in map(self.index.nodes.__getitem__, others)),
         )
 
 
-def open_search(store: EmbeddedStore, indexing: Callable[[], None] | None = None) -> Search:
+def open_search(store: EmbeddedStore, indexing: Callable[[], None] | None = None, model: Path | None = None) -> Search:
     """Return the search over the generation in force; its index is read from the store's cache, or built and put there.
 
-    `indexing` is called before it is built, which takes seconds in a large store.
+    `indexing` is called before it is built, which takes seconds in a large store. `model` is the folder of a model of
+    sentence embeddings, for a search that weighs meaning too.
 
     Raises:
         StoreError: KG301 for a store without data, KG303 for a damaged one.
+        UsageError: KG704 for a folder without a model.
     """
+    encoder = None if model is None else _encoder(model)
     generation = store.layout.current()
     index = None if generation is None else cache.load(store.layout.cache, str(generation))
     if index is None:
@@ -117,7 +128,17 @@ def open_search(store: EmbeddedStore, indexing: Callable[[], None] | None = None
             # An index that cannot be kept is built again the next time, in a store that one may only read.
             with suppress(OSError):
                 cache.save(store.layout.cache, snapshot.identity, index)
-    return Search(index)
+    if encoder is None:
+        return Search(index)
+    from kg.search.meaning import Meaning  # noqa: PLC0415 - only with a model
+
+    return Search(index, Meaning(store.layout.cache, index, encoder))
+
+
+def _encoder(model: Path) -> Encoder:
+    from kg.search.encoding import FolderModel  # noqa: PLC0415 - only with a model
+
+    return FolderModel(model)
 
 
 def hit_object(hit: Hit) -> dict[str, Any]:

@@ -129,10 +129,10 @@ def test_embeddings_of_a_model(field: Field, tmp_path: Path, monkeypatch: pytest
     class Letters:
         """A model that counts letters."""
 
-        def __init__(self, _: str) -> None:
-            pass
+        def __init__(self, _: str, *, local_files_only: bool) -> None:
+            assert local_files_only
 
-        def encode(self, texts: list[str], *, normalize_embeddings: bool) -> Any:
+        def encode(self, texts: list[str], *, normalize_embeddings: bool, **_: object) -> Any:
             """Return the shares of letters."""
             assert normalize_embeddings
             found = np.array([[text.count(letter) for letter in "abcdefghijklmnopqrstuvwxyz"] for text in texts])
@@ -140,6 +140,7 @@ def test_embeddings_of_a_model(field: Field, tmp_path: Path, monkeypatch: pytest
 
     module.SentenceTransformer = Letters  # type: ignore[attr-defined]  # a module made here
     monkeypatch.setitem(sys.modules, "sentence_transformers", module)
+    (tmp_path / "modules.json").write_text("[]")
     search = open_search(field.store)
     needs = read_needs(CASES / "needs.jsonl")
     scores = rankers.Embeddings(search.index, tmp_path).scores(needs[0])

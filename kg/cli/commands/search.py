@@ -8,7 +8,7 @@ import typer
 from kg.cli.completion import features
 from kg.cli.diagnostics import note
 from kg.cli.numbers import whole
-from kg.cli.options import Json, PackageName, Store
+from kg.cli.options import Json, PackageName, SearchModel, Store
 from kg.cli.output import Column, listing, terminal
 from kg.cli.search_view import row, show_hits, understood
 from kg.cli.session import session
@@ -81,6 +81,7 @@ def search(  # noqa: PLR0913 - the options of a command
     license_: License = None,
     kind: Kind = None,
     package: PackageName = None,
+    model: SearchModel = None,
     limit: Most = "10",
     json: Json = False,
     store: Store = None,
@@ -116,7 +117,10 @@ def search(  # noqa: PLR0913 - the options of a command
         hint = 'For example `kg search "merge two laser scans"`, or `kg search --publishes LaserScan`.'
         raise UsageError("KG003", "there is nothing to search for", hint=hint)
     most = whole(limit, "--limit", 1)
-    found = open_search(existing(session(context).settings(store=store)), _indexing)
+    settings = session(context).settings(store=store, search_model=model)
+    found = open_search(existing(settings), _indexing, settings.search_model)
+    if words:
+        _embedding(found)
     answer = found.find(words, filters, most)
     if words:
         understood(answer.need)
@@ -134,6 +138,11 @@ def search(  # noqa: PLR0913 - the options of a command
 def _indexing() -> None:
     if sys.stderr.isatty():
         note("indexing the store; this is done once after each change")
+
+
+def _embedding(found: "Search") -> None:
+    if found.meaning is not None and sys.stderr.isatty() and (new := found.meaning.unknown()):
+        note(f"embedding {count(new, 'text')}; this is done once for each text and model, and may take minutes")
 
 
 def _near(words: str, found: "Search") -> str | None:

@@ -1,0 +1,110 @@
+"""Models of sentence embeddings: folders that sentence-transformers loads, never names that it would download.
+
+The library is that of the extra `semantic`; it takes seconds to load, and is loaded by the first text.
+"""
+
+from __future__ import annotations
+
+import os
+from hashlib import blake2b
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Final, Protocol
+
+import numpy as np
+
+from kg.errors import UsageError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from kg.search.index import Floats
+
+__all__ = ["Encoder", "FolderModel"]
+
+_MARKS: Final = ("modules.json", "config.json")
+"""Files of which a folder with a model has one: that of sentence-transformers, or that of a bare transformer."""
+_SWITCHES: Final = {
+    "HF_HUB_OFFLINE": "1",
+    "TRANSFORMERS_OFFLINE": "1",
+    "HF_HUB_DISABLE_PROGRESS_BARS": "1",
+    "TOKENIZERS_PARALLELISM": "false",
+    "TRANSFORMERS_VERBOSITY": "error",
+}
+_BATCH: Final = 32
+_LONGEST_CAUSE: Final = 200
+
+
+class Encoder(Protocol):
+    """What gives texts of like meaning vectors of like direction; `identity` tells it from any other."""
+
+    identity: str
+
+    def encode(self, texts: Sequence[str]) -> Floats:
+        """Return a vector of length 1 for each text, as the rows of an array."""
+        ...
+
+
+class FolderModel:
+    """A model in a folder.
+
+    Raises:
+        UsageError: KG704 when there is no such folder, or no model in it.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        if not folder.is_dir():
+            hint = "Name a folder that holds a model; kg downloads none."
+            raise UsageError("KG704", f"there is no model at {folder}, which is no folder", hint=hint)
+        if not any((folder / name).is_file() for name in _MARKS):
+            hint = f"A folder saved by sentence-transformers holds {_MARKS[0]}, one of transformers {_MARKS[1]}."
+            raise UsageError("KG704", f"the folder {folder} holds no model", hint=hint)
+        self._folder = folder
+        self._model: Any = None
+        self.identity = _identity(folder)
+
+    def encode(self, texts: Sequence[str]) -> Floats:
+        """Return a vector of length 1 for each text.
+
+        Raises:
+            UsageError: KG704 when the library is not installed, or cannot load or run the model.
+        """
+        try:
+            if self._model is None:
+                self._model = _loaded(self._folder)
+            found = self._model.encode(
+                list(texts), batch_size=_BATCH, normalize_embeddings=True, show_progress_bar=False
+            )
+        except UsageError:
+            raise
+        except Exception as problem:  # what damaged files make the library raise is not declared
+            cause = f"{type(problem).__name__}: {' '.join(str(problem).split())[:_LONGEST_CAUSE]}"
+            raise self._broken(cause) from problem
+        vectors = np.asarray(found, np.float32)
+        if vectors.shape[:1] != (len(texts),) or not np.isfinite(vectors).all():
+            raise self._broken("it gives no vectors, or some that are no numbers")
+        return vectors
+
+    def _broken(self, cause: str) -> UsageError:
+        hint = "Copy or download the folder of the model anew, or leave the model out."
+        return UsageError("KG704", f"the model in {self._folder} cannot be used: {cause}", hint=hint)
+
+
+def _loaded(folder: Path) -> Any:
+    # The libraries read these once, when they are imported.
+    os.environ.update(_SWITCHES)
+    try:
+        library = import_module("sentence_transformers")
+    except ImportError:
+        message = "a search by meaning needs sentence-transformers, which is not installed"
+        raise UsageError("KG704", message, hint="pip install 'kg-ros[semantic]'") from None
+    return library.SentenceTransformer(str(folder), local_files_only=True)
+
+
+def _identity(folder: Path) -> str:
+    """Return what changes when a file of the model does: a digest of their names, sizes and times."""
+    digest = blake2b(digest_size=12)
+    for path in sorted(path for path in folder.rglob("*") if path.is_file()):
+        state = path.stat()
+        digest.update(f"{path.relative_to(folder)}\0{state.st_size}\0{state.st_mtime_ns}\n".encode(errors="replace"))
+    return digest.hexdigest()
