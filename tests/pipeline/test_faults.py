@@ -22,7 +22,7 @@ from pathlib import Path
 from kg.pipeline import build as module
 from kg.settings import load
 from kg.store.embedded import EmbeddedStore
-module.version = lambda base, limit: sys.argv[3]
+module.version = lambda *_: sys.argv[3]
 store = EmbeddedStore.create(Path(sys.argv[1]))
 print("ready", flush=True)
 module.build([sys.argv[2]], store, load({"jobs": 2}, environment={}))
@@ -72,7 +72,7 @@ def built(bench: Bench) -> Bench:
 def test_kill_at_any_moment(built: Bench) -> None:
     """After kill -9 at a dozen moments the store is as before or as after, opens, and can be written."""
     began = time.perf_counter()
-    _start(built, "whole").wait()
+    assert _start(built, "whole").wait() == 0
     whole = time.perf_counter() - began
     before = built.content()
     generator = random.Random(7)  # noqa: S311 - moments, not secrets
