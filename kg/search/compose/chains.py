@@ -144,7 +144,7 @@ class Search:
         """Return a path with one more step, None where it may not follow."""
         if any(one.family == step.family for one in path.steps):
             return None
-        marks = path.marks | step.marks
+        marks = path.marks | (step.marks & self.wanted)
         had = {path.steps[0].source if path.steps else path.type, *(one.target for one in path.steps), *self.starts}
         keeps = step.kept and step.source == step.target
         if step.target in had and not keeps and not self._ends(step, marks):
