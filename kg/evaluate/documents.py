@@ -11,7 +11,17 @@ from typing import TYPE_CHECKING, Final
 
 from kg.errors import Place, UsageError
 from kg.evaluate.readme_tables import readme_nodes
-from kg.evaluate.references import PARAMETERS, ROLES, Entry, Reference, plain_name, plain_type, short_name, text_of
+from kg.evaluate.references import (
+    PARAMETERS,
+    ROLES,
+    Entry,
+    Reference,
+    owner_and_name,
+    plain_name,
+    plain_type,
+    short_name,
+    text_of,
+)
 from kg.extract.texts.wiki import is_wiki, wiki_nodes
 from kg.graph.source_states import sources
 from kg.query.core import run
@@ -108,7 +118,7 @@ def _reference(node: WikiNode, path: Path, spot: Spot, *, closed: bool) -> Refer
         if one.kind in ROLES
     )
     return Reference(
-        repository="/".join(spot.repository.split("/")[-2:]).lower(),
+        repository=owner_and_name(spot.repository),
         commit=spot.commit,
         package=spot.package,
         names=frozenset({short_name(node.name)} if node.name else ()),

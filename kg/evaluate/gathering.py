@@ -49,7 +49,7 @@ def gather(snapshot: Snapshot, paths: Iterable[Path], choice: Choice) -> tuple[G
         UsageError: KG721 for what cannot be read, KG723 for a page whose package is not known.
     """
     packages = Packages(snapshot)
-    commits = {"/".join(name.split("/")[-2:]).lower(): commit for name, commit in packages.commits.items()}
+    commits = {references.owner_and_name(name): commit for name, commit in packages.commits.items()}
     return tuple(_chosen(path, _read(path, packages, choice), commits, choice) for path in paths)
 
 

@@ -7,9 +7,9 @@ import random
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
-__all__ = ["Z95", "bootstrap", "wilson"]
+__all__ = ["Z95", "bootstrap", "bounds", "wilson"]
 
 Z95: Final = 1.959963984540054
 """The quantile of the normal distribution that bounds 95 % on both sides."""
@@ -34,5 +34,11 @@ def bootstrap(values: Sequence[float], *, rounds: int = 2000, seed: int = 0) -> 
     if not values:
         return 0.0, 0.0
     chance = random.Random(seed)  # noqa: S311 - no secret
-    means = sorted(sum(chance.choices(values, k=len(values))) / len(values) for _ in range(rounds))
-    return means[int(0.025 * rounds)], means[min(rounds - 1, int(0.975 * rounds))]
+    return bounds(sum(chance.choices(values, k=len(values))) / len(values) for _ in range(rounds))
+
+
+def bounds(drawn: Iterable[float]) -> tuple[float, float]:
+    """Return the values that bound the middle 95 % of what was drawn, at least one value."""
+    ordered = sorted(drawn)
+    number = len(ordered)
+    return ordered[int(0.025 * number)], ordered[min(number - 1, int(0.975 * number))]

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 import msgspec
 
 from kg.errors import Place, UsageError
-from kg.evaluate.references import short_name
+from kg.evaluate.references import owner_and_name, short_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -113,9 +113,5 @@ def _grades(need: Need, ranked: Sequence[Ranked]) -> Iterator[int]:
 
 def _same(judged: Judged, ranked: Ranked) -> bool:
     names = {short_name(judged.node), *map(short_name, judged.aliases or ())}
-    same_package = judged.package == ranked.package and _owner(judged.repo) == _owner(ranked.repository)
+    same_package = judged.package == ranked.package and owner_and_name(judged.repo) == owner_and_name(ranked.repository)
     return same_package and short_name(ranked.node) in names
-
-
-def _owner(repository: str) -> str:
-    return "/".join(repository.rstrip("/").split("/")[-2:]).lower()

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import Literal, NamedNode, Quad, RdfFormat, Store
 
-from kg.evaluate.references import PARAMETERS, plain_name, short_name
+from kg.evaluate.references import PARAMETERS, owner_and_name, plain_name, short_name
 from kg.graph import vocabulary as v
 from kg.graph.ntriples import Writer, integer
 from kg.query import stored
@@ -133,7 +133,7 @@ class _Names:
         self._nodes: dict[tuple[str, str], dict[str, set[str]]] = defaultdict(lambda: defaultdict(set))
         answer = run(snapshot, stored.internal("node-names"))
         for repository, package, package_iri, node, name in answer.rows if isinstance(answer, Solutions) else ():
-            owner = "/".join(_value(repository).split("/")[-2:]).lower()
+            owner = owner_and_name(_value(repository))
             key = owner, _value(package)
             self.repositories[owner] = _value(repository)
             self._packages[key] = _value(package_iri)

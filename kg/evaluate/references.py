@@ -28,6 +28,7 @@ __all__ = [
     "Entry",
     "Reading",
     "Reference",
+    "owner_and_name",
     "plain_name",
     "plain_type",
     "read",
@@ -180,7 +181,7 @@ def _reference(record: _Record, place: Place, *, closed: bool) -> Reference:
     names += [*(record.node_aliases or ()), *(record.aliases or ())]
     complete = {_OTHER_KEYS.get(key, key) for key in record.closed_world or ()}
     return Reference(
-        repository=_owner_and_name(record.repo or record.repository or ""),
+        repository=owner_and_name(record.repo or record.repository or ""),
         commit=record.commit,
         package=record.package or "",
         names=frozenset(short_name(name) for name in names if name),
@@ -234,5 +235,6 @@ def short_name(name: str) -> str:
     return _NAME_SPLIT.split(name)[-1].removesuffix(".py").lower()
 
 
-def _owner_and_name(repository: str) -> str:
+def owner_and_name(repository: str) -> str:
+    """Return `owner/name` in lower case of a repository under any host or address."""
     return "/".join(repository.rstrip("/").removesuffix(".git").split("/")[-2:]).lower()

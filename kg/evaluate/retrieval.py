@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from kg.evaluate.intervals import bootstrap
+from kg.evaluate.intervals import bootstrap, bounds
 from kg.evaluate.judged_needs import Ranked, ndcg
 from kg.evaluate.paper import beside
 from kg.evaluate.rankers import Embeddings, FuzzyNames, Subgraphs, TfIdf
@@ -109,6 +109,5 @@ def _compared(ours: Sequence[float], theirs: Sequence[float]) -> tuple[Cell, Cel
     pairs = list(zip(differences, theirs, strict=True))
     drawn = (chance.choices(pairs, k=len(pairs)) for _ in range(_ROUNDS))
     sums = [(sum(one for one, _ in each), sum(other for _, other in each)) for each in drawn]
-    ratios = sorted(one / other for one, other in sums if other)
-    low, high = ratios[int(0.025 * len(ratios))], ratios[min(len(ratios) - 1, int(0.975 * len(ratios)))]
-    return difference, Score(_mean(differences) / _mean(theirs), (low, high), signed=True)
+    ratios = bounds(one / other for one, other in sums if other)
+    return difference, Score(_mean(differences) / _mean(theirs), ratios, signed=True)
