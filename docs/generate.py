@@ -16,11 +16,13 @@ from typing import TYPE_CHECKING, Final
 
 from transcripts import refreshed
 
+from kg.cli.man_page import roff as man_page
 from kg.cli.reference import markdown as commands_page
 from kg.errors import CATALOGUE, Exit
 from kg.query import stored
 from kg.rules.reading import OPTIONAL, discover
 from kg.settings import DECLARED
+from kg.shell.actions import key_table
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -43,6 +45,7 @@ _ROOMS: Final = {
     "5": "Queries",
     "6": "Graph and ontology",
     "7": "Search and evaluation",
+    "8": "Robots",
     "9": "Inside kg",
 }
 
@@ -161,14 +164,15 @@ _FAMILIES: Final = {
     "architecture": "What is wrong in the wiring of systems, as launch files start them: each finding has a code, "
     "KG401 to KG416, which `kg explain` explains, and `kg lint` shows them. What is no fault stands in "
     "ontology/architecture.ttl, and a file .srl of your own adds to it with `DATA { ... }`.",
-    "capability": "What robots can sense, do and know. Messages tell it, by ontology/capability.ttl: every type of "
-    "geometry_msgs, sensor_msgs, nav_msgs and std_msgs evokes a capability, or is listed there with the "
-    "reason why it evokes none.",
+    "capability": "What robots can sense, do and know. Messages, services and actions tell it, by "
+    "ontology/capability.ttl; where they do not, names of nodes and topics do, by ontology/capability-contexts.ttl. "
+    "docs/capabilities.md has the whole.",
     "communication": "Who talks to whom: direct relations of nodes (RNKG), communications (onto-ros), and whether "
     "types agree.",
     "copies": "Packages, repositories and definitions that several sources have.",
     "function": "What nodes are for, in seven categories, by the words and types of ontology/function.ttl.",
     "hardware": "Which devices nodes work with, by the words and types of ontology/hardware.ttl.",
+    "ontobot": "What the competency questions of OntoBOT ask for, in its terms, by ontology/ontobot-alignment.ttl.",
     "owl": "The entailments of OWL 2 RL that the ontologies in force use, named as in the profile. Before they run "
     "they are cut to the axioms that the store has: `prp-spo1` becomes one plain rule for each "
     "`rdfs:subPropertyOf`. So other rules may deny what they derive, and only what they can use is read. "
@@ -228,12 +232,21 @@ def rover_picture() -> str:
     return system_svg(system_graph(rover))
 
 
+def shell_page() -> str:
+    """Return docs/shell.md as it stands, with the keys that the shell has now."""
+    page = (_FOLDER / "shell.md").read_text("utf-8")
+    head, mark, _ = page.partition("<!-- keys: written by docs/generate.py from kg/shell/actions.py -->\n\n")
+    return head + mark + key_table()
+
+
 PAGES: Final[dict[str, Callable[[], str]]] = {
     "cli.md": commands_page,
+    "kg.1": man_page,
     "errors.md": errors_page,
     "queries.md": queries_page,
     "rules.md": rules_page,
     "settings.md": settings_page,
+    "shell.md": shell_page,
     "rover.svg": rover_picture,
 }
 """The pages that are made from the code, and what makes them."""

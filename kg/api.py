@@ -229,7 +229,8 @@ def sparql(
     answer says whether there were more.
 
     Raises:
-        QueryError: KG501 not SPARQL, KG502 refused, KG503 deadline, KG505 parameter.
+        QueryError: KG501 not SPARQL, KG502 refused, KG503 deadline, KG505 parameter, KG516
+            too deep.
         StoreError: KG301 when there is no store.
     """
     with open_store(store).read() as snapshot:

@@ -5,8 +5,10 @@ Every error that reaches a person carries a code, the place it is about and the 
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import Final
 
 from kg.codes import CATALOGUE, CodeEntry
 
@@ -18,12 +20,15 @@ __all__ = [
     "KgError",
     "Place",
     "QueryError",
+    "RobotError",
     "RuleError",
     "SourceError",
     "StoreError",
     "UnknownNameError",
     "UsageError",
 ]
+
+_NAME_OR_SIGN: Final = re.compile(r"[?$]?[\w:.-]+|\S")
 
 
 class Exit(IntEnum):
@@ -52,16 +57,31 @@ class Exit(IntEnum):
 class Place:
     """Where something is: a file with an optional line and column, both counted from one.
 
-    `excerpt` is the text of that line, for places that no file can be read for (a query typed by hand).
+    `excerpt` is the text of that line, for places that no file can be read for (a query typed by hand). `end_line` and
+    `end_column` are those behind the last character of what is wrong, where that is known.
     """
 
     path: str
     line: int | None = None
     column: int | None = None
     excerpt: str | None = None
+    end_line: int | None = None
+    end_column: int | None = None
 
     def __str__(self) -> str:
         return ":".join(str(part) for part in (self.path, self.line, self.column) if part is not None)
+
+    def span(self, line: str | None = None) -> tuple[int, int, int, int] | None:
+        """Return the line and the column of what is wrong, and those behind it; None for a place without a column.
+
+        Where its end is not known it is that of the name or sign there, in `line` or else in the excerpt.
+        """
+        if self.line is None or self.column is None:
+            return None
+        if self.end_line is not None and self.end_column is not None:
+            return self.line, self.column, self.end_line, self.end_column
+        found = _NAME_OR_SIGN.match(line or self.excerpt or "", self.column - 1)
+        return self.line, self.column, self.line, found.end() + 1 if found else self.column + 1
 
 
 class KgError(Exception):
@@ -122,6 +142,18 @@ class GraphError(KgError):
     """RDF that was given to `kg` (an ontology, an import) cannot be used."""
 
     exit_code = Exit.FOUND
+
+
+class RobotError(KgError):
+    """A running robot, or a program for one, does not do what it should; an address that is none is a wrong command."""
+
+    exit_code = Exit.FOUND
+
+    def __init__(self, code: str, message: str, *, place: Place | None = None, hint: str | None = None) -> None:
+        """Raise `LookupError` for a code that the catalogue does not have."""
+        super().__init__(code, message, place=place, hint=hint)
+        if code == "KG801":
+            self.exit_code = Exit.USAGE
 
 
 class RuleError(KgError):

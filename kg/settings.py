@@ -140,12 +140,22 @@ def _pipeline(value: object, base: Path) -> str:
     return str(_path(value, base)) if is_path else value.strip()
 
 
+def _file(value: object, base: Path) -> str:
+    return str(_path(value, base)) if value else ""
+
+
 def _iri(value: object, _base: Path) -> str:
     text = str(value)
     host = text.partition("://")[2].partition("/")[0]
     if not text.startswith(("http://", "https://")) or not host or any(sign in text for sign in ' <>"{}|\\^`#?'):
         raise _FormError("an IRI that starts with http:// or https:// and has no # or ?")
     return text if text.endswith("/") else text + "/"
+
+
+def _address(value: object, _base: Path) -> str:
+    if not isinstance(value, str) or any(sign.isspace() for sign in value.strip()):
+        raise _FormError("the address of a robot")
+    return value.strip()
 
 
 def _word(value: object, _base: Path) -> str:
@@ -241,16 +251,40 @@ class Settings:
             "those that ROS_PACKAGE_PATH and AMENT_PREFIX_PATH name.",
         ),
     )
+    robot: str = field(
+        default="",
+        metadata=_about(
+            _address,
+            "ADDRESS",
+            "The robot: ros1://HOST:PORT, dds://DOMAIN or zenoh://HOST:PORT; by default what ROS_MASTER_URI or "
+            "ROS_DOMAIN_ID names.",
+        ),
+    )
+    places: str = field(
+        default="",
+        metadata=_about(_file, "FILE", "Places that programs for robots call by their names (docs/programs.md)."),
+    )
     origins: Mapping[str, Origin] = field(default_factory=dict)
 
     def origin(self, name: str) -> Origin:
         """Return where the value of the setting `name` comes from."""
         return self.origins.get(name, _DEFAULT)
 
+    def chosen(self) -> dict[str, Any]:
+        """Return what somebody chose, the store apart, as flags that `load` in another process takes: plain values."""
+        named = {one.name: value for one, value, origin in self.values() if origin.kind != _DEFAULT.kind}
+        return {name: _plain(value) for name, value in named.items() if name != "store"}
+
     def values(self) -> Iterator[tuple[Declaration, Any, Origin]]:
         """Yield each setting with its value and origin, in the order of declaration."""
         for declaration in DECLARED.values():
             yield declaration, getattr(self, declaration.name), self.origin(declaration.name)
+
+
+def _plain(value: object) -> object:
+    if isinstance(value, tuple):
+        return [_plain(one) for one in value]
+    return value if isinstance(value, str | int | float) else str(value)
 
 
 def _declarations() -> Iterator[Declaration]:
@@ -346,10 +380,9 @@ def _from_file(file: Path) -> Iterator[tuple[Declaration, object, Origin, Path]]
             continue
         place = Place(str(file), _line_of(name, text))
         if name not in DECLARED:
-            from difflib import get_close_matches  # noqa: PLC0415 - start-up time
+            from kg.similar import did_you_mean  # noqa: PLC0415 - start-up time
 
-            close = get_close_matches(name, DECLARED, n=1)
-            hint = f"Did you mean `{close[0]}`?" if close else f"The settings are {', '.join(DECLARED)}."
+            hint = did_you_mean(name, DECLARED) or f"The settings are {', '.join(DECLARED)}."
             raise UsageError("KG002", f"there is no setting `{name}`", place=place, hint=hint)
         yield DECLARED[name], value, Origin("file", place), file.parent
 

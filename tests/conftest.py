@@ -1,15 +1,19 @@
-"""What holds for all tests: where a program that a test needs is not installed, the test skips and says so."""
+"""What holds for all tests: a program that is lacking makes them skip, a machine that is busy does not fail them."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 if TYPE_CHECKING:
     from collections.abc import Generator
 
 PROGRAMS: Final = {"git", "java"}
+
+settings.register_profile("patient", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("patient")
 
 
 def _skipping() -> Generator[None, object, object]:

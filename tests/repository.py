@@ -18,7 +18,7 @@ ROOT: Final = Path(__file__).resolve().parent.parent
 
 Routine: TypeAlias = ast.FunctionDef | ast.AsyncFunctionDef
 
-_NOT_OURS: Final = {"dist", "node_modules", "__pycache__"}
+_NOT_OURS: Final = {"dist", "node_modules", "vendor", "__pycache__"}
 
 
 @cache

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 DOCS: Final = ROOT / "docs"
 README: Final = ROOT / "README.md"
 SET_UP: Final = "python3 -m venv .venv && .venv/bin/pip install -e . && .venv/bin/kg demo"
-RUN_TESTS: Final = ".venv/bin/pip install -e '.[dev]' && .venv/bin/pytest"
+RUN_TESTS: Final = ".venv/bin/pip install -e '.[dev]' && .venv/bin/pytest -n auto --dist worksteal"
 
 _LINK: Final = re.compile(r"!?\[[^\]]*\]\((?P<target>[^)\s]+)\)")
 _FENCED: Final = re.compile(r"^```.*?^```$", re.MULTILINE | re.DOTALL)

@@ -4,10 +4,48 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kg.names import is_for_node
+from kg.names import is_for_node, join, normalise, resolve
 
+NAMES = st.text("ab/~", max_size=8)
 PARTS = st.lists(st.sampled_from(["a", "b", "ab"]), min_size=1, max_size=4)
 KEYS = st.lists(st.sampled_from(["a", "b", "ab", "*", "**"]), min_size=1, max_size=4)
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [("scan", "scan"), ("//a//b/", "/a/b"), ("a/b/", "a/b"), ("/", "/"), ("", ""), ("~", "~"), ("~x", "~/x"),
+     ("~/x/", "~/x"), ("~//x", "~/x"), ("~/", "~")],
+)  # fmt: skip
+def test_a_name_is_written_in_one_way(name: str, expected: str) -> None:
+    """Single slashes, none at the end, and `~/` before private names, as ROS 1 and ROS 2 write them alike."""
+    assert normalise(name) == expected
+
+
+@given(NAMES)
+def test_what_is_written_so_stays_so(name: str) -> None:
+    """Normalising twice is normalising once."""
+    assert normalise(normalise(name)) == normalise(name)
+
+
+@pytest.mark.parametrize(
+    ("namespace", "name", "expected"),
+    [("", "scan", "scan"), ("ns", "scan", "ns/scan"), ("/ns/", "scan", "/ns/scan"), ("~", "scan", "~/scan"),
+     ("~/front", "scan", "~/front/scan"), ("/ns", "/scan", "/scan"), ("/ns", "~scan", "~/scan"), ("/ns/", "", "/ns")],
+)  # fmt: skip
+def test_a_name_below_the_namespace_of_a_handle(namespace: str, name: str, expected: str) -> None:
+    """A relative name stands below it; one that is absolute or private keeps its own root."""
+    assert join(namespace, name) == expected
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [("scan", "/ns/scan"), ("front/scan", "/ns/front/scan"), ("/scan", "/scan"), ("~scan", "/ns/laser/scan"),
+     ("~/scan", "/ns/laser/scan"), ("~", "/ns/laser")],
+)  # fmt: skip
+def test_a_name_is_resolved_for_a_node(name: str, expected: str) -> None:
+    """Relative names stand below the namespace, private ones below the node (wiki.ros.org/Names, section 1.2)."""
+    assert resolve(name, "laser", "/ns") == expected
+    assert resolve(name, "laser") == expected.replace("/ns", "", 1)
 
 
 def naive(key: list[str], name: list[str]) -> bool:

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import json
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -168,3 +169,16 @@ def test_a_table_has_to_be_one(tmp_path: Path) -> None:
         table("lint", other)
     assert caught.value.place is not None
     assert caught.value.place.line == 2
+
+
+def test_what_was_chosen_goes_to_other_processes(tmp_path: Path) -> None:
+    """Flags, variables and the file give another process, wherever it runs, the same values."""
+    write(tmp_path, 'rules = ["mine"]\nlimit = 7\nmax_file_bytes = "500K"\n')
+    chosen = load({"timeout": "2.5", "store": "here"}, environment={"KG_BASE": "https://example.org/"}, folder=tmp_path)
+    other = tmp_path / "other"
+    other.mkdir()
+    again = load(json.loads(json.dumps(chosen.chosen())), environment={}, folder=other)
+    assert "store" not in chosen.chosen()
+    assert [value for one, value, _ in again.values() if one.name != "store"] == [
+        value for one, value, _ in chosen.values() if one.name != "store"
+    ]

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import os
+import shutil
 import subprocess
 import sys
 import venv
@@ -82,6 +85,22 @@ def test_the_wheel_carries_the_tagger(wheel: Path) -> None:
     model = [path for path in (ROOT / "kg" / "language" / "model").rglob("*") if path.is_file()]
     assert not {str(path.relative_to(ROOT)) for path in model} - set(names)
     assert any(name.endswith("licenses/kg/language/model/NOTICE") for name in names)
+
+
+def test_the_wheel_carries_the_libraries_of_the_pages(wheel: Path) -> None:
+    """Each library that `frontend/package.json` names is inside, with the text of its licence."""
+    if shutil.which("npm") is None:
+        pytest.skip("Node.js with npm is not installed")
+    archive = zipfile.ZipFile(wheel)
+    manifest = json.loads(archive.read("kg/server/vendor/manifest.json"))
+    wanted = json.loads((ROOT / "frontend" / "package.json").read_text("utf-8"))["dependencies"]
+    shipped = {one["name"]: one for one in manifest["libraries"]}
+    assert {name: shipped[name]["version"] for name in wanted} == wanted
+    for name, one in shipped.items():
+        content = archive.read(f"kg/server/vendor/{name}/{one['file']}")
+        assert hashlib.sha256(content).hexdigest() == one["sha256"], name
+        assert b"permission" in archive.read(f"kg/server/vendor/{name}/{one['notice']}").lower(), name
+    assert not [name for name in archive.namelist() if "node_modules" in name]
 
 
 def test_no_tool_of_development_is_needed(installed: Path) -> None:

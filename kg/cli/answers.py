@@ -11,8 +11,9 @@ from kg.errors import QueryError
 from kg.query.formats import GRAPH_FORMATS, SOLUTION_FORMATS, display, plain
 from kg.query.formats import write as written
 from kg.query.result import Boolean, Graph, Solutions
-from kg.query.similar import did_you_mean
+from kg.query.writing import parquet
 from kg.render.text import count, width
+from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -42,7 +43,7 @@ def format_for(name: str) -> str:
     if name == "auto":
         return "table" if terminal() else "tsv"
     found = _OTHER_NAMES.get(name, name)
-    known = ("table", *SOLUTION_FORMATS, *GRAPH_FORMATS)
+    known = ("table", *SOLUTION_FORMATS, parquet.NAME, *GRAPH_FORMATS)
     if found not in known:
         near = did_you_mean(name, known)
         raise QueryError("KG504", f"there is no format `{name}`", hint=near or f"The formats are {', '.join(known)}.")
@@ -57,6 +58,9 @@ def answer(result: Result, name: str, *, automatic: bool = False, links: Links |
         write("yes" if result.value else "no")
     elif isinstance(result, Graph) and (automatic or name == "table"):
         write_bytes(written(result, "turtle"))
+    elif name == parquet.NAME and terminal():
+        hint = "Send it to a file: `kg query ... --format parquet > answer.parquet`."
+        raise QueryError("KG504", "a terminal cannot show Parquet", hint=hint)
     else:
         write_bytes(written(result, name))
     _remarks(result, name)

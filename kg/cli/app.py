@@ -6,6 +6,7 @@ import typer
 
 from kg.cli.commands import (
     build,
+    completions,
     compose,
     config,
     corpus,
@@ -13,16 +14,22 @@ from kg.cli.commands import (
     diff,
     doctor,
     evaluate,
+    evaluate_exercises,
     exchange,
     explain,
     graph,
     instances,
     lint,
     lists,
+    mcp,
     node,
     nodes,
     ontology,
     query,
+    robot,
+    robot_driving,
+    robot_programs,
+    robot_simulate,
     rules,
     rules_check,
     rules_compile,
@@ -33,7 +40,10 @@ from kg.cli.commands import (
     rules_testing,
     rules_watch,
     search,
+    serve,
+    shell,
     stats,
+    update,
     why,
 )
 from kg.cli.diagnostics import MODE, Mode
@@ -77,13 +87,20 @@ COMMANDS: Final[tuple[tuple[str, str, Any], ...]] = (
     ("Ask", "why-not", why.why_not),
     ("Ask", "lint", lint.lint),
     ("Ask", "stats", stats.stats),
+    ("Ask", "serve", serve.serve),
+    ("Ask", "shell", shell.shell),
+    ("Ask", "mcp", mcp.mcp),
     ("Ask", "packages", lists.packages),
     ("Ask", "topics", lists.topics),
     ("Ask", "services", lists.services),
     ("Ask", "actions", lists.actions),
     ("Look after it", "export", exchange.export),
     ("Look after it", "import", exchange.import_files),
+    ("Look after it", "update", update.update),
     ("Look after it", "forget", exchange.forget),
+    ("Look after it", "backup", update.backup),
+    ("Look after it", "restore", update.restore),
+    ("Look after it", "completions", completions.completions),
     ("Look after it", "doctor", doctor.doctor),
     ("Look after it", "explain", explain.explain),
 )
@@ -105,6 +122,18 @@ RULE_COMMANDS: Final[tuple[tuple[str, str, Any], ...]] = (
 )
 """The commands of `kg rules`, in the order that its help lists them."""
 
+ROBOT_COMMANDS: Final[tuple[tuple[str, str, Any], ...]] = (
+    ("Look", "capabilities", robot.capabilities),
+    ("Look", "watch", robot.watch),
+    ("Drive", "read", robot_driving.read),
+    ("Drive", "do", robot_driving.do),
+    ("Program", "run", robot_programs.run),
+    ("Program", "check", robot_programs.check),
+    ("Program", "convert", robot_programs.convert),
+    ("Try", "simulate", robot_simulate.simulate),
+)
+"""The commands of `kg robot`, in the order that its help lists them: the panel, the name and the function."""
+
 CORPUS_COMMANDS: Final[tuple[tuple[str, Any], ...]] = (("select", corpus.select), ("fetch", corpus.fetch))
 """The commands of `kg corpus`, in the order that its help lists them."""
 
@@ -113,6 +142,7 @@ EVALUATIONS: Final[tuple[tuple[str, Any], ...]] = (
     ("correctness", evaluate.correctness),
     ("sample", evaluate.sample),
     ("search", evaluate.search),
+    ("exercises", evaluate_exercises.exercises),
 )
 """The commands of `kg eval`, in the order that its help lists them."""
 
@@ -194,6 +224,10 @@ rules_app = typer.Typer(cls=KgGroup, rich_markup_mode=None, help=rules.HELP)
 for _panel, _name, _function in RULE_COMMANDS:
     rules_app.command(_name, cls=KgCommand, rich_help_panel=_panel)(_function)
 app.add_typer(rules_app, name="rules", rich_help_panel="Ask")
+robot_app = typer.Typer(cls=KgGroup, rich_markup_mode=None, help=robot.HELP)
+for _panel, _name, _function in ROBOT_COMMANDS:
+    robot_app.command(_name, cls=KgCommand, rich_help_panel=_panel)(_function)
+app.add_typer(robot_app, name="robot", rich_help_panel="Ask")
 corpus_app = typer.Typer(cls=KgGroup, rich_markup_mode=None, help=corpus.HELP)
 for _name, _function in CORPUS_COMMANDS:
     corpus_app.command(_name, cls=KgCommand)(_function)

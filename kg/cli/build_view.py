@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from kg.facts import Problem
     from kg.pipeline.report import BuildReport, Inferred, SourceReport
 
-__all__ = ["left_out", "report_object", "summary"]
+__all__ = ["left_out", "near", "report_object", "summary"]
 
 _FEW: Final = 10
 _FEW_REASONS: Final = 5
@@ -41,7 +41,7 @@ def summary(report: BuildReport, store: Path, *, every: bool) -> Iterator[str]:
         yield _inferred(report.inferred)
     yield from _unresolved(report, every=every)
     yield from _problems(report, every=every)
-    yield f"store {_near(store)}"
+    yield f"store {near(store)}"
 
 
 def _found(report: BuildReport) -> str:
@@ -90,10 +90,10 @@ def _problems(report: BuildReport, *, every: bool) -> Iterator[str]:
 
 def _place(source: SourceReport, problem: Problem) -> str:
     line = f":{problem.line}" if problem.line else ""
-    return printable(f"{_near(Path(source.repository.root) / problem.path)}{line}")
+    return printable(f"{near(Path(source.repository.root) / problem.path)}{line}")
 
 
-def _near(path: Path) -> str:
+def near(path: Path) -> str:
     """Return a path as short as it can be typed in the working folder."""
     relative = os.path.relpath(path)
     return str(path.resolve()) if relative.startswith("..") else relative

@@ -1,13 +1,13 @@
 """Words on standard error: errors, warnings, notes. No other module of the command line writes there.
 
-An error is shown as its code and message, the place, the line of source with a caret when the place has one,
+An error is shown as its code and message, the place, the line of source with carets when the place has a column,
 and the way out:
 
     error[KG501]: expected a variable
      --> query.rq:3:8
       |
     3 | SELECT WHERE { ?s ?p ?o }
-      |        ^
+      |        ^^^^^
     help: Correct the query there.
 """
 
@@ -22,7 +22,8 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, Final
 
 from kg.errors import CATALOGUE, KgError
-from kg.render.text import printable, width
+from kg.render.marking import marked
+from kg.render.text import printable
 
 if TYPE_CHECKING:
     from kg.errors import Place
@@ -45,7 +46,6 @@ __all__ = [
 ]
 
 REPORT_ADDRESS: Final = "the issue tracker named on the project's page"
-_LONGEST: Final = 160
 _STYLES: Final = {"error": "1;31", "warning": "1;33", "note": "1;36", "help": "1;32", "dim": "2", "bold": "1"}
 
 
@@ -154,10 +154,10 @@ def excerpt(place: Place, *, color: bool, address: str | None = None) -> list[st
     if line is None or not line.strip():
         return lines
     bar = _paint("dim", "|", on=color)
-    shown, before = _window(line, place.column)
+    shown, carets = marked(place, line)
     lines += [f"{gutter} {bar}", f"{_paint('dim', number, on=color)} {bar} {shown}"]
-    if place.column:
-        lines.append(f"{gutter} {bar} {' ' * before}{_paint('error', '^', on=color)}")
+    if carets:
+        lines.append(f"{gutter} {bar} {_paint('error', carets, on=color)}")
     return lines
 
 
@@ -170,13 +170,3 @@ def _line(place: Place) -> str | None:
             return next((line.rstrip("\n") for number, line in enumerate(file, 1) if number == place.line), None)
     except (OSError, ValueError):
         return None
-
-
-def _window(line: str, column: int | None) -> tuple[str, int]:
-    """Return the part of `line` around `column` that fits, and the columns before the caret."""
-    position = (column or 1) - 1
-    start = max(0, min(position - _LONGEST // 2, len(line) - _LONGEST))
-    mark = "..." if start else ""
-    end = "..." if len(line) > start + _LONGEST else ""
-    before = mark + printable(line[start:position].ljust(position - start))
-    return mark + printable(line[start : start + _LONGEST]) + end, width(before)

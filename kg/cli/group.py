@@ -3,16 +3,29 @@
 from __future__ import annotations
 
 import sys
-from typing import Any
+from typing import Any, Final
 
 from typer.core import TyperCommand, TyperGroup
 
 from kg.cli.guard import guarded, hang_up
 from kg.cli.manual import page, plain
 from kg.errors import UsageError
-from kg.query.similar import did_you_mean
+from kg.similar import asked, did_you_mean
 
-__all__ = ["KgCommand", "KgGroup"]
+__all__ = ["CALLED", "KgCommand", "KgGroup"]
+
+CALLED: Final = {
+    "init": ("build",),
+    "scan": ("build",),
+    "index": ("build",),
+    "ask": ("search", "query"),
+    "find": ("search",),
+    "explore": ("shell", "serve"),
+    "web": ("serve",),
+    "tui": ("shell",),
+    "check": ("lint",),
+}
+"""What other programs call a command of `kg`."""
 
 
 class _AsTyped:
@@ -67,7 +80,8 @@ class KgGroup(TyperGroup):
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Find the command, or name the nearest."""
         if args and not args[0].startswith("-") and self.get_command(ctx, args[0]) is None:
-            near = did_you_mean(args[0], self.commands)
+            meant = [name for name in CALLED.get(args[0], ()) if name in self.commands]
+            near = asked(meant) or did_you_mean(args[0], self.commands)
             hint = "\n".join(filter(None, (near, f"`{ctx.command_path} --help` lists the commands.")))
             raise UsageError("KG003", f"there is no command `{ctx.command_path} {args[0]}`", hint=hint)
         return super().resolve_command(ctx, args)

@@ -6,8 +6,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from kg.cli.interface_table import Row, interface_table
-from kg.cli.node_view import TITLES
 from kg.render.text import printable
+from kg.views.wording import TITLES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from kg.cli.interface_table import Row, interface_table, place_text
-from kg.facts import Access, NodeKind, Resolution, Role
+from kg.facts import NodeKind
 from kg.graph.classes_reading import Classes
 from kg.graph.records import how_to_start
 from kg.render.text import printable
+from kg.views.wording import LANGUAGES, TITLES, accesses, how, parameter_groups
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -17,24 +18,14 @@ if TYPE_CHECKING:
     from rich.text import Text
 
     from kg.cli.links import Links
-    from kg.facts import Description, Interface, NodeType, Parameter, Qos
+    from kg.facts import Description, Interface, NodeType, Parameter
     from kg.graph.reading import NodeRecord
 
-__all__ = ["TITLES", "left_out", "node_view"]
+__all__ = ["left_out", "node_view"]
 
-TITLES: Final = {
-    Role.PUBLISHES: "publishes",
-    Role.SUBSCRIBES: "subscribes",
-    Role.SERVICES: "offers services",
-    Role.CLIENTS: "calls services",
-    Role.ACTION_SERVERS: "offers actions",
-    Role.ACTION_CLIENTS: "calls actions",
-}
 _MOST_DESCRIPTIONS: Final = 2
 """Texts that are shown unless all are asked for: the best say what a node is for."""
-_DONE: Final = {Access.DECLARE: "declared", Access.READ: "read", Access.WRITE: "written"}
 _NO_CLASSES: Final = Classes()
-_LANGUAGES: Final = {"cpp": "C++", "python": "Python"}
 
 
 def node_view(  # noqa: PLR0913 - what is shown, and how much of it
@@ -82,7 +73,7 @@ def _header(record: NodeRecord, links: Links) -> Iterable[Text]:
     from rich.text import Text  # noqa: PLC0415 - start-up time
 
     node = record.node
-    language = _LANGUAGES.get(node.language, node.language)
+    language = LANGUAGES.get(node.language, node.language)
     yield Text.assemble((printable(node.name), "bold"), f"  {language} {node.kind} for ROS {node.ros}")
     commit = f" at {record.commit[:12]}" if record.commit else ""
     yield _field("package", f"{record.package} ({record.repository}{commit})")
@@ -140,57 +131,18 @@ def _groups(node: NodeType, *, every: bool) -> list[tuple[str, list[Row]]]:
 
 def _interface(fact: Interface) -> Row:
     name = fact.name if fact.name is not None else "(not resolved)"
-    return Row(name, fact.type or "(type not known)", _how(fact), fact.location, fact.implicit)
-
-
-def _how(fact: Interface) -> str:
-    """Return how the name became known, and the quality of service."""
-    words = []
-    if fact.parameter:
-        words.append(f"parameter {fact.parameter}")
-    elif fact.resolution is not Resolution.LITERAL:
-        words.append(str(fact.resolution))
-    if fact.resolution in {Resolution.PARTIAL, Resolution.UNRESOLVED}:
-        words.append(fact.reason or fact.written or "")
-    if fact.origin:
-        words.append(f"from {fact.origin}")
-    if fact.qos:
-        depth = None if fact.qos.depth is None else f"depth {fact.qos.depth}"
-        words += [fact.qos.reliability or "", fact.qos.durability or "", fact.qos.history or "", depth or ""]
-        words += _rarer(fact.qos)
-    return ", ".join(word for word in words if word)
-
-
-def _rarer(qos: Qos) -> list[str]:
-    """Return the policies that most interfaces leave alone."""
-    lasting = {"deadline": qos.deadline, "lifespan": qos.lifespan, "lease": qos.lease_duration}
-    return [qos.liveliness or "", *(f"{name} {value:g} s" for name, value in lasting.items() if value is not None)]
+    return Row(name, fact.type or "(type not known)", how(fact), fact.location, fact.implicit)
 
 
 def _parameters(facts: Iterable[Parameter], *, every: bool) -> list[Row]:
     """Return one row a parameter, although code may read and write it at many places."""
-    named: dict[Any, list[Parameter]] = {}
-    for fact in facts:
-        if every or not fact.implicit:
-            key = fact.name if fact.name is not None else fact.location
-            named.setdefault(key, []).append(fact)
-    ordered = sorted(named.values(), key=lambda group: (group[0].implicit, group[0].name is None, group[0].name or ""))
-    return [_parameter(group) for group in ordered]
+    return [_parameter(group) for group in parameter_groups(fact for fact in facts if every or not fact.implicit)]
 
 
 def _parameter(facts: Sequence[Parameter]) -> Row:
-    order = [Access.DECLARE, Access.READ, Access.WRITE]
-    first, *others = sorted(facts, key=lambda one: (order.index(one.access), str(one.location)))
-    default = next((one.default for one in (first, *others) if one.default is not None), None)
-    kind = next((one.type for one in (first, *others) if one.type), "")
-    words = [f"= {default}" if default is not None else "", _accesses((first, *others))]
+    first = facts[0]
+    default = next((one.default for one in facts if one.default is not None), None)
+    kind = next((one.type for one in facts if one.type), "")
+    words = [f"= {default}" if default is not None else "", accesses(facts)]
     name = first.name if first.name is not None else "(not resolved)"
     return Row(name, kind, "  ".join(word for word in words if word), first.location, first.implicit)
-
-
-def _accesses(facts: Sequence[Parameter]) -> str:
-    """Return what code does with a parameter, unless it only declares it once."""
-    if len(facts) == 1 and facts[0].access is Access.DECLARE:
-        return ""
-    done = ", ".join(dict.fromkeys(_DONE[fact.access] for fact in facts))
-    return f"{done} ({len(facts)} places)" if len(facts) > 1 else done

@@ -6,7 +6,7 @@ from typing import Final
 
 from kg.errors import UsageError
 
-__all__ = ["size", "whole"]
+__all__ = ["factor", "frequency", "seconds", "size", "whole"]
 
 
 def whole(text: str, option: str, least: int, most: int | None = None) -> int:
@@ -18,6 +18,31 @@ def whole(text: str, option: str, least: int, most: int | None = None) -> int:
         number = least - 1
     if number < least or (most is not None and number > most):
         raise UsageError("KG003", f"`{option} {text}` is no whole number {bounds}", hint="See the command's `--help`.")
+    return number
+
+
+def seconds(text: str, option: str) -> float:
+    """Return the seconds that the text behind `option` says; UsageError KG003 below 1 ms, and for no number."""
+    return _positive(text, option, "number of seconds", "Write 30 or 0.5.", 0.001)  # no timer is finer
+
+
+def frequency(text: str, option: str) -> float:
+    """Return how often a second the text behind `option` says; UsageError KG003 for no number above zero."""
+    return _positive(text, option, "rate", "Write 10 or 0.5: so many times a second.")
+
+
+def factor(text: str, option: str) -> float:
+    """Return how many times as much the text behind `option` says; UsageError KG003 for no number above zero."""
+    return _positive(text, option, "factor", "Write 2 or 0.5: so many times as much.")
+
+
+def _positive(text: str, option: str, what: str, hint: str, least: float = 0.0) -> float:
+    try:
+        number = float(text)
+    except ValueError:
+        number = 0.0
+    if number == 0 or not least <= number < float("inf"):
+        raise UsageError("KG003", f"`{option} {text}` is no {what}", hint=hint)
     return number
 
 

@@ -18,7 +18,9 @@ __all__ = [
     "NlpModel",
     "NoRules",
     "PackageName",
+    "Places",
     "Queries",
+    "Robot",
     "Rules",
     "SearchModel",
     "Store",
@@ -49,6 +51,8 @@ SearchModel = Annotated[str | None, from_setting("search_model", "--model")]
 Timeout = Annotated[str | None, from_setting("timeout")]
 Limit = Annotated[str | None, from_setting("limit", "-n")]
 Format = Annotated[str | None, from_setting("format")]
+Robot = Annotated[str | None, from_setting("robot")]
+Places = Annotated[str | None, from_setting("places")]
 Queries = Annotated[str | None, from_setting("queries")]
 Rules = Annotated[str | None, from_setting("rules")]
 Families = Annotated[str | None, from_setting("rule_families")]

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from kg.cli.manual import Page
 
-__all__ = ["description", "markdown"]
+__all__ = ["description", "markdown", "pages"]
 
 _HEAD: Final = """\
 # The command line
@@ -36,7 +36,7 @@ Answers of queries are tables on a terminal, which end after `--limit` rows (100
 `?line` to a place that a click opens. Elsewhere they are TSV as SPARQL 1.1 has it, whole unless `--limit` is given;
 graphs are Turtle. `--format` chooses another form.
 
-`kg --install-completion` lets the shell complete commands, options, and the names of nodes, packages and queries.
+`kg completions` prints what lets a shell complete commands, options, and the names of nodes, packages and queries.
 `kg --spec` describes all of this page as JSON.
 
 Options that are [settings](settings.md) can also stand in the environment or in `kg.toml`; their variable stands in
@@ -60,7 +60,7 @@ def markdown() -> str:
     root = get_command(app)
     context = typer.Context(root, info_name="kg", **root.context_settings)
     parts = [_HEAD, *_top(page(root, context)), _STREAMS]
-    for manual in _pages(root, context):
+    for manual in pages(root, context):
         parts += _command(manual)
     return "".join(parts).rstrip() + "\n"
 
@@ -70,7 +70,7 @@ def description(context: Any) -> dict[str, Any]:
 
     `context` is that of the whole program.
     """
-    pages = [page(context.command, context), *_pages(context.command, context)]
+    manuals = [page(context.command, context), *pages(context.command, context)]
     return {
         "commands": [
             {
@@ -83,7 +83,7 @@ def description(context: Any) -> dict[str, Any]:
                     if title in {"Arguments", "Options"}
                 },
             }
-            for manual in pages
+            for manual in manuals
         ],
         "settings": [
             {
@@ -100,14 +100,15 @@ def description(context: Any) -> dict[str, Any]:
     }
 
 
-def _pages(group: Any, context: Any) -> Iterator[Page]:
+def pages(group: Any, context: Any) -> Iterator[Page]:
+    """Yield the manual of each command of a group, in its context, and of the groups in it."""
     for name, command in group.commands.items():
         if command.hidden:
             continue
         inner = type(context)(command, info_name=name, parent=context)
         yield page(command, inner)
         if getattr(command, "commands", None):
-            yield from _pages(command, inner)
+            yield from pages(command, inner)
 
 
 def _top(manual: Page) -> Iterator[str]:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.cli.diagnostics import note
 from kg.cli.output import console, line_width, show
+from kg.facts import Location
 from kg.render.text import printable
 
 if TYPE_CHECKING:
@@ -13,18 +14,16 @@ if TYPE_CHECKING:
 
     from rich.text import Text
 
-    from kg.search.needs import Need, Wish
+    from kg.cli.links import Links
+    from kg.search.needs import Need
     from kg.search.searching import Hit
 
-__all__ = ["row", "show_hits", "understood"]
+__all__ = ["row", "show_hits", "tell"]
 
 _REASONS: Final = 3
 _MOST: Final = 4
 """How many copies and variants of a hit are named."""
-_VERBS: Final = {"uses": "subscribes or publishes", "services": "offers", "clients": "calls"}
-"""How kinds of wishes are said; the others go by their names."""
 _FIRST, _LATER, _NARROWEST = "   ", "     ", 24
-_LABELLED: Final = {"hardware", "function", "capability"}
 
 
 def row(hit: Hit) -> tuple[object, ...]:
@@ -33,8 +32,8 @@ def row(hit: Hit) -> tuple[object, ...]:
     return hit.rank, f"{hit.score:.2f}", hit.package.name, hit.name, why, ", ".join(_others(hit)), _declared(hit)
 
 
-def show_hits(hits: Iterable[Hit]) -> None:
-    """Write hits for people: each with its reasons below it, and the line of code that shows each."""
+def show_hits(hits: Iterable[Hit], links: Links) -> None:
+    """Write hits for people: each with its reasons below it, and the line of code that shows each, as a link."""
     from rich.text import Text  # noqa: PLC0415 - start-up time
 
     for hit in hits:
@@ -45,7 +44,9 @@ def show_hits(hits: Iterable[Hit]) -> None:
         head = f"{hit.rank}. {hit.package.name}/{hit.name}"
         show(_line(Text.assemble((printable(head), "bold"), f"  {printable(about)}")))
         for text, place in _told(hit):
-            show(*_folded(Text(printable(text)), Text(printable(place), style="green")))
+            address = links.to(hit.package.repository, place) if place else None
+            style = f"green link {address}" if address else "green"
+            show(*_folded(Text(printable(text)), Text(printable(str(place or "")), style=style)))
 
 
 def _folded(words: Text, place: Text) -> list[Text]:
@@ -61,18 +62,19 @@ def _folded(words: Text, place: Text) -> list[Text]:
     return [_line(Text.assemble(_FIRST if at == 0 else _LATER, part)) for at, part in enumerate(parts)]
 
 
-def _told(hit: Hit) -> Iterator[tuple[str, str]]:
+def _told(hit: Hit) -> Iterator[tuple[str, Location | None]]:
     """Yield what is told of a hit, each with its place; at least one is where the node is declared."""
     places = []
     for reason in hit.why[:_REASONS]:
-        places.append("" if reason.path is None else f"{reason.path}:{reason.line}")
+        places.append(None if reason.path is None else Location(reason.path, reason.line or 0))
         yield reason.text, places[-1]
-    if _declared(hit) not in places:
-        yield "declared", _declared(hit)
+    declared = Location(hit.node.path, hit.node.line or 0)
+    if declared not in places:
+        yield "declared", declared
     others = _others(hit)
     if others:
         more = f" and {len(others) - _MOST} more" if len(others) > _MOST else ""
-        yield f"also as {', '.join(others[:_MOST])}{more}", ""
+        yield f"also as {', '.join(others[:_MOST])}{more}", None
 
 
 def _line(text: Text) -> Text:
@@ -93,19 +95,12 @@ def _others(hit: Hit) -> list[str]:
     )
 
 
-def understood(need: Need) -> None:
+def tell(need: Need) -> None:
     """Tell on standard error which filters and preferences the words were taken for."""
-    strict = [_said(wish) for wish in need.wishes if wish.strict]
-    rather = [_said(wish) for wish in need.wishes if not wish.strict]
+    from kg.search.wording import understood  # noqa: PLC0415 - start-up time
+
+    strict, rather = understood(need)
     if strict:
-        note(f"only nodes with: {', '.join(dict.fromkeys(strict))}")
+        note(f"only nodes with: {', '.join(strict)}")
     if rather:
-        note(f"rather nodes with: {', '.join(dict.fromkeys(rather))}")
-
-
-def _said(wish: Wish) -> str:
-    """Return a wish in words: types as they were typed, hardware and the like by their labels."""
-    label = wish.features[0].partition(":")[2]
-    if wish.kind == "ros":
-        return f"ROS {label}"
-    return f"{_VERBS.get(wish.kind, wish.kind)} {label if wish.kind in _LABELLED else wish.said}"
+        note(f"rather nodes with: {', '.join(rather)}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from kg.cli.output import Column
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from kg.query.stored import StoredQuery
 
-__all__ = ["COLUMNS", "list_rows", "manual", "query_object"]
+__all__ = ["COLUMNS", "list_rows", "manual"]
 
 COLUMNS = (Column("query", "name"), Column("answers"), Column("parameters", spare=1))
 
@@ -20,27 +20,6 @@ COLUMNS = (Column("query", "name"), Column("answers"), Column("parameters", spar
 def list_rows(queries: Iterable[StoredQuery]) -> list[tuple[str, str, str]]:
     """Return a row for each query: name, what it answers, its parameters."""
     return [(one.name, one.title, " ".join(parameter.name for parameter in one.parameters)) for one in queries]
-
-
-def query_object(query: StoredQuery) -> dict[str, Any]:
-    """Return a query as plain values, ready for JSON."""
-    return {
-        "query": query.name,
-        "title": query.title,
-        "description": query.description,
-        "file": str(query.path),
-        "parameters": [
-            {
-                "name": one.name,
-                "type": one.type,
-                "example": one.example,
-                "description": one.description,
-                "default": one.default,
-            }
-            for one in query.parameters
-        ],
-        "text": query.text,
-    }
 
 
 def manual(query: StoredQuery) -> Iterator[str]:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from kg.cli.completion import launches
-from kg.cli.diagnostics import note
-from kg.errors import UsageError
+from kg.cli.diagnostics import note, report
+from kg.errors import KgError, Place, UsageError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from kg.facts import System
     from kg.settings import Settings
 
-__all__ = ["Arguments", "Environment", "File", "Launch", "chosen_systems", "given", "named"]
+__all__ = ["Arguments", "Environment", "File", "Launch", "chosen_systems", "given", "named", "tell_malformed"]
 
 Launch = Annotated[
     str | None,
@@ -95,3 +95,23 @@ def tell_unread(settings: Settings, systems: Sequence[System], environment: Mapp
 
     for name in unread(settings, systems, environment):
         note(f"no file of {systems[0].configuration.name} reads the environment variable `{name}`")
+
+
+def tell_malformed(settings: Settings, system: System) -> bool:
+    """Report each line of the files of a system that launch refuses, as KG415, and tell whether there is any."""
+    from kg.cli.build_view import near  # noqa: PLC0415 - start-up time
+    from kg.facts import LaunchProblemKind  # noqa: PLC0415 - start-up time
+    from kg.store.opening import reading  # noqa: PLC0415 - start-up time
+    from kg.views.evidence import places  # noqa: PLC0415 - start-up time
+
+    every = system.configuration.problems
+    found = {(one.location, one.message): None for one in every if one.kind is LaunchProblemKind.MALFORMED}
+    if not found:
+        return False
+    with reading(settings) as snapshot:
+        sources = places(snapshot)
+    for location, message in found:
+        file = sources.file(system.configuration.repository, location)
+        place = Place(near(file) if file else location.path, location.line or None)
+        report(KgError("KG415", message, place=place))
+    return True

@@ -10,6 +10,7 @@ from typing import Final
 
 from kg.codes import (
     architecture,
+    assistants,
     composing,
     corpora,
     defects,
@@ -18,10 +19,14 @@ from kg.codes import (
     language,
     linting,
     queries,
+    robots,
     rules,
     search,
+    server,
+    shell,
     sources,
     stores,
+    updates,
     usage,
 )
 from kg.codes.entry import CodeEntry
@@ -38,10 +43,15 @@ CATALOGUE: Final[dict[str, CodeEntry]] = {
     **architecture.CODES,
     **linting.CODES,
     **queries.CODES,
+    **server.CODES,
+    **shell.CODES,
+    **assistants.CODES,
+    **updates.CODES,
     **graphs.CODES,
     **search.CODES,
     **evaluating.CODES,
     **composing.CODES,
+    **robots.CODES,
     **defects.CODES,
 }
 """Code to its entry, by rising number."""

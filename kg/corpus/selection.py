@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
 from kg.corpus.selection_figures import Figures, figures
 from kg.errors import Place, SourceError
+from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -78,8 +78,7 @@ def _check_values(dataset: Dataset, criteria: Criteria, column: str) -> None:
     for project in dataset.projects:
         cell = project.cells[column]
         if cell and cell not in known:
-            close = get_close_matches(cell, known, n=1)
-            hint = f"Did you mean `{close[0]}`?" if close else f"{criteria.path} names {', '.join(known) or 'none'}."
+            hint = did_you_mean(cell, known) or f"{criteria.path} names {', '.join(known) or 'none'}."
             place = Place(str(dataset.path), project.line)
             raise SourceError("KG131", f"no criterion is about `{column}` = {cell!r}", place=place, hint=hint)
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import re
 import tomllib
 from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import Place, UsageError
 from kg.resources import folder
+from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -143,8 +143,7 @@ class _Reader:
 
     def _known(self, key: str, keys: Sequence[str], line: int | None) -> None:
         if key not in keys:
-            close = get_close_matches(key, keys, n=1)
-            hint = f"Did you mean `{close[0]}`?" if close else f"Keys are {', '.join(keys)}."
+            hint = did_you_mean(key, keys) or f"Keys are {', '.join(keys)}."
             raise self._error(f"there is no key `{key}` here", line, hint)
 
     def _twice(self, found: Sequence[Criterion]) -> None:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import csv
 import re
 from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import Place, SourceError
+from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -47,8 +47,7 @@ class Dataset:
         """Raise SourceError KG131 when one of the columns is missing; `place` is where it is asked for."""
         for column in columns:
             if column not in self.columns:
-                close = get_close_matches(column, self.columns, n=1)
-                hint = f"Did you mean `{close[0]}`?" if close else f"Its columns are {', '.join(self.columns)}."
+                hint = did_you_mean(column, self.columns) or f"Its columns are {', '.join(self.columns)}."
                 raise SourceError(
                     "KG131",
                     f"{self.path.name} has no column `{column}`",

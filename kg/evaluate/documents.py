@@ -26,7 +26,7 @@ from kg.extract.texts.wiki import is_wiki, wiki_nodes
 from kg.graph.source_states import sources
 from kg.query.core import run
 from kg.query.result import Solutions
-from kg.query.similar import did_you_mean
+from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -52,6 +52,7 @@ from kg.facts.systems import (
     MissingType,
     NodeInstance,
     NodeReference,
+    Sighting,
     System,
 )
 from kg.facts.texts import Description, DescriptionKind, Phrase
@@ -94,6 +95,7 @@ __all__ = [
     "Repository",
     "Resolution",
     "Role",
+    "Sighting",
     "SourceFile",
     "StartKind",
     "StartedNode",

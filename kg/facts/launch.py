@@ -31,12 +31,13 @@ __all__ = [
 
 
 class LaunchDialect(StrEnum):
-    """The language of a launch file."""
+    """The language of a launch file; `running` is none: of a system that was seen running."""
 
     ROSLAUNCH = "roslaunch"
     ROS2_XML = "ros2-xml"
     ROS2_YAML = "ros2-yaml"
     ROS2_PYTHON = "ros2-python"
+    RUNNING = "running"
 
 
 class StartKind(StrEnum):
@@ -51,6 +52,8 @@ class StartKind(StrEnum):
     TEST = "test"
     INNER = "inner"
     """Made by a node of the same process, which no launch file says."""
+    RUNNING = "running"
+    """Seen running, however it was started."""
 
 
 class LaunchProblemKind(StrEnum):

@@ -9,8 +9,9 @@ __all__ = ["Location"]
 
 @dataclass(frozen=True, slots=True)
 class Location:
-    """A line of a file, relative to the root of its source.
+    """A line of a file, relative to the root of its source; line 0 is the file as a whole.
 
+    Of what was seen running, `path` is the peer that showed it: its name and its address.
     `repository` is None for the source that the fact belongs to, else the name of the other source of the
     build that the file stands in (a base class, say).
     """
@@ -20,4 +21,4 @@ class Location:
     repository: str | None = None
 
     def __str__(self) -> str:
-        return f"{self.path}:{self.line}"
+        return f"{self.path}:{self.line}" if self.line else self.path

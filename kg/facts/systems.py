@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
+from kg.facts.launch import StartKind
+
 if TYPE_CHECKING:
     from kg.facts.code import Interface, Parameter, Qos, Resolution
     from kg.facts.launch import LaunchConfiguration, LaunchParameter, Remap, StartedNode
@@ -17,6 +19,7 @@ __all__ = [
     "MissingType",
     "NodeInstance",
     "NodeReference",
+    "Sighting",
     "System",
 ]
 
@@ -116,20 +119,40 @@ class NodeInstance:
     remaps: tuple[InstanceRemap, ...] = ()
     complete: bool = False
     missing: MissingType | None = None
+    since: str | None = None
+    """When it was first seen running (ISO 8601, UTC); None where a launch file starts it."""
     similar: tuple[str, ...] = ()
     """Packages of the build that the one it is started from is likely meant to be, where that is not in the build."""
 
     @property
     def started_type(self) -> str:
-        """The package and the name of its node type; else what the launch file starts, `?` for what it does not say."""
+        """The package and the name of its node type; else what the launch file starts, `?` for what it does not say.
+
+        Of a node that was seen running and is of no node type of the store, nobody tells what started it.
+        """
         if self.type is not None:
             return f"{self.type.package}/{self.type.node}"
+        if self.started.kind is StartKind.RUNNING:
+            return "(not known)"
         return f"{self.started.package or '?'}/{self.started.plugin or self.started.executable or '?'}"
 
 
 @dataclass(frozen=True, slots=True)
+class Sighting:
+    """How a running system was seen: its address, and from when until when (ISO 8601, UTC), None while it is watched.
+
+    `complete` tells whether it was watched long enough to be known whole.
+    """
+
+    address: str
+    since: str
+    until: str | None = None
+    complete: bool = True
+
+
+@dataclass(frozen=True, slots=True)
 class System:
-    """A configuration with its instances.
+    """A configuration with its instances; `sighting` is of one that was seen running.
 
     `similar` are pairs of names of one kind (`topic`, `service`, `action`) that are likely meant to be one:
     (kind, name, other name).
@@ -140,3 +163,4 @@ class System:
     similar: tuple[tuple[str, str, str], ...] = ()
     shared_parameters: tuple[LaunchParameter, ...] = ()
     """Parameters of ROS 1 that stand below the name of no instance."""
+    sighting: Sighting | None = None

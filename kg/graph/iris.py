@@ -15,13 +15,16 @@ from urllib.parse import quote, unquote, urlsplit
 
 from kg.errors import UsageError
 
-__all__ = ["DEFAULT_BASE", "UNKNOWN", "Iris", "Thing", "fragment", "is_source_graph"]
+__all__ = ["DEFAULT_BASE", "RUNNING", "UNKNOWN", "Iris", "Thing", "fragment", "is_source_graph"]
 
 DEFAULT_BASE: Final = "https://w3id.org/rnkg/"
 """The base of all IRIs unless a setting says otherwise."""
 
 UNKNOWN: Final = "@unresolved"
 """Stands in a fragment for a name that is not known; `@` never occurs in an encoded name."""
+
+RUNNING: Final = "robot"
+"""What stands in place of a source, and of a package, for systems that were seen running; sources have a slash."""
 
 _BETWEEN: Final = "-"
 _SOURCE_GRAPHS: Final = "graph/source/"
@@ -176,6 +179,14 @@ class Iris:
     def launch_graph(self, repository: str, path: str) -> str:
         """Return the IRI of the named graph of what one launch file starts."""
         return f"{self.base}graph/launch/{_placed(repository, path)}"
+
+    def robot_graph(self, name: str) -> str:
+        """Return the IRI of the named graph of a running system."""
+        return f"{self.base}graph/robot/{_path(name)}"
+
+    def system_graph(self, repository: str, path: str) -> str:
+        """Return the IRI of the named graph of a launch configuration, or of a running system (`RUNNING`)."""
+        return self.robot_graph(path) if repository == RUNNING else self.launch_graph(repository, path)
 
     def parse(self, iri: str) -> Thing | None:
         """Return what `iri` (without fragment) was made of; None when it is none of the kinds of this base."""

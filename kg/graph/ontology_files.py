@@ -15,7 +15,18 @@ if TYPE_CHECKING:
 
 __all__ = ["ONTOLOGIES", "SHAPES", "default_ontologies", "ontology_triples", "shapes_file"]
 
-ONTOLOGIES: Final = ("onto-ros.ttl", "rnkg.ttl", "capability.ttl", "function.ttl", "hardware.ttl", "architecture.ttl")
+ONTOLOGIES: Final = (
+    "onto-ros.ttl",
+    "rnkg.ttl",
+    "capability.ttl",
+    "capability-contexts.ttl",
+    "capability-exclusions.ttl",
+    "capability-parameters.ttl",
+    "function.ttl",
+    "hardware.ttl",
+    "architecture.ttl",
+    "ontobot-alignment.ttl",
+)
 """The ontologies that `kg` brings along, in its folder `ontology`."""
 SHAPES: Final = "shapes.ttl"
 """The SHACL shapes that `kg` brings along, in the same folder."""

@@ -1,4 +1,4 @@
-"""Lists over the whole store: its sources, its packages, its topics, services and actions, with counts."""
+"""Lists over the whole store: its packages and nodes, its topics, services and actions, with counts."""
 
 from __future__ import annotations
 
@@ -6,22 +6,33 @@ from collections import Counter, defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
+from kg.facts import Location, NodeKind
 from kg.graph import vocabulary as v
+from kg.graph.reading import which
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from kg.graph.reading import Queryable
 
-__all__ = ["CHANNELS", "Channel", "PackageSummary", "channels", "package_names", "packages"]
+__all__ = ["Channel", "NodeSummary", "PackageSummary", "channels", "nodes", "package_names", "packages"]
 
 _PREFIXES: Final = {"ros": v.ROS, "rnkg": v.RNKG, "rdfs": v.RDFS}
-CHANNELS: Final = {
-    "topic": ("ros:Publisher", "ros:Subscriber"),
-    "service": ("ros:ServiceServer", "ros:ServiceClient"),
-    "action": ("rnkg:ActionServer", "rnkg:ActionClient"),
+_CHANNELS: Final = {
+    "topic": ("ros:Publisher", "ros:Subscriber", "ros:hasMessage"),
+    "service": ("ros:ServiceServer", "ros:ServiceClient", "rnkg:hasServiceType"),
+    "action": ("rnkg:ActionServer", "rnkg:ActionClient", "rnkg:hasActionType"),
 }
-"""For each kind of channel the component that gives (publishes, serves) and the one that takes."""
+"""For each kind of channel the component that gives (publishes, serves), the one that takes, what leads to the type."""
+_DECLARES: Final = {
+    v.bare(v.PUBLISHER): "publishes",
+    v.bare(v.SUBSCRIBER): "subscribes",
+    v.bare(v.SERVICE_SERVER): "services",
+    v.bare(v.SERVICE_CLIENT): "clients",
+    v.bare(v.ACTION_SERVER): "actions",
+    v.bare(v.ACTION_CLIENT): "actions",
+}
+"""For each kind of component the number of `NodeSummary` that it counts in."""
 _PACKAGES: Final = """
 SELECT ?package ?repository ?name ?version ?ros ?folder ?deprecated WHERE {
   ?package a rnkg:Package ; rnkg:name ?name .
@@ -32,14 +43,49 @@ SELECT ?package ?repository ?name ?version ?ros ?folder ?deprecated WHERE {
   OPTIONAL { ?package rnkg:deprecated ?deprecated }
 }"""
 _OWNED: Final = "SELECT ?package ?thing WHERE { ?package a rnkg:Package . %s }"
+_OWNERS: Final = """
+SELECT ?node ?name ?package WHERE {
+  ?p rnkg:name ?package ; rnkg:contains ?node .
+  ?node a rnkg:NodeType ; rnkg:name ?name .
+}"""
+_NODES: Final = """
+SELECT ?node ?repository ?package ?name ?kind ?ros ?path ?line WHERE {
+  ?r a rnkg:Repository ; rnkg:name ?repository ; rnkg:contains ?p .
+  ?p rnkg:name ?package ; rnkg:contains ?node .
+  %s
+  ?node rnkg:name ?name ; rnkg:kind ?kind ; rnkg:rosVersion ?ros ; rnkg:path ?path ; rnkg:line ?line .
+}"""
+# Ordered for the engine (docs/benchmarks.md): what every end has stands in a group that begins from nodes, since most
+# ends are of launch files; the LIMIT, which no store reaches, lets the engine look up what follows end by end, and
+# MINUS reads what frameworks make once.
+_DECLARED: Final = """
+SELECT ?node ?class (COUNT(?end) AS ?number) WHERE {
+  { SELECT * WHERE { %s ?node ros:hasComponent ?end } LIMIT 1000000000 }
+  MINUS { ?end rnkg:implicit true }
+  ?end a ?class .
+}
+GROUP BY ?node ?class"""
+_PARAMETERS: Final = """
+SELECT ?node (COUNT(DISTINCT ?known) AS ?number) WHERE {
+  { SELECT * WHERE { %s ?node rnkg:hasParameter ?parameter } LIMIT 1000000000 }
+  MINUS { ?parameter rnkg:implicit true }
+  OPTIONAL { ?parameter rnkg:name ?name }
+  BIND(COALESCE(?name, 0) AS ?known)
+}
+GROUP BY ?node"""
 _ENDS: Final = """
-SELECT ?channel ?class ?name ?package ?type WHERE {
+SELECT DISTINCT ?channel ?class ?node ?type WHERE {
+  {
+    SELECT * WHERE {
+      ?node a rnkg:NodeType ; ros:hasComponent ?end .
+      ?end a ?class ; rnkg:connectsTo ?c ; rnkg:implicit ?implicit .
+      %s
+    }
+    LIMIT 1000000000
+  }
   VALUES ?class { %s %s }
-  ?end a ?class ; rnkg:connectsTo/rdfs:label ?channel ; rnkg:implicit ?implicit .
-  FILTER(%s || !?implicit)
-  ?node ros:hasComponent ?end ; rnkg:name ?name .
-  ?p rnkg:contains ?node ; rnkg:name ?package .
-  OPTIONAL { ?end ros:hasMessage|rnkg:hasServiceType|rnkg:hasActionType ?t . ?t rdfs:label ?type }
+  ?c rdfs:label ?channel .
+  OPTIONAL { ?end %s/rdfs:label ?type }
 }"""
 
 
@@ -56,6 +102,24 @@ class PackageSummary:
     definitions: int
     problems: int
     deprecated: bool
+
+
+@dataclass(frozen=True, slots=True)
+class NodeSummary:
+    """A node type with how much its code declares; what frameworks make by themselves is not counted."""
+
+    repository: str
+    package: str
+    name: str
+    kind: NodeKind
+    ros: int
+    location: Location
+    publishes: int
+    subscribes: int
+    services: int
+    clients: int
+    actions: int
+    parameters: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,6 +154,30 @@ def packages(graph: Queryable) -> list[PackageSummary]:
     return sorted(found, key=lambda one: (one.repository, one.name))
 
 
+def nodes(graph: Queryable, package: str | None = None) -> list[NodeSummary]:
+    """Return the node types of the store, or of one package, sorted by source, package, name and place."""
+    those = which(package)
+    declared: defaultdict[str, Counter[str]] = defaultdict(Counter)
+    for row in _rows(graph, _DECLARED % those):
+        declared[row["node"].value][_DECLARES.get(row["class"].value, "")] += int(row["number"].value)
+    for row in _rows(graph, _PARAMETERS % those):
+        declared[row["node"].value]["parameters"] = int(row["number"].value)
+    numbers = [*dict.fromkeys(_DECLARES.values()), "parameters"]
+    found = [
+        NodeSummary(
+            repository=row["repository"].value,
+            package=row["package"].value,
+            name=row["name"].value,
+            kind=NodeKind(row["kind"].value.removeprefix(v.RNKG)),
+            ros=int(row["ros"].value),
+            location=Location(row["path"].value, int(row["line"].value)),
+            **{number: declared[row["node"].value][number] for number in numbers},
+        )
+        for row in _rows(graph, _NODES % those)
+    ]
+    return sorted(found, key=lambda one: (one.repository, one.package, one.name, str(one.location)))
+
+
 def package_names(graph: Queryable) -> list[str]:
     """Return the names of all packages, each once, sorted."""
     return sorted({row[0].value for row in _rows(graph, "SELECT ?name WHERE { ?p a rnkg:Package ; rnkg:name ?name }")})
@@ -97,14 +185,17 @@ def package_names(graph: Queryable) -> list[str]:
 
 def channels(graph: Queryable, kind: str, *, implicit: bool = False) -> list[Channel]:
     """Return all topics, services or actions by name; `implicit` adds the ends that frameworks make by themselves."""
-    giver, taker = CHANNELS[kind]
+    giver, taker, typed = _CHANNELS[kind]
+    names: defaultdict[str, list[str]] = defaultdict(list)
+    for row in _rows(graph, _OWNERS):
+        names[row["node"].value].append(f"{row['package'].value}/{row['name'].value}")
     types: defaultdict[str, set[str]] = defaultdict(set)
     ends: defaultdict[str, tuple[set[str], set[str]]] = defaultdict(lambda: (set(), set()))
     local = giver.partition(":")[2]
-    for row in _rows(graph, _ENDS % (giver, taker, "true" if implicit else "false")):
+    for row in _rows(graph, _ENDS % ("" if implicit else "FILTER(!?implicit)", giver, taker, typed)):
         name = row["channel"].value
         side = 0 if row["class"].value.endswith(f"#{local}") else 1
-        ends[name][side].add(f"{row['package'].value}/{row['name'].value}")
+        ends[name][side].update(names[row["node"].value])
         if row["type"] is not None:
             types[name].add(row["type"].value)
     return [

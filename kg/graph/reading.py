@@ -9,6 +9,8 @@ from collections import defaultdict
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias
 
+from pyoxigraph import NamedNode
+
 from kg.facts import (
     Access,
     Interface,
@@ -26,7 +28,7 @@ from kg.graph.ntriples import literal
 from kg.graph.texts_reading import DESCRIPTIONS, descriptions_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Collection, Iterable, Mapping
 
     from kg.facts import Description
 
@@ -43,6 +45,7 @@ __all__ = [
     "programs",
     "qualities",
     "type_of",
+    "which",
     "word",
 ]
 
@@ -59,6 +62,18 @@ _ROLES: Final = {
     v.bare(v.ACTION_SERVER): Role.ACTION_SERVERS,
     v.bare(v.ACTION_CLIENT): Role.ACTION_CLIENTS,
 }
+_ANY: Final = "?node a rnkg:NodeType ."
+_OF_NODES: Final = (
+    *(v.NAME, v.KIND, v.LANGUAGE, v.ROS_VERSION, v.PATH, v.LINE, v.IN_REPOSITORY),
+    *(v.PLUGIN_NAME, v.NODE_NAME, v.BASE_CLASS, v.ALIAS),
+)
+"""The properties of node types that facts have."""
+_OF_PARTS: Final = (
+    *(v.TYPE, v.NAME, v.RESOLUTION, v.PATH, v.LINE, v.IN_REPOSITORY, v.IMPLICIT, v.ORIGIN, v.REASON),
+    *(v.ROS_HAS_MESSAGE, v.HAS_SERVICE_TYPE, v.HAS_ACTION_TYPE, v.RESOLVED_NAME, v.WRITTEN, v.PARAMETER_NAME),
+    *(v.HAS_QOS, v.LEAST_ARGUMENTS, v.SWITCHED_BY, v.PARAMETER_TYPE, v.DEFAULT_VALUE, v.ACCESS, v.DESCRIPTION),
+)
+"""The properties of interfaces and parameters that facts have."""
 _OWNERS: Final = """
 SELECT ?node ?package ?repository ?commit WHERE {
   %s
@@ -66,23 +81,38 @@ SELECT ?node ?package ?repository ?commit WHERE {
   ?r rnkg:contains ?p ; rnkg:name ?repository .
   OPTIONAL { ?r rnkg:commit ?commit }
 }"""
-_NODES: Final = "SELECT ?subject ?predicate ?object WHERE { %s ?node ?predicate ?object BIND(?node AS ?subject) }"
 _SOURCES: Final = "SELECT ?subject ?path WHERE { %s ?node rnkg:hasSource/rnkg:path ?path BIND(?node AS ?subject) }"
 _EXECUTABLES: Final = (
     "SELECT ?subject ?name WHERE { %s ?node rnkg:hasExecutable/rnkg:name ?name BIND(?node AS ?subject) }"
 )
-_PARTS: Final = """
-SELECT ?subject ?predicate ?object WHERE {
-  %s
-  ?node ros:hasComponent|rnkg:hasParameter ?subject .
-  ?subject ?predicate ?object .
-}"""
+# The engine takes most of its time to make texts of terms, so what nobody reads here is left out (docs/benchmarks.md),
+# by a join with VALUES that the LIMIT, which no store reaches, keeps from being asked once for each property.
+_NODES: Final = f"""
+SELECT ?subject ?predicate ?object WHERE {{
+  {{ SELECT * WHERE {{ %s ?node ?predicate ?object BIND(?node AS ?subject) }} LIMIT 1000000000 }}
+  VALUES ?predicate {{ {" ".join(_OF_NODES)} }}
+}}"""
+_PARTS: Final = f"""
+SELECT ?subject ?predicate ?object WHERE {{
+  {{
+    SELECT * WHERE {{
+      %s
+      ?node ros:hasComponent|rnkg:hasParameter ?subject .
+      ?subject ?predicate ?object .
+    }}
+    LIMIT 1000000000
+  }}
+  VALUES ?predicate {{ {" ".join(_OF_PARTS)} }}
+}}"""
 _TYPES: Final = """
 SELECT DISTINCT ?type ?label WHERE {
   VALUES ?class { ros:Message rnkg:ServiceType rnkg:ActionType }
   ?type a ?class ; rdfs:label ?label .
 }"""
-_QOS: Final = "SELECT ?subject ?predicate ?object WHERE { ?subject a rnkg:Qos ; ?predicate ?object }"
+_LABELS: Final = "SELECT DISTINCT ?type ?label WHERE { VALUES ?type { %s } ?type rdfs:label ?label }"
+_QOS: Final = "SELECT ?subject ?predicate ?object WHERE { %s ?subject a rnkg:Qos ; ?predicate ?object }"
+_FEW: Final = 200
+"""So many things are asked for one by one; of more, all that the store has."""
 
 
 class Queryable(Protocol):
@@ -126,30 +156,32 @@ def node_records(
     package: str | None = None,
     node: str | None = None,
     packages: Iterable[str] | None = None,
+    iris: Collection[str] | None = None,
 ) -> list[NodeRecord]:
     """Return the node types of the store, sorted by source, package and name.
 
-    They may be limited to those of a package, of any of several `packages` (their names), or of a name.
+    They may be limited to those of a package, of any of several `packages` (their names), of a name, or to those
+    of some IRIs.
     """
-    which = _which(package, node, packages)
-    owners = {_text(row["node"]): row for row in _rows(graph, _OWNERS % which)}
-    properties = grouped(_rows(graph, _NODES % which))
-    sources = _listed(_rows(graph, _SOURCES % which))
-    executables = _listed(_rows(graph, _EXECUTABLES % which))
-    parts = _parts(graph, which, owners)
-    said = descriptions_of(_rows(graph, DESCRIPTIONS % which))
+    those = which(package, node, packages) if iris is None else f"VALUES ?node {{ {_listing(iris)} }} {_ANY}"
+    owners = {_text(row["node"]): row for row in _rows(graph, _OWNERS % those)}
+    properties = grouped(_rows(graph, _NODES % those))
+    sources = _listed(_rows(graph, _SOURCES % those))
+    executables = _listed(_rows(graph, _EXECUTABLES % those))
+    parts = _parts(graph, those, owners)
+    said = descriptions_of(_rows(graph, DESCRIPTIONS % those))
     found = []
-    for iri, owner in owners.items():
-        ends, settable = parts.get(iri, ([], []))
+    for at, owner in owners.items():
+        ends, settable = parts.get(at, ([], []))
         fact = _node(
-            properties[iri],
-            sources.get(iri, []),
-            executables.get(iri, []),
+            properties[at],
+            sources.get(at, []),
+            executables.get(at, []),
             ([end for end, _ in ends], [parameter for parameter, _ in settable]),
         )
         commit, place = owner["commit"], (_text(owner["repository"]), _text(owner["package"]))
-        record = NodeRecord(place[0], commit and _text(commit), place[1], fact, iri, dict(ends), dict(settable))
-        found.append(replace(record, descriptions=said.get(iri, ())))
+        record = NodeRecord(place[0], commit and _text(commit), place[1], fact, at, dict(ends), dict(settable))
+        found.append(replace(record, descriptions=said.get(at, ())))
     return sorted(found, key=lambda one: (one.repository, one.package, one.node.name, str(one.node.location)))
 
 
@@ -178,9 +210,9 @@ def loaded_as(graph: Queryable, name: str) -> list[str]:
     )
 
 
-def _which(package: str | None, node: str | None, packages: Iterable[str] | None) -> str:
-    """Return the pattern that binds ?node; `package` may have its repository in front, with a colon."""
-    lines = ["?node a rnkg:NodeType ."]
+def which(package: str | None, node: str | None = None, packages: Iterable[str] | None = None) -> str:
+    """Return the pattern that binds ?node to node types; `package` may have its repository in front, with a colon."""
+    lines = [_ANY]
     if packages is not None:
         names = " ".join(sorted(literal(name) for name in packages))
         lines.append(f"VALUES ?oneOf {{ {names} }} ?oneOfThese rnkg:contains ?node ; rnkg:name ?oneOf .")
@@ -231,14 +263,15 @@ def _listed(rows: Iterable[Any]) -> dict[str, list[str]]:
     return {subject: sorted(set(values)) for subject, values in found.items()}
 
 
-def _parts(graph: Queryable, which: str, owners: Iterable[str]) -> dict[str, tuple[_Ends, _Settable]]:
+def _parts(graph: Queryable, those: str, owners: Iterable[str]) -> dict[str, tuple[_Ends, _Settable]]:
     nodes: defaultdict[str, list[str]] = defaultdict(list)
     for owner in owners:
         nodes[owner.partition("#")[0]].append(owner)
-    types = {row["type"].value: row["label"].value for row in _rows(graph, _TYPES)}
-    known = qualities(graph)
+    parts = grouped(_rows(graph, _PARTS % those))
+    types = _types(graph, {iri for properties in parts.values() if (iri := type_of(properties))})
+    known = qualities(graph, {iri for properties in parts.values() for iri in properties.get(v.bare(v.HAS_QOS), ())})
     found: defaultdict[str, tuple[_Ends, _Settable]] = defaultdict(lambda: ([], []))
-    for iri, properties in grouped(_rows(graph, _PARTS % which)).items():
+    for iri, properties in parts.items():
         interfaces, parameters = found[_owner(iri, nodes)]
         roles = [_ROLES[kind] for kind in properties[v.bare(v.TYPE)] if kind in _ROLES]
         if roles:
@@ -248,9 +281,20 @@ def _parts(graph: Queryable, which: str, owners: Iterable[str]) -> dict[str, tup
     return found
 
 
-def qualities(graph: Queryable) -> dict[str, Qos]:
-    """Return the combinations of policies of the store by their IRIs."""
-    return {iri: _qos(properties) for iri, properties in grouped(_rows(graph, _QOS)).items()}
+def _types(graph: Queryable, wanted: Collection[str]) -> dict[str, str]:
+    """Return the names of types by their IRIs, those `wanted` at least."""
+    query = _LABELS % _listing(wanted) if len(wanted) <= _FEW else _TYPES
+    return {row["type"].value: row["label"].value for row in _rows(graph, query)}
+
+
+def qualities(graph: Queryable, wanted: Collection[str] | None = None) -> dict[str, Qos]:
+    """Return the combinations of policies of the store by their IRIs, those `wanted` at least."""
+    few = f"VALUES ?subject {{ {_listing(wanted)} }}" if wanted is not None and len(wanted) <= _FEW else ""
+    return {iri: _qos(properties) for iri, properties in grouped(_rows(graph, _QOS % few)).items()}
+
+
+def _listing(iris: Iterable[str]) -> str:
+    return " ".join(str(NamedNode(iri)) for iri in sorted(iris))
 
 
 def _owner(part: str, nodes: Mapping[str, list[str]]) -> str:

@@ -11,7 +11,15 @@ if TYPE_CHECKING:
     from kg.facts import InstanceInterface, Interface, Location, NodeInstance, Parameter, Qos, System
     from kg.graph.reading import NodeRecord
 
-__all__ = ["how_to_start", "instance_object", "node_object"]
+__all__ = [
+    "_yaml",
+    "end_object",
+    "how_to_start",
+    "instance_object",
+    "interface_object",
+    "node_object",
+    "parameter_object",
+]
 
 
 def node_object(record: NodeRecord) -> dict[str, Any]:
@@ -36,8 +44,8 @@ def node_object(record: NodeRecord) -> dict[str, Any]:
         **_place(node.location),
     }
     for role in Role:
-        fields[str(role)] = [_interface(one) for one in node.interfaces if one.role == role]
-    fields["parameters"] = [_parameter(one) for one in node.parameters]
+        fields[str(role)] = [interface_object(one) for one in node.interfaces if one.role == role]
+    fields["parameters"] = [parameter_object(one) for one in node.parameters]
     return fields
 
 
@@ -68,19 +76,20 @@ def instance_object(system: System, instance: NodeInstance) -> dict[str, Any]:
         "chain": [_place(one) for one in started.chain],
     }
     for role in Role:
-        fields[str(role)] = [_end(one) for one in instance.interfaces if one.declared.role == role]
+        fields[str(role)] = [end_object(one) for one in instance.interfaces if one.declared.role == role]
     return fields
 
 
-def _end(end: InstanceInterface) -> dict[str, Any]:
+def end_object(end: InstanceInterface) -> dict[str, Any]:
+    """Return an end of an instance as plain values; the fields of docs/formats.md."""
     remap, setting = end.remap, end.parameter
     return {
-        **_interface(end.declared),
+        **interface_object(end.declared),
         "resolved": end.resolved,
         "resolution": str(end.resolution),
         "qos": _qos(end.qos) if end.qos else None,
         "reason": end.reason,
-        "owner": str(end.owner),
+        "owner": str(end.owner) if end.owner.node else None,
         "remap": {"from": remap.source, "to": remap.target, **_place(remap.location)} if remap else None,
         "set_by": {"name": setting.name, "value": _yaml(setting.value), **_place(setting.location)}
         if setting
@@ -117,7 +126,8 @@ def _place(location: Location) -> dict[str, Any]:
     return {"file": location.path, "line": location.line, "file_repository": location.repository}
 
 
-def _interface(fact: Interface) -> dict[str, Any]:
+def interface_object(fact: Interface) -> dict[str, Any]:
+    """Return an interface as plain values; the fields of docs/formats.md."""
     return {
         "name": fact.name,
         "type": fact.type,
@@ -149,7 +159,8 @@ def _qos(qos: Qos) -> dict[str, Any]:
     }
 
 
-def _parameter(fact: Parameter) -> dict[str, Any]:
+def parameter_object(fact: Parameter) -> dict[str, Any]:
+    """Return what one line of code does with a parameter as plain values; the fields of docs/formats.md."""
     return {
         "name": fact.name,
         "type": fact.type,

@@ -6,18 +6,20 @@ node types, to whose ends those of instances point.
 
 from __future__ import annotations
 
+from dataclasses import replace
+from datetime import datetime
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import Role
 from kg.graph import vocabulary as v
 from kg.graph.interfaces import SHAPES, interface_type, quality
 from kg.graph.iris import fragment
-from kg.graph.ntriples import boolean, integer, literal
+from kg.graph.ntriples import boolean, integer, literal, moment
 from kg.graph.scope import Scope
 from kg.graph.shared import split
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping
 
     from kg.facts import (
         InstanceInterface,
@@ -31,20 +33,48 @@ if TYPE_CHECKING:
         NodeInstance,
         NodeReference,
         Remap,
+        Sighting,
         System,
     )
     from kg.graph.iris import Iris
     from kg.graph.reading import NodeRecord
 
-__all__ = ["chain_text", "system_triples"]
+__all__ = ["chain_text", "system_parts", "system_triples"]
 
 _CHANNELS: Final = {role.channel: SHAPES[role].channel_class for role in Role}
 """The classes of channels."""
+_ENDS: Final = frozenset(shape.component for shape in SHAPES.values())
+"""What the IRIs of ends have behind the name of their instance."""
 
 
-def system_triples(system: System, records: Mapping[NodeReference, NodeRecord], iris: Iris) -> bytes:
-    """Return the N-Triples of a system; `records` are the node types that its instances are of, or load."""
-    return _Writing(system, records, iris).run()
+def system_triples(
+    system: System, records: Mapping[NodeReference, NodeRecord], iris: Iris, *, whole: bool = False
+) -> bytes:
+    """Return the N-Triples of a system; `records` are the node types that its instances are of, or load.
+
+    What other graphs of a store say too, such as the description of a type, is left out unless it is `whole`.
+    """
+    writing = _Writing(system, records, iris)
+    return writing.run() if whole else writing.own(writing.run())
+
+
+def system_parts(
+    system: System, records: Mapping[NodeReference, NodeRecord], iris: Iris, known: Mapping[str, NodeInstance]
+) -> Iterator[tuple[str, NodeInstance | None, bytes | None]]:
+    """Yield the N-Triples of a running system part by part: together they are those of `system_triples`, as a `whole`.
+
+    Each part is told by the IRI of its instance, with the instance and its triples. These are None where `known` has
+    the same instance for the IRI: it gave the same triples for the same records. What belongs to no instance, and a
+    system with names of nodes that IRIs cannot tell from those of ends, comes without an instance.
+    """
+    if any(not _ENDS.isdisjoint(one.name.split("/")) for one in system.instances):
+        yield "", None, system_triples(system, records, iris, whole=True)
+        return
+    alone = replace(system, instances=())
+    yield "", None, system_triples(alone, records, iris, whole=True)
+    for iri, instance in zip(_Writing(system, records, iris).instances(), system.instances, strict=True):
+        same = known.get(iri) is instance
+        yield iri, instance, None if same else _Writing(alone, records, iris).one(iri, instance)
 
 
 def chain_text(chain: tuple[Location, ...]) -> str:
@@ -73,7 +103,7 @@ class _Writing:
         for order, parameter in enumerate(self._system.shared_parameters):
             self._setting(self._iri, parameter.name, parameter, order)
         names: dict[str, str] = {}
-        iris = [self._scope.part(self._iri, "instance", one.name.lstrip("/"))[1:-1] for one in self._system.instances]
+        iris = self.instances()
         for iri, instance in zip(iris, self._system.instances, strict=True):
             names.setdefault(instance.name, iri)
         for order, (iri, instance) in enumerate(zip(iris, self._system.instances, strict=True)):
@@ -81,9 +111,18 @@ class _Writing:
         for kind, one, other in self._system.similar:
             self._writer.add(self._channel(kind, one), v.RESEMBLES, self._channel(kind, other))
             self._writer.add(self._channel(kind, other), v.RESEMBLES, self._channel(kind, one))
-        return self._own(self._writer.encoded())
+        return self._writer.encoded()
 
-    def _own(self, content: bytes) -> bytes:
+    def instances(self) -> list[str]:
+        """Return the IRIs of the instances."""
+        return [self._scope.part(self._iri, "instance", one.name.lstrip("/"))[1:-1] for one in self._system.instances]
+
+    def one(self, iri: str, instance: NodeInstance) -> bytes:
+        """Return what is said of one instance that was seen running."""
+        self._instance(iri, instance, {}, 0)
+        return self._writer.encoded()
+
+    def own(self, content: bytes) -> bytes:
         """Leave out what the graph of what sources share has already, by way of the node types."""
         own, shared = split(content, self._scope.iris)
         alone = {f"{iri} " for iri in self._overrides}
@@ -97,10 +136,13 @@ class _Writing:
         writer.described(subject, fact.name, v.CONFIGURATION)
         writer.add(subject, v.ROS_VERSION, integer(fact.ros))
         writer.add(subject, v.LAUNCH_DIALECT, literal(fact.dialect))
-        writer.add(subject, v.OF_PACKAGE, f"<{iris.package(fact.repository, fact.package)}>")
         writer.add(subject, v.PATH, literal(fact.path))
-        writer.add(subject, v.DECLARED_IN, f"<{iris.file(fact.repository, fact.path)}>")
         writer.add(subject, v.NAME, literal(fact.name))
+        if self._system.sighting is not None:
+            self._sighting(self._system.sighting)
+            return
+        writer.add(subject, v.OF_PACKAGE, f"<{iris.package(fact.repository, fact.package)}>")
+        writer.add(subject, v.DECLARED_IN, f"<{iris.file(fact.repository, fact.path)}>")
         for include in fact.includes:
             if include.path is not None and include.repository is not None:
                 writer.once(subject, v.INCLUDES, f"<{iris.configuration(include.repository, include.path)}>")
@@ -108,6 +150,17 @@ class _Writing:
             self._argument(argument)
         for problem in fact.problems:
             self._problem(problem)
+
+    def _sighting(self, fact: Sighting) -> None:
+        writer, subject = self._writer, self._subject
+        writer.add(subject, v.TYPE, v.RUNNING_SYSTEM)
+        writer.text(subject, v.ADDRESS, fact.address)
+        writer.add(subject, v.COMPLETE, boolean(fact.complete))
+        writer.add(subject, v.SEEN_SINCE, moment(datetime.fromisoformat(fact.since)))
+        if fact.until is not None:
+            writer.add(subject, v.SEEN_UNTIL, moment(datetime.fromisoformat(fact.until)))
+        for problem in self._system.configuration.problems:
+            self._problem(problem, fact.since)
 
     def _argument(self, fact: LaunchArgument) -> None:
         part, writer = self._scope.part(self._iri, "argument", fact.name), self._writer
@@ -122,14 +175,14 @@ class _Writing:
             writer.text(part, v.CHOICE, choice)
         self._evidence(part, fact.location)
 
-    def _problem(self, fact: LaunchProblem) -> None:
+    def _problem(self, fact: LaunchProblem, since: str | None = None) -> None:
         part, writer = self._scope.part(self._iri, "problem", fact.subject or fact.kind), self._writer
         writer.add(self._subject, v.HAS_LAUNCH_PROBLEM, part)
         writer.add(part, v.TYPE, v.LAUNCH_PROBLEM)
         writer.text(part, v.PROBLEM_KIND, fact.kind)
         writer.text(part, v.TEXT, fact.message)
         writer.text(part, v.SUBJECT, fact.subject)
-        self._evidence(part, fact.location, fact.chain)
+        self._evidence(part, fact.location, fact.chain, since)
 
     def _instance(self, iri: str, fact: NodeInstance, names: Mapping[str, str], order: int) -> None:
         subject, writer, started = f"<{iri}>", self._writer, fact.started
@@ -138,7 +191,8 @@ class _Writing:
         writer.add(subject, v.NAME, literal(fact.name))
         writer.add(subject, v.NAMESPACE, literal(fact.namespace))
         writer.add(subject, v.ROS_VERSION, integer(self._system.configuration.ros))
-        writer.add(subject, v.ORDER, integer(order))
+        if fact.since is None:
+            writer.add(subject, v.ORDER, integer(order))
         writer.add(subject, v.START_KIND, literal(started.kind))
         writer.text(subject, v.STARTS_PACKAGE, started.package)
         writer.text(subject, v.STARTS_EXECUTABLE, started.executable)
@@ -159,13 +213,13 @@ class _Writing:
         for relation, reference in ((v.INSTANCE_OF, fact.type), *((v.LOADS_PLUGIN, one) for one in fact.plugins)):
             if reference is not None and reference in self._records:
                 writer.once(subject, relation, f"<{self._records[reference].iri}>")
-        self._evidence(subject, started.location, started.chain)
+        self._evidence(subject, started.location, started.chain, fact.since)
         for place, remap in enumerate(fact.remaps):
             self._remap(iri, remap, place)
         for place, parameter in enumerate(fact.parameters):
             self._parameter(iri, parameter, place)
         for end in fact.interfaces:
-            self._end(iri, end)
+            self._end(iri, end, fact.since)
 
     def _remap(self, owner: str, fact: InstanceRemap, order: int) -> None:
         part, writer = self._scope.part(owner, "remap", fact.source.lstrip("/")), self._writer
@@ -200,7 +254,7 @@ class _Writing:
         self._evidence(part, fact.location, fact.chain)
         return part
 
-    def _end(self, owner: str, fact: InstanceInterface) -> None:
+    def _end(self, owner: str, fact: InstanceInterface, since: str | None) -> None:
         shape, writer = SHAPES[fact.declared.role], self._writer
         part = self._scope.part(owner, shape.component, (fact.resolved or "").lstrip("/") or None)
         writer.add(f"<{owner}>", v.HAS_COMPONENT, part)
@@ -215,6 +269,9 @@ class _Writing:
             writer.add(part, v.DECLARED_BY, f"<{record.ends[fact.declared]}>")
         elif foreign:
             self._foreign(part, fact)
+        elif since is not None:
+            self._writer.text(part, v.NAME, fact.declared.name)
+            self._evidence(part, fact.declared.location, since=since)
         writer.text(part, v.PARAMETER_NAME, fact.declared.parameter)
         writer.text(part, v.REASON, fact.reason)
         self._causes(owner, part, fact)
@@ -260,8 +317,17 @@ class _Writing:
             writer.add(iri, v.IS_NAMED, f"<{self._scope.iris.channel(kind, name)}>")
         return iri
 
-    def _evidence(self, subject: str, location: Location, chain: tuple[Location, ...] = ()) -> None:
-        """Add where something stands. Files are described in the graph of their source, and only there."""
+    def _evidence(
+        self, subject: str, location: Location, chain: tuple[Location, ...] = (), since: str | None = None
+    ) -> None:
+        """Add where something stands. Files are described in the graph of their source, and only there.
+
+        Of what was seen running it is the peer that showed it, and since when.
+        """
+        if since is not None:
+            self._writer.text(subject, v.SEEN_AT, location.path)
+            self._writer.add(subject, v.SEEN_SINCE, moment(datetime.fromisoformat(since)))
+            return
         writer, repository = self._writer, location.repository or self._scope.repository
         writer.add(subject, v.PATH, literal(location.path))
         writer.add(subject, v.LINE, integer(location.line))

@@ -26,12 +26,13 @@ from kg.facts import (
     NodeReference,
     Remap,
     Resolution,
+    Sighting,
     StartedNode,
     StartKind,
     System,
 )
 from kg.graph import vocabulary as v
-from kg.graph.iris import Iris
+from kg.graph.iris import RUNNING, Iris
 from kg.graph.reading import Queryable, end_of, grouped, node_records, one, qualities, type_of, word
 
 if TYPE_CHECKING:
@@ -44,10 +45,16 @@ __all__ = ["SystemName", "included", "started_names", "system_names", "systems"]
 
 _PREFIXES: Final = {"ros": v.ROS, "rnkg": v.RNKG}
 _NAMES: Final = """
-SELECT ?configuration ?name ?path ?repository ?ros WHERE {
-  ?configuration a rnkg:LaunchConfiguration ; rnkg:name ?name ; rnkg:path ?path ; rnkg:rosVersion ?ros ;
-                 rnkg:ofPackage ?package .
-  ?owner rnkg:contains ?package ; rnkg:name ?repository .
+SELECT ?name ?path ?repository ?ros WHERE {
+  GRAPH ?launch {
+    ?configuration rnkg:launchDialect ?dialect ; rnkg:ofPackage ?package ; rnkg:name ?name ; rnkg:path ?path ;
+                   rnkg:rosVersion ?ros .
+  }
+  GRAPH ?source { ?owner rnkg:contains ?package ; rnkg:name ?repository }
+}"""
+_RUNNING: Final = """
+SELECT ?name ?path ?ros WHERE {
+  ?configuration a rnkg:RunningSystem ; rnkg:name ?name ; rnkg:path ?path ; rnkg:rosVersion ?ros .
 }"""
 _INCLUDED: Final = "SELECT DISTINCT ?name WHERE { ?other rnkg:includes/rnkg:name ?name }"
 _STARTED: Final = """
@@ -59,7 +66,10 @@ _GRAPH: Final = "SELECT ?s ?p ?o WHERE { GRAPH <%s> { ?s ?p ?o } }"
 
 @dataclass(frozen=True, slots=True, order=True)
 class SystemName:
-    """What names a configuration: its source and path, and the `name` that people use."""
+    """What names a configuration: its source and path, and the `name` that people use.
+
+    The source of a running system is `kg.graph.iris.RUNNING`, its path the name that it was given.
+    """
 
     repository: str
     path: str
@@ -68,10 +78,11 @@ class SystemName:
 
 
 def system_names(graph: Queryable) -> list[SystemName]:
-    """Return the configurations of the store, sorted by source and path."""
-    rows = graph.query(_NAMES, prefixes=_PREFIXES)
+    """Return the configurations of the store, sorted by source and path, those of running systems too."""
+    rows = [(row["repository"].value, row) for row in graph.query(_NAMES, prefixes=_PREFIXES)]
+    rows += [(RUNNING, row) for row in graph.query(_RUNNING, prefixes=_PREFIXES)]
     return sorted(
-        SystemName(row["repository"].value, row["path"].value, row["name"].value, int(row["ros"].value)) for row in rows
+        SystemName(repository, row["path"].value, row["name"].value, int(row["ros"].value)) for repository, row in rows
     )
 
 
@@ -91,8 +102,8 @@ def started_names(graph: Queryable) -> dict[str, list[str]]:
 def systems(graph: Queryable, names: Iterable[SystemName], base: str) -> list[System]:
     """Return the systems of these names, in their order; `base` is that of the IRIs of the store."""
     iris = Iris(base)
-    contents = [(name, _content(graph, iris.launch_graph(name.repository, name.path))) for name in names]
-    records = _Records(graph, [content for _, content in contents], iris)
+    contents = [(name, _content(graph, iris.system_graph(name.repository, name.path))) for name in names]
+    records = _Records(graph, [content for _, content in contents])
     return [_Reading(name, content, records, iris).run() for name, content in contents]
 
 
@@ -103,7 +114,7 @@ def _content(graph: Queryable, name: str) -> dict[str, dict[str, list[str]]]:
 class _Records:
     """The node types that instances are of, with what their IRIs stand for."""
 
-    def __init__(self, graph: Queryable, contents: Iterable[Mapping[str, Properties]], iris: Iris) -> None:
+    def __init__(self, graph: Queryable, contents: Iterable[Mapping[str, Properties]]) -> None:
         types = {
             iri
             for content in contents
@@ -111,8 +122,7 @@ class _Records:
             for term in (v.INSTANCE_OF, v.LOADS_PLUGIN)
             for iri in properties.get(v.bare(term), ())
         }
-        things = (iris.parse(iri.partition("#")[0]) for iri in types)
-        found = node_records(graph, packages={thing.parts[1] for thing in things if thing}) if types else []
+        found = node_records(graph, iris=types) if types else []
         self.by_iri: dict[str, NodeRecord] = {record.iri: record for record in found}
         self.ends: dict[str, tuple[NodeReference, Interface]] = {}
         self.settable: dict[str, tuple[NodeReference, Parameter]] = {}
@@ -146,6 +156,7 @@ class _Reading:
             instances=tuple(map(self._instance, instances)),
             similar=self._similar(),
             shared_parameters=shared,
+            sighting=_sighting(own),
         )
 
     def _order(self, iri: str) -> tuple[int, str]:
@@ -238,6 +249,7 @@ class _Reading:
             ),
             complete=one(own, v.COMPLETE) == "true",
             similar=tuple(sorted(own.get(v.bare(v.RESEMBLES_NAME), ()))),
+            since=one(own, v.SEEN_SINCE),
         )
 
     def _started(self, own: Properties, remaps: tuple[Remap, ...]) -> StartedNode:
@@ -275,7 +287,7 @@ class _Reading:
     ) -> InstanceInterface | None:
         """Return an end; None when the node type that declares it is not in the store any more."""
         own = self._content[iri]
-        known = self._records.ends.get(one(own, v.DECLARED_BY) or "") or self._foreign(own)
+        known = self._records.ends.get(one(own, v.DECLARED_BY) or "") or self._seen(own) or self._foreign(own)
         if known is None:
             return None
         owner, declared = known
@@ -291,11 +303,22 @@ class _Reading:
             reason=one(own, v.REASON),
         )
 
+    def _seen(self, own: Properties) -> tuple[NodeReference, Interface] | None:
+        """Return an end that was seen running, and that no code of the build declares."""
+        peer = one(own, v.SEEN_AT)
+        declared = self._declared(own) if peer is not None else None
+        if peer is None or declared is None:
+            return None
+        return NodeReference("", "", ""), replace(declared, location=Location(peer, 0))
+
+    def _declared(self, own: Properties) -> Interface | None:
+        iri = type_of(own)
+        thing = self._iris.parse(iri) if iri else None
+        return end_of(own, {iri: "/".join(thing.parts)} if iri and thing else {})
+
     def _foreign(self, own: Properties) -> tuple[NodeReference, Interface] | None:
         """Return what is declared by a plugin whose code is not in the build, and whose evidence the end has itself."""
-        library, iri = one(own, v.LOADS_LIBRARY), type_of(own)
-        thing = self._iris.parse(iri) if iri else None
-        declared = end_of(own, {iri: "/".join(thing.parts)} if iri and thing else {})
+        library, declared = one(own, v.LOADS_LIBRARY), self._declared(own)
         if library is None or declared is None:
             return None
         package, _, name = library.partition("/")
@@ -312,7 +335,17 @@ class _Reading:
         return tuple(sorted(found))
 
 
+def _sighting(own: Properties) -> Sighting | None:
+    address, since = one(own, v.ADDRESS), one(own, v.SEEN_SINCE)
+    if address is None or since is None:
+        return None
+    return Sighting(address, since, one(own, v.SEEN_UNTIL), complete=one(own, v.COMPLETE) == "true")
+
+
 def _place(properties: Properties) -> tuple[Location, tuple[Location, ...]]:
+    peer = one(properties, v.SEEN_AT)
+    if peer is not None:
+        return Location(peer, 0), ()
     path, line, repository = (one(properties, term) for term in (v.PATH, v.LINE, v.IN_REPOSITORY))
     chain = one(properties, v.INCLUDE_CHAIN)
     steps = tuple(map(_step, chain.split(" > "))) if chain else ()

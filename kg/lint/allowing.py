@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias
 from kg.codes import CATALOGUE
 from kg.errors import Place, UsageError
 from kg.lint.lines import Lines
-from kg.query.similar import did_you_mean
+from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence

@@ -8,9 +8,14 @@ in the graph of inferred triples follows from the rules that ran, and is never l
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass, replace
+import os
+import time
+from contextlib import suppress
+from dataclasses import asdict, dataclass, field, replace
+from functools import lru_cache
 from hashlib import blake2b
-from typing import TYPE_CHECKING, Final
+from pathlib import Path
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from pyoxigraph import NamedNode
 
@@ -24,17 +29,20 @@ from kg.store.failure import translated
 from kg.store.layout import write_atomically
 
 if TYPE_CHECKING:
-    from pathlib import Path
+    from collections.abc import Iterator, Mapping
 
+    from kg.rules.reports import RunReport
     from kg.rules.running import Runner
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
     from kg.store.layout import Layout
     from kg.store.transaction import EmbeddedTransaction
 
-__all__ = ["Inference", "LastRun", "add_ontologies", "digest", "last_run", "note_run", "unchanged"]
+__all__ = ["Inference", "LastRun", "add_ontologies", "costs", "digest", "last_run", "note_run", "unchanged"]
 
 _LAST: Final = "rules"
+_SETTLED: Final = 2_000_000_000
+"""Nanoseconds after which a file that changes again is certain to have another time."""
 
 
 def digest(settings: Settings) -> str:
@@ -44,9 +52,48 @@ def digest(settings: Settings) -> str:
         RuleError: KG208 for a pack that cannot be loaded, KG231 for a folder of rules that is closed.
         UsageError: KG002 for a folder or a family of the settings that is not there.
     """
-    families = families_in_force(settings)
+    folders = (resources.folder("rules"), *(pack.folder for pack in packs()), *user_folders(settings))
+    states = tuple(state for folder in folders for state in _states(folder))
+    settled = time.time_ns() - max((state.changed for state in states), default=0) > _SETTLED
+    return (_digest if settled else _digest.__wrapped__)(families_in_force(settings), folders, states)
+
+
+class _State(NamedTuple):
+    """A file as its folder tells it; times in nanoseconds."""
+
+    path: str
+    number: int
+    size: int
+    modified: int
+    changed: int
+
+
+def _states(folder: Path | str) -> Iterator[_State]:
+    """Yield the state of each file below a folder, or of a file; what cannot be looked at is told where it is read."""
+    try:
+        entries = sorted(os.scandir(folder), key=lambda entry: entry.name)
+    except NotADirectoryError:
+        yield _state(str(folder), Path(folder).stat())
+        return
+    except OSError:
+        return
+    for entry in entries:
+        if entry.is_dir(follow_symlinks=False):
+            yield from _states(entry.path)
+        else:
+            with suppress(OSError):
+                yield _state(entry.path, entry.stat())
+
+
+def _state(path: str, found: os.stat_result) -> _State:
+    return _State(path, found.st_ino, found.st_size, found.st_mtime_ns, found.st_ctime_ns)
+
+
+@lru_cache(maxsize=4)
+def _digest(families: tuple[str, ...], folders: tuple[Path, ...], _states: tuple[_State, ...]) -> str:
+    """Return the digest of the rules, read again only where the state of a file is another."""
     found = blake2b(repr(families).encode(), digest_size=16)
-    for folder in (resources.folder("rules"), *(pack.folder for pack in packs()), *user_folders(settings)):
+    for folder in folders:
         for path, name in rule_files(folder, families):
             found.update(f"{name}{path.suffix}\0".encode())
             found.update(_content(path))
@@ -57,7 +104,9 @@ def digest(settings: Settings) -> str:
 class LastRun:
     """What is known of the last run: the digest of its rules, empty where some could not run, and what it counted.
 
-    What is inferred follows from the generation `generation` of the store and these rules, with this `base`.
+    What is inferred follows from the generation `generation` of the store and these rules, with this `base`. `costs`
+    are those of the last full run: for each rule by name the seconds, the triples that it was the first to derive, and
+    the rounds.
     """
 
     digest: str
@@ -66,6 +115,20 @@ class LastRun:
     asserted: int = 0
     inferred: int = 0
     strata: int = 0
+    costs: Mapping[str, tuple[float, int, int]] = field(default_factory=dict)
+
+
+def costs(report: RunReport, cache: Path) -> Mapping[str, tuple[float, int, int]]:
+    """Return what each rule cost: in this run if it was a full one, else in the last that was."""
+    if not report.rules:
+        last = last_run(cache)
+        return last.costs if last else {}
+    found: dict[str, tuple[float, int, int]] = {}
+    for one in report.rules:
+        seconds, derived, rounds = found.get(one.rule.name, (0.0, 0, 0))
+        total = round(seconds + one.seconds, 4)
+        found[one.rule.name] = (total, derived + one.derived, max(rounds, one.rounds))
+    return found
 
 
 def last_run(cache: Path) -> LastRun | None:
@@ -113,7 +176,8 @@ def add_ontologies(transaction: EmbeddedTransaction, settings: Settings) -> None
 class Inference:
     """The rules in force, run inside a transaction; `remember` when it is committed, so that the next run is short.
 
-    `digest` is that of the rules that ran, empty before, and where some could not.
+    A process that stays can run them again and again, in one transaction after the other. `digest` is that of the
+    rules that ran, empty before, and where some could not.
     """
 
     def __init__(self, store: EmbeddedStore, settings: Settings) -> None:
@@ -122,6 +186,25 @@ class Inference:
         self._settings = settings
         self._runner: Runner | None = None
         self._last: LastRun | None = None
+
+    def prepare(self) -> None:
+        """Load the rules in force and what their last run left, for a process that waits for its first transaction.
+
+        Raises as `run`, and StoreError as `EmbeddedStore.read`.
+        """
+        from kg.pipeline.reasoning import rules_over  # noqa: PLC0415 - numbers are loaded here
+
+        with self._store.read() as snapshot:
+            rules = rules_over(self._settings, snapshot, [])
+        self._runner = self._new_runner()
+        self._runner.prepare(rules)
+
+    def _new_runner(self) -> Runner:
+        from kg.graph.vocabulary import RNKG  # noqa: PLC0415 - numbers are loaded here
+        from kg.rules.recording import Names  # noqa: PLC0415 - the same
+        from kg.rules.running import Runner  # noqa: PLC0415 - the same
+
+        return Runner(Names.of(self._settings.base, RNKG), self._store.layout.cache)
 
     def run(self, transaction: EmbeddedTransaction) -> Inferred:
         """Make what is inferred follow from what the transaction has written by now; what cannot run is left out.
@@ -143,19 +226,18 @@ class Inference:
     def _attempt(self, transaction: EmbeddedTransaction, problems: list[RuleError], *, own: bool) -> Inferred | None:
         """Run the rules that can be read; None, and the error among `problems`, where they cannot run."""
         # Numbers are loaded here, not where a build without changes ends.
-        from kg.graph.vocabulary import RNKG  # noqa: PLC0415 - see above
         from kg.pipeline.reasoning import rules_over  # noqa: PLC0415 - see above
-        from kg.rules.recording import Names  # noqa: PLC0415 - see above
-        from kg.rules.running import Runner  # noqa: PLC0415 - see above
 
-        runner = Runner(Names.of(self._settings.base, RNKG), self._store.layout.cache)
+        runner = self._runner or self._new_runner()
+        self._runner = None
         try:
             found = runner.run_within(transaction, rules_over(self._settings, transaction, problems, own=own))
         except RuleError as error:
             problems.append(error)
             return None
         self._runner = runner
-        self._last = LastRun("", self._settings.base, None, found.asserted, found.inferred, found.strata)
+        spent = costs(found, self._store.layout.cache)
+        self._last = LastRun("", self._settings.base, None, found.asserted, found.inferred, found.strata, spent)
         return Inferred(found.inferred, found.added, found.removed, found.seconds.total, found.mode)
 
     def _nothing(self, transaction: EmbeddedTransaction) -> Inferred:
@@ -166,10 +248,18 @@ class Inference:
             transaction.drop_graph(graph)
         return Inferred(0, 0, removed, 0.0, "none")
 
-    def remember(self, generation: int | None) -> None:
-        """Keep what the run read and inferred, as of the generation that its transaction made."""
+    def remember(self, generation: int | None, *, save: bool = True) -> None:
+        """Keep what the run read and inferred, as of the generation that its transaction made.
+
+        Without `save` the columns stay in this process; the next one starts from those that were saved last.
+        """
         if self._runner is not None:
-            self._runner.remember(generation)
+            self._runner.remember(generation, save=save)
         if self._last is not None:
             current = generation or self._store.layout.current()
             note_run(self._store.layout.cache, replace(self._last, generation=current))
+
+    def save(self) -> None:
+        """Write what was remembered to the cache."""
+        if self._runner is not None:
+            self._runner.save()

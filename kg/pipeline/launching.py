@@ -23,7 +23,7 @@ from kg.pipeline.launch_names import check_given, find
 from kg.pipeline.sources import installed_folders
 from kg.pipeline.state import State, load
 from kg.pipeline.systems import node_types, used_packages
-from kg.query.similar import did_you_mean
+from kg.similar import did_you_mean
 from kg.store.opening import layout_of
 from kg.wiring.systems import wire
 

@@ -177,11 +177,11 @@ def explained_vocabulary(base: str) -> Vocabulary:
     from kg.rules.explain.view import Vocabulary  # noqa: PLC0415 - builds explain nothing
 
     iris = Iris(base)
-    path, line, repository, declared_by = (
-        NamedNode(RNKG + name) for name in ("path", "line", "repository", "declaredBy")
+    path, line, repository, declared_by, seen_at, seen_since = (
+        NamedNode(RNKG + name) for name in ("path", "line", "repository", "declaredBy", "seenAt", "seenSince")
     )
     inferred, builds = NamedNode(iris.graph("inferred")), NamedNode(iris.graph("builds"))
-    return Vocabulary(inferred, (builds,), path, line, repository, _ontology_line, declared_by)
+    return Vocabulary(inferred, (builds,), path, line, repository, _ontology_line, declared_by, seen_at, seen_since)
 
 
 def _ontology_line(fact: Triple) -> Evidence | None:

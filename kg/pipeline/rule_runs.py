@@ -9,7 +9,7 @@ from pyoxigraph import RdfFormat, parse
 
 from kg.errors import Place, SourceError, UsageError
 from kg.graph.vocabulary import RNKG
-from kg.pipeline.inferring import LastRun, digest, note_run
+from kg.pipeline.inferring import LastRun, costs, digest, note_run
 from kg.pipeline.reasoning import rules_in_force, rules_over, schema_of
 from kg.rules.filing import rdf_format
 from kg.rules.recording import Names
@@ -48,7 +48,8 @@ def run_on_store(
     report = run(store, rules, Names.of(settings.base, RNKG), limits=limits, incremental=not full, dry_run=dry_run)
     if not dry_run:
         base = report.generation or generation
-        last = LastRun(mark, settings.base, base, report.asserted, report.inferred, report.strata)
+        spent = costs(report, store.layout.cache)
+        last = LastRun(mark, settings.base, base, report.asserted, report.inferred, report.strata, spent)
         note_run(store.layout.cache, last)
     return report
 

@@ -48,12 +48,13 @@ def gather(named: Iterable[str], checkouts: Path, report: Report, *, again: bool
         SourceError: KG101 for what does not exist, KG102 when there is no package in any, KG103 when git fails.
     """
     found: dict[str, Source] = {}
-    for listed in (one for text in named for one in _listed(text)):
+    texts = tuple(named)
+    for listed in (one for text in texts for one in _listed(text)):
         for source in scan_tree(_folder(listed, checkouts, report, again=again)):
             _add(found, source)
     if not any(source.packages for source in found.values()):
         places = ", ".join(str(source.root) for source in found.values())
-        raise SourceError("KG102", f"there is no ROS package in {places or 'what was named'}")
+        raise SourceError("KG102", f"there is no ROS package in {places or ', '.join(texts) or 'what was named'}")
     for source in found.values():
         report.source(source.repository, len(source.packages), source.problems)
     return tuple(found.values())

@@ -1,4 +1,4 @@
-"""Running stored queries by name, with parameters as text and suggestions when nothing was found."""
+"""Running stored queries by name, with parameters as text, for their answer or a row of it, and what was meant."""
 
 from __future__ import annotations
 
@@ -6,18 +6,20 @@ from typing import TYPE_CHECKING
 
 from pyoxigraph import Literal, NamedNode
 
+from kg.errors import UsageError
+from kg.query.binding import bind
 from kg.query.core import run
 from kg.query.result import Solutions
-from kg.query.similar import did_you_mean
+from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kg.query.result import Result
+    from kg.query.result import Result, Term
     from kg.query.stored import StoredQuery
     from kg.store.interface import Snapshot
 
-__all__ = ["ask", "suggestion"]
+__all__ = ["ask", "row", "suggestion"]
 
 
 def ask(
@@ -31,6 +33,26 @@ def ask(
     """Run a stored query with `values` for its parameters; see `kg.query.core.run` for the rest."""
     terms = query.bind(values)
     return run(snapshot, query.text, parameters=terms, timeout=timeout, limit=limit, path=str(query.path))
+
+
+def row(
+    snapshot: Snapshot, query: StoredQuery, values: Mapping[str, str], number: int, *, timeout: float | None = None
+) -> tuple[str, dict[str, Term]]:
+    """Return the text of a query with `values` in it, and what its variables are in one row of the answer.
+
+    Rows are counted from one; variables without a value are left out.
+
+    Raises:
+        UsageError: KG003 when the answer has no such row, or no rows; else as `kg.query.core.run`.
+    """
+    text = bind(query.text, query.bind(values))
+    answer = run(snapshot, text, timeout=timeout, limit=number, path=str(query.path))
+    rows = answer.rows if isinstance(answer, Solutions) else ()
+    if not isinstance(answer, Solutions) or len(rows) < number:
+        message = f"the answer has {len(rows)} row{'s' * (len(rows) != 1)}, not {number}"
+        raise UsageError("KG003", message, hint="See it with `kg query`.")
+    found = zip(answer.variables, rows[number - 1], strict=True)
+    return text, {name: term for name, term in found if term is not None}
 
 
 def suggestion(

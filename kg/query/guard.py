@@ -37,22 +37,22 @@ def check(tokens: Iterable[Token], text: str, path: str = "query") -> None:
     """Refuse a query that nests too deep, chains too much or would call another server.
 
     Raises:
-        QueryError: KG502 with the place of the first thing that is refused.
+        QueryError: KG502 for a call, KG516 for what is too deep or too long, with the place of the first such thing.
     """
     depth = unary = chain = 0
     previous: Token | None = None
     for token in tokens:
         if _is_call(previous, token, depth):
-            raise _refusal(_SERVER, text, token, path)
+            raise _refusal("KG502", _SERVER, text, token, path)
         previous = token
         sign = token.text if token.kind is Kind.SIGN else ""
         depth = max(0, depth + (sign in _OPENING) - (sign in _CLOSING))
         unary = unary + len(sign) if sign in _UNARY else 0
         if depth > MAX_DEPTH or unary > MAX_DEPTH:
-            raise _refusal(f"the query nests deeper than {MAX_DEPTH}", text, token, path)
+            raise _refusal("KG516", f"the query nests deeper than {MAX_DEPTH}", text, token, path)
         chain += sign == "{" or sign in _OPERATORS or token.text.lower() in _PATTERNS
         if chain > MAX_CHAIN:
-            raise _refusal(f"the query has more than {MAX_CHAIN} operators and patterns", text, token, path)
+            raise _refusal("KG516", f"the query has more than {MAX_CHAIN} operators and patterns", text, token, path)
 
 
 def _is_call(previous: Token | None, token: Token, depth: int) -> bool:
@@ -71,6 +71,6 @@ def _prefix(name: Token) -> str:
     return name.text.partition(":")[0].lower()
 
 
-def _refusal(message: str, text: str, token: Token, path: str) -> QueryError:
-    hint = "Calls to other servers are off." if message is _SERVER else "Write the query with fewer of them."
-    return QueryError("KG502", message, place=place_at(text, token.start, path), hint=hint)
+def _refusal(code: str, message: str, text: str, token: Token, path: str) -> QueryError:
+    hint = "Calls to other servers are off." if code == "KG502" else None
+    return QueryError(code, message, place=place_at(text, token.start, path, token.end), hint=hint)

@@ -10,7 +10,7 @@ from pyoxigraph import Literal, NamedNode, RdfFormat, Triple, parse
 
 from kg.errors import UnknownNameError, UsageError
 from kg.query.prefixes import PREFIXES, shorten
-from kg.query.similar import did_you_mean
+from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -31,6 +31,7 @@ _ENDING: Final = """SELECT DISTINCT ?t WHERE {
 } ORDER BY ?t"""
 _NAMES: Final = "SELECT DISTINCT ?name WHERE { ?t rdfs:label ?name }"
 _PROPERTIES: Final = "SELECT DISTINCT ?name WHERE { ?s ?name ?o }"
+_ALL_PROPERTIES: Final = "`kg query 'SELECT DISTINCT ?p { ?s ?p ?o }'` lists the properties that the store has."
 
 
 class Askable(Protocol):
@@ -56,11 +57,15 @@ def facts(
         UnknownNameError: KG001 with suggestions for a word that names nothing.
         UsageError: KG003 when the store holds no such fact and the words name several things.
     """
-    subjects = terms(snapshot, subject, prefixes=prefixes)
     predicates = terms(snapshot, predicate, property_=True, prefixes=prefixes)
-    values = terms(snapshot, value, prefixes=prefixes)
-    every = _triples(subjects, predicates, values)
-    held = [fact for fact in every if snapshot.query(f"ASK {{ {fact.subject} {fact.predicate} {fact.object} }}")]
+    # What has the names is found at once; to find what only ends in them, all that is named has to be read.
+    for having in (True, False):
+        subjects = terms(snapshot, subject, exact=having, prefixes=prefixes)
+        values = terms(snapshot, value, exact=having, prefixes=prefixes)
+        every = _triples(subjects, predicates, values)
+        held = [fact for fact in every if snapshot.query(f"ASK {{ {fact.subject} {fact.predicate} {fact.object} }}")]
+        if held:
+            break
     if held:
         exact = {*_named(snapshot, subject), *_named(snapshot, value)} if len(held) > 1 else set()
         ranks = [(fact.subject not in exact) + (fact.object not in exact) for fact in held]
@@ -110,9 +115,16 @@ def _fitting(snapshot: Askable, found: list[_Term], used: str, pattern: str, pla
 
 
 def terms(
-    snapshot: Askable, word: str, *, property_: bool = False, prefixes: Mapping[str, str] = PREFIXES
+    snapshot: Askable,
+    word: str,
+    *,
+    property_: bool = False,
+    exact: bool = False,
+    prefixes: Mapping[str, str] = PREFIXES,
 ) -> list[_Term]:
     """Return the terms that a word may mean: `<iri>`, `ros:Node`, `"text"`, `5`, `a`, or a name in the store.
+
+    With `exact` a name means what has it, which may be nothing, and not what only ends in it.
 
     Raises:
         UnknownNameError: KG001 with suggestions when it means nothing.
@@ -131,7 +143,9 @@ def terms(
         raise UnknownNameError("KG001", f"`{prefixed[1]}:` is no prefix that is known here", hint=hint)
     if _WRITTEN.fullmatch(word):
         return [_literal(word)]
-    return list(_property(snapshot, word) if property_ else _called(snapshot, word))
+    if property_:
+        return list(_property(snapshot, word))
+    return list(_having(snapshot, word) if exact else _called(snapshot, word))
 
 
 def _literal(word: str) -> Literal:
@@ -144,11 +158,16 @@ def _literal(word: str) -> Literal:
 
 
 def _property(snapshot: Askable, word: str) -> list[NamedNode]:
+    """Return the properties that end in `word`: those of known prefixes, or else of all that the store has."""
+    if re.fullmatch(r"[\w.-]+", word):
+        prefixed = [NamedNode(namespace + word) for namespace in PREFIXES.values()]
+        if used := [iri for iri in prefixed if snapshot.query(f"ASK {{ ?s {iri} ?o }}")]:
+            return used
     rows: Any = snapshot.query(_PROPERTIES)
     known = [row[0] for row in rows]
     found = [iri for iri in known if re.split(r"[/#]", iri.value)[-1] == word]
     if not found:
-        hint = did_you_mean(word, [shorten(iri.value) for iri in known])
+        hint = did_you_mean(word, [shorten(iri.value) for iri in known]) or _ALL_PROPERTIES
         raise UnknownNameError("KG001", f"there is no property `{word}`", hint=hint)
     return found
 
@@ -159,11 +178,16 @@ def _named(snapshot: Askable, word: str) -> list[NamedNode]:
     return [row[0] for row in rows if isinstance(row[0], NamedNode)]
 
 
-def _called(snapshot: Askable, word: str) -> list[NamedNode]:
-    """Return what is called `word`, or whose IRI ends in it; the leading slash of a ROS name may be left out."""
+def _having(snapshot: Askable, word: str) -> list[NamedNode]:
+    """Return what is called `word`; the leading slash of a ROS name may be left out."""
     names = f"{Literal(word)} {Literal('/' + word)} {Literal(word, language='en')}"
     rows: Any = snapshot.query(_CALLED % names, prefixes=PREFIXES)
-    found = [row[0] for row in rows if isinstance(row[0], NamedNode)]
+    return [row[0] for row in rows if isinstance(row[0], NamedNode)]
+
+
+def _called(snapshot: Askable, word: str) -> list[NamedNode]:
+    """Return what is called `word`, or whose IRI ends in it."""
+    found = _having(snapshot, word)
     ended: Any = snapshot.query(_ENDING % (Literal("#" + word), Literal("/" + word)), prefixes=PREFIXES)
     found += [row[0] for row in ended if row[0] not in found]
     if not found:

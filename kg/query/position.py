@@ -7,11 +7,17 @@ from kg.errors import Place
 __all__ = ["place_at", "place_of"]
 
 
-def place_at(text: str, offset: int, path: str) -> Place:
-    """Return the place of the character at `offset` in `text`."""
+def place_at(text: str, offset: int, path: str, end: int | None = None) -> Place:
+    """Return the place of the character at `offset` in `text`; with `end` that of all characters before that offset."""
     begin = text.rfind("\n", 0, offset) + 1
-    end = text.find("\n", offset)
-    return Place(path, text.count("\n", 0, offset) + 1, offset - begin + 1, text[begin : end if end >= 0 else None])
+    last = text.find("\n", offset)
+    line, column = _line_and_column(text, offset)
+    end_line, end_column = (None, None) if end is None else _line_and_column(text, max(offset, end))
+    return Place(path, line, column, text[begin : last if last >= 0 else None], end_line, end_column)
+
+
+def _line_and_column(text: str, offset: int) -> tuple[int, int]:
+    return text.count("\n", 0, offset) + 1, offset - text.rfind("\n", 0, offset)
 
 
 def place_of(text: str, line: int, column: int, path: str) -> Place:

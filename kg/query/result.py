@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from pyoxigraph import BlankNode, Literal, NamedNode, Triple
 
     Term: TypeAlias = NamedNode | BlankNode | Literal | Triple
+    Row: TypeAlias = tuple[Term | None, ...]
 
 __all__ = ["Boolean", "Graph", "Result", "Solutions"]
 
@@ -22,7 +23,7 @@ class Solutions:
     """
 
     variables: tuple[str, ...]
-    rows: tuple[tuple[Term | None, ...], ...]
+    rows: tuple[Row, ...]
     seconds: float
     snapshot: str
     limit: int | None = None

@@ -7,9 +7,9 @@ it can kill; it takes the same calls.
 
 from __future__ import annotations
 
-import multiprocessing
 import threading
-from multiprocessing.pool import ThreadPool
+import time
+from concurrent.futures import Future, wait
 from typing import TYPE_CHECKING, Final, Protocol, TypeVar
 
 from kg.errors import Exit, QueryError
@@ -23,6 +23,11 @@ Answer = TypeVar("Answer")
 
 _STACK_BYTES: Final = 256 << 20
 """The engine recurses over the query; what `kg.query.guard` lets through needs less than this (reserved, not used)."""
+_ROOM_SECONDS: Final = 5.0
+_ROOM_PAUSE: Final = 0.005
+"""Seconds: how long room for a stack is waited for, and how often is looked."""
+_STARTING: Final = threading.Lock()
+"""How large stacks are is one setting of the whole process: it is changed for one thread at a time."""
 
 
 class DeadlineError(QueryError):
@@ -45,15 +50,41 @@ def in_thread(work: Callable[[], Answer], timeout: float | None) -> Answer:
     Raises:
         DeadlineError: KG503; the thread goes on until the process ends.
     """
-    size = threading.stack_size(_STACK_BYTES)
-    try:
-        pool = ThreadPool(1)
-    finally:
-        threading.stack_size(size)
-    try:
-        return pool.apply_async(work).get(timeout)
-    except multiprocessing.TimeoutError as error:
+    answer: Future[Answer] = Future()
+
+    def run() -> None:
+        try:
+            answer.set_result(work())
+        except BaseException as error:  # noqa: BLE001 - it is raised where the answer is waited for
+            answer.set_exception(error)
+
+    thread = threading.Thread(target=run, daemon=True)
+    _start(thread)
+    if not wait([answer], timeout).done:
         message = f"the query ran longer than {timeout:g} s"
-        raise DeadlineError("KG503", message, hint="Raise `--timeout` or ask less.") from error
-    finally:
-        pool.terminate()
+        raise DeadlineError("KG503", message, hint="Raise `--timeout` or ask less.")
+    # Its stack is given back before long, which matters where address space is bounded.
+    thread.join()
+    return answer.result()
+
+
+def _start(thread: threading.Thread) -> None:
+    """Start a thread with a large stack; raises RuntimeError where there is no room for that.
+
+    A thread that was joined may not have left the processor yet, on a machine that is busy, and holds its stack till
+    then: there is room a moment later.
+    """
+    end = time.monotonic() + _ROOM_SECONDS
+    while True:
+        with _STARTING:
+            size = threading.stack_size(_STACK_BYTES)
+            try:
+                thread.start()
+            except RuntimeError:
+                if time.monotonic() > end:
+                    raise
+            else:
+                return
+            finally:
+                threading.stack_size(size)
+        time.sleep(_ROOM_PAUSE)

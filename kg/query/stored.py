@@ -27,7 +27,7 @@ from pyoxigraph import Literal, NamedNode
 from kg import resources
 from kg.errors import Place, QueryError, UnknownNameError, UsageError
 from kg.query.binding import defaults
-from kg.query.similar import did_you_mean
+from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping

@@ -1,40 +1,55 @@
-"""The engine's complaints about a query, told with place, line and what was probably meant."""
+"""The engine's complaints about a query or an update, told with place, line and what was probably meant."""
 
 from __future__ import annotations
 
 import itertools
 import re
+from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
 import pyoxigraph
 
 from kg.errors import QueryError
+from kg.query.completion.outline import Slot, outline
+from kg.query.completion.vocabulary import AGGREGATES, FUNCTIONS, KEYWORDS, WELL_KNOWN
 from kg.query.lexer import Kind, tokens
 from kg.query.position import place_at, place_of
 from kg.query.prefixes import PREFIXES
-from kg.query.similar import did_you_mean
+from kg.similar import asked, did_you_mean
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import TypeAlias
+
+    from kg.errors import Place
     from kg.query.lexer import Token
 
-__all__ = ["syntax_error"]
+    Parse: TypeAlias = Callable[[str], object]
+
+__all__ = ["keywords_meant", "syntax_error"]
 
 _POSITION = re.compile(r"error at (\d+):(\d+): expected (.*)", re.DOTALL)
 _SENTENCE = re.compile(r"(?:^|one of |, )([A-Z][a-z]+ [A-Za-z][^\[\]\"']*?)(?=, |$)")
 _BLANKS = 64
 """More than the longest keyword."""
 _FORMS = ("SELECT", "CONSTRUCT", "ASK", "DESCRIBE")
-_UPDATES = frozenset({"insert", "delete", "load", "clear", "create", "drop", "copy", "move", "add"})
+_WORDS = tuple(dict.fromkeys(word for name in (*KEYWORDS, *AGGREGATES, *FUNCTIONS) for word in name.split()))
+_ALIKE = 0.75
+_SHORTEST = 4
+"""Of shorter words nearly any other is a misspelling."""
+_UPDATES = ("INSERT", "DELETE", "WITH", "CLEAR", "DROP", "CREATE", "ADD", "MOVE", "COPY", "LOAD")
 
 
-def syntax_error(error: SyntaxError, text: str, path: str) -> QueryError:
+def syntax_error(error: SyntaxError, text: str, path: str, parse_update: Parse | None = None) -> QueryError:
     """Return KG501 for the engine's `error` about `text`, at the place of the first token that does not fit.
 
     Of what the engine says only the sentences are kept, not what its grammar would have allowed. Two frequent
-    mistakes are told by name: undeclared prefixes and updates.
+    mistakes are told by name: undeclared prefixes and updates. For an update `parse_update` has the engine parse one
+    and raises what it raises.
     """
     found = list(tokens(text))
-    special = _open_quote(found, text, path) or _undeclared(found, text, path) or _no_query(found, text, path)
+    special = _open_quote(found, text, path) or _undeclared(found, text, path)
+    special = special or (_no_update if parse_update else _no_query)(found, text, path)
     if special:
         return special
     match = _POSITION.match(error.msg)
@@ -44,11 +59,35 @@ def syntax_error(error: SyntaxError, text: str, path: str) -> QueryError:
     sentence = _SENTENCE.search(match[3])
     if sentence:
         message = sentence[1][0].lower() + sentence[1][1:]
-        return QueryError("KG501", message, place=place_of(text, line, column, path))
-    culprit = _first_misfit(found, text, _offset(text, line, column))
+        ungrouped = _ungrouped(found) if "unbound" in message else None
+        if ungrouped:
+            place = place_at(text, ungrouped.start, path, ungrouped.end)
+            message = f"{ungrouped.text} is neither grouped by nor in an aggregate"
+            return QueryError("KG501", message, place=place)
+        offset = _offset(text, line, column)
+        end = next((token.end for token in found if token.start <= offset < token.end), offset)
+        return QueryError("KG501", message, place=place_at(text, offset, path, end))
+    culprit = _first_misfit(found, text, _offset(text, line, column), parse_update or _parse_query)
     if culprit is None:
-        return QueryError("KG501", "the query ends too early", place=place_at(text, len(text), path))
-    return QueryError("KG501", f"`{culprit.text}` is not expected here", place=place_at(text, culprit.start, path))
+        what = "update" if parse_update else "query"
+        return QueryError("KG501", f"the {what} ends too early", place=_behind(text, path))
+    place = place_at(text, culprit.start, path, culprit.end)
+    hint = asked(keywords_meant(culprit.text)) if culprit.kind is Kind.WORD else None
+    return QueryError("KG501", f"`{culprit.text}` is not expected here", place=place, hint=hint)
+
+
+def keywords_meant(word: str) -> list[str]:
+    """Return the keywords and functions that a word is a misspelling of; none for one that is spelled right."""
+    typed = word.upper()
+    return [] if typed in _WORDS or len(typed) < _SHORTEST else get_close_matches(typed, _WORDS, n=2, cutoff=_ALIKE)
+
+
+def _ungrouped(found: list[Token]) -> Token | None:
+    """Return the first variable of a SELECT that its GROUP BY does not have."""
+    uses = outline(found).uses
+    grouped = {use.name for use in uses if use.slot is Slot.ORDER}
+    projected = (use.token for use in uses if use.slot is Slot.PROJECTION and use.name not in grouped)
+    return next(projected, None)
 
 
 def _offset(text: str, line: int, column: int) -> int:
@@ -58,7 +97,11 @@ def _offset(text: str, line: int, column: int) -> int:
     return offset + column - 1
 
 
-def _first_misfit(found: list[Token], text: str, reported: int) -> Token | None:
+def _parse_query(text: str) -> object:
+    return pyoxigraph.Store().query(text, prefixes=dict(PREFIXES))
+
+
+def _first_misfit(found: list[Token], text: str, reported: int, parse: Parse) -> Token | None:
     """Return the first token that cannot stand where it stands; None when only more text is missing.
 
     The engine compares keywords by their length and reports where a keyword that did not match would have ended, so
@@ -67,16 +110,16 @@ def _first_misfit(found: list[Token], text: str, reported: int) -> Token | None:
     """
     misfit = None
     for token in reversed([token for token in found if token.start <= reported]):
-        if _reaches_end(text[: token.end]):
+        if _reaches_end(text[: token.end], parse):
             return misfit or next((later for later in found if later.start > token.start), None)
         misfit = token
     return misfit
 
 
-def _reaches_end(beginning: str) -> bool:
-    """Tell whether the engine can parse all of the `beginning` of a query."""
+def _reaches_end(beginning: str, parse: Parse) -> bool:
+    """Tell whether the engine can parse all of the `beginning` of a query or an update."""
     try:
-        pyoxigraph.Store().query(beginning + " " * _BLANKS + "\0", prefixes=dict(PREFIXES))
+        parse(beginning + " " * _BLANKS + "\0")
     except SyntaxError as error:
         match = _POSITION.match(error.msg)
         return match is None or _offset(beginning, int(match[1]), int(match[2])) >= len(beginning) + _BLANKS
@@ -86,7 +129,7 @@ def _reaches_end(beginning: str) -> bool:
 def _open_quote(found: list[Token], text: str, path: str) -> QueryError | None:
     for token in found:
         if token.kind is Kind.SIGN and token.text in {"'", '"'}:
-            return QueryError("KG501", "this quote is never closed", place=place_at(text, token.start, path))
+            return QueryError("KG501", "this quote is never closed", place=place_at(text, token.start, path, token.end))
     return None
 
 
@@ -99,28 +142,54 @@ def _undeclared(found: list[Token], text: str, path: str) -> QueryError | None:
     for token in found:
         prefix = token.text.partition(":")[0]
         if token.kind is Kind.NAME and prefix != "_" and prefix not in declared:
-            hint = did_you_mean(f"{prefix}:", [f"{name}:" for name in declared])
-            hint = hint or f"Declare it: PREFIX {prefix}: <...>"
-            place = place_at(text, token.start, path)
+            close = [] if prefix in WELL_KNOWN else [f"{name}:" for name in declared]
+            hint = did_you_mean(f"{prefix}:", close)
+            hint = hint or f"Declare it: PREFIX {prefix}: <{WELL_KNOWN.get(prefix, '...')}>"
+            place = place_at(text, token.start, path, token.end)
             return QueryError("KG501", f"the prefix `{prefix}:` is not declared", place=place, hint=hint)
     return None
 
 
 def _no_query(found: list[Token], text: str, path: str) -> QueryError | None:
     """Return the error about a text that begins with no form of query."""
+    token = _behind_prologue(found)
+    if token is None:
+        return QueryError("KG501", "there is no query", place=_behind(text, path), hint=_forms())
+    if token.text.upper() in _FORMS:
+        return None
+    place = place_at(text, token.start, path, token.end)
+    if token.text.upper() in _UPDATES:
+        return QueryError("KG501", "this is an update, not a query", place=place, hint=_forms())
+    hint = did_you_mean(token.text, (*_FORMS, "PREFIX", "BASE")) if token.kind is Kind.WORD else None
+    return QueryError("KG501", f"a query does not begin with `{token.text}`", place=place, hint=hint or _forms())
+
+
+def _no_update(found: list[Token], text: str, path: str) -> QueryError | None:
+    """Return the error about a text that begins with no operation of updates."""
+    token = _behind_prologue(found)
+    if token is None or token.text.upper() in _UPDATES:
+        return None
+    place = place_at(text, token.start, path, token.end)
+    if token.text.upper() in _FORMS:
+        hint = (
+            "An update begins with INSERT, DELETE or WITH, or changes graphs with CLEAR, DROP, CREATE, ADD, MOVE, COPY."
+        )
+        return QueryError("KG501", "this is a query, not an update", place=place, hint=hint)
+    hint = (
+        did_you_mean(token.text, (*_UPDATES, "PREFIX", "BASE")) or "An update begins with INSERT or DELETE, as a rule."
+    )
+    return QueryError("KG501", f"an update does not begin with `{token.text}`", place=place, hint=hint)
+
+
+def _behind_prologue(found: list[Token]) -> Token | None:
     position = 0
     while position < len(found) and found[position].text.lower() in {"prefix", "base"}:
         position += 3 if found[position].text.lower() == "prefix" else 2
-    if position >= len(found):
-        return QueryError("KG501", "there is no query", place=place_at(text, len(text), path), hint=_forms())
-    token = found[position]
-    if token.text.upper() in _FORMS:
-        return None
-    place = place_at(text, token.start, path)
-    if token.text.lower() in _UPDATES:
-        return QueryError("KG501", "this is an update, not a query", place=place, hint=_forms())
-    hint = did_you_mean(token.text, _FORMS) if token.kind is Kind.WORD else None
-    return QueryError("KG501", f"a query does not begin with `{token.text}`", place=place, hint=hint or _forms())
+    return found[position] if position < len(found) else None
+
+
+def _behind(text: str, path: str) -> Place:
+    return place_at(text, len(text), path, len(text))
 
 
 def _forms() -> str:

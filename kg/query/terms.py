@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from kg.query.lexer import Kind, tokens
 from kg.query.prefixes import PREFIXES, shorten
-from kg.query.similar import did_you_mean
+from kg.similar import asked, similar
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
+    from kg.query.lexer import Token
     from kg.store.interface import Snapshot
 
-__all__ = ["iris_of", "unknown_terms"]
+__all__ = ["Unknown", "iris_of", "unknown", "unknown_terms"]
 
 _NOT_LOOKED_UP: Final = frozenset({"xsd", "sh"})
 """Prefixes whose terms stand in queries but seldom in data: data types of literals, shapes."""
 
+_FEW: Final = 3
 _DEFINED: Final = """
 SELECT DISTINCT ?term WHERE {
   VALUES ?kind { owl:Class owl:ObjectProperty owl:DatatypeProperty owl:NamedIndividual rdfs:Class rdf:Property }
@@ -25,22 +27,43 @@ SELECT DISTINCT ?term WHERE {
 }"""
 
 
+class Unknown(NamedTuple):
+    """A prefixed name that occurs nowhere in the store, and the names that may have been meant."""
+
+    token: Token
+    meant: list[str]
+
+
 def unknown_terms(snapshot: Snapshot, text: str) -> list[str]:
     """Return a sentence for each prefixed name of the query `text` that occurs nowhere in the store."""
+    found = unknown(snapshot, text)
+    return [f"`{each.token.text}` is not in the store. {asked(each.meant) or ''}".strip() for each in found]
+
+
+def unknown(snapshot: Snapshot, text: str, further: Iterable[str] = ()) -> Iterator[Unknown]:
+    """Yield each prefixed name of the query `text` that occurs nowhere in the store, where it stands first.
+
+    The names suggested are those that the store defines, and those of the IRIs `further`.
+    """
     known: list[str] | None = None
-    found = []
-    for name, iri in _names(text):
+    for token, iri in _names(text):
         ask = f"ASK {{ {{ ?s <{iri}> ?o }} UNION {{ ?s ?p <{iri}> }} UNION {{ <{iri}> ?p ?o }} }}"
         if not snapshot.query(ask):
             if known is None:
                 rows: Any = snapshot.query(_DEFINED, prefixes=PREFIXES)
-                known = [shorten(row[0].value) for row in rows]
-            hint = did_you_mean(name, [term for term in known if not term.startswith("<")])
-            found.append(f"`{name}` is not in the store. {hint or ''}".strip())
-    return found
+                known = sorted({shorten(iri) for iri in (*(row[0].value for row in rows), *further)})
+            yield Unknown(token, _meant(token.text, [term for term in known if not term.startswith("<")]))
 
 
-def _names(text: str) -> Iterator[tuple[str, str]]:
+def _meant(name: str, known: list[str]) -> list[str]:
+    """Return the names that one may stand for: the same behind another prefix, or alike behind the same."""
+    prefix, _, local = name.partition(":")
+    elsewhere = sorted(term for term in known if term.partition(":")[2].lower() == local.lower())
+    alike = similar(local, (term.partition(":")[2] for term in known if term.startswith(f"{prefix}:")))
+    return list(dict.fromkeys([*elsewhere, *(f"{prefix}:{each}" for each in alike)]))[:_FEW]
+
+
+def _names(text: str) -> Iterator[tuple[Token, str]]:
     """Yield each prefixed name of a known prefix once, with its IRI; names with escapes are left out."""
     seen = set()
     for token in tokens(text):
@@ -48,7 +71,7 @@ def _names(text: str) -> Iterator[tuple[str, str]]:
         known = token.kind is Kind.NAME and prefix in PREFIXES and prefix not in _NOT_LOOKED_UP
         if known and local.isidentifier() and token.text not in seen:
             seen.add(token.text)
-            yield token.text, PREFIXES[prefix] + local
+            yield token, PREFIXES[prefix] + local
 
 
 def iris_of(text: str) -> set[str]:

@@ -20,7 +20,19 @@ if TYPE_CHECKING:
 
     from kg.facts import InstanceInterface, NodeInstance, System
 
-__all__ = ["Bundle", "Channel", "Link", "Member", "State", "SystemGraph", "bundles", "system_graph"]
+__all__ = [
+    "Bundle",
+    "Channel",
+    "Link",
+    "Member",
+    "State",
+    "SystemGraph",
+    "bundles",
+    "channel_of",
+    "instance_keys",
+    "of_framework",
+    "system_graph",
+]
 
 _PLAIN: Final = frozenset({StartKind.NODE, StartKind.LIFECYCLE_NODE, StartKind.TEST})
 
@@ -119,17 +131,17 @@ class Bundle:
 
 def system_graph(system: System, *, every: bool = False, title: str | None = None) -> SystemGraph:
     """Return the graph of a system; without `every` what frameworks make by themselves is left out, and counted."""
-    keys = _keys(system.instances)
+    keys = instance_keys(system.instances)
     named = {instance.name: key for key, instance in reversed(list(keys.items()))}
     channels: dict[str, Channel] = {}
     links: dict[tuple[str, str, bool], Link] = {}
     left_out = 0
     for key, instance in keys.items():
         for end in instance.interfaces:
-            if not every and _of_framework(end):
+            if not every and of_framework(end):
                 left_out += 1
                 continue
-            channel = _channel(key, end)
+            channel = channel_of(key, end)
             channels[channel.key] = _joined(channels.get(channel.key), channel)
             link = Link(key, channel.key, end.declared.role.outward)
             links[link.member, link.channel, link.outward] = link
@@ -157,7 +169,7 @@ def bundles(graph: SystemGraph) -> tuple[Bundle, ...]:
     return tuple(Bundle(every[0].key, every[0].kind, tuple(every), *ends[every[0].key]) for every in found.values())
 
 
-def _keys(instances: Iterable[NodeInstance]) -> Mapping[str, NodeInstance]:
+def instance_keys(instances: Iterable[NodeInstance]) -> Mapping[str, NodeInstance]:
     """Return the instances by their names, the second of a name with a number behind it."""
     found: dict[str, NodeInstance] = {}
     seen: Counter[str] = Counter()
@@ -167,12 +179,14 @@ def _keys(instances: Iterable[NodeInstance]) -> Mapping[str, NodeInstance]:
     return found
 
 
-def _of_framework(end: InstanceInterface) -> bool:
+def of_framework(end: InstanceInterface) -> bool:
+    """Tell whether frameworks make an end by themselves, or nearly every node has one of its name."""
     name = end.resolved or ""
     return end.declared.implicit or name in FRAMEWORK or name.endswith(("/bond", "/parameter_updates"))
 
 
-def _channel(member: str, end: InstanceInterface) -> Channel:
+def channel_of(member: str, end: InstanceInterface) -> Channel:
+    """Return the channel of an end of the member with this key."""
     kind = end.declared.role.channel
     types = (end.declared.type,) if end.declared.type else ()
     if end.resolved is None or "{}" in end.resolved:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from kg.render.system_graph import Channel, Link, Member, SystemGraph
 
-__all__ = ["SystemRow", "system_lines", "system_rows"]
+__all__ = ["SystemRow", "nobody_at", "system_lines", "system_rows"]
 
 _VERBS: Final = {
     ("topic", True): "publishes",
@@ -70,7 +70,7 @@ def system_lines(graph: SystemGraph) -> list[str]:
 def _row(link: Link, channel: Channel, ends: tuple[tuple[str, ...], tuple[str, ...]]) -> SystemRow:
     outward = link.outward
     others = ends[1] if outward else ends[0]
-    nobody = "" if others else "name not known" if channel.open else _NOBODY[channel.kind, outward]
+    nobody = "" if others else nobody_at(channel, outward=outward)
     return SystemRow(
         node=link.member,
         verb=_VERBS[channel.kind, outward],
@@ -81,6 +81,11 @@ def _row(link: Link, channel: Channel, ends: tuple[tuple[str, ...], tuple[str, .
         outward=outward,
         state=link.state or channel.state,
     )
+
+
+def nobody_at(channel: Channel, *, outward: bool) -> str:
+    """Return what to say where nobody is at the other side of a channel."""
+    return "name not known" if channel.open else _NOBODY[channel.kind, outward]
 
 
 def _head(member: Member) -> str:

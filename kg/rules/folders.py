@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import UsageError
-from kg.query.similar import did_you_mean
 from kg.resources import folder as shipped
 from kg.rules.files import family_of
 from kg.rules.reading import packs, rule_files
 from kg.settings import find_file
+from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -7,8 +7,8 @@ from typing import Final
 
 from kg.codes.severities import SEVERITIES
 from kg.errors import Place, RuleError
-from kg.query.similar import did_you_mean
 from kg.rules.files import HEADINGS, Documentation
+from kg.similar import did_you_mean
 
 __all__ = ["parse_header"]
 

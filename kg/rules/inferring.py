@@ -62,6 +62,7 @@ class Reasoner:
         self.memory: Memory | None = None
         self._names = names
         self._cache = cache
+        self._taken: RuleSet | None = None
         self._digest = ""
         self._program = Program(())
         self._what = EVERYTHING
@@ -80,7 +81,8 @@ class Reasoner:
 
     def take(self, rule_set: RuleSet) -> None:
         """Take the rules, and what a run of the same ones left; KG202, KG203 for rules that cannot run."""
-        digest = _digest(rule_set, self._names)
+        digest = self._digest if rule_set is self._taken else _digest(rule_set, self._names)
+        self._taken = rule_set
         if digest != self._digest:
             self._program = Program(rule_set.rules)
             self._what = wanted(rule_set.rules)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import filecmp
 import os
+import sys
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from importlib.metadata import entry_points
@@ -22,7 +25,17 @@ if TYPE_CHECKING:
     from kg.rules.files import Documentation
     from kg.rules.form import Rule
 
-__all__ = ["ENTRY_POINTS", "OPTIONAL", "TWICE", "Pack", "discover", "packs", "read", "read_text", "rule_files"]
+__all__ = [
+    "ENTRY_POINTS",
+    "OPTIONAL",
+    "Pack",
+    "discover",
+    "packs",
+    "read",
+    "read_text",
+    "rival",
+    "rule_files",
+]
 
 ENTRY_POINTS: Final = "kg.rules"
 """The group of entry points that name packs of rules."""
@@ -33,7 +46,7 @@ OPTIONAL: Final = "optional"
 _KEPT: Final = 512
 """So many texts of rules are kept compiled: all that a store has in force, and some edits of them."""
 
-TWICE: Final = (
+_TWICE: Final = (
     "Rename one: no rule takes the place of another of its name, and files of two endings share a name too. "
     "The setting `rule_families` leaves out whole families."
 )
@@ -120,9 +133,12 @@ def discover(
     """Return all rules below some folders and in some packs, sorted by name.
 
     The name of a file is its path below the folder without the ending. A folder may also be one file, whose name is
-    that of its folder and its own. What several files import comes once. `families` are those in force, by default all
-    but the optional ones. Raises RuleError: KG207 for two files of one name, and what `read` raises; with `broken` such
-    files are left out, and the errors are added to it.
+    that of its folder and its own. What several files import comes once, and so do copies of a file under its name.
+    `families` are those in force, by default all but the optional ones.
+
+    Raises:
+        RuleError: KG207 for two files of one name, and what `read` raises; with `broken` such files are left out, and
+            the errors are added to it.
     """
     found: dict[str, RuleFile] = {}
     sources = [*((pack.folder, pack.name) for pack in installed), *((folder, "") for folder in folders)]
@@ -138,10 +154,22 @@ def discover(
 
 
 def _read_once(path: Path, name: str, pack: str, found: Mapping[str, RuleFile]) -> RuleFile:
-    if name in found:
-        message = f"the rule `{name}` is in {found[name].path} already"
-        raise RuleError("KG207", message, place=Place(str(path)), hint=TWICE)
-    return read(path, name, pack=pack)
+    if name not in found:
+        return read(path, name, pack=pack)
+    if problem := rival(path, name, found[name].path):
+        raise problem
+    return found[name]
+
+
+def rival(path: Path, name: str, other: Path) -> RuleError | None:
+    """Return KG207 about a file whose name `other` has already.
+
+    None for a copy of it: in a checkout beside an installed `kg`, every rule stands twice.
+    """
+    with suppress(OSError):  # what cannot be compared is none
+        if path.suffix == other.suffix and filecmp.cmp(path, other, shallow=False):
+            return None
+    return RuleError("KG207", f"the rule `{name}` is in {other} already", place=Place(str(path)), hint=_TWICE)
 
 
 def rule_files(folder: Path, families: Collection[str] = (), *, every: bool = False) -> Iterator[tuple[Path, str]]:
@@ -199,7 +227,22 @@ def packs() -> tuple[Pack, ...]:
     An entry point of the group `kg.rules` names a package, whose folder it is, or a function that returns the folder.
     Raises RuleError KG208 for one that cannot be loaded.
     """
-    return tuple(sorted(map(_pack, entry_points(group=ENTRY_POINTS)), key=lambda pack: pack.name))
+    places = tuple(sys.path)
+    return tuple(sorted(map(_pack, _declared(places, tuple(map(_changed, places)))), key=lambda pack: pack.name))
+
+
+@lru_cache(maxsize=1)
+def _declared(_places: tuple[str, ...], _times: tuple[int, ...]) -> tuple[EntryPoint, ...]:
+    """Return the entry points of packs, looked for again when something was installed: every package is opened."""
+    return tuple(entry_points(group=ENTRY_POINTS))
+
+
+def _changed(place: str) -> int:
+    """Return when a folder of packages was changed last (ns); 0 for one that is not there."""
+    try:
+        return Path(place).stat().st_mtime_ns
+    except OSError:
+        return 0
 
 
 def _pack(entry: EntryPoint) -> Pack:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from kg.rules.engine.facts import Facts
 from kg.rules.engine.terms import Dictionary
-from kg.rules.lines import lines
 
 if TYPE_CHECKING:
     from kg.rules.engine.evaluate import RuleReport
@@ -37,17 +36,6 @@ class Difference:
     dictionary: Dictionary
     added: Facts
     removed: Facts
-
-    def added_lines(self) -> list[bytes]:
-        """Return what is added as sorted lines of N-Triples."""
-        return self._sorted(self.added)
-
-    def removed_lines(self) -> list[bytes]:
-        """Return what is taken out as sorted lines of N-Triples."""
-        return self._sorted(self.removed)
-
-    def _sorted(self, facts: Facts) -> list[bytes]:
-        return sorted(b"".join(lines(facts, self.dictionary)).splitlines(keepends=True))
 
 
 @dataclass(frozen=True, slots=True)

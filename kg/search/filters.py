@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import UsageError
-from kg.query.similar import did_you_mean
 from kg.search.needs import Wish
 from kg.search.words import phrase
+from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

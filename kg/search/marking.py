@@ -13,10 +13,10 @@ __all__ = ["MARKED_DOWN", "marks"]
 
 MARKED_DOWN: Final = {
     "test": 0.7,
-    "example": 0.8,
+    "exampl": 0.8,
     "demo": 0.8,
-    "sample": 0.8,
-    "tutorial": 0.7,
+    "sampl": 0.8,
+    "tutori": 0.7,
     "mock": 0.8,
     "fake": 0.8,
     "simul": 0.9,
@@ -24,10 +24,10 @@ MARKED_DOWN: Final = {
     "gui": 0.9,
     "gazebo": 0.9,
 }
-"""Words of names and folders of nodes that are rarely meant by who does not say so."""
+"""Stems of words of names and folders of nodes that are rarely meant by who does not say so."""
 
 
 def marks(node: Document, package: PackageDocument) -> set[str]:
-    """Return the words that mark a node down, of its name, its package and the folders of its file."""
+    """Return the stems that mark a node down, of its name, its package and the folders of its file."""
     folders = node.path.rpartition("/")[0]
     return {term for term in terms(f"{node.name} {package.name} {folders}") if term in MARKED_DOWN}

@@ -269,8 +269,7 @@ def _typed(tokens: Sequence[_Token], names: Names) -> Iterator[Wish]:
 def _side(tokens: Sequence[_Token], begin: int, end: int) -> str:
     """Return the direction of what stands at a place: by what follows at once, else by the nearest word before."""
     cues = _cues()
-    following = tuple(token.stem for token in tokens[end : end + 1])
-    if following and tokens[end].word in {"as", "into", "to"}:
+    if end < len(tokens) and tokens[end].word in {"as", "into", "to"}:
         return _IN
     for at in range(begin - 1, -1, -1):
         for length in (2, 1):

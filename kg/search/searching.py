@@ -24,8 +24,9 @@ if TYPE_CHECKING:
     from kg.search.index import Floats, Index
     from kg.search.meaning import Meaning
     from kg.store.embedded import EmbeddedStore
+    from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["Answer", "Hit", "Search", "hit_object", "open_search"]
+__all__ = ["Answer", "Hit", "Search", "hit_object", "open_search", "search_of"]
 
 _REASONS = 5
 _ALIKE = "is like it in meaning"
@@ -118,21 +119,40 @@ def open_search(store: EmbeddedStore, indexing: Callable[[], None] | None = None
     generation = store.layout.current()
     index = None if generation is None else cache.load(store.layout.cache, str(generation))
     if index is None:
-        from kg.search.index import build  # noqa: PLC0415 - who finds an index loads no engine
-        from kg.search.reading import read  # noqa: PLC0415 - the same
-
         if indexing is not None:
             indexing()
         with store.read() as snapshot:
-            index = build(read(snapshot))
-            # An index that cannot be kept is built again the next time, in a store that one may only read.
-            with suppress(OSError):
-                cache.save(store.layout.cache, snapshot.identity, index)
+            index = _indexed(snapshot, store.layout.cache)
+    return _over(index, store.layout.cache, encoder)
+
+
+def search_of(snapshot: EmbeddedSnapshot, folder: Path, model: Path | None = None) -> Search:
+    """Return the search over a snapshot that is open; `folder` is the cache of its store; the rest as `open_search`."""
+    encoder = None if model is None else _encoder(model)
+    index = cache.load(folder, snapshot.identity)
+    return _over(_indexed(snapshot, folder) if index is None else index, folder, encoder)
+
+
+def _indexed(snapshot: EmbeddedSnapshot, folder: Path) -> Index:
+    """Return the index of a snapshot, built now and put into the cache."""
+    from kg.search.index import build  # noqa: PLC0415 - who finds an index loads no engine
+    from kg.search.reading import read  # noqa: PLC0415 - the same
+
+    with cache.alone(folder):
+        # Another process may have built it while this one waited.
+        index = cache.load(folder, snapshot.identity) or build(read(snapshot))
+        # An index that cannot be kept is built again the next time, in a store that one may only read.
+        with suppress(OSError):
+            cache.save(folder, snapshot.identity, index)
+    return index
+
+
+def _over(index: Index, folder: Path, encoder: Encoder | None) -> Search:
     if encoder is None:
         return Search(index)
     from kg.search.meaning import Meaning  # noqa: PLC0415 - only with a model
 
-    return Search(index, Meaning(store.layout.cache, index, encoder))
+    return Search(index, Meaning(folder, index, encoder))
 
 
 def _encoder(model: Path) -> Encoder:

@@ -17,20 +17,22 @@ from typing import TYPE_CHECKING, Final, cast
 from pyoxigraph import DefaultGraph, Quad, QueryResultsFormat, RdfFormat, parse
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping
+    from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
     from typing import TypeAlias
 
     from pyoxigraph import NamedNode, QuerySolutions, Store
 
     Engine: TypeAlias = Callable[[], Store]
 
-__all__ = ["add_exactly", "load", "load_quads", "remove_exactly", "table"]
+__all__ = ["add_exactly", "exchange", "load", "load_quads", "remove_exactly", "table"]
 
 _THREADS: Final = 2
 _LEAST_BYTES: Final = 4 << 20
 """A batch of at least this size goes to a thread of its own."""
 _MOST_BYTES: Final = 16 << 20
 """The size of a batch; larger ones cost more for each triple, and keep Ctrl-C waiting."""
+_QUAD_BYTES: Final = 150
+"""About what a quad takes as N-Quads."""
 _FEW: Final = 2500
 """So many triples are added as fast one by one: a bulk load writes files for each index, whatever their size."""
 
@@ -95,6 +97,17 @@ def remove_exactly(engine: Engine, graph: NamedNode, lines: bytes) -> None:
     """Take N-Triples out of a graph, triple by triple; blank nodes are told by their labels."""
     for quad in parse(lines, RdfFormat.N_TRIPLES, lenient=True):
         engine().remove(Quad(quad.subject, quad.predicate, quad.object, graph))
+
+
+def exchange(engine: Engine, removed: Collection[Quad], added: Collection[Quad]) -> int:
+    """Take quads out and put others in; return about how many bytes were loaded in bulk."""
+    for quad in removed:
+        engine().remove(quad)
+    if len(added) <= _FEW:
+        engine().extend(added)
+        return 0
+    engine().bulk_extend(added)
+    return len(added) * _QUAD_BYTES
 
 
 def _batches(chunks: Iterable[bytes]) -> Iterator[bytes]:

@@ -9,28 +9,41 @@ from __future__ import annotations
 import errno
 import os
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeGuard
 
 from kg.errors import Place, StoreError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["store_error", "translated"]
+__all__ = ["is_of_store", "store_error", "translated"]
 
 _FULL = frozenset({errno.ENOSPC, errno.EDQUOT})
 _CLOSED = frozenset({errno.EACCES, errno.EPERM, errno.EROFS})
+_NO_FOLDER = frozenset({errno.ENOTDIR, errno.EEXIST})
 _FULL_TEXTS = ("No space left on device", "Disk quota exceeded", "NoSpace")
+_DAMAGED_TEXT = "Corruption:"
+_ANOTHER = "Name a folder with `--store`."
+
+
+def is_of_store(error: Exception) -> TypeGuard[OSError | RuntimeError]:
+    """Tell whether an error of the engine is about the disk or the store, and not about what it was asked."""
+    return isinstance(error, OSError) or (isinstance(error, RuntimeError) and str(error).startswith(_DAMAGED_TEXT))
 
 
 def store_error(error: OSError | RuntimeError, path: str) -> StoreError:
-    """Return the error of `kg` for a failure at the store `path`: KG304 full disk, KG306 not writable, else KG303."""
+    """Return the error of `kg` for a failure at the store `path`.
+
+    KG304 is a full disk, KG306 what cannot be written or is no folder, KG303 all else.
+    """
     text = str(error)
     number = error.errno if isinstance(error, OSError) else None
     if number in _FULL or any(part in text for part in _FULL_TEXTS):
         return StoreError("KG304", "the disk is full; the store is as it was before", place=Place(path))
     if number in _CLOSED:
         return StoreError("KG306", f"it cannot be written: {os.strerror(number or 0)}", place=Place(path))
+    if number in _NO_FOLDER:
+        return StoreError("KG306", "it is a file, and a store is a folder", place=Place(path), hint=_ANOTHER)
     return StoreError("KG303", text, place=Place(path), hint="Run `kg doctor`, or build the store again.")
 
 

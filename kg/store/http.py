@@ -86,14 +86,15 @@ class Endpoint:
         headers = {**self._headers, "Content-Type": media_type, "Accept": accept}
         request = urllib.request.Request(url, body, headers, method="POST")  # noqa: S310 - http or https, see __init__
         repeatable = accept != _ANYTHING
+        seconds = timeout or self.timeout
         for attempt in range(_ATTEMPTS):
             try:
-                return self._send(request, timeout or self.timeout)
+                return self._send(request, seconds)
             except HTTPError as error:
                 raise self._refused(error) from error
             except (OSError, HTTPException) as error:
                 if attempt == _ATTEMPTS - 1 or not (_unsent(error) or (repeatable and not _timed_out(error))):
-                    raise self._unreachable(error) from error
+                    raise self._unreachable(error, seconds) from error
                 time.sleep(_FIRST_PAUSE * 2**attempt)
         raise AssertionError
 
@@ -115,10 +116,10 @@ class Endpoint:
         message = f"the server answered {error.code} {error.reason}" + (f": {line}" if line else "")
         return StoreError("KG225", message, place=Place(self.shown), hint=hint)
 
-    def _unreachable(self, error: OSError | HTTPException) -> StoreError:
+    def _unreachable(self, error: OSError | HTTPException, seconds: float) -> StoreError:
         reason = error.reason if isinstance(error, URLError) else error
         if _timed_out(error):
-            message = f"the server did not answer within {self.timeout:g} s"
+            message = f"the server did not answer within {seconds:g} s"
             hint = "It may still be at work; allow more time, or give it less to do at once."
         else:
             message = f"there is no connection to the server: {reason or type(reason).__name__}"

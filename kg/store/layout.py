@@ -94,6 +94,16 @@ class Layout:
             raise StoreError("KG303", f"the pointer names no generation: {generation!r}", place=place)
         return generation
 
+    def in_force(self) -> int | None:
+        """Return the generation in force, None where there is none, or its data is gone; raises as `current`."""
+        number = self.current()
+        while number is not None and not self.generation(number).is_dir():
+            # A writer may have put another one in force, and removed this one, since the pointer was read.
+            missing, number = number, self.current()
+            if number == missing:
+                return None
+        return number
+
     def switch(self, generation: int) -> None:
         """Put `generation` in force, durably and in one step."""
         content = json.dumps({"layout": LAYOUT, "generation": generation}).encode()
@@ -108,7 +118,8 @@ def write_atomically(path: Path, content: bytes, *, durable: bool = True) -> Non
     Raises:
         OSError: the temporary file could not be written; `path` is as it was.
     """
-    temporary = path.with_name(f"{path.name}.{os.getpid()}.tmp")
+    # Threads, and processes of two containers, may write the same file at the same time under one process number.
+    temporary = path.with_name(f"{path.name}.{os.getpid()}-{os.urandom(4).hex()}.tmp")
     try:
         with temporary.open("wb") as file:
             file.write(content)

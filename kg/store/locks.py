@@ -9,9 +9,10 @@ import fcntl
 import json
 import os
 import shutil
+import time
 from contextlib import contextmanager
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import Place, StoreError
 from kg.store.failure import translated
@@ -24,6 +25,10 @@ if TYPE_CHECKING:
 
 __all__ = ["busy", "hold_generation", "remove_unused", "writer"]
 
+_PATIENCE: Final = 2.0
+_PAUSE: Final = 0.01
+"""Seconds: how long is waited for a lock that nobody who lives has written a name to, and how often is looked."""
+
 
 @contextmanager
 def writer(layout: Layout, command: str) -> Iterator[None]:
@@ -35,10 +40,7 @@ def writer(layout: Layout, command: str) -> Iterator[None]:
     with translated(str(layout.root)):
         file = layout.lock.open("a+")
     with file:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError as error:
-            raise _busy(layout) from error
+        _take(file.fileno(), layout)
         file.truncate(0)
         since = datetime.now(UTC).astimezone().isoformat(timespec="seconds")
         file.write(json.dumps({"pid": os.getpid(), "command": command, "since": since}))
@@ -47,6 +49,26 @@ def writer(layout: Layout, command: str) -> Iterator[None]:
             yield
         finally:
             file.truncate(0)
+            # Closing would leave it held where a process was forked that has not closed its copy yet.
+            fcntl.flock(file, fcntl.LOCK_UN)
+
+
+def _take(handle: int, layout: Layout) -> None:
+    """Take the lock of the writer.
+
+    Who writes is named in the file. A lock without such a name is let go of in a moment: somebody looks whether it is
+    free, or a worker of one that was killed has not closed its copy yet.
+    """
+    end = time.monotonic() + _PATIENCE
+    while True:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            if _lives(_holder(layout)) or time.monotonic() > end:
+                raise _busy(layout) from error
+        else:
+            return
+        time.sleep(_PAUSE)
 
 
 def busy(layout: Layout) -> StoreError | None:
@@ -61,12 +83,33 @@ def busy(layout: Layout) -> StoreError | None:
     return None
 
 
-def _busy(layout: Layout) -> StoreError:
+def _holder(layout: Layout) -> dict[str, Any] | None:
+    """Return what the writer wrote of itself; None where that is nothing."""
     try:
-        holder = json.loads(layout.lock.read_text())
+        found = json.loads(layout.lock.read_text())
+    except (OSError, ValueError):
+        return None
+    return found if isinstance(found, dict) and {"pid", "command", "since"} <= found.keys() else None
+
+
+def _lives(holder: dict[str, Any] | None) -> bool:
+    """Tell whether the process that is named is there."""
+    if holder is None or not isinstance(holder["pid"], int):
+        return False
+    try:
+        os.kill(holder["pid"], 0)
+    except PermissionError:
+        return True
+    except (ProcessLookupError, OverflowError):
+        return False
+    return True
+
+
+def _busy(layout: Layout) -> StoreError:
+    if (holder := _holder(layout)) is not None:
         message = f"process {holder['pid']} (`{holder['command']}`) has been writing it since {holder['since']}"
         hint = f"Wait for it, or end it with `kill {holder['pid']}`."
-    except (OSError, ValueError, KeyError, TypeError):
+    else:
         message, hint = "another process is just beginning or ending to write it", "Try again."
     return StoreError("KG302", message, place=Place(str(layout.root)), hint=hint)
 

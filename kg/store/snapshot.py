@@ -12,11 +12,11 @@ from kg.store.failure import translated
 from kg.store.locks import hold_generation
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping, Sequence
     from types import TracebackType
     from typing import Self, TypeAlias
 
-    from pyoxigraph import BlankNode, Literal, QueryBoolean, QuerySolutions, QueryTriples, Triple, Variable
+    from pyoxigraph import BlankNode, Literal, Quad, QueryBoolean, QuerySolutions, QueryTriples, Triple, Variable
 
     from kg.store.layout import Layout
 
@@ -47,21 +47,32 @@ class EmbeddedSnapshot:
         """The number of the generation."""
         return str(self.generation)
 
-    def query(
+    def query(  # noqa: PLR0913 - what the engine can be told
         self,
         text: str,
         *,
         prefixes: Mapping[str, str] | None = None,
         union: bool = True,
         substitutions: Mapping[Variable, Term] | None = None,
+        base: str | None = None,
+        default_graphs: Sequence[NamedNode] | None = None,
+        named_graphs: Sequence[NamedNode] | None = None,
     ) -> QuerySolutions | QueryBoolean | QueryTriples:
         """Run a SPARQL query on the engine as it is; `kg.query.run` is the way with guards.
 
-        Variables in `substitutions` stand for those terms wherever the query has them, blank nodes too.
+        Variables in `substitutions` stand for those terms wherever the query has them, blank nodes too. Relative IRIs
+        are relative to `base`. `default_graphs` and `named_graphs` are the data set, whatever the query says about it;
+        with `union`, which goes without these, the default graph is the union of all, whatever the query says.
         """
-        known = dict(prefixes or {})
-        given = dict(substitutions) if substitutions else None
-        return self._db.query(text, prefixes=known, use_default_graph_as_union=union, substitutions=given)
+        return self._db.query(
+            text,
+            base_iri=base,
+            prefixes=dict(prefixes or {}),
+            use_default_graph_as_union=union,
+            default_graph=None if default_graphs is None else list(default_graphs),
+            named_graphs=None if named_graphs is None else list(named_graphs),
+            substitutions=dict(substitutions) if substitutions else None,
+        )
 
     def graphs(self) -> list[NamedNode]:
         """Return the names of all named graphs, sorted."""
@@ -74,6 +85,10 @@ class EmbeddedSnapshot:
             return len(self._db)
         rows = self._db.query(f"SELECT (COUNT(*) AS ?n) WHERE {{ GRAPH {graph} {{ ?s ?p ?o }} }}")
         return int(next(cast("QuerySolutions", rows))["n"].value)
+
+    def quads(self) -> Iterator[Quad]:
+        """Yield all quads."""
+        return self._db.quads_for_pattern(None, None, None, None)
 
     def table(self, select: str, graph: NamedNode | None) -> bytes:
         """Return the rows of a SELECT over one graph, much at once; see `kg.store.bulk.table`."""

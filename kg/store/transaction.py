@@ -11,7 +11,7 @@ from __future__ import annotations
 import shutil
 from typing import TYPE_CHECKING, cast
 
-from pyoxigraph import DefaultGraph, NamedNode, Quad, RdfFormat, Store, parse
+from pyoxigraph import DefaultGraph, NamedNode, Quad, RdfFormat, Store, parse, serialize
 
 from kg.errors import GraphError, Place, SourceError
 from kg.store import bulk
@@ -21,7 +21,7 @@ from kg.store.layout import folder_bytes
 from kg.store.snapshot import EmbeddedSnapshot
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from pyoxigraph import QueryBoolean, QuerySolutions, QueryTriples
@@ -76,6 +76,20 @@ class EmbeddedTransaction:
         """
         return self._loaded > folder_bytes(self._layout.generation(self._number)) * _MERGED_SHARE
 
+    def start_from(self, snapshot: EmbeddedSnapshot | None) -> None:
+        """Begin with the content of a snapshot, be it of another store, or with nothing, instead of that in force.
+
+        Only before the first change.
+        """
+        if self._db is not None:
+            raise ValueError("the transaction has begun")
+        folder = str(self._layout.generation(self._number))
+        with translated(str(self._layout.root)):
+            if snapshot is not None:
+                snapshot.backup(folder)
+            self._db = Store(folder)
+        self.changes.forget()
+
     def replace_graphs(self, graphs: Mapping[NamedNode, Iterable[bytes]]) -> None:
         """Give each named graph a new content, as chunks of N-Triples that end at ends of lines."""
         with translated(str(self._layout.root)):
@@ -127,12 +141,42 @@ class EmbeddedTransaction:
             bulk.remove_exactly(lambda: self._engine, graph, removed)
             bulk.add_exactly(lambda: self._engine, graph, added)
 
-    def count(self, graph: NamedNode) -> int:
+    def patch_quads(self, removed: Collection[Quad], added: Collection[Quad]) -> None:
+        """Take out quads that are there, and put in others that are not; blank nodes keep their labels."""
+        with translated(str(self._layout.root)):
+            self._begin(frozenset())
+            for graph in {quad.graph_name: None for quad in (*removed, *added)}:
+                gone, new = (
+                    serialize((quad.triple for quad in quads if quad.graph_name == graph), format=RdfFormat.N_TRIPLES)
+                    for quads in (removed, added)
+                )
+                self.changes.patch(graph.value if isinstance(graph, NamedNode) else "", gone or b"", new or b"")
+            self._loaded += bulk.exchange(lambda: self._engine, removed, added)
+
+    def count(self, graph: NamedNode | DefaultGraph) -> int:
         """Return how many triples a graph holds by now."""
         with translated(str(self._layout.root)):
             self._begin(frozenset())
-            rows = self._engine.query(f"SELECT (COUNT(*) AS ?n) WHERE {{ GRAPH {graph} {{ ?s ?p ?o }} }}")
+            rows = self._engine.query("SELECT (COUNT(*) AS ?n) WHERE { ?s ?p ?o }", default_graph=graph)
             return int(next(cast("QuerySolutions", rows))["n"].value)
+
+    def contains(self, quad: Quad) -> bool:
+        """Tell whether a quad is there by now."""
+        with translated(str(self._layout.root)):
+            self._begin(frozenset())
+            return quad in self._engine
+
+    def has_graph(self, graph: NamedNode) -> bool:
+        """Tell whether there is a named graph of that name by now, be it empty."""
+        with translated(str(self._layout.root)):
+            self._begin(frozenset())
+            return self._engine.contains_named_graph(graph)
+
+    def quads(self, graph: NamedNode | DefaultGraph) -> Iterator[Quad]:
+        """Yield the quads of a graph as they are by now."""
+        with translated(str(self._layout.root)):
+            self._begin(frozenset())
+            return self._engine.quads_for_pattern(None, None, None, graph)
 
     def graphs(self) -> list[NamedNode]:
         """Return the named graphs that there are by now."""
@@ -147,6 +191,27 @@ class EmbeddedTransaction:
         with translated(str(self._layout.root)):
             self._begin(frozenset())
             return self._engine.query(text, prefixes=dict(prefixes or {}), use_default_graph_as_union=union)
+
+    def solutions(
+        self,
+        select: str,
+        *,
+        default: Sequence[NamedNode | DefaultGraph],
+        named: Sequence[NamedNode] | None,
+        prefixes: Mapping[str, str],
+    ) -> QuerySolutions:
+        """Return the solutions of a SELECT whose default graph is the union of `default`.
+
+        GRAPH sees the graphs `named`, None for all of them.
+        """
+        self._begin(frozenset())
+        found = self._engine.query(
+            select,
+            prefixes=dict(prefixes),
+            default_graph=list(default),
+            named_graphs=None if named is None else list(named),
+        )
+        return cast("QuerySolutions", found)
 
     def table(self, select: str, graph: NamedNode | None) -> bytes:
         """Return the rows of a SELECT over one graph as it is by now; see `kg.store.bulk.table`."""
@@ -173,6 +238,20 @@ class EmbeddedTransaction:
             self._begin(frozenset([graph]))
             self.changes.replace(graph.value)
             self._engine.remove_graph(graph)
+
+    def create_graph(self, graph: NamedNode) -> None:
+        """Make an empty graph."""
+        with translated(str(self._layout.root)):
+            self._begin(frozenset())
+            self.changes.patch(graph.value, b"", b"")
+            self._engine.add_graph(graph)
+
+    def clear_graph(self, graph: NamedNode | DefaultGraph) -> None:
+        """Take everything out of a graph, which stays."""
+        with translated(str(self._layout.root)):
+            self._begin(frozenset())
+            self.changes.replace(graph.value if isinstance(graph, NamedNode) else "")
+            self._engine.clear_graph(graph)
 
     def load_file(self, path: Path, rdf_format: RdfFormat | None = None, *, graph: NamedNode | None = None) -> None:
         """Add the content of a file of RDF: into `graph`, or into the graphs that the file names.

@@ -45,9 +45,10 @@ class Overrides:
         found = parsed(value)
         if role is None or not topic:
             return
-        if (policy in _WORDS and isinstance(found, str)) or (policy == "depth" and isinstance(found, int)):
+        number = isinstance(found, int) and not isinstance(found, bool)
+        if (policy in _WORDS and isinstance(found, str)) or (policy == "depth" and number):
             change: dict[str, object] = {policy: found}
-        elif policy in _DURATIONS and isinstance(found, int):
+        elif policy in _DURATIONS and number:
             change = {_DURATIONS[policy]: found / _NANOSECONDS}
         else:
             return

@@ -2,16 +2,32 @@
 
 from __future__ import annotations
 
+import json
 import os
+import socket
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from select import select
+from signal import SIGKILL
+from typing import TYPE_CHECKING, Final
+
+from cli import forking
+from cli.forking import ANSWER
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
     from pathlib import Path
 
 __all__ = ["Program", "Run"]
+
+_SECONDS: Final = 120
+"""How long a run may take."""
+_READ_LATER: Final = {"KG_STORE", "KG_JOBS", "KG_TOKEN"}
+"""Variables that no module reads when it is imported."""
+_serving: Final[list[tuple[subprocess.Popen[bytes], socket.socket]]] = []
+"""What runs are forked from, last: it ends with this process, or when a test ends it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,19 +46,57 @@ class Program:
     folder: Path
 
     def __call__(self, *arguments: str, folder: Path | None = None, **environment: str) -> Run:
-        """Run `kg` with arguments; `folder` is another working folder, other keywords are environment variables."""
+        """Run `kg` with arguments; `folder` is another working folder, other keywords are environment variables.
+
+        The process is forked from one that has imported `kg`, unless variables are given that somebody (Python itself,
+        libraries) may read while he starts.
+        """
+        if sys.platform == "linux" and environment.keys() <= _READ_LATER:
+            return _forked(arguments, folder or self.folder, _surroundings(environment))
         return self.python("-m", "kg", *arguments, folder=folder, **environment)
 
     def python(self, *arguments: str, folder: Path | None = None, **environment: str) -> Run:
-        """Run Python in the same surroundings."""
-        clean = {name: value for name, value in os.environ.items() if not name.startswith("KG_")}
+        """Run a new Python in the same surroundings."""
         done = subprocess.run(
             [sys.executable, *arguments],
             cwd=folder or self.folder,
-            env={**clean, "COLUMNS": "80", **environment},
+            env=_surroundings(environment),
             capture_output=True,
             text=True,
             check=False,
-            timeout=120,
+            timeout=_SECONDS,
         )
         return Run(done.returncode, done.stdout, done.stderr)
+
+
+def _surroundings(environment: Mapping[str, str]) -> dict[str, str]:
+    clean = {name: value for name, value in os.environ.items() if not name.startswith("KG_")}
+    return {**clean, "COLUMNS": "80", **environment}
+
+
+def _forked(arguments: Sequence[str], folder: Path, environment: Mapping[str, str]) -> Run:
+    order = {"arguments": arguments, "folder": str(folder), "environment": environment}
+    pipes = [os.pipe() for _ in range(3)]
+    socket.send_fds(_server(), [json.dumps(order).encode()], [there for _, there in pipes])
+    for _, there in pipes:
+        os.close(there)
+    out, err, answers = (os.fdopen(here, mode) for (here, _), mode in zip(pipes, ("r", "r", "rb"), strict=True))
+    with out, err, answers, ThreadPoolExecutor(2) as readers:
+        said = [readers.submit(stream.read) for stream in (out, err)]
+        (number,) = ANSWER.unpack(answers.read(ANSWER.size))
+        if not select([answers], [], [], _SECONDS)[0]:
+            os.kill(number, SIGKILL)
+            raise subprocess.TimeoutExpired(["kg", *arguments], _SECONDS)
+        (code,) = ANSWER.unpack(answers.read(ANSWER.size))
+        return Run(code, said[0].result(), said[1].result())
+
+
+def _server() -> socket.socket:
+    """Return where the process that runs are forked from takes orders; it is started where it does not run yet."""
+    if not _serving or _serving[-1][0].poll() is not None:
+        here, there = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        with there:
+            command = [sys.executable, "-P", forking.__file__, str(there.fileno())]
+            process = subprocess.Popen(command, env=_surroundings({}), pass_fds=[there.fileno()])
+        _serving.append((process, here))
+    return _serving[-1][1]

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from kg.cli.group import CALLED
+
 if TYPE_CHECKING:
     from pathlib import Path
 
@@ -40,6 +42,14 @@ def test_a_typing_error_gets_a_suggestion(kg: Program, arguments: list[str], sug
     assert run.err.startswith("error[KG003]: ")
     assert suggestion in run.err
     assert "--help`" in run.err
+
+
+def test_commands_are_found_by_what_other_programs_call_them(kg: Program) -> None:
+    """Who scans or asks is led to what does that here, which no spelling is near of; each such command is there."""
+    assert "Did you mean `build`?" in kg("scan", ".").err
+    assert "Did you mean `search` or `query`?" in kg("ask").err
+    listed = kg("--help").out
+    assert [name for names in CALLED.values() for name in names if f"  {name} " not in listed] == []
 
 
 def test_a_bad_setting_shows_its_line_with_the_error(kg: Program, tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from patience import patient
 
 from kg.resources import folder
 
@@ -112,7 +113,7 @@ def test_ctrl_c_ends_a_build_in_one_line_and_leaves_the_store(kg: Program, works
     assert process.wait() == 130
     assert "Traceback" not in words
     assert words.endswith("interrupted\n")
-    deadline = time.monotonic() + 10
+    deadline = time.monotonic() + patient(10)
     while "nothing changed" not in (said := kg("build").err) and time.monotonic() < deadline:
         assert "error" not in said
     assert "base_controller" in kg("nodes").out

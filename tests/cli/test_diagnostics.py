@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-def test_an_error_shows_code_place_line_caret_and_way_out(tmp_path: Path) -> None:
-    """The caret stands under the column, the line comes from the file."""
+def test_an_error_shows_code_place_line_carets_and_way_out(tmp_path: Path) -> None:
+    """Carets stand under the word at the column, the line comes from the file."""
     file = tmp_path / "q.rq"
     file.write_text("# first\nSELECT WHERE\n")
     shown = render(QueryError("KG501", "expected a variable", place=Place(str(file), 2, 8), hint="name one"))
@@ -24,7 +24,7 @@ def test_an_error_shows_code_place_line_caret_and_way_out(tmp_path: Path) -> Non
         f"  --> {file}:2:8",
         "  |",
         "2 | SELECT WHERE",
-        "  |        ^",
+        "  |        ^^^^^",
         "help: name one",
     ]
 
@@ -51,6 +51,14 @@ def test_wide_characters_and_tabs_keep_the_caret_in_place() -> None:
     lines = render(KgError("KG501", "m", place=Place("q", 1, 4, "東\t京x"))).splitlines()
     assert lines[3] == "1 | 東 京x"
     assert lines[4] == "  |      ^"
+
+
+def test_what_has_an_end_is_marked_to_its_end() -> None:
+    """All of it has carets, as wide as it is shown; what goes on in other lines has them to the end of its first."""
+    lines = render(KgError("KG501", "m", place=Place("q", 1, 2, "a東京 b", 1, 4))).splitlines()
+    assert lines[4] == "  |  ^^^^"
+    lines = render(KgError("KG501", "m", place=Place("q", 1, 2, "abc", 3, 1))).splitlines()
+    assert lines[4] == "  |  ^^"
 
 
 def test_long_lines_are_shown_around_the_column() -> None:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import pytest
 from cli.program import Program
 from repository import ROOT
+from workspaces import example
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -21,10 +22,8 @@ CASES = ROOT / "tests" / "evaluate" / "cases"
 def build(tmp_path_factory: pytest.TempPathFactory) -> Program:
     """Return the program in a folder with a copy of the example workspace in `field` and its store."""
     folder = tmp_path_factory.mktemp("eval")
-    shutil.copytree(ROOT / "examples" / "workspace", folder / "field")
-    program = Program(folder)
-    assert program("build", "field").code == 0
-    return program
+    shutil.copytree(example(tmp_path_factory, "field"), folder, dirs_exist_ok=True)
+    return Program(folder)
 
 
 def test_references_are_compared_kept_and_forgotten(built: Program) -> None:

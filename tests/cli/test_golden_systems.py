@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import os
 import re
-import shutil
 from pathlib import Path
 from typing import Final
 
 import pytest
 from cli.test_golden import said
+from workspaces import example
 
-from kg.api import build, instances
+from kg.api import instances
 from kg.resources import folder
 
 GOLDEN: Final = Path(__file__).parent / "golden" / "systems"
@@ -21,10 +21,7 @@ CASES: Final = sorted(GOLDEN.glob("*.txt"))
 @pytest.fixture(scope="module")
 def robots(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder with the example workspace and the store built from it."""
-    root = tmp_path_factory.mktemp("robots")
-    shutil.copytree(folder("examples") / "workspace", root / "robots")
-    build([root / "robots"], store=root / ".kg")
-    return root
+    return example(tmp_path_factory, "robots")
 
 
 @pytest.fixture(autouse=True)

@@ -162,3 +162,22 @@ def test_diff_names_what_it_cannot_compare(repository: Path, cache: Path, tmp_pa
     shallow = diff(tmp_path / "shallow", cache, "HEAD~1..HEAD")
     assert "unshallow" in shallow.err
     assert "KG104" in diff(repository, cache, "--", "--output=x..HEAD").err, "a name never becomes an option of git"
+
+
+def test_a_broken_launch_file_is_no_empty_graph(tmp_path: Path) -> None:
+    """The build lists it among its problems; graph says where it is broken and what to do, and its exit code is 1."""
+    launch = tmp_path / "ws" / "demo" / "launch" / "bad.launch"
+    launch.parent.mkdir(parents=True)
+    (tmp_path / "ws" / "demo" / "package.xml").write_text(MANIFEST)
+    launch.write_text('<launch>\n  <node pkg="a"')
+    program = Program(tmp_path)
+    built = program("build", "ws", "--store", "store")
+    assert built.code == 0
+    assert "problems 1 in 1 file; the rest was built:" in built.err
+    assert "  ws/demo/launch/bad.launch:2: KG415 the file is no well-formed XML" in built.err
+    drawn = program("graph", "bad.launch", "--store", "store")
+    assert drawn.code == 1
+    assert "error[KG415]: the file is no well-formed XML" in drawn.err
+    assert "--> ws/demo/launch/bad.launch:2" in drawn.err
+    assert "help: Correct the line." in drawn.err
+    assert "starts no nodes" not in drawn.err

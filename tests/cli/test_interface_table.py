@@ -22,7 +22,7 @@ def drawn(rows: list[Row], columns: int) -> str:
     """Return the table as a terminal of so many columns shows it."""
     console = Console(file=io.StringIO(), width=columns, color_system=None)
     with console.capture() as captured:
-        console.print(interface_table([("publishes", rows)], "local/ws", Links({}), columns))
+        console.print(interface_table([("publishes", rows)], "local/ws", Links.of([]), columns))
     return captured.get()
 
 

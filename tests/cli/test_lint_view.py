@@ -16,7 +16,7 @@ from kg.lint.running import Checked
 def lines(*findings: Finding) -> list[str]:
     """Return how findings are drawn, without their sources."""
     checked = Checked(Report(findings), (), 1)
-    return list(LintView(checked, Links({}), Path("/"), color=False).lines())
+    return list(LintView(checked, Links.of([]), Path("/"), color=False).lines())
 
 
 def test_findings_of_one_kind_at_one_line_stand_together() -> None:

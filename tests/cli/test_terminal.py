@@ -70,9 +70,9 @@ def test_lists_are_tables_in_colour(tmp_path: Path) -> None:
 
 
 def test_places_lead_to_the_file(tmp_path: Path) -> None:
-    """Places are links that terminals open (OSC 8), for nodes and in answers."""
+    """Places are links that terminals open (OSC 8), for nodes, in answers and below hits."""
     on_terminal(tmp_path, "build", str(folder("examples") / "workspace"))
-    for arguments in (["node", "base_controller"], ["query", "demo/laser-scans"]):
+    for arguments in (["node", "base_controller"], ["query", "demo/laser-scans"], ["search", "laser scan"]):
         assert re.search(r"\x1b\]8;[^;]*;file://[^\x1b]*\.cpp\x1b\\", on_terminal(tmp_path, *arguments)), arguments
 
 

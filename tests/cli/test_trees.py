@@ -21,7 +21,7 @@ LINE = Line("│  ├─ ", "camera_monitor#publisher/image rnkg:connectsTo /cam
 def rows(width: int, monkeypatch: pytest.MonkeyPatch, lines: Sequence[Line] = (LINE,)) -> list[str]:
     """Return the rows that lines take on a terminal of some width."""
     monkeypatch.setattr(trees, "line_width", lambda: width)
-    return [row.plain for line in lines for row in trees._folded(line, Links({}))]
+    return [row.plain for line in lines for row in trees._folded(line, Links.of([]))]
 
 
 @pytest.mark.parametrize("width", [20, 40, 60, 80, 200])

@@ -8,6 +8,8 @@ import sys
 from pathlib import Path
 from typing import Final
 
+from patience import patient
+
 CASE: Final = Path(__file__).parent / "rules_case"
 
 
@@ -31,7 +33,7 @@ def test_watching_ends_quietly(tmp_path: Path) -> None:
             assert line, shown
             shown += line
         process.send_signal(signal.SIGINT)
-        out, err = process.communicate(timeout=60)
+        out, err = process.communicate(timeout=patient(60))
     assert process.returncode == 0
     assert err.endswith("stopped\n")
     assert "ok    wiring/talks-to  2 examples" in out

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+import shutil
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET
 
 import pytest
 from cli.program import Program
-from repository import ROOT
+from workspaces import example
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -18,9 +19,8 @@ if TYPE_CHECKING:
 def build(tmp_path_factory: pytest.TempPathFactory) -> Program:
     """Return the program in a folder with a store of the example workspace."""
     folder: Path = tmp_path_factory.mktemp("why")
-    program = Program(folder)
-    assert program("build", str(ROOT / "examples" / "workspace")).code == 0
-    return program
+    shutil.copytree(example(tmp_path_factory) / ".kg", folder / ".kg")
+    return Program(folder)
 
 
 def test_a_proof_ends_in_lines_of_code_and_of_ontologies(built: Program) -> None:
@@ -47,6 +47,8 @@ def test_a_row_of_an_answer(built: Program) -> None:
     assert run.code == 0, run.err
     assert "rnkg:connectsTo /odom" in run.out
     assert "row 1: " in run.err
+    of_all = built("why", "--query", "SELECT (COUNT(*) AS ?n) { ?s ?p ?o }")
+    assert "one of 1,000 or more solutions" in of_all.err
 
 
 @pytest.mark.parametrize(
@@ -55,7 +57,7 @@ def test_a_row_of_an_answer(built: Program) -> None:
         (("why-not", "patrol", "rnkg:feeds", "patrol", "--depth", "x"), "whole number from 1 to 20"),
         (("why-not", "patrol", "rnkg:feeds", "patrol", "--depth", "99"), "whole number from 1 to 20"),
         (("why", "--query", "who-publishes", "--row", "9999"), "not 9999"),
-        (("why", "patrol", "subscribes"), "SUBJECT PREDICATE OBJECT"),
+        (("why", "patrol", "subscribes"), "kg why patrol subscribes scan_filtered"),
         (("why", "patrol", "subscribes", "odom", "--query", "x"), "not both"),
         (("why", "patrol", "subscribes", "odom", "--format", "png"), "no form of a proof"),
     ],

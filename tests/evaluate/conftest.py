@@ -1,15 +1,13 @@
 from __future__ import annotations
 
-import shutil
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import pytest
-from repository import ROOT
+from workspaces import example
 
 from kg import settings
-from kg.pipeline.build import build
-from kg.store.opening import existing, writable
+from kg.store.opening import existing
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -34,10 +32,5 @@ class Field:
 @pytest.fixture(scope="session", name="field")
 def built(tmp_path_factory: pytest.TempPathFactory) -> Field:
     """Return the example workspace and its store; tests change neither."""
-    folder = tmp_path_factory.mktemp("evaluate")
-    source = folder / "field"
-    shutil.copytree(ROOT / "examples" / "workspace", source)
-    given = settings.load({"store": folder / "store"})
-    with writable(given) as target:
-        build([str(source)], target, given, None, "test")
-    return Field(source, given)
+    root = example(tmp_path_factory, "field")
+    return Field(root / "field", settings.load({"store": root / ".kg"}))

@@ -19,7 +19,7 @@ from kg.errors import UsageError
 from kg.evaluate import rankers
 from kg.evaluate.judged_needs import Constraints, Judged, Need, Ranked, ndcg, read_needs
 from kg.evaluate.matching import Patterns
-from kg.evaluate.retrieval import retrieval
+from kg.evaluate.retrieval import _compared, retrieval
 from kg.evaluate.tables import Score
 from kg.search.documents import Document, End
 from kg.search.searching import open_search
@@ -55,6 +55,17 @@ def test_ways_to_find_nodes_are_compared(field: Field) -> None:
     single = means(retrieval(search, needs[:1]))
     assert single["subgraph matching", "NDCG@5"] == 1.0
     assert retrieval(search, needs) == retrieval(search, needs)
+
+
+def test_nothing_is_so_and_so_many_times_better_than_what_finds_nothing() -> None:
+    """Beside a way whose mean is zero there is the difference, and no share of it."""
+    difference, share = _compared([0.5, 1.0], [0.0, 0.0])
+    assert isinstance(difference, Score)
+    assert difference.value == 0.75
+    assert share is None
+    share = _compared([0.5, 1.0], [0.5, 0.5])[1]
+    assert isinstance(share, Score)
+    assert share.value == 0.5
 
 
 def test_a_pattern_asks_for_ends_of_its_own() -> None:

@@ -92,9 +92,19 @@ def test_iris_are_readable() -> None:
     assert fragment("n", "publisher", "~/costmap", 2) == "n#publisher/~/costmap@2"
 
 
-@pytest.mark.parametrize("iri", ["https://other.org/topic/x", "https://w3id.org/rnkg/", "https://w3id.org/rnkg/cat/x"])
+@pytest.mark.parametrize(
+    "iri",
+    [
+        "https://other.org/topic/x",
+        "https://w3id.org/rnkg/",
+        "https://w3id.org/rnkg/cat/x",
+        "https://w3id.org/rnkg/file/local/ws/a.cpp",
+        "https://w3id.org/rnkg/node/n",
+        "https://w3id.org/rnkg/package-name/a/b",
+    ],
+)
 def test_what_is_no_iri_of_ours_is_nothing(iri: str) -> None:
-    """IRIs of other bases and of unknown kinds have no parts."""
+    """IRIs of other bases, of unknown kinds, and with too few or too many parts for their kind have none."""
     assert IRIS.parse(iri) is None
 
 

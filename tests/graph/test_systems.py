@@ -230,8 +230,9 @@ def test_an_end_without_its_node_type_is_left_out() -> None:
     """A system whose node types are gone from the store can still be read; plugins' ends have their own evidence."""
     store = Store()
     content = system_triples(SYSTEM, {}, IRIS)
-    store.load(source_triples(REPOSITORY, [], IRIS), RdfFormat.N_TRIPLES)
-    store.load(source_triples(REPOSITORY, [replace(FACTS, nodes=())], IRIS), RdfFormat.N_TRIPLES)
+    for facts in ([], [replace(FACTS, nodes=())]):
+        source = source_triples(REPOSITORY, facts, IRIS)
+        store.load(source, RdfFormat.N_TRIPLES, to_graph=NamedNode(IRIS.source_graph(ROVER)))
     store.load(content, RdfFormat.N_TRIPLES, to_graph=NamedNode(IRIS.launch_graph(ROVER, LAUNCH)))
     (found,) = systems(Union(store), system_names(Union(store)), BASE)
     assert [len(one.interfaces) for one in found.instances] == [0, 2]

@@ -51,6 +51,10 @@ NAMESPACES = {
     "onto-ros": vocabulary.ROS,
     "rnkg": vocabulary.RNKG,
     **{name: f"https://w3id.org/rnkg/{name}#" for name in ("capability", "function", "hardware", "architecture")},
+    "ontobot-alignment": "https://w3id.org/onto-bot#",
+    **dict.fromkeys(
+        ("capability-contexts", "capability-exclusions", "capability-parameters"), "https://w3id.org/rnkg/capability#"
+    ),
 }
 
 

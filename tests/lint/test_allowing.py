@@ -100,6 +100,14 @@ def test_all_that_is_wrong_is_told_at_once_with_its_lines(tmp_path: Path) -> Non
     )
 
 
+def test_what_an_entry_lacks_is_not_looked_for_in_the_next(tmp_path: Path) -> None:
+    """An entry without a code is told at its own line, though the entry behind it has one."""
+    (tmp_path / "kg.toml").write_text(f'[[lint.allow]]\nreason = "so"\n\n{HEAD}', encoding="utf-8")
+    with pytest.raises(UsageError) as caught:
+        allowances(table("lint", tmp_path), ())
+    assert caught.value.place == Place(str(tmp_path / "kg.toml"), 1)
+
+
 def test_codes_of_rules_of_ones_own_can_be_allowed(tmp_path: Path) -> None:
     """A code that a finding has is known, whoever wrote the rule."""
     (tmp_path / "kg.toml").write_text('[[lint.allow]]\ncode = "X1"\nreason = "so"\n', encoding="utf-8")

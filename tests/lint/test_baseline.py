@@ -53,6 +53,16 @@ def test_one_more_of_a_kind_is_new() -> None:
     assert (len(new), len(old), gone) == (1, 2, [])
 
 
+@pytest.mark.parametrize("count", [{}, {"count": 0}, {"count": -2}, {"count": "many"}])
+def test_an_entry_without_a_number_is_one_finding(tmp_path: Path, count: dict[str, object]) -> None:
+    """So is one whose number is none, since what stands in a baseline was found once at least."""
+    entry = {"fingerprint": finding().fingerprint, **count}
+    file = tmp_path / "baseline.json"
+    file.write_text(json.dumps({"version": 1, "findings": [entry]}), encoding="utf-8")
+    new, old, gone = compared([finding()] * 2, read(file))
+    assert (len(new), len(old), gone) == (1, 1, [])
+
+
 def test_the_same_findings_give_the_same_file() -> None:
     """Whatever their order, so that a baseline under version control changes only with what is found."""
     several = [finding(subjects=(name,)) for name in ("/b", "/a", "/c")]

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from patience import patient
 
 if TYPE_CHECKING:
     from pipeline.conftest import Bench
@@ -82,7 +83,7 @@ def test_kill_at_any_moment(built: Bench) -> None:
         process.kill()
         process.wait()
         assert built.content() == before
-    deadline = time.monotonic() + 20
+    deadline = time.monotonic() + patient(20)
     while _members(process.pid) and time.monotonic() < deadline:
         time.sleep(0.05)
     assert not _members(process.pid)
@@ -100,7 +101,7 @@ def test_interrupt_ends_workers_and_keeps_the_store(built: Bench) -> None:
         process = _start(built, f"interrupted {delay}", hold=True)
         time.sleep(delay)
         os.killpg(process.pid, signal.SIGINT)
-        _, errors = process.communicate(timeout=20)
+        _, errors = process.communicate(timeout=patient(20))
         assert process.returncode in {0, 130, -signal.SIGINT}
         assert process.returncode == 0 or b"KeyboardInterrupt" in errors
         assert not _members(process.pid)

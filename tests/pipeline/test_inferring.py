@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING
 
 from pyoxigraph import NamedNode, RdfFormat
 
 from kg.errors import RuleError
+from kg.pipeline import inferring
 from kg.pipeline.build import build
 from kg.pipeline.forgetting import forget
 from kg.pipeline.inferring import LastRun, digest, last_run
@@ -106,6 +108,29 @@ def test_a_new_rule_runs_though_no_source_changed(bench: Bench, tmp_path: Path) 
     (rules / "mine" / "loud.rq").unlink()
     built(bench, with_rules)
     assert not any('"loud"' in line for line in inferred(bench.store))
+
+
+def test_rules_are_read_again_only_when_a_file_changed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One of the same size and time is another; what was written a moment ago may change and look the same."""
+    chosen = own_rule(tmp_path, "quiet.rq", NEGATING)
+    file = tmp_path / "mine" / "quiet.rq"
+    reads: list[Path] = []
+
+    def reading(path: Path) -> bytes:
+        reads.append(path)
+        return path.read_bytes()
+
+    monkeypatch.setattr(inferring, "_content", reading)
+    monkeypatch.setattr(inferring, "_SETTLED", -1)
+    before, once = digest(chosen), len(reads)
+    assert digest(chosen) == before
+    assert len(reads) == once
+    told = file.stat()
+    file.write_text(NEGATING.replace('"a"', '"b"'))
+    os.utime(file, ns=(told.st_atime_ns, told.st_mtime_ns))
+    assert digest(chosen) != before
+    monkeypatch.undo()
+    assert digest(chosen) != before
 
 
 def test_without_rules_what_was_inferred_stays_until_the_next_build(bench: Bench) -> None:

@@ -9,6 +9,7 @@ import pyoxigraph
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from patience import patient
 from pyoxigraph import Literal, NamedNode
 
 from kg.errors import Exit, QueryError
@@ -73,7 +74,7 @@ def test_deadline(snapshot: EmbeddedSnapshot) -> None:
     began = time.perf_counter()
     with pytest.raises(QueryError) as caught:
         run(snapshot, PRODUCT, timeout=0.2)
-    assert time.perf_counter() - began < 0.7
+    assert time.perf_counter() - began < 0.2 + patient(0.5)
     assert caught.value.code == "KG503"
     assert caught.value.exit_code == Exit.TIMEOUT
 
@@ -91,7 +92,7 @@ def test_deadline(snapshot: EmbeddedSnapshot) -> None:
         ("PREFIX a: <b:c>\nINSERT DATA {}", 2, 1, "this is an update, not a query"),
         ("SELECT * {?s ?p ?o", 1, 19, "the query ends too early"),
         ("  ", 1, 3, "there is no query"),
-        ("SELECT ?x (COUNT(?y) AS ?c) {?x ?p ?y}", 1, 39, "the SELECT contains a variable that is unbound"),
+        ("SELECT ?x (COUNT(?y) AS ?c) {?x ?p ?y}", 1, 8, "?x is neither grouped by nor in an aggregate"),
         ("SELECT * {?s '\u00e9\U0001f600' ?o }", 1, 14, None),
     ],
 )

@@ -26,7 +26,7 @@ def refused(text: str) -> str | None:
     try:
         check(tokens(text), text)
     except QueryError as error:
-        return error.message if error.code == "KG502" else None
+        return error.message if error.code in {"KG502", "KG516"} else None
     return None
 
 

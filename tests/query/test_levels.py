@@ -6,15 +6,15 @@ import shutil
 from typing import TYPE_CHECKING
 
 import pytest
+from workspaces import example
 
-from kg.pipeline.build import build
 from kg.pipeline.inferring import Inference
 from kg.query.ask import ask
 from kg.query.result import Solutions
 from kg.query.stored import discover
-from kg.resources import folder
 from kg.settings import load
 from kg.store.embedded import EmbeddedStore
+from kg.store.opening import existing
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -22,17 +22,15 @@ if TYPE_CHECKING:
 
     from kg.store.snapshot import EmbeddedSnapshot
 
-QUERIES = discover()
+QUERIES = {name: query for name, query in discover().items() if not name.startswith("robot/")}
+"""All but those about robots, which ask what systems can do: that is what instances are for."""
 
 
 @pytest.fixture(scope="module")
 def levels(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[EmbeddedSnapshot, EmbeddedSnapshot]]:
     """The example workspace with the graphs of its launch files, and without them."""
     root = tmp_path_factory.mktemp("levels")
-    shutil.copytree(folder("examples") / "workspace", root / "examples")
-    settings = load({}, environment={})
-    full = EmbeddedStore.create(root / "full")
-    build([str(root / "examples")], full, settings)
+    full = existing(load({"store": example(tmp_path_factory) / ".kg"}, environment={}))
     types = _types_alone(root, full)
     with full.read() as one, types.read() as other:
         yield one, other

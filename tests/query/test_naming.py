@@ -86,6 +86,9 @@ def test_unknown_words_get_suggestions() -> None:
     with pytest.raises(UnknownNameError) as missing:
         terms(STORE, "publish", property_=True)
     assert "rnkg:publishes" in (missing.value.hint or "")
+    with pytest.raises(UnknownNameError) as unlike:
+        terms(STORE, "xyzzy", property_=True)
+    assert "lists the properties" in (unlike.value.hint or "")
     with pytest.raises(UsageError):
         terms(STORE, '"open')
 
@@ -118,3 +121,25 @@ def test_a_property_that_nothing_has_is_named_before_things_are_asked_about() ->
     with pytest.raises(UnknownNameError) as error:
         facts(STORE, "talker", "rnkg:publishs", "odom")
     assert "`rnkg:publishes`" in (error.value.hint or "")
+
+
+def test_exact_names_leave_out_what_only_ends_in_them() -> None:
+    """A word means what has it as a name; what only ends in it is found too unless the name has to be exact."""
+    assert terms(STORE, "exe", exact=True) == []
+    assert terms(STORE, "exe") == [NamedNode(BASE + "exe")]
+    assert terms(STORE, "chatter", exact=True) == terms(STORE, "chatter")
+
+
+def test_held_facts_need_no_names_that_only_end_in_words() -> None:
+    """A fact whose things have the names is found without reading all that is named, which takes seconds."""
+    asked: list[str] = []
+
+    class Told(Snapshot):
+        def query(
+            self, text: str, *, prefixes: Mapping[str, str] | None = None
+        ) -> QuerySolutions | QueryBoolean | QueryTriples:
+            asked.append(text)
+            return super().query(text, prefixes=prefixes)
+
+    assert facts(Told(), "talker", "publishes", "chatter")[1]
+    assert not any("STRENDS" in text or "?s ?name ?o" in text for text in asked)

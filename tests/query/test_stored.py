@@ -11,15 +11,19 @@ import pytest
 
 from kg import resources
 from kg.errors import QueryError, UsageError
-from kg.query.ask import ask, suggestion
+from kg.query.ask import ask, row, suggestion
+from kg.query.lexer import Kind, tokens
 from kg.query.result import Solutions
 from kg.query.stored import discover, find, internal, read
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from kg.store.snapshot import EmbeddedSnapshot
 
 EXPECTED = Path(__file__).parent / "expected"
 QUERIES = {name: query for name, query in discover().items() if not name.startswith("demo/")}
+FILES = sorted(resources.folder("queries").rglob("*.rq"))
 VARYING = {"commit", "dirty"}
 """What differs between a checkout and an installation."""
 
@@ -153,3 +157,47 @@ def test_internal_queries_are_not_listed() -> None:
     assert "SELECT" in internal("relations")
     assert not any(name.startswith("internal/") for name in QUERIES)
     assert (resources.folder("queries") / "internal").is_dir()
+
+
+def test_one_row(examples: EmbeddedSnapshot) -> None:
+    """A row of the answer is named by its number from one, and comes with the query that has the values in it."""
+    query = find("who-publishes", ())
+    every = ask(examples, query, {"topic": "/odom"})
+    assert isinstance(every, Solutions)
+    text, found = row(examples, query, {"topic": "/odom"}, len(every.rows))
+    assert list(found.values()) == [term for term in every.rows[-1] if term is not None]
+    assert '"/odom"' in text
+    with pytest.raises(UsageError, match=f"not {len(every.rows) + 1}"):
+        row(examples, query, {"topic": "/odom"}, len(every.rows) + 1)
+
+
+def _behind_optional(text: str) -> Iterator[str]:
+    """Yield the variables of patterns behind an OPTIONAL of their group; those in brackets are of expressions."""
+    groups, brackets, before = [False], 0, ""
+    openers: list[str] = []
+    for token in tokens(text):
+        word = token.text.upper()
+        if word == "{":
+            openers.append(before)
+            groups.append(False)
+        elif word == "}":
+            groups.pop()
+            groups[-1] |= openers.pop() == "OPTIONAL"
+        elif word in {"(", ")"}:
+            brackets += 1 if word == "(" else -1
+        elif token.kind is Kind.VARIABLE and groups[-1] and not brackets and before != "VALUES":
+            yield token.text
+        before = before if before == "VALUES" and token.kind is Kind.VARIABLE else word
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_what_is_optional_stands_last(path: Path) -> None:
+    """No pattern stands behind an OPTIONAL: the engine evaluates it for the whole store, whatever came before."""
+    assert not list(_behind_optional(path.read_text("utf-8")))
+
+
+def test_patterns_behind_what_is_optional_are_found() -> None:
+    """The check finds a pattern behind an OPTIONAL, and passes conditions, data and what stands in other groups."""
+    assert list(_behind_optional("SELECT * { ?a ?b ?c OPTIONAL { ?a ?d ?e } ?f ?g 1 }")) == ["?f", "?g"]
+    assert not list(_behind_optional("SELECT * { { ?a a 1 OPTIONAL { ?a a 2 } } ?b a 3 . OPTIONAL { ?b a 4 } }"))
+    assert not list(_behind_optional("SELECT * { OPTIONAL { ?a a 1 } FILTER(?a = 1) VALUES ?a { 1 } } ORDER BY ?a"))

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import shutil
 from importlib.metadata import EntryPoint
 from pathlib import Path
 from types import ModuleType
@@ -9,7 +10,7 @@ import pytest
 
 from kg.errors import RuleError
 from kg.rules import reading
-from kg.rules.reading import Pack, discover, packs, read, read_text
+from kg.rules.reading import ENTRY_POINTS, Pack, discover, packs, read, read_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -77,6 +78,14 @@ def test_two_files_of_one_name_are_refused(folder: Path, tmp_path: Path) -> None
     assert code_of(lambda: discover([tmp_path])) == "KG207"
 
 
+def test_a_copy_is_no_other_rule(folder: Path, tmp_path: Path) -> None:
+    """A folder that stands twice, as a checkout beside what is installed of it, has each rule once; an edit is told."""
+    copy = shutil.copytree(folder, tmp_path.parent / f"{tmp_path.name}-copy")
+    assert discover([folder, copy]) == discover([folder])
+    (copy / "family" / "one.rq").write_text(RQ.replace("rnkg:q", "rnkg:r"))
+    assert code_of(lambda: discover([folder, copy])) == "KG207"
+
+
 def test_a_missing_folder_is_refused(tmp_path: Path) -> None:
     """A folder that is not there is an error, not an empty set."""
     assert code_of(lambda: discover([tmp_path / "nowhere"])) == "KG231"
@@ -126,7 +135,7 @@ def entry(name: str, loaded: object, monkeypatch: pytest.MonkeyPatch) -> None:
         return loaded
 
     monkeypatch.setattr(EntryPoint, "load", load)
-    monkeypatch.setattr(reading, "entry_points", lambda group: [EntryPoint(name, "package", group)])
+    monkeypatch.setattr(reading, "_declared", lambda *_: (EntryPoint(name, "package", ENTRY_POINTS),))
 
 
 def test_a_pack_is_a_package_or_a_function(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

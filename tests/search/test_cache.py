@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from threading import Event, Thread
+from time import sleep
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -60,3 +62,23 @@ def test_an_index_of_other_code_or_data_is_no_index(tmp_path: Path, monkeypatch:
     cache.save(tmp_path, "1", INDEX)
     monkeypatch.setattr(kept, "_version", lambda: 1)
     assert cache.load(tmp_path, "1") is None
+
+
+def test_one_builds_while_others_wait(tmp_path: Path) -> None:
+    """Who wants to build an index while another does so waits until that one has ended."""
+    order: list[str] = []
+    began = Event()
+
+    def first() -> None:
+        with cache.alone(tmp_path):
+            began.set()
+            sleep(0.1)
+            order.append("first")
+
+    thread = Thread(target=first)
+    thread.start()
+    began.wait()
+    with cache.alone(tmp_path):
+        order.append("second")
+    thread.join()
+    assert order == ["first", "second"]

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+import os
 from typing import TYPE_CHECKING
 
 import pytest
 
 from kg.errors import StoreError
-from kg.store.layout import create, find
+from kg.store.layout import Layout, create, find, write_atomically
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -53,3 +54,42 @@ def test_damaged_pointer(tmp_path: Path, content: str) -> None:
 def test_version_control_leaves_the_store_out(tmp_path: Path) -> None:
     """The folder ignores itself."""
     assert (create(tmp_path / ".kg").root / ".gitignore").read_text() == "*\n"
+
+
+def test_what_is_in_force_is_there_or_gone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A generation that is replaced and removed while it is looked for is not taken for data that is gone."""
+    layout = create(tmp_path / ".kg")
+    assert layout.in_force() is None
+    layout.generation(1).mkdir()
+    layout.switch(1)
+    current = Layout.current
+    looks: list[int | None] = []
+
+    def replaced_meanwhile(asked: Layout) -> int | None:
+        looks.append(current(asked))
+        if len(looks) == 1:
+            layout.generation(1).rename(layout.generation(2))
+            layout.switch(2)
+        return looks[-1]
+
+    monkeypatch.setattr(Layout, "current", replaced_meanwhile)
+    assert layout.in_force() == 2
+    assert looks == [1, 2]
+    layout.generation(2).rmdir()
+    assert layout.in_force() is None
+
+
+def test_two_that_write_a_file_at_once_both_write_it_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Who writes a file that another thread is writing disturbs it in nothing; one of the two contents stays."""
+    file = tmp_path / "file"
+    found: list[bytes] = []
+
+    def meanwhile(_: int) -> None:
+        monkeypatch.undo()
+        write_atomically(file, b"the other one")
+        found.append(file.read_bytes())
+
+    monkeypatch.setattr(os, "fsync", meanwhile)
+    write_atomically(file, b"one")
+    assert [*found, file.read_bytes()] == [b"the other one", b"one"]
+    assert list(tmp_path.iterdir()) == [file]

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
-from typing import TYPE_CHECKING
+import subprocess
+import sys
+from contextlib import suppress
+from pathlib import Path
 
 import pytest
 
 from kg.errors import StoreError
+from kg.store import locks
 from kg.store.layout import Layout, create
 from kg.store.locks import busy, hold_generation, remove_unused, writer
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 def test_busy_tells_who_writes(tmp_path: Path) -> None:
@@ -26,14 +28,51 @@ def test_busy_tells_who_writes(tmp_path: Path) -> None:
     assert busy(layout) is None
 
 
-def test_a_writer_that_says_nothing_yet(tmp_path: Path) -> None:
-    """A lock without a name in it is still a busy store."""
+def test_a_writer_that_says_nothing_yet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A lock that is held on without a name in it is still a busy store."""
+    monkeypatch.setattr(locks, "_PATIENCE", 0.05)
     layout = create(tmp_path / ".kg")
     with writer(layout, "x"):
         layout.lock.write_text("")
         with pytest.raises(StoreError) as caught, writer(layout, "y"):
             pass
     assert caught.value.code == "KG302"
+
+
+@pytest.mark.parametrize("left", ["", '{"pid": %d, "command": "kg build", "since": "then"}', "[]"])
+def test_who_only_looks_keeps_no_writer_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, left: str) -> None:
+    """A lock in which nobody who lives is named is let go of in a moment, which a writer waits for."""
+    layout = create(tmp_path / ".kg")
+    ended = subprocess.Popen([sys.executable, "-c", ""])
+    ended.wait()
+    layout.lock.write_text(left.replace("%d", str(ended.pid)))
+    looking = layout.lock.open()
+    fcntl.flock(looking, fcntl.LOCK_SH)
+    monkeypatch.setattr("kg.store.locks.time.sleep", lambda _: looking.close())
+    with writer(layout, "kg build x"):
+        assert looking.closed
+        assert busy(layout) is not None
+
+
+@pytest.mark.parametrize("raised", [False, True])
+def test_a_copy_of_the_lock_keeps_no_writer_out(tmp_path: Path, raised: bool) -> None:  # noqa: FBT001 - a case of the table
+    """What a process that was forked meanwhile still holds is free when the writer ends, however it does."""
+    layout = create(tmp_path / ".kg")
+    copy = -1
+    with suppress(ZeroDivisionError), writer(layout, "first"):
+        (handle,) = (int(link.name) for link in Path("/proc/self/fd").iterdir() if _leads(link, layout.lock))
+        copy = os.dup(handle)
+        if raised:
+            raise ZeroDivisionError
+    assert busy(layout) is None
+    os.close(copy)
+
+
+def _leads(link: Path, file: Path) -> bool:
+    try:
+        return link.readlink() == file
+    except OSError:
+        return False
 
 
 def test_the_generation_goes_while_it_is_being_held(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -43,6 +43,18 @@ def test_a_folder_that_was_there_stays(tmp_path: Path) -> None:
     assert (tmp_path / "mine" / "file").exists()
 
 
+def test_a_file_is_no_store(tmp_path: Path) -> None:
+    """Where a file stands in place of the folder it is said so, and the file stays."""
+    (tmp_path / "mine").write_text("mine")
+    with (
+        pytest.raises(StoreError, match="a store is a folder") as caught,
+        writable(settings.load({"store": tmp_path / "mine"})),
+    ):
+        pass
+    assert caught.value.code == "KG306"
+    assert (tmp_path / "mine").read_text() == "mine"
+
+
 def test_without_leave_to_create_a_missing_store_is_an_error(tmp_path: Path) -> None:
     """A build without sources needs a store: KG301."""
     with pytest.raises(StoreError) as caught, writable(settings.load({"store": tmp_path / "mine"}), create=False):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 import threading
 from http.server import BaseHTTPRequestHandler, HTTPServer
 from typing import TYPE_CHECKING, ClassVar
@@ -165,6 +166,14 @@ def told() -> Iterator[str]:
         yield f"127.0.0.1:{server.server_port}"
         server.shutdown()
         thread.join()
+
+
+def test_how_long_was_waited_is_told() -> None:
+    """A server that is silent is told with the time that this request gave it."""
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        store = RemoteStore(f"http://127.0.0.1:{silent.getsockname()[1]}/query")
+        with pytest.raises(StoreError, match=r"did not answer within 0\.05 s"):
+            store.read().query("ASK {}", timeout=0.05)
 
 
 @pytest.mark.parametrize(

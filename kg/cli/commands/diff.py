@@ -89,7 +89,7 @@ def _written(found: "Difference", asked: "Sides", both: "tuple[Known, Known]", f
     if form == "json":
         return "".join(map(json_line, difference_objects(found)))
     if form == "markdown":
-        links = Links(both[0].states), Links(both[1].states)
+        links = Links.of(both[0].states.values()), Links.of(both[1].states.values())
         return difference_markdown(found, asked.title, lambda side, is_after: address(links, side, is_after=is_after))
     return "".join(f"{line}\n" for line in difference_lines(found))
 

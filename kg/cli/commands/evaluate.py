@@ -11,8 +11,8 @@ from kg.cli.numbers import whole
 from kg.cli.options import Json, Store
 from kg.cli.session import session
 from kg.errors import UsageError
-from kg.query.similar import did_you_mean
 from kg.render.text import count
+from kg.similar import did_you_mean
 from kg.store.opening import existing, reading
 
 if TYPE_CHECKING:

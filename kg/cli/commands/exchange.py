@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from kg.cli.diagnostics import say
-from kg.cli.names import unknown
 from kg.cli.options import Base, NoRules, Store
 from kg.cli.output import write_bytes
 from kg.cli.session import session
 from kg.errors import Exit, Place, QueryError, UsageError
-from kg.query.similar import did_you_mean
 from kg.render.text import count
+from kg.similar import did_you_mean
 from kg.store.opening import existing, reading, writable
+from kg.views.names import unknown
 
 if TYPE_CHECKING:
     from pyoxigraph import NamedNode, RdfFormat

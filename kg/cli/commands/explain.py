@@ -5,10 +5,10 @@ from typing import Annotated
 import typer
 
 from kg.cli.completion import codes
-from kg.cli.names import unknown
 from kg.cli.options import Json
 from kg.cli.output import json_lines, write
 from kg.errors import CATALOGUE
+from kg.views.names import unknown
 
 __all__ = ["explain"]
 

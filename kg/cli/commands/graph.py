@@ -7,13 +7,13 @@ import typer
 
 from kg.cli.diagnostics import note
 from kg.cli.drawing import Dot, Mermaid, Output, Svg, deliver, form_of
-from kg.cli.names import unknown
 from kg.cli.options import Json, Store
 from kg.cli.output import Column, json_line, listing, terminal
 from kg.cli.session import session
-from kg.cli.systems import Arguments, Environment, File, Launch, chosen_systems, named
-from kg.errors import UnknownNameError, UsageError
+from kg.cli.systems import Arguments, Environment, File, Launch, chosen_systems, named, tell_malformed
+from kg.errors import Exit, UnknownNameError, UsageError
 from kg.store.opening import reading
+from kg.views.names import unknown
 
 if TYPE_CHECKING:
     from kg.render.system_graph import SystemGraph
@@ -62,7 +62,8 @@ def graph(  # noqa: PLR0913 - the options of a command
 
     Nodes with all they publish, subscribe, offer and call, after namespaces, remappings and parameters, and who is at
     the other side; nothing is run. Where there are many nodes, pictures show namespaces as one box each. What leads
-    nowhere and what is not known is marked. `kg node NAME` shows one of the nodes with the lines behind all that. For
+    nowhere and what is not known is marked. What launch refuses in the file is reported as KG415, with exit code 1, as
+    what stands behind it is not known. `kg node NAME` shows one of the nodes with the lines behind all that. For
     example:
 
         kg graph rover.launch
@@ -85,8 +86,10 @@ def graph(  # noqa: PLR0913 - the options of a command
         found = collapsed(found, expand or ())
     if form == "text" and output is None and not terminal():
         _table(found)
-        return
-    deliver(_written(found, form), form, output, PurePosixPath(system.configuration.path).stem)
+    else:
+        deliver(_written(found, form), form, output, PurePosixPath(system.configuration.path).stem)
+    if tell_malformed(settings, system):
+        raise typer.Exit(Exit.FOUND)
     if form == "text" and not found.members:
         note(f"{system.configuration.name} starts no nodes")
 

@@ -35,6 +35,8 @@ _REMARKS: Final = {
     "not-said": "not said which",
 }
 """Why an instance has no counts, in few words; JSON has the whole reason."""
+_UNTOLD: Final = {"cli", "par"}
+_UNTYPED: Final = "of no node type of the store"
 _ALL: Final = (Column("system"), *_ONE)
 
 
@@ -76,21 +78,30 @@ def instances(  # noqa: PLR0913 - the options of a command
 
 
 def _row(instance: "NodeInstance") -> tuple[object, ...]:
-    from kg.facts import Role  # noqa: PLC0415 - start-up time
+    from kg.facts import Role, StartKind  # noqa: PLC0415 - start-up time
 
     roles = [one.declared.role for one in instance.interfaces if not one.declared.implicit]
     actions = roles.count(Role.ACTION_SERVERS) + roles.count(Role.ACTION_CLIENTS)
     counts = [roles.count(role) for role in (Role.PUBLISHES, Role.SUBSCRIBES, Role.SERVICES, Role.CLIENTS)]
-    numbers = (*counts, actions, len(instance.parameters)) if instance.type else ("",) * len(_COUNTS)
+    numbers: tuple[object, ...] = (*counts, actions, len(instance.parameters))
     remark = _REMARKS.get(str(instance.missing), "") if not instance.type else ""
     started = instance.started
+    if started.kind is StartKind.RUNNING and not instance.type:
+        # What was seen is there; of clients in ROS 1, and of parameters, nobody tells all.
+        numbers = tuple(
+            number or ("" if title in _UNTOLD else 0) for title, number in zip(_COUNTS, numbers, strict=True)
+        )
+        remark = _UNTYPED
+    elif not instance.type:
+        numbers = ("",) * len(_COUNTS)
     return instance.name, instance.started_type, str(started.kind), *numbers, remark, str(started.location)
 
 
 def _notes(found: "Sequence[System]", rows: int, *, one: bool) -> None:
     missing = Counter(instance.reason for system in found for instance in system.instances if instance.reason)
     for reason, number in missing.most_common(5) if one else ():
-        note(f"{count(number, 'instance')} without counts: {reason}")
+        lacks = "node type" if any(system.sighting for system in found) else "counts"
+        note(f"{count(number, 'instance')} without {lacks}: {reason}")
     for problem in [problem for system in found for problem in system.configuration.problems][:5] if one else ():
         note(f"{problem.location}: {problem.message}")
     files = f" of {count(len(found), 'launch file')}" if not one else ""

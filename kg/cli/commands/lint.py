@@ -139,7 +139,7 @@ def _checked(settings: "Settings", folders: list[Path], question: "Question") ->
     from kg.lint.running import check_store  # noqa: PLC0415 - start-up time
 
     if question.package is not None:
-        from kg.cli.names import known_package  # noqa: PLC0415 - start-up time
+        from kg.views.names import known_package  # noqa: PLC0415 - start-up time
 
         with reading(settings) as snapshot:
             known_package(snapshot, question.package)

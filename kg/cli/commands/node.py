@@ -9,7 +9,6 @@ import typer
 from kg.cli.completion import nodes
 from kg.cli.diagnostics import note, say
 from kg.cli.group import KgCommand
-from kg.cli.names import one_node, starting_system
 from kg.cli.options import Json, Store
 from kg.cli.output import json_lines, line_width, show, terminal, write, write_bytes
 from kg.cli.session import session
@@ -17,6 +16,7 @@ from kg.cli.systems import Launch
 from kg.errors import Place, UsageError
 from kg.render.text import count
 from kg.store.opening import reading
+from kg.views.names import one_node, starting_system
 
 if TYPE_CHECKING:
     from kg.cli.links import Links

@@ -5,16 +5,17 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from kg.cli.diagnostics import note
-from kg.cli.names import known_package
 from kg.cli.options import Json, PackageName, Store
 from kg.cli.output import Column, listing, terminal
 from kg.cli.session import session
 from kg.errors import UsageError
 from kg.render.text import count
 from kg.store.opening import reading
+from kg.views.names import known_package
 
 if TYPE_CHECKING:
-    from kg.graph.reading import NodeRecord
+    from kg.graph.overview import NodeSummary
+    from kg.store.snapshot import EmbeddedSnapshot
 
 __all__ = ["nodes"]
 
@@ -43,26 +44,35 @@ def nodes(
         kg nodes --json | jq -r 'select(.publishes[].type == "geometry_msgs/Twist") | .node'
     """
     from kg.facts import NodeKind  # noqa: PLC0415 - start-up time
-    from kg.graph.reading import node_records  # noqa: PLC0415 - start-up time
-    from kg.graph.records import node_object  # noqa: PLC0415 - start-up time
 
     if kind is not None and kind not in set(NodeKind):
         raise UsageError("KG003", f"there is no kind `{kind}`", hint=f"The kinds are {', '.join(NodeKind)}.")
     with reading(session(context).settings(store=store)) as snapshot:
         if package:
             known_package(snapshot, package)
-        records = [one for one in node_records(snapshot, package=package) if kind in {None, one.node.kind}]
-    listing(COLUMNS, [_row(one) for one in records], objects=map(node_object, records) if json else None)
-    if terminal() and not json:
-        note(f"{count(len(records), 'node')}; `kg node NAME` shows one")
+        if json:
+            _objects(snapshot, package, kind)
+        else:
+            _table(snapshot, package, kind)
 
 
-def _row(record: "NodeRecord") -> tuple[object, ...]:
-    from kg.facts import Role  # noqa: PLC0415 - start-up time
+def _objects(snapshot: "EmbeddedSnapshot", package: str | None, kind: str | None) -> None:
+    from kg.graph.reading import node_records  # noqa: PLC0415 - start-up time
+    from kg.graph.records import node_object  # noqa: PLC0415 - start-up time
 
-    node = record.node
-    roles = [one.role for one in node.interfaces if not one.implicit]
-    actions = roles.count(Role.ACTION_SERVERS) + roles.count(Role.ACTION_CLIENTS)
-    counts = (roles.count(role) for role in (Role.PUBLISHES, Role.SUBSCRIBES, Role.SERVICES, Role.CLIENTS))
-    parameters = len({one.name for one in node.parameters if not one.implicit})
-    return record.package, node.name, str(node.kind), node.ros, *counts, actions, parameters, str(node.location)
+    records = [one for one in node_records(snapshot, package=package) if kind in {None, one.node.kind}]
+    listing(COLUMNS, (), objects=map(node_object, records))
+
+
+def _table(snapshot: "EmbeddedSnapshot", package: str | None, kind: str | None) -> None:
+    from kg.graph import overview  # noqa: PLC0415 - start-up time
+
+    found = [one for one in overview.nodes(snapshot, package) if kind in {None, one.kind}]
+    listing(COLUMNS, [_row(one) for one in found])
+    if terminal():
+        note(f"{count(len(found), 'node')}; `kg node NAME` shows one")
+
+
+def _row(one: "NodeSummary") -> tuple[object, ...]:
+    ends = (one.publishes, one.subscribes, one.services, one.clients, one.actions)
+    return one.package, one.name, str(one.kind), one.ros, *ends, one.parameters, str(one.location)

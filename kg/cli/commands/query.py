@@ -57,7 +57,8 @@ def query(  # noqa: PLR0913 - the options of a command
 
     All of SPARQL 1.1 Query can be used. The prefixes ros, rnkg, rdf, rdfs, owl, xsd, prov, dcterms, skos,
     schema and sh are known; the default graph is the union of all graphs. Formats of rows: table, tsv, csv,
-    json, xml, markdown, jsonl; of graphs: turtle, ntriples, nquads, trig, jsonld, rdfxml. For example:
+    json, xml, markdown, jsonl, parquet (an extra); of graphs: turtle, ntriples, nquads, trig, jsonld, rdfxml. For
+    example:
 
         kg query 'SELECT ?node ?topic { ?node rnkg:publishes/rdfs:label ?topic }'
         kg query -f mine.rq --format csv > answer.csv
@@ -76,8 +77,9 @@ def query(  # noqa: PLR0913 - the options of a command
 
 
 def _list(settings: "Settings", *, json: bool) -> None:
-    from kg.cli.stored_view import COLUMNS, list_rows, query_object  # noqa: PLC0415 - start-up time
+    from kg.cli.stored_view import COLUMNS, list_rows  # noqa: PLC0415 - start-up time
     from kg.query.stored import discover  # noqa: PLC0415 - start-up time
+    from kg.views.stored import query_object  # noqa: PLC0415 - start-up time
 
     found = discover(settings.queries).values()
     listing(COLUMNS, list_rows(found), objects=map(query_object, found) if json else None)
@@ -86,7 +88,8 @@ def _list(settings: "Settings", *, json: bool) -> None:
 
 
 def _explain(asked: "StoredQuery", *, json: bool) -> None:
-    from kg.cli.stored_view import manual, query_object  # noqa: PLC0415 - start-up time
+    from kg.cli.stored_view import manual  # noqa: PLC0415 - start-up time
+    from kg.views.stored import query_object  # noqa: PLC0415 - start-up time
 
     if json:
         json_lines([query_object(asked)])

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from kg.cli.diagnostics import colored, render, say
-from kg.cli.names import unknown
 from kg.cli.options import Families, Json, Rules, Store, Timeout
 from kg.cli.output import json_lines, write
 from kg.cli.remarks import Form, Level, require_known
@@ -18,6 +17,7 @@ from kg.codes.severities import SEVERITIES
 from kg.errors import Exit, RuleError, StoreError
 from kg.render.text import count
 from kg.store.opening import reading
+from kg.views.names import unknown
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -12,8 +12,8 @@ from kg.cli.options import Families, Json, Rules, Store, Timeout
 from kg.cli.output import Column, json_line, json_lines, listing, show, terminal
 from kg.cli.session import session
 from kg.errors import UsageError
-from kg.query.similar import did_you_mean
 from kg.render.text import count
+from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
     from kg.rules.authoring.coverage import Coverage

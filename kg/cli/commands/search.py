@@ -10,19 +10,20 @@ from kg.cli.diagnostics import note
 from kg.cli.numbers import whole
 from kg.cli.options import Json, PackageName, SearchModel, Store
 from kg.cli.output import Column, listing, terminal
-from kg.cli.search_view import row, show_hits, understood
+from kg.cli.search_view import row, show_hits, tell
 from kg.cli.session import session
 from kg.errors import Exit, UsageError
 from kg.render.text import count
-from kg.store.opening import existing
+from kg.store.opening import existing, reading
 
 if TYPE_CHECKING:
+    from kg.cli.links import Links
     from kg.search.searching import Search
+    from kg.settings import Settings
 
 __all__ = ["search"]
 
 COLUMNS: Final = tuple(map(Column, ("rank", "score", "package", "node", "why", "also in", "file:line")))
-_LONGEST_NAME: Final = 80
 Words = Annotated[list[str] | None, typer.Argument(metavar="TEXT", help="What the node does, in words.")]
 Subscribes = Annotated[
     list[str] | None,
@@ -97,6 +98,7 @@ def search(  # noqa: PLR0913 - the options of a command
         kg search "follow a person" --hardware lidar --ros 1 --json
     """
     from kg.search.searching import hit_object, open_search  # noqa: PLC0415 - start-up time
+    from kg.search.wording import near  # noqa: PLC0415 - start-up time
 
     given = {
         "subscribes": subscribes,
@@ -123,16 +125,25 @@ def search(  # noqa: PLR0913 - the options of a command
         _embedding(found)
     answer = found.find(words, filters, most)
     if words:
-        understood(answer.need)
+        tell(answer.need)
     if terminal() and not json:
-        show_hits(answer.hits)
+        show_hits(answer.hits, _links(settings))
     else:
         listing(COLUMNS, [row(hit) for hit in answer.hits], objects=map(hit_object, answer.hits) if json else None)
     if len(answer.hits) < answer.total and (terminal() or json):
         note(f"the best {len(answer.hits)} of {count(answer.total, 'hit')}; --limit shows more")
     if not answer.hits:
-        note(f"nothing was found; {_near(words, found) or 'fewer words or filters find more'}")
+        note(f"nothing was found; {near(words, found) or 'fewer words or filters find more'}")
         raise typer.Exit(Exit.FOUND)
+
+
+def _links(settings: "Settings") -> "Links":
+    """Return the links to the lines of code."""
+    from kg.cli.links import Links  # noqa: PLC0415 - start-up time
+    from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
+
+    with reading(settings) as snapshot:
+        return Links.of(sources(snapshot))
 
 
 def _indexing() -> None:
@@ -143,15 +154,3 @@ def _indexing() -> None:
 def _embedding(found: "Search") -> None:
     if found.meaning is not None and sys.stderr.isatty() and (new := found.meaning.unknown()):
         note(f"embedding {count(new, 'text')}; this is done once for each text and model, and may take minutes")
-
-
-def _near(words: str, found: "Search") -> str | None:
-    """Return the question whether one of the names that are like a single word was meant."""
-    from kg.query.similar import did_you_mean  # noqa: PLC0415 - start-up time
-
-    single = len(words.split()) == 1 and len(words) <= _LONGEST_NAME
-    return (
-        did_you_mean(words, sorted({found.index.nodes[place].name for place in range(found.index.size)}))
-        if single
-        else None
-    )

@@ -11,25 +11,22 @@ from kg.cli.output import json_lines, write
 from kg.cli.query_text import pairs, query_meant
 from kg.cli.session import session
 from kg.errors import Exit, UsageError
-from kg.render.text import count
 from kg.store.opening import reading
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from pyoxigraph import Triple
+    from collections.abc import Iterable, Mapping
 
     from kg.errors import RuleError
-    from kg.query.stored import StoredQuery
     from kg.rules.explain.proof import Proof
     from kg.rules.explain.view import View
-    from kg.rules.form import Rule
+    from kg.rules.form import Rule, Term
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
 __all__ = ["why", "why_not"]
 
 _FORMATS = ("text", "json", "mermaid", "svg")
+_FACT = "For example `kg why patrol subscribes scan_filtered`; quote names that have blanks in them."
 
 Words = Annotated[
     list[str] | None,
@@ -87,8 +84,11 @@ def why(  # noqa: PLR0913 - the options of a command
         if query is not None:
             if words:
                 raise UsageError("KG003", "give a fact or a query, not both", hint="See `kg why --help`.")
+            from kg.query.ask import row as row_of  # noqa: PLC0415 - start-up time
+
             asked, number = query_meant(query, None, settings), whole(row, "--row", 1)
-            proofs: Iterable[Proof] = _row(asked, pairs(param or []), number, view, known, snapshot)
+            text, found = row_of(snapshot, asked, pairs(param or []), number, timeout=settings.timeout or None)
+            proofs: Iterable[Proof] = _matched(text, found, number, view, known)
         else:
             proofs = _proofs(_three(words), snapshot, view, known, every=every, shortest=shortest)
         _show(list(proofs), view, form, snapshot)
@@ -96,7 +96,7 @@ def why(  # noqa: PLR0913 - the options of a command
 
 def _three(words: list[str] | None) -> tuple[str, str, str]:
     if len(words or []) != 3:  # noqa: PLR2004 - a fact has three parts
-        raise UsageError("KG003", "a fact is SUBJECT PREDICATE OBJECT", hint="Quote names that have blanks in them.")
+        raise UsageError("KG003", "a fact is SUBJECT PREDICATE OBJECT", hint=_FACT)
     subject, predicate, value = words or []
     return subject, predicate, value
 
@@ -113,10 +113,11 @@ def _proofs(  # noqa: PLR0913 - the choices of the user
     from kg.query.naming import facts  # noqa: PLC0415 - start-up time
     from kg.rules.explain.why import why as explained  # noqa: PLC0415 - start-up time
     from kg.rules.explain.why import why_all  # noqa: PLC0415 - start-up time
+    from kg.views.why import absent  # noqa: PLC0415 - start-up time
 
     found, held = facts(snapshot, *words, prefixes=view.prefixes)
     if not held:
-        _absent(found[0], view)
+        raise absent(found[0], view)
     for fact in found:
         if every:
             yield from why_all(view, known, fact)
@@ -124,31 +125,18 @@ def _proofs(  # noqa: PLR0913 - the choices of the user
             yield explained(view, known, fact, shortest=shortest)
 
 
-def _row(  # noqa: PLR0913, PLR0917 - a query, its values, and where it is asked
-    query: "StoredQuery",
-    values: dict[str, str],
-    number: int,
-    view: "View",
-    known: "tuple[Rule, ...]",
-    snapshot: "EmbeddedSnapshot",
+def _matched(
+    text: str, row: "Mapping[str, Term]", number: int, view: "View", known: "tuple[Rule, ...]"
 ) -> "tuple[Proof, ...]":
-    from kg.query.binding import bind  # noqa: PLC0415 - start-up time
-    from kg.query.core import run  # noqa: PLC0415 - start-up time
-    from kg.query.result import Solutions  # noqa: PLC0415 - start-up time
     from kg.rules.explain.rows import why_row  # noqa: PLC0415 - start-up time
 
-    text = bind(query.text, query.bind(values))
-    answer = run(snapshot, text, limit=number, path=str(query.path))
-    if not isinstance(answer, Solutions) or len(answer.rows) < number:
-        rows = len(answer.rows) if isinstance(answer, Solutions) else 0
-        raise UsageError("KG003", f"the answer has {count(rows, 'row')}, not {number}", hint="See it with `kg query`.")
-    row = dict(zip(answer.variables, answer.rows[number - 1], strict=True))
-    bound = {name: term for name, term in row.items() if term is not None}
-    note("row " + str(number) + ": " + ", ".join(f"?{name} = {view.label(term)}" for name, term in bound.items()))
-    proofs, conditions = why_row(view, known, text, bound)
-    for condition in conditions:
+    note(f"row {number}: " + ", ".join(f"?{name} = {view.label(term)}" for name, term in row.items()))
+    found = why_row(view, known, text, row)
+    if found.remark:
+        note(found.remark)
+    for condition in found.conditions:
         note(f"where {condition.text}")
-    return proofs
+    return found.proofs
 
 
 def why_not(  # noqa: PLR0913 - the options of a command
@@ -196,26 +184,15 @@ def _form(name: str) -> str:
     return name
 
 
-def _absent(fact: "Triple", view: "View") -> None:
-    from kg.errors import RuleError  # noqa: PLC0415 - start-up time
-
-    words = " ".join(f"'{view.spelt(term)}'" for term in (fact.subject, fact.predicate, fact.object))
-    message = f"the store does not hold {view.sentence(fact)}"
-    raise RuleError("KG226", message, hint=f"`kg why-not {words}` says what is missing.")
-
-
 def _known(snapshot: "EmbeddedSnapshot", settings: "Settings") -> "tuple[tuple[Rule, ...], View]":
-    """Return the rules in force, and the store as explanations with these rules see it."""
-    from kg.pipeline.reasoning import explained_vocabulary, rules_in_force  # noqa: PLC0415 - start-up time
-    from kg.query.prefixes import PREFIXES  # noqa: PLC0415 - start-up time
-    from kg.rules.explain.view import View  # noqa: PLC0415 - start-up time
+    """Return the rules in force, and the store as explanations with these rules see it; rules left out are named."""
+    from kg.views.why import explaining  # noqa: PLC0415 - start-up time
 
-    broken: list[RuleError] = []  # why a fact holds does not wait until another rule is mended
-    rules = rules_in_force(settings, broken)
+    broken: list[RuleError] = []
+    rules, view = explaining(snapshot, settings, broken)
     for error in broken:
         report(error, "warning")
-    prefixes = {name: iri for file in rules.files for name, iri in (file.prefixes or {}).items()} | PREFIXES
-    return rules.rules, View(snapshot, explained_vocabulary(settings.base), rules.rules, prefixes=prefixes)
+    return rules.rules, view
 
 
 def _show(proofs: "list[Proof]", view: "View", form: str, snapshot: "EmbeddedSnapshot") -> None:

@@ -11,7 +11,7 @@ from kg.extract.launch.files import Files
 from kg.extract.launch.ros1.evaluate import evaluate as evaluate_roslaunch
 from kg.extract.launch.ros2.evaluate import evaluate as evaluate_ros2
 from kg.extract.launch.ros2.read import dialect_by_ending
-from kg.facts import FileKind, LaunchDialect
+from kg.facts import FileKind, LaunchDialect, LaunchProblemKind
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -27,10 +27,18 @@ _ROS2: Final = 2
 
 
 def read_launches(reader: Reader, package: PackageFolder, ros: int) -> tuple[LaunchConfiguration, ...]:
-    """Return each launch file of `package`, evaluated with its default arguments; `ros` is the package's version."""
+    """Return each launch file of `package`, evaluated with its default arguments; `ros` is the package's version.
+
+    What is malformed in files of the package is a problem KG415 of the `reader` too.
+    """
     paths = sorted(entry.path for entry in package.files if entry.kind is FileKind.LAUNCH)
-    found = (read_configuration(reader, path, ros) for path in paths)
-    return tuple(one for one in found if one is not None)
+    found = [one for path in paths if (one := read_configuration(reader, path, ros)) is not None]
+    own = {entry.path for entry in package.files}
+    for problem in (problem for one in found for problem in one.problems):
+        where = problem.location
+        if problem.kind is LaunchProblemKind.MALFORMED and where.repository is None and where.path in own:
+            reader.problem("KG415", problem.message, where.path, where.line or None)
+    return tuple(found)
 
 
 def read_configuration(

@@ -13,9 +13,9 @@ from pyoxigraph import RdfFormat, Triple, parse
 
 from kg.errors import Place, RuleError
 from kg.query.prefixes import PREFIXES
-from kg.query.similar import did_you_mean
 from kg.rules.authoring.markdown import Fence, Heading, parts
 from kg.rules.authoring.spelling import spell_triple
+from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

@@ -55,10 +55,10 @@ class _Watched(Solver):
         super().__init__(shop, view)
         self.passages: dict[int, Passage] = {}
 
-    def _after(self, table: Table, step: Step, steps: tuple[Step, ...], outputs: frozenset[str], *, bag: bool) -> Table:
+    def _after(self, table: Table, step: Step, rest: tuple[Step, ...], outputs: frozenset[str], *, bag: bool) -> Table:
         begin = time.perf_counter()
         before = self.matched.get(step.element, 0)
-        found = super()._after(table, step, steps, outputs, bag=bag)
+        found = super()._after(table, step, rest, outputs, bag=bag)
         passage = self.passages.setdefault(step.element, Passage(len(self.passages)))
         passage.rows_in += table.rows
         passage.rows_out += self.matched.get(step.element, 0) - before

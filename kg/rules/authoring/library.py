@@ -9,7 +9,7 @@ from kg import resources
 from kg.errors import Place, RuleError
 from kg.rules.files import family_of
 from kg.rules.folders import families_in_force, user_folders
-from kg.rules.reading import TWICE, packs, read, rule_files
+from kg.rules.reading import packs, read, rival, rule_files
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable
@@ -55,7 +55,7 @@ class Entry:
 class Library:
     """The rules of some folders and packs by name, sorted. A file is read again when it has changed.
 
-    `problems` are the files whose name another has (KG207).
+    `problems` are the files whose name another has (KG207), but for copies of it.
     """
 
     def __init__(self, folders: Iterable[Path], installed: Iterable[Pack] = (), families: Collection[str] = ()) -> None:
@@ -75,9 +75,8 @@ class Library:
         for folder, pack in self._sources:
             chosen = set(rule_files(folder, self._families))
             for path, name in rule_files(folder, every=True):
-                if name in found:
-                    message = f"the rule `{name}` is in {found[name].path} already"
-                    self.problems.append(RuleError("KG207", message, place=Place(str(path)), hint=TWICE))
+                if name in found and (problem := rival(path, name, found[name].path)):
+                    self.problems.append(problem)
                 found.setdefault(name, Entry(name, path, pack, (path, name) in chosen, own=folder != shipped))
         self.entries = {name: found[name] for name in sorted(found)}
 

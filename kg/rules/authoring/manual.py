@@ -60,13 +60,16 @@ class Manual:
         return numbered[first:]
 
 
-def manual(library: Library, entry: Entry, schema: Iterable[Triple] = ()) -> Manual:
-    """Return what is known of a rule among others cut to `schema`; raises what reading its file raises."""
+def manual(library: Library, entry: Entry, schema: Iterable[Triple] = (), known: RuleGraph | None = None) -> Manual:
+    """Return what is known of a rule among others cut to `schema`; raises what reading its file raises.
+
+    `known` is the graph of the rules in force where the caller has it.
+    """
     file = library.read(entry.name)
     prefixes = {**PREFIXES, **(file.prefixes or {})}
     atoms = list(_atoms(file))
     absent = _spelt((atom for atom, negated in atoms if negated), prefixes)
-    graph, problem = _graph(library, schema)
+    graph, problem = _graph(library, schema) if known is None else (known, None)
     strata = sorted({number for node in graph.rules if node.name == file.name for number in node.strata})
     examples, problem = _examples(entry, problem)
     return Manual(

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kg.errors import UnknownNameError, UsageError
-from kg.query.similar import did_you_mean
+from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -7,8 +7,8 @@ from importlib.resources import files
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import UsageError
-from kg.query.similar import did_you_mean
 from kg.rules.files import NOTATIONS
+from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
     from pathlib import Path

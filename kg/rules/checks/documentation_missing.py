@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kg.rules.checks.finding import Context
-    from kg.rules.files import RuleFile
+    from kg.rules.files import Documentation, RuleFile
 
 __all__ = ["CODE", "SCAFFOLD", "TITLE", "check"]
 
@@ -28,24 +28,32 @@ SCAFFOLD: Final = "Say here which question can be answered with it."
 
 _NOTHING: Final = ("", SCAFFOLD)
 _WORDS: Final = {
-    "a title": "`# What it derives, in a line`",
-    "`## What it infers`": "`# ## What it infers` and what triples from which",
-    "`## Why`": "`# ## Why` and which question can be answered with it",
-    "`since:`": "`# since: 0.1`, the version of yours that has it first",
+    "title": ("a title", "`# What it derives, in a line`"),
+    "infers": ("`## What it infers`", "`# ## What it infers` and what triples from which"),
+    "why": ("`## Why`", "`# ## Why` and which question can be answered with it"),
+    "since": ("`since:`", "`# since: 0.1`, the version of yours that has it first"),
 }
+"""What may be lacking: what the message calls it, and how it is written."""
 
 
 def check(file: RuleFile, _context: Context) -> Iterator[Finding]:
     """Yield one finding that names all that the header of a file lacks."""
     if not file.rules and not file.data:
         return
-    documentation = file.documentation
-    sections = documentation.sections or {}
-    lacking = [] if documentation.title else ["a title"]
-    lacking += [f"`## {heading}`" for heading in REQUIRED_HEADINGS if sections.get(heading, "").strip() in _NOTHING]
-    lacking += [] if documentation.since else ["`since:`"]
-    if lacking:
+    lacks = tuple(_lacking(file.documentation))
+    if lacks:
         place = place_of(file.text, 1, 1, str(file.path))
-        message = f"the header lacks {', '.join(lacking)}"
-        hint = f"Write above the rule: {'; '.join(_WORDS[each] for each in lacking)}."
-        yield Finding(CODE, "warning", file.name, message, place, hint)
+        message = f"the header lacks {', '.join(_WORDS[each][0] for each in lacks)}"
+        hint = f"Write above the rule: {'; '.join(_WORDS[each][1] for each in lacks)}."
+        yield Finding(CODE, "warning", file.name, message, place, hint, lacks)
+
+
+def _lacking(documentation: Documentation) -> Iterator[str]:
+    sections = documentation.sections or {}
+    if not documentation.title:
+        yield "title"
+    for member, heading in zip(("infers", "why"), REQUIRED_HEADINGS, strict=True):
+        if sections.get(heading, "").strip() in _NOTHING:
+            yield member
+    if not documentation.since:
+        yield "since"

@@ -24,7 +24,10 @@ SECONDS: Final = 5.0
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """Something wrong with a rule: `rule` is the name of its file, `place` has the line and column."""
+    """Something wrong with a rule: `rule` is the name of its file, `place` has the line and column.
+
+    `lacks` names what its documentation lacks, as `kg.rules.blocks.tree.Rule` does: `title`, `infers`, `why`, `since`.
+    """
 
     code: str
     severity: str
@@ -32,6 +35,7 @@ class Finding:
     message: str
     place: Place
     hint: str | None = None
+    lacks: tuple[str, ...] = ()
 
 
 class Store(Protocol):

@@ -1,4 +1,4 @@
-"""KG201: a file in which there is no rule."""
+"""KG201: a file in which there is no rule, or none whose filters can hold."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["CODE", "TITLE", "check"]
 CODE: Final = "KG201"
 TITLE: Final = "no rule"
 _HINTS: Final = {
-    ".rq": "A rule derives triples: CONSTRUCT { ... } WHERE { ... }.",
+    ".rq": "A rule derives triples: CONSTRUCT { ... } WHERE { ... }, with filters that can hold.",
     ".srl": "A rule derives triples: RULE { ... } WHERE { ... }.",
     ".ttl": "A rule is the value of `sh:rule` at a shape with a target.",
 }
@@ -28,4 +28,4 @@ def check(file: RuleFile, _context: Context) -> Iterator[Finding]:
     """Yield one finding for a file that neither derives nor states anything."""
     if not file.rules and not file.data:
         place = place_of(file.text, 1, 1, str(file.path))
-        yield Finding(CODE, "warning", file.name, "there is no rule in this file", place, _HINTS[file.notation])
+        yield Finding(CODE, "warning", file.name, "no rule here can infer anything", place, _HINTS[file.notation])

@@ -23,7 +23,7 @@ from kg.rules.checks import (
 from kg.rules.checks.examples_malformed import orphan
 from kg.rules.checks.finding import Context, Finding, from_error
 from kg.rules.files import NOTATIONS, RuleSet
-from kg.rules.reading import TWICE, read, rule_files
+from kg.rules.reading import read, rival, rule_files
 from kg.rules.specialise import specialise
 from kg.rules.stratify import failures
 
@@ -75,8 +75,8 @@ def read_all(folders: Iterable[Path], installed: Iterable[Pack] = (), families: 
             place = Place(str(path), 1, 1)
             paths.append((name, path))
             if name in files:
-                twice = f"the rule `{name}` is in {files[name].path} already"
-                findings.append(Finding("KG207", "error", name, twice, place, TWICE))
+                if problem := rival(path, name, files[name].path):
+                    findings.append(Finding(problem.code, "error", name, problem.message, place, problem.hint))
                 continue
             try:
                 files[name] = read(path, name, pack=pack)

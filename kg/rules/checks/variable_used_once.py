@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING, Final
 
-from kg.query.similar import did_you_mean
 from kg.rules.checks.finding import Finding, at_offset
 from kg.rules.checks.tokens import variables
 from kg.rules.form import Variable, atoms_of
+from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

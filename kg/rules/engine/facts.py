@@ -177,6 +177,20 @@ class Facts:
             found = self._flipped[predicate] = flipped(self.keys(predicate))
         return found
 
+    def pairs_of(self, predicate: int, term: int, *, by_object: bool) -> Keys:
+        """Return the pairs of a predicate that have a subject, or an object; as `keys` or `by_object` has them."""
+        keys = self.by_object(predicate) if by_object else self.keys(predicate)
+        begin, end = keys.searchsorted((term << 32, (term + 1) << 32))
+        return keys[begin:end]
+
+    def has(self, predicate: int, subject: int | None = None, value: int | None = None) -> bool:
+        """Tell whether there is a triple of a predicate, with that subject, and one with that object."""
+        if predicate not in self._keys and predicate not in self._runs:
+            return False
+        if subject is not None and not self.pairs_of(predicate, subject, by_object=False).size:
+            return False
+        return value is None or bool(self.pairs_of(predicate, value, by_object=True).size)
+
     def missing(self, predicate: int, keys: Keys) -> Keys:
         """Return the sorted pairs of which the predicate has none."""
         for run in (self._keys.get(predicate, EMPTY), *self._runs.get(predicate, ())):

@@ -6,20 +6,22 @@ from hashlib import blake2b
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
+from pyoxigraph import BlankNode
 
 from kg.rules.engine.facts import Facts, distinct, pack
 from kg.rules.engine.plan import Fresh
 from kg.rules.engine.tables import Table, distinct_rows
-from kg.rules.engine.terms import IRI
+from kg.rules.engine.terms import IRI, spell
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from kg.rules.engine.facts import Keys
     from kg.rules.engine.plan import Head, HeadNode, RulePlan
     from kg.rules.engine.terms import Dictionary
+    from kg.rules.form import Rule, Term
 
-__all__ = ["Collector"]
+__all__ = ["Collector", "made_node"]
 
 _SUBJECTS: Final = np.array([False, True, True, False, False])
 """By kind: IRIs and blank nodes may be subjects."""
@@ -84,8 +86,7 @@ class Collector:
 
     def _fresh(self, node: Fresh, table: Table) -> Keys:
         """Return a blank node for each row, the same whenever the same rule has the same solution."""
-        rule = self._plan.rule
-        beginning = f"{rule.name}\n{rule.part}\n{node.label}\n".encode()
+        beginning = _beginning(self._plan.rule, node.label)
         spelt = [self._dictionary.spellings(table.columns[column]) for _, column in self._plan.solution]
         names = [name.encode() for name, _ in self._plan.solution]
         solutions: Iterable[tuple[bytes, ...]] = zip(*spelt, strict=True) if spelt else ((),) * table.rows
@@ -110,6 +111,17 @@ class Collector:
         for predicate, parts in self._keys.items():
             found.replace(predicate, parts[0] if len(parts) == 1 else distinct(np.concatenate(parts)))
         return found
+
+
+def made_node(rule: Rule, label: str, names: Sequence[str], solution: Mapping[str, Term]) -> BlankNode:
+    """Return what a blank node of a rule's head is in a solution; `names`: the variables that the body binds."""
+    ordered = sorted(names)
+    values = [spell(solution[name]) if name in solution else b"" for name in ordered]
+    return BlankNode(_label(_beginning(rule, label), [name.encode() for name in ordered], values)[2:].decode())
+
+
+def _beginning(rule: Rule, label: str) -> bytes:
+    return f"{rule.name}\n{rule.part}\n{label}\n".encode()
 
 
 def _label(beginning: bytes, names: Sequence[bytes], values: Sequence[bytes]) -> bytes:

@@ -49,13 +49,7 @@ class Pairs:
 
     def slice(self, term: int, *, by_object: bool) -> Keys:
         """Return the other ends of the pairs of one term, sorted."""
-        keys = self.keys(by_object=by_object)
-        begin, end = np.searchsorted(keys, [term << 32, (term + 1) << 32])
-        return keys[begin:end] & _LOW
-
-    def fan_out(self, *, by_object: bool) -> float:
-        """Estimate how many pairs a term has."""
-        return self.facts.fan_out(self.predicate, by_object=by_object)
+        return self.facts.pairs_of(self.predicate, term, by_object=by_object) & _LOW
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,22 +160,25 @@ def _none_free(table: Table, subject: Node, value: Node, pairs: Pairs) -> Table:
     return table if there[0] else table.take(slice(0, 0))
 
 
-def estimate(table: Table, atom: Match, facts: Facts, terms: int) -> float:
+def estimate(table: Table, atom: Match, facts: Facts) -> float:
     """Estimate the rows of the table joined with an atom."""
+    predicate, rows = atom.predicate, table.rows
     subject = isinstance(atom.subject, int) or atom.subject in table.columns
     value = isinstance(atom.object, int) or atom.object in table.columns
-    if not isinstance(atom.predicate, int):
+    if not isinstance(predicate, int):
         size = float(len(facts))
         if subject and value:
-            return float(table.rows)
+            return float(rows)
         spread = max(size, 1.0) ** 0.5 if subject or value else size
-        return table.rows * (spread if atom.predicate in table.columns else 2 * spread)
-    pairs = Pairs(facts, atom.predicate, terms)
+        return rows * (spread if predicate in table.columns else 2 * spread)
+    total = facts.keys(predicate).size
+    if not total:
+        return 0.0
     if subject and value:
-        return min(table.rows, pairs.keys(by_object=False).size) * 0.5
+        return min(rows, total) * 0.5
     if not subject and not value:
-        return float(table.rows * pairs.keys(by_object=False).size)
+        return float(rows * total)
     known = atom.subject if subject else atom.object
     if isinstance(known, int):
-        return float(table.rows * pairs.slice(known, by_object=value).size)
-    return table.rows * pairs.fan_out(by_object=value)
+        return float(rows * facts.pairs_of(predicate, known, by_object=value).size)
+    return rows * facts.fan_out(predicate, by_object=value)

@@ -58,12 +58,12 @@ class Match:
     predicate: Node
     object: Node
     element: int
+    names: frozenset[str] = field(init=False, compare=False, repr=False)
+    """The columns it binds; asked for at every step of every evaluation, so made once."""
 
-    @property
-    def names(self) -> frozenset[str]:
-        """The columns it binds."""
+    def __post_init__(self) -> None:
         nodes = (self.subject, self.predicate, self.object)
-        return frozenset(node for node in nodes if isinstance(node, str))
+        object.__setattr__(self, "names", frozenset(node for node in nodes if isinstance(node, str)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +87,11 @@ class Test:
     expression: Expression
     columns: tuple[tuple[str, str], ...]
     element: int
+    seen: frozenset[str] = field(init=False, compare=False, repr=False)
+    """The columns that it sees, made once."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "seen", frozenset(column for _, column in self.columns))
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,6 +102,15 @@ class Assign:
     expression: Expression
     columns: tuple[tuple[str, str], ...]
     element: int
+    seen: frozenset[str] = field(init=False, compare=False, repr=False)
+    """The columns that the expression sees, made once."""
+    names: frozenset[str] = field(init=False, compare=False, repr=False)
+    """These, and the one that it gives a value."""
+
+    def __post_init__(self) -> None:
+        seen = frozenset(column for _, column in self.columns)
+        object.__setattr__(self, "seen", seen)
+        object.__setattr__(self, "names", seen | {self.name})
 
 
 @dataclass(frozen=True, slots=True)

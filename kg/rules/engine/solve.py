@@ -75,21 +75,21 @@ class Solver:
     def _run(self, table: Table, steps: tuple[Step, ...], outputs: frozenset[str], *, bag: bool) -> Iterator[Table]:
         while table.rows and steps:
             step = self._next(table, steps)
+            rest = _without(steps, step)
             self.shop.clock.check()
             try:
-                table = self._after(table, step, steps, outputs, bag=bag)
+                table = self._after(table, step, rest, outputs, bag=bag)
             except TooManyRowsError as error:
                 for piece in np.array_split(np.arange(table.rows), min(table.rows, error.rows // CHUNK + 1)):
                     yield from self._run(table.take(piece), steps, outputs, bag=bag)
                 return
-            steps = _without(steps, step)
+            steps = rest
         if table.rows:
             yield table.keeping(outputs)
 
-    def _after(self, table: Table, step: Step, steps: tuple[Step, ...], outputs: frozenset[str], *, bag: bool) -> Table:
-        """Return the table after a step, without the columns that nothing needs any more."""
-        rest = _without(steps, step)
-        needed = outputs.union(*(_reads(other) for other in rest))
+    def _after(self, table: Table, step: Step, rest: tuple[Step, ...], outputs: frozenset[str], *, bag: bool) -> Table:
+        """Return the table after a step, without the columns that no step of the rest needs."""
+        needed = outputs.union(*map(_reads, rest))
         found = self._apply(table, step, needed)
         self.matched[step.element] = self.matched.get(step.element, 0) + found.rows
         if bag:
@@ -101,12 +101,17 @@ class Solver:
         return kept if kept.columns else Table({}, min(kept.rows, 1))
 
     def _next(self, table: Table, steps: tuple[Step, ...]) -> Step:
-        """Return the step to run next: the one after which the fewest rows are expected."""
+        """Return the step to run next: the one after which the fewest rows are expected.
+
+        None is looked for after one that leaves nothing: where little has changed, that is how most bodies end.
+        """
         best: tuple[Step, float] | None = None
         for step in steps:
             size = self._estimate(table, step)
             if size is not None and (best is None or size < best[1]):
                 best = step, size
+                if size == 0:
+                    break
         if best is None:
             raise RuntimeError(steps)
         return best[0]
@@ -115,13 +120,12 @@ class Solver:
         """Estimate the rows after a step; None while it cannot run. Cheap tests come before joins, dear ones after."""
         bound = table.columns.keys()
         if isinstance(step, Match):
-            terms = len(self.shop.dictionary)
-            return estimate(table, step, self.view.sources[step.number], terms)
+            return estimate(table, step, self.view.sources[step.number])
         if isinstance(step, Test):
             cost = 0.1 if has_shortcut(step.expression.text) else 0.55
-            return table.rows * cost if _columns(step.columns) <= bound else None
+            return table.rows * cost if step.seen <= bound else None
         if isinstance(step, Assign):
-            return table.rows * 1.0 if _columns(step.columns) <= bound else None
+            return table.rows * 1.0 if step.seen <= bound else None
         if isinstance(step, Structure):
             return table.rows * 0.9 if step.term in bound else None
         if isinstance(step, Nested):
@@ -222,19 +226,13 @@ def _without(steps: tuple[Step, ...], step: Step) -> tuple[Step, ...]:
     return tuple(other for other in steps if other is not step)
 
 
-def _columns(pairs: Sequence[tuple[str, str]]) -> set[str]:
-    return {column for _, column in pairs}
-
-
 def _reads(step: Step) -> frozenset[str]:
     """Return the columns that a step joins on or looks at."""
+    if isinstance(step, Match):
+        return step.names
     if isinstance(step, Test):
-        return frozenset(_columns(step.columns))
-    if isinstance(step, Assign):
-        return frozenset({step.name, *_columns(step.columns)})
-    if isinstance(step, Nested):
-        return step.shared
-    return step.names
+        return step.seen
+    return step.shared if isinstance(step, Nested) else step.names
 
 
 def _binds(step: Step) -> frozenset[str]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from difflib import SequenceMatcher
 from typing import TYPE_CHECKING, Final
 
-from kg.query.similar import similar
 from kg.rules.form import Variable
+from kg.similar import similar
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
 if TYPE_CHECKING:
@@ -17,11 +17,12 @@ __all__ = ["Attempt", "Condition", "Derivation", "Evidence", "Premise", "Proof",
 
 @dataclass(frozen=True, slots=True)
 class Evidence:
-    """A line of a source: what an asserted fact was read from."""
+    """A line of a source: what an asserted fact was read from; `thing` is the IRI of what stands there."""
 
     path: str
     line: int | None = None
     repository: str | None = None
+    thing: str | None = field(default=None, compare=False)
 
     def __str__(self) -> str:
         return self.path if self.line is None else f"{self.path}:{self.line}"

@@ -52,12 +52,15 @@ def heads(rules: tuple[Rule, ...], fact: Triple) -> Iterator[tuple[Rule, dict[st
 
 
 def instance(atom: Atom, bindings: Mapping[str, Term]) -> Triple | None:
-    """Return the fact that an atom is under `bindings`; None while one of its variables is not bound."""
+    """Return the fact that an atom is under `bindings`; None while a variable is not bound, or where it is no triple.
+
+    A blank node of a head is itself, unless `bindings` say what it is, under its name with `_:` before it.
+    """
     terms = [_filled(pattern, bindings) for pattern in atom.positions]
     subject, predicate, value = terms
-    if subject is None or value is None or not isinstance(predicate, NamedNode):
+    if not isinstance(subject, NamedNode | BlankNode) or value is None or not isinstance(predicate, NamedNode):
         return None
-    return Triple(cast("NamedNode | BlankNode", subject), predicate, value)
+    return Triple(subject, predicate, value)
 
 
 def _filled(pattern: Pattern, bindings: Mapping[str, Term]) -> Term | None:
@@ -69,4 +72,4 @@ def _filled(pattern: Pattern, bindings: Mapping[str, Term]) -> Term | None:
             return None
         subject, predicate, value = parts
         return Triple(cast("NamedNode | BlankNode", subject), cast("NamedNode", predicate), cast("Term", value))
-    return pattern
+    return bindings.get(str(pattern), pattern) if isinstance(pattern, BlankNode) else pattern

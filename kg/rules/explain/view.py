@@ -16,7 +16,7 @@ from kg.rules.form import Variable
 from kg.rules.sparql import outside, select, spelling, substitutions
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from pyoxigraph import QueryBoolean, QuerySolutions, QueryTriples, Triple
 
@@ -62,6 +62,9 @@ class Vocabulary:
     documents: Callable[[Triple], Evidence | None] | None = None
     declared_by: NamedNode | None = None
     """The property that leads from a thing without a line of its own to the one whose line it is."""
+    seen_at: NamedNode | None = None
+    seen_since: NamedNode | None = None
+    """The properties that name the peer which showed a thing while it ran, and since when."""
 
 
 class View:
@@ -109,19 +112,21 @@ class View:
         self, body: Sequence[Element], names: Sequence[str], bindings: Mapping[str, Term], limit: int
     ) -> list[dict[str, Term]]:
         """Return up to `limit` solutions of a body under `bindings`: what the variables `names` are, where bound."""
+        return list(self.stream(body, names, bindings, limit))
+
+    def stream(
+        self, body: Sequence[Element], names: Sequence[str], bindings: Mapping[str, Term], limit: int | None = None
+    ) -> Iterator[dict[str, Term]]:
+        """Yield what `solutions` returns as the engine finds it, all of it where there is no limit."""
         given = {Variable(name): term for name, term in bindings.items()}
         blank = substitutions(given)
         wanted = [Variable(name) for name in names if name not in bindings or spelling(Variable(name))[1:] in blank]
         text = select(self.closures.written(body), wanted, given, asserted=outside(self._vocabulary.inferred))
         fixed = {pyoxigraph.Variable(name): term for name, term in blank.items()}
         rows = cast("QuerySolutions", self._snapshot.query(_limited(text, wanted, limit), substitutions=fixed))
-        found = []
         for row in rows:
             values = {variable.name: row[spelling(variable)[1:]] for variable in wanted}
-            found.append(
-                {**bindings, **{name: cast("Term", term) for name, term in values.items() if term is not None}}
-            )
-        return found
+            yield {**bindings, **{name: cast("Term", term) for name, term in values.items() if term is not None}}
 
     def objects(self, subject: Term, predicate: Term, limit: int) -> list[Term]:
         """Return up to `limit` objects of a subject and a predicate."""
@@ -141,7 +146,7 @@ class View:
         return [cast("Term", row["v"]) for row in rows]
 
     def evidence(self, fact: Triple) -> Evidence | None:
-        """Return the line that a fact was read from.
+        """Return the line that a fact was read from, or the peer that showed it while it ran.
 
         An object that stands on a line of its own (an interface of a node) is more exact than the subject.
         """
@@ -157,8 +162,14 @@ class View:
         if path is None or line is None:
             other = self._vocabulary.declared_by
             origin = self.objects(thing, other, 1) if other else []
-            return self._place(origin[0]) if origin and origin[0] != thing else None
-        return Evidence(path, int(line), self._value(thing, self._vocabulary.repository))
+            return self._place(origin[0]) if origin and origin[0] != thing else self._sighting(thing)
+        named = thing.value if isinstance(thing, NamedNode) else None
+        return Evidence(path, int(line), self._value(thing, self._vocabulary.repository), named)
+
+    def _sighting(self, thing: Term) -> Evidence | None:
+        peer, since = (self._value(thing, one) for one in (self._vocabulary.seen_at, self._vocabulary.seen_since))
+        named = thing.value if isinstance(thing, NamedNode) else None
+        return Evidence(f"{peer}, seen since {since}", thing=named) if peer and since else None
 
     def _value(self, thing: Term, predicate: NamedNode | None) -> str | None:
         found = self.objects(thing, predicate, 1) if predicate else []
@@ -201,6 +212,6 @@ class View:
         return _IRI.sub(lambda match: shorten(match[1], self.prefixes), text)
 
 
-def _limited(text: str, wanted: Sequence[Variable], limit: int) -> str:
+def _limited(text: str, wanted: Sequence[Variable], limit: int | None) -> str:
     """Return a query for some of the rows; the one that asks for no column has its limit."""
-    return f"{text}\nLIMIT {limit}" if wanted else text
+    return f"{text}\nLIMIT {limit}" if wanted and limit is not None else text

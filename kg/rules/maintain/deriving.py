@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from kg.rules.engine.facts import Facts, unpack
 from kg.rules.engine.heads import Collector
+from kg.rules.engine.plan import Match
 from kg.rules.engine.solve import Solver, View
 from kg.rules.engine.tables import UNIT, Table, concatenate, distinct_rows
+from kg.rules.maintain.patterns import pattern
 from kg.rules.maintain.pivots import pivots
 from kg.rules.maintain.sets import absorb
 
@@ -38,10 +38,11 @@ class World:
 
 @dataclass(slots=True)
 class Delta:
-    """Triples that came or that went: from what is asserted, and from everything."""
+    """Triples that came or that went: from what is asserted, and from everything; `patterns` has those of all."""
 
     asserted: Facts
     known: Facts
+    patterns: set[int]
 
 
 class MaintainedRule:
@@ -56,6 +57,12 @@ class MaintainedRule:
         self.writes = known if len(known) == len(written) else None
         """The predicates that it derives, None for any."""
         self._pivots = pivots(plan, shop.dictionary)
+        self.reads = frozenset[int]().union(*(pivot.patterns for pivot in self._pivots))
+        """The patterns of what it reads."""
+        self.derives = frozenset(pattern(head.predicate, head.object) for head in plan.heads)
+        """The patterns of what it derives."""
+        self._asserted = tuple(source.asserted for source in plan.sources)
+        self._needed = [step for step in plan.body.steps if isinstance(step, Match) and isinstance(step.predicate, int)]
 
     def everything(self, world: World) -> Facts:
         """Return what the rule derives."""
@@ -65,10 +72,6 @@ class MaintainedRule:
         """Tell whether more triples of the predicates `written` (None is any) only add to what the rule derives."""
         inner = [pivot for pivot in self._pivots if (pivot.chain or pivot.block) and not pivot.asserted]
         return not any(written is None or pivot.predicates is None or pivot.predicates & written for pivot in inner)
-
-    def may_derive(self, candidates: Facts) -> bool:
-        """Tell whether the rule derives triples of the predicates of any of the candidates."""
-        return self.writes is None or any(predicate in self.writes for predicate in candidates.predicates)
 
     def supported(self, candidates: Facts, world: World) -> Facts:
         """Return what the rule derives in a world where a triple of its head is among the candidates; more at times."""
@@ -89,25 +92,23 @@ class MaintainedRule:
         found = Facts()
         for pivot in self._pivots:
             for delta, readings in ((came, pivot.coming), (gone, pivot.going)):
-                change = None if delta is None else self._touching(pivot, delta)
-                if change is None:
+                if delta is None or pivot.patterns.isdisjoint(delta.patterns):
                     continue
                 if pivot.block:
                     return self.everything(worlds[after])
+                change = delta.asserted if pivot.asserted else delta.known
                 for reading in readings:
                     if reading[0] == after:
                         absorb(found, self._reached(pivot, change, reading, worlds))
         return found
 
-    def _touching(self, pivot: Pivot, delta: Delta) -> Facts | None:
-        """Return the part of a change that a source may read, None when it reads none of it."""
-        change = delta.asserted if pivot.asserted else delta.known
-        if pivot.predicates is None:
-            return change if len(change) else None
-        return change if any(_has(change, predicate, pivot) for predicate in pivot.predicates) else None
-
     def _reached(self, pivot: Pivot, change: Facts, reading: Reading, worlds: tuple[World, World]) -> Facts:
         """Return what the rule derives in the reading's outer world where the chain, from inside, restricts it."""
+        outer = self._sources(worlds[reading[0]])
+        if not pivot.chain:
+            outer[pivot.number] = change
+        elif not self._possible(outer):
+            return Facts()
         seeds = UNIT
         for depth in range(len(pivot.chain), 0, -1):
             link = pivot.chain[depth - 1]
@@ -120,33 +121,31 @@ class MaintainedRule:
                 return Facts()
             inside = distinct_rows(concatenate(tables, names))
             seeds = Table({outer: inside.columns[inner] for inner, outer in link.shared}, inside.rows)
-        sources = self._sources(worlds[reading[0]])
-        if not pivot.chain:
-            sources[pivot.number] = change
-        return self._derived(sources, seeds)
+        return self._derived(outer, seeds)
 
     def _sources(self, world: World) -> list[Facts]:
-        return [world.asserted if source.asserted else world.known for source in self.plan.sources]
+        return [world.asserted if asserted else world.known for asserted in self._asserted]
 
     def _derived(self, sources: Sequence[Facts], seeds: Table) -> Facts:
+        if not self._possible(sources):
+            return Facts()
         plan = self.plan
         collector = Collector(plan, self._shop.dictionary)
         for table in Solver(self._shop, View(sources)).solutions(plan.body, plan.outputs, seeds):
             collector.add(table.keeping(plan.outputs), plan.heads)
         return collector.facts()
 
+    def _possible(self, sources: Sequence[Facts]) -> bool:
+        """Tell whether each atom of the outer body has triples at all.
 
-def _has(change: Facts, predicate: int, pivot: Pivot) -> bool:
-    """Tell whether a change has a triple of a predicate with the subject and the object that the source names."""
-    if not change.keys(predicate).size:
-        return False
-    for term, by_object in ((pivot.subject, False), (pivot.object, True)):
-        if term is not None:
-            keys = change.by_object(predicate) if by_object else change.keys(predicate)
-            begin, end = np.searchsorted(keys, [term << 32, (term + 1) << 32])
-            if begin == end:
+        Most rules that a small change reaches lack some; the atom that had none is asked first the next time.
+        """
+        for place, step in enumerate(self._needed):
+            subject, value = (node if isinstance(node, int) else None for node in (step.subject, step.object))
+            if not sources[step.number].has(int(step.predicate), subject, value):
+                self._needed.insert(0, self._needed.pop(place))
                 return False
-    return True
+        return True
 
 
 def _seeds(head: Head, candidates: Facts, hidden: frozenset[int]) -> Iterator[Table]:

@@ -17,7 +17,7 @@ from kg.rules.engine.evaluate import Limits
 from kg.rules.engine.facts import Facts, merged
 from kg.rules.maintain.deriving import Delta, MaintainedRule, World
 from kg.rules.maintain.sets import absorb, common, lacking
-from kg.rules.maintain.strata import Progress, maintain_stratum
+from kg.rules.maintain.strata import Progress, Strata
 
 if TYPE_CHECKING:
     from kg.rules.engine.evaluate import Program
@@ -50,7 +50,9 @@ class Maintained:
         shop = program.workshop(dictionary)
         self._shop = shop
         plans = program.plans(dictionary)
-        self._rules = [[MaintainedRule(plans[rule], shop) for rule in stratum.rules] for stratum in program.strata]
+        self._strata = Strata(
+            (stratum, [MaintainedRule(plans[rule], shop) for rule in stratum.rules]) for stratum in program.strata
+        )
 
     def apply(self, inserted: Facts, deleted: Facts, *, limits: Limits | None = None) -> Change:
         """Assert triples, take back others, and return what becomes of the inferred ones.
@@ -67,11 +69,7 @@ class Maintained:
             self._mints_safely = True
         self._shop.clock = self._program.workshop(self._dictionary, limits).clock
         progress = self._asserting(lacking(inserted, self.asserted), common(lacking(deleted, inserted), self.asserted))
-        if len(progress.came.asserted) or len(progress.gone.asserted):
-            earlier: list[MaintainedRule] = []
-            for stratum, rules in zip(self._program.strata, self._rules, strict=True):
-                maintain_stratum(stratum, rules, earlier, progress)
-                earlier += rules
+        self._strata.maintain(progress)
         change = _change(progress)
         self.asserted, self._known = progress.after.asserted, progress.after.known
         self.inferred = self._inferred(change)
@@ -102,7 +100,9 @@ class Maintained:
                 after.known.extend(predicate, came.keys(predicate))
             else:
                 after.known.take_over(predicate, after.asserted)
-        return Progress(before, after, Delta(inserted, came), Delta(deleted, gone), self._shop.clock)
+        patterns = self._strata.patterns
+        arrived, left = (Delta(one, known, patterns.of(one)) for one, known in ((inserted, came), (deleted, gone)))
+        return Progress(before, after, arrived, left, patterns, self._shop.clock)
 
 
 def _change(progress: Progress) -> Change:

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
 from kg.rules.engine.plan import Assign, Block, Body, Grouped, Match, Nested, Rows, Structure, Test
+from kg.rules.maintain.patterns import pattern
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -25,13 +26,18 @@ if TYPE_CHECKING:
 
 __all__ = ["Link", "Pivot", "Reading", "pivots"]
 
+_Inner: TypeAlias = Nested | Grouped
+
 Reading: TypeAlias = tuple[bool, ...]
 """For the outer body and each of a chain, from outside, whether it is solved in the data after the change."""
 
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """One body of a chain. `body` lacks what it cannot know by itself; `shared` pairs its columns with outer ones."""
+    """One body of a chain. `body` lacks what it cannot know by itself and what is not joined with what changed.
+
+    `shared` pairs its columns with outer ones.
+    """
 
     body: Body
     shared: tuple[tuple[str, str], ...]
@@ -43,19 +49,18 @@ class Link:
 class Pivot:
     """One source of a rule; `predicates` that it reads, None for any; `block`: it is a block of SPARQL.
 
-    `subject` and `object` are the terms that an atom names. `coming` and `going` are the readings for triples that
-    come and that go.
+    `patterns` are those of the triples that it reads. `coming` and `going` are the readings for triples that come and
+    that go.
     """
 
     number: int
     predicates: frozenset[int] | None
+    patterns: frozenset[int]
     asserted: bool
     block: bool
     chain: tuple[Link, ...]
     coming: tuple[Reading, ...]
     going: tuple[Reading, ...]
-    subject: int | None = None
-    object: int | None = None
 
 
 def pivots(plan: RulePlan, dictionary: Dictionary) -> tuple[Pivot, ...]:
@@ -63,20 +68,18 @@ def pivots(plan: RulePlan, dictionary: Dictionary) -> tuple[Pivot, ...]:
     return tuple(_pivots(plan, plan.body, (), dictionary))
 
 
-def _pivots(plan: RulePlan, body: Body, chain: tuple[Link, ...], dictionary: Dictionary) -> Iterator[Pivot]:
+def _pivots(plan: RulePlan, body: Body, around: tuple[_Inner, ...], dictionary: Dictionary) -> Iterator[Pivot]:
     for step in body.steps:
         if isinstance(step, Match | Block):
-            source = plan.sources[step.number]
+            chain = _chain(around, step)
             coming, going = (tuple(_readings(chain, after=after)) for after in (True, False))
             predicates = _predicates(step, dictionary)
-            terms = (step.subject, step.object) if isinstance(step, Match) else ()
-            named = (term if isinstance(term, int) else None for term in terms)
-            yield Pivot(step.number, predicates, source.asserted, isinstance(step, Block), chain, coming, going, *named)
-        elif isinstance(step, Nested):
-            shared = tuple((name, name) for name in sorted(step.shared))
-            yield from _pivots(plan, step.body, (*chain, _link(step.body, shared, step)), dictionary)
-        elif isinstance(step, Grouped):
-            yield from _pivots(plan, step.body, (*chain, _link(step.body, step.keys, step)), dictionary)
+            value = step.object if isinstance(step, Match) else None
+            patterns = frozenset(pattern(one, value) for one in predicates or {None})
+            asserted, block = plan.sources[step.number].asserted, isinstance(step, Block)
+            yield Pivot(step.number, predicates, patterns, asserted, block, chain, coming, going)
+        elif isinstance(step, Nested | Grouped):
+            yield from _pivots(plan, step.body, (*around, step), dictionary)
 
 
 def _predicates(step: Match | Block, dictionary: Dictionary) -> frozenset[int] | None:
@@ -98,15 +101,44 @@ def _readings(chain: Sequence[Link], *, after: bool) -> Iterator[Reading]:
             yield (*reading, after)
 
 
-def _link(body: Body, shared: tuple[tuple[str, str], ...], step: Nested | Grouped) -> Link:
-    kept, names = _solvable(body)
-    inner = Body(kept, body.numbers, names)
-    known = tuple(pair for pair in shared if pair[0] in names)
-    return Link(inner, known, isinstance(step, Grouped), isinstance(step, Nested) and step.negated)
+def _chain(around: Sequence[_Inner], source: Match | Block) -> tuple[Link, ...]:
+    """Return the bodies around a source, from outside."""
+    chain: list[Link] = []
+    kept: tuple[Step, ...] = (source,)
+    names = source.names
+    for inner in reversed(around):
+        link = _link(inner, kept, names)
+        chain.insert(0, link)
+        kept, names = (), frozenset(outer for _, outer in link.shared)
+    return tuple(chain)
 
 
-def _solvable(body: Body) -> tuple[tuple[Step, ...], frozenset[str]]:
-    """Return the steps that need nothing from outside of the body, and the columns that they bind.
+def _link(inner: _Inner, kept: tuple[Step, ...], names: frozenset[str]) -> Link:
+    """Return what restricts the body around an inner one, where some columns of it are known to be few."""
+    steps, names = _connected(_solvable(inner.body), kept, names)
+    pairs = inner.keys if isinstance(inner, Grouped) else tuple((name, name) for name in sorted(inner.shared))
+    shared = tuple(pair for pair in pairs if pair[0] in names)
+    negated = isinstance(inner, Nested) and inner.negated
+    return Link(Body(steps, inner.body.numbers, names), shared, isinstance(inner, Grouped), negated)
+
+
+def _connected(
+    steps: Sequence[Step], kept: tuple[Step, ...], names: frozenset[str]
+) -> tuple[tuple[Step, ...], frozenset[str]]:
+    """Return the steps that are joined with those `kept`, or with the columns `names`, and all columns of these.
+
+    What meets them in a filter at most would be multiplied with what changed, however much of it there is.
+    """
+    waiting = [step for step in steps if not any(step is other for other in kept)]
+    while joined := [step for step in waiting if _binds(step) and (_needs(step) | _binds(step)) & names]:
+        kept += tuple(joined)
+        waiting = [step for step in waiting if not any(step is other for other in joined)]
+        names = names.union(*(_needs(step) | _binds(step) for step in joined))
+    return (*kept, *(step for step in waiting if not _binds(step) and _needs(step) <= names)), names
+
+
+def _solvable(body: Body) -> tuple[Step, ...]:
+    """Return the steps that need nothing from outside of the body.
 
     What is left out would only have dropped rows, or bound what no other step of these needs.
     """
@@ -118,7 +150,7 @@ def _solvable(body: Body) -> tuple[tuple[Step, ...], frozenset[str]]:
         waiting = [step for step in waiting if not any(step is other for other in ready)]
         for step in ready:
             names |= _binds(step)
-    return tuple(kept), frozenset(names)
+    return tuple(kept)
 
 
 def _needs(step: Step) -> frozenset[str]:

@@ -11,20 +11,23 @@ Triples under negation and aggregates belong to strata that are finished; `kg.ru
 
 from __future__ import annotations
 
+from collections import defaultdict
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from kg.rules.engine.facts import Facts, difference, union
 from kg.rules.maintain.deriving import Delta, MaintainedRule, World
+from kg.rules.maintain.patterns import Patterns
 from kg.rules.maintain.sets import absorb, common, lacking, take_out
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Set as AbstractSet
 
     from kg.rules.engine.limits import Clock
     from kg.rules.stratify import Stratum
 
-__all__ = ["Progress", "maintain_stratum"]
+__all__ = ["Progress", "Strata"]
 
 
 @dataclass(slots=True)
@@ -38,6 +41,7 @@ class Progress:
     after: World
     came: Delta
     gone: Delta
+    patterns: Patterns
     clock: Clock
     added: int = 0
     """Triples that rules added, for the limit on them."""
@@ -48,31 +52,85 @@ class Progress:
         return self.before, self.after
 
 
+class Strata:
+    """Rules that are maintained, stratum after stratum, and what they read and derive."""
+
+    def __init__(self, strata: Iterable[tuple[Stratum, Sequence[MaintainedRule]]]) -> None:
+        self._rules: list[MaintainedRule] = []
+        self._deriving: defaultdict[int, list[int]] = defaultdict(list)
+        self._strata: list[_Stratum] = []
+        for stratum, rules in strata:
+            self._strata.append(_Stratum(len(self._rules), rules, stratum.recursive))
+            for number, rule in enumerate(rules, len(self._rules)):
+                for one in rule.derives:
+                    self._deriving[one].append(number)
+            self._rules += rules
+        self.patterns = Patterns(one for rule in self._rules for one in rule.reads | rule.derives)
+
+    def maintain(self, progress: Progress) -> None:
+        """Bring what rules derive up to date with a change of what is asserted."""
+        for stratum in self._strata:
+            if stratum.reached(progress):
+                work = _Work(progress, self, stratum)
+                work.take_away()
+                work.add(work.put_back())
+
+    def earlier(self, stratum: _Stratum, patterns: Iterable[int]) -> list[MaintainedRule]:
+        """Return the rules of the strata before one that derive triples of any of the patterns."""
+        found = {number for one in patterns for number in self._deriving.get(one, ()) if number < stratum.begin}
+        return [self._rules[number] for number in sorted(found)]
+
+
+class _Stratum:
+    """One stratum; `begin` is how many rules there are before it."""
+
+    def __init__(self, begin: int, rules: Sequence[MaintainedRule], recursive: bool) -> None:  # noqa: FBT001 - a fact
+        self.begin = begin
+        self.rules = rules
+        self.recursive = recursive
+        self._reads = frozenset[int]().union(*(rule.reads for rule in rules))
+        self._derives = frozenset[int]().union(*(rule.derives for rule in rules))
+
+    def reached(self, progress: Progress) -> bool:
+        """Tell whether a rule reads anything that came or went, or may derive what went by itself."""
+        came, gone = progress.came.patterns, progress.gone.patterns
+        return not (self._reads.isdisjoint(came) and self._reads.isdisjoint(gone) and self._derives.isdisjoint(gone))
+
+
 @dataclass(slots=True)
 class _Work:
-    """One stratum; `earlier` are the rules of the strata before it."""
+    """One stratum that a change reaches."""
 
     progress: Progress
-    rules: Sequence[MaintainedRule]
-    earlier: Sequence[MaintainedRule]
-    recursive: bool
+    strata: Strata
+    stratum: _Stratum
     lost: Facts = field(default_factory=Facts)
     """What was derived by then and has been taken away."""
     _size: int = 0
     """How much was lost in the last round: where less is lost from round to round, no triple is looked at closely."""
     _base: World | None = None
 
+    @property
+    def rules(self) -> Sequence[MaintainedRule]:
+        """The rules of the stratum."""
+        return self.stratum.rules
+
+    @property
+    def recursive(self) -> bool:
+        """Whether the rules read what they derive."""
+        return self.stratum.recursive
+
     def take_away(self) -> None:
         """Take away what may have no derivation any more."""
         progress = self.progress
         if self.recursive:
-            stays = self._founded(progress.gone.known)
+            stays = self._founded(self._own(progress.gone.known))
             take_out(progress.gone.known, stays)
             for predicate, keys in stays:
                 progress.after.known.extend(predicate, keys)
         frontier = self._lose(self._consequences(progress.came, progress.gone, after=False))
         while self.recursive and len(frontier):
-            frontier = self._lose(self._consequences(None, Delta(Facts(), frontier), after=False))
+            frontier = self._lose(self._consequences(None, self._delta(frontier), after=False))
         if self.recursive:
             self._discard_lost()
 
@@ -80,14 +138,11 @@ class _Work:
         """Put back what is still derived from what is left, and return it."""
         progress = self.progress
         back = Facts()
-        for candidates, rules in ((self.lost, (*self.earlier, *self.rules)), (progress.gone.known, self.rules)):
-            if not len(candidates):
-                continue
-            for rule in rules:
-                if not rule.may_derive(candidates):
-                    continue
-                self._watch(rule)
-                absorb(back, common(rule.supported(candidates, progress.after), candidates))
+        lost = progress.patterns.of(self.lost)
+        for rule in (*self.strata.earlier(self.stratum, lost), *self._deriving(lost)):
+            self._put_back(self.lost, rule, back)
+        for rule in self._deriving(progress.gone.patterns):
+            self._put_back(progress.gone.known, rule, back)
         missing = back if self.recursive else common(back, progress.gone.known)
         take_out(self.lost, back)
         take_out(progress.gone.known, back)
@@ -98,6 +153,18 @@ class _Work:
             self._discard_lost()
         return back
 
+    def _put_back(self, candidates: Facts, rule: MaintainedRule, back: Facts) -> None:
+        self._watch(rule)
+        absorb(back, common(rule.supported(candidates, self.progress.after), candidates))
+
+    def _deriving(self, patterns: AbstractSet[int]) -> Iterator[MaintainedRule]:
+        """Yield the rules of the stratum that derive triples of any of the patterns."""
+        return (rule for rule in self.rules if not rule.derives.isdisjoint(patterns))
+
+    def _delta(self, frontier: Facts) -> Delta:
+        """Return what came or went in a round of a recursion."""
+        return Delta(Facts(), frontier, self.progress.patterns.of(frontier))
+
     def _discard_lost(self) -> None:
         for predicate, keys in self.lost:
             self.progress.after.known.discard(predicate, keys)
@@ -107,16 +174,20 @@ class _Work:
         progress = self.progress
         came = progress.came
         if self.recursive and len(back):
-            came = Delta(came.asserted, came.known.copy())
+            came = Delta(came.asserted, came.known.copy(), came.patterns | progress.patterns.of(back))
             absorb(came.known, back)
         frontier = self._gain(self._consequences(came, progress.gone, after=True))
         while self.recursive and len(frontier):
-            frontier = self._gain(self._consequences(Delta(Facts(), frontier), None, after=True))
+            frontier = self._gain(self._consequences(self._delta(frontier), None, after=True))
         absorb(progress.gone.known, self.lost)
+        progress.gone.patterns |= progress.patterns.of(self.lost)
 
     def _consequences(self, came: Delta | None, gone: Delta | None, *, after: bool) -> Facts:
         found = Facts()
+        changed = (came.patterns if came else set()) | (gone.patterns if gone else set())
         for rule in self.rules:
+            if rule.reads.isdisjoint(changed):
+                continue
             self._watch(rule)
             absorb(found, rule.consequences(came, gone, self.progress.worlds, after=after))
         return found
@@ -138,15 +209,24 @@ class _Work:
             self.lost.extend(predicate, keys)
         return going
 
+    def _own(self, gone: Facts) -> Facts:
+        """Return what went of what this stratum may derive: others have put back by now what they derive."""
+        written = _written(self.rules)
+        found = Facts()
+        for predicate, keys in gone:
+            if written is None or predicate in written:
+                found.replace(predicate, keys)
+        return found
+
     def _founded(self, candidates: Facts) -> Facts:
         """Return the candidates that follow in one step from what is asserted and what other strata derived."""
         found = Facts()
         written = _written(self.rules)
-        for rule in self.earlier:
-            if rule.may_derive(candidates):
-                absorb(found, common(rule.supported(candidates, self.progress.after), candidates))
-        for rule in self.rules:
-            if rule.may_derive(candidates) and rule.grows(written):
+        patterns = self.progress.patterns.of(candidates)
+        for rule in self.strata.earlier(self.stratum, patterns):
+            absorb(found, common(rule.supported(candidates, self.progress.after), candidates))
+        for rule in self._deriving(patterns):
+            if rule.grows(written):
                 self._watch(rule)
                 absorb(found, common(rule.supported(candidates, self._foundation(written)), candidates))
         return found
@@ -165,6 +245,7 @@ class _Work:
         """Add triples, those that are not there, and return them."""
         progress = self.progress
         new = lacking(found, progress.after.known)
+        progress.came.patterns |= progress.patterns.of(new)
         for predicate, keys in new:
             progress.after.known.extend(predicate, keys)
             progress.added += keys.size
@@ -177,12 +258,3 @@ def _written(rules: Sequence[MaintainedRule]) -> frozenset[int] | None:
     """Return the predicates that rules derive, None for any."""
     written = [rule.writes for rule in rules]
     return None if None in written else frozenset[int]().union(*(known for known in written if known))
-
-
-def maintain_stratum(
-    stratum: Stratum, rules: Sequence[MaintainedRule], earlier: Sequence[MaintainedRule], progress: Progress
-) -> None:
-    """Bring what the `rules` of a stratum derive up to date with what came and went before it."""
-    work = _Work(progress, rules, earlier, stratum.recursive)
-    work.take_away()
-    work.add(work.put_back())

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 from kg.errors import RuleError
 from kg.query.position import place_at
-from kg.query.similar import did_you_mean
 from kg.rules.syntax.scope import mentioned
 from kg.rules.syntax.tree import Bind, Exists, Filter, TriplePattern
+from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

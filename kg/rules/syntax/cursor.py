@@ -10,10 +10,10 @@ from pyoxigraph import NamedNode
 from kg.errors import RuleError
 from kg.query.lexer import normalise, tokens
 from kg.query.position import place_at
-from kg.query.similar import did_you_mean
 from kg.rules.syntax.iris import is_absolute, resolve
 from kg.rules.syntax.lexer import END, Kind, Token, token_at, unescape, unescape_local
 from kg.rules.syntax.tree import Span
+from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping

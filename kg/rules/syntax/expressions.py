@@ -9,13 +9,13 @@ from abc import abstractmethod
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
-from kg.query.similar import did_you_mean
 from kg.rules.syntax.cursor import MAX_NESTING
 from kg.rules.syntax.functions import AGGREGATES, FUNCTIONS, Arguments
 from kg.rules.syntax.lexer import Kind, as_operator
 from kg.rules.syntax.terms import Mode
 from kg.rules.syntax.tree import AggregateCall, Exists, Expression
 from kg.rules.syntax.triples import Triples
+from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

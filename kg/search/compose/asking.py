@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Final
 from kg.errors import UnknownNameError
 from kg.graph.ntriples import literal
 from kg.query.rows import rows
-from kg.query.similar import did_you_mean
 from kg.search.words import words
+from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence

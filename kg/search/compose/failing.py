@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import UnknownNameError
-from kg.query.similar import asked as asked_for
-from kg.query.similar import similar
 from kg.render.text import count
 from kg.search.compose.asking import Asked
 from kg.search.compose.chains import Search
 from kg.search.compose.costs import generic
 from kg.search.compose.steps import between, steps_of
+from kg.similar import asked as asked_for
+from kg.similar import similar
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence

@@ -83,6 +83,15 @@ def test_two_files_of_one_name_are_told(tmp_path: Path) -> None:
     assert library.entries["f/one"].path.suffix == ".rq"
 
 
+def test_copies_are_no_problem(tmp_path: Path) -> None:
+    """The same file in two folders is one rule, which has the path that came first."""
+    for folder in (tmp_path / "a", tmp_path / "b"):
+        write_rules(folder, one=RULE)
+    library = Library([tmp_path / "a", tmp_path / "b"])
+    assert library.problems == []
+    assert library.entries["f/one"].path == tmp_path / "a" / "f" / "one.rq"
+
+
 def test_what_was_saved(library: Library, tmp_path: Path) -> None:
     """A rule counts as saved when it, or its page of examples, is new or has another time."""
     watched = Watched(library)

@@ -81,6 +81,15 @@ def test_two_files_of_one_name(tmp_path: Path) -> None:
     assert found.code == "KG207"
 
 
+def test_copies_of_a_file(tmp_path: Path) -> None:
+    """The same file in two folders is one rule, and no finding."""
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "same.rq").write_text(PREFIX + "CONSTRUCT { ?x :p ?y } WHERE { ?x :q ?y }")
+    found = read_all([tmp_path / "a", tmp_path / "b"])
+    assert ([file.name for file in found.rules.files], found.findings) == (["same"], ())
+
+
 def test_rules_without_an_order(tmp_path: Path) -> None:
     """Rules that negate each other are one finding, at one of them, naming both."""
     cycle = {

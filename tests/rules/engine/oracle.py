@@ -24,6 +24,7 @@ from kg.rules.form import (
     Values,
     Variable,
 )
+from kg.rules.scope import bound_in
 from kg.rules.stratify import stratify
 
 if TYPE_CHECKING:
@@ -78,7 +79,10 @@ def _instance(pattern: Pattern, solution: Solution, rule: Rule) -> Term | None:
 
 def _blank(node: BlankNode, solution: Solution, rule: Rule) -> BlankNode:
     text = f"{rule.name}\n{rule.part}\n{node.value}\n".encode()
-    text += b"\n".join(b"%s=%s" % (name.encode(), spell(solution[name])) for name in sorted(solution))
+    # What stays unbound, such as an aggregate in error, is a variable of the solution too.
+    names = {variable.name for variable in bound_in(rule.body)} | solution.keys()
+    spelt = {name: spell(solution[name]) if name in solution else b"" for name in names}
+    text += b"\n".join(b"%s=%s" % (name.encode(), spelt[name]) for name in sorted(names))
     digest = blake2b(text, digest_size=16).digest()
     return BlankNode(bytes([digest[0] | 0xE0, *digest[1:]]).hex())
 

@@ -20,11 +20,13 @@ if TYPE_CHECKING:
 
     from kg.rules.form import Element, Pattern
 
-__all__ = ["facts", "layered"]
+__all__ = ["by_class", "classified", "facts", "layered"]
 
 _NODES = [NamedNode(f"urn:x:n{number}") for number in range(3)]
 _ASSERTED = [NamedNode("urn:x:p"), NamedNode("urn:x:q")]
 _DERIVED = [NamedNode(f"urn:x:d{number}") for number in range(5)]
+_IS = NamedNode("urn:x:is")
+_CLASSES = [NamedNode(f"urn:x:c{number}") for number in range(9)]
 _A, _B, _C, _E, _N = (Variable(name) for name in "abcen")
 _FEW = [Literal(1), Literal(2)]
 
@@ -41,6 +43,39 @@ def layered(draw: st.DrawFn) -> list[Rule]:
     """Draw two to six rules."""
     count = draw(st.integers(2, 6))
     return [_rule(draw, number, draw(st.integers(0, 4))) for number in range(count)]
+
+
+def classified(least: int, most: int) -> st.SearchStrategy[set[Fact]]:
+    """Give triples that say what class things are of, and how they are linked."""
+    classes = st.tuples(st.sampled_from(_NODES), st.just(_IS), st.sampled_from(_CLASSES[:6]))
+    links = st.tuples(st.sampled_from(_NODES), st.sampled_from(_ASSERTED), st.sampled_from(_NODES))
+    return st.sets(st.one_of(classes, classes, links), min_size=least, max_size=most)
+
+
+@st.composite
+def by_class(draw: st.DrawFn) -> list[Rule]:
+    """Draw four to nine rules that tell classes from lower classes, so that a change reaches few of them."""
+    return [_of_class(draw, number, draw(st.integers(3, 8))) for number in range(draw(st.integers(4, 9)))]
+
+
+def _of_class(draw: st.DrawFn, number: int, layer: int) -> Rule:
+    lower = st.sampled_from(_CLASSES[:layer])
+    recursive = draw(st.integers(0, 3)) == 0
+    body: list[Element] = [Atom(_A, _IS, _CLASSES[layer] if recursive else draw(lower))]
+    kind = draw(st.integers(0, 5))
+    if kind == 0 or recursive:
+        body.append(Atom(_A, draw(st.sampled_from(_ASSERTED)), _B))
+    if kind == 1:
+        body.append(Exists((Atom(_A, _IS, draw(lower)),), negated=True))
+    if kind == 2:
+        apart = (Atom(_A, _ASSERTED[0], _E), Atom(_B, _ASSERTED[0], _C), keep("?e != ?c"))
+        body += [Atom(_A, _ASSERTED[1], _B), Exists(apart, negated=draw(st.booleans()))]
+    if kind == 3:
+        body.append(Aggregate((_A,), (_column(draw),), (Atom(_A, _ASSERTED[0], _E), Atom(_E, _IS, draw(lower)))))
+    head: Pattern = _B if recursive else _A
+    minted = kind == 4 and layer == 8 and not recursive
+    made: Pattern = BlankNode("new") if minted else _CLASSES[layer]
+    return Rule(f"test/r{number}", (Atom(head, _IS, made),), tuple(body), Place("r.srl"))
 
 
 def _rule(draw: st.DrawFn, number: int, layer: int) -> Rule:

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from rules.engine.comparing import columns, tuples
 from rules.engine.oracle import infer
 from rules.engine.test_properties import facts, rule_sets
+from rules.maintain.generating import by_class, classified, layered
 from rules.maintain.generating import facts as dense
-from rules.maintain.generating import layered
 
 from kg.errors import RuleError
 from kg.rules.engine.evaluate import Program, evaluate
@@ -38,6 +38,15 @@ def test_any_rules_under_any_changes_equal_starting_over(
 def test_any_changes_equal_starting_over(rules: list[Rule], asserted: set[Fact], data: st.DataObject) -> None:
     """Insertions and deletions, of triples that are asserted, inferred or neither, that reach through layers."""
     compare(rules, asserted, data, dense(1, 4))
+
+
+@settings(max_examples=80, deadline=None, suppress_health_check=list(HealthCheck))
+@given(by_class(), classified(4, 14), st.data())
+def test_changes_that_reach_few_rules_equal_starting_over(
+    rules: list[Rule], asserted: set[Fact], data: st.DataObject
+) -> None:
+    """Classes from classes: by links, without others, counted, minted, and where a body is of two parts."""
+    compare(rules, asserted, data, classified(1, 3))
 
 
 def compare(rules: list[Rule], asserted: set[Fact], data: st.DataObject, few: st.SearchStrategy[set[Fact]]) -> None:

@@ -14,10 +14,10 @@ from pyoxigraph import Literal, NamedNode
 
 from kg.query.lexer import Kind, normalise, tokens
 from kg.query.prefixes import PREFIXES
-from kg.query.similar import did_you_mean
 from kg.rules.notations.shacl.vocabulary import IMPORTS, sh
 from kg.rules.syntax.iris import is_absolute
 from kg.rules.syntax.lexer import unescape, unescape_local
+from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

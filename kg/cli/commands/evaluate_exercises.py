@@ -1,0 +1,74 @@
+"""`kg eval exercises`: programs beside the code that they stand for, and whether they reach what they should."""
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from kg.cli.evaluation_view import deliver
+from kg.cli.options import Json, Store
+from kg.cli.session import session
+from kg.errors import Exit
+
+if TYPE_CHECKING:
+    from kg.evaluate.tables import Table
+    from kg.settings import Settings
+
+__all__ = ["exercises"]
+
+Capabilities = Annotated[
+    bool, typer.Option("--capabilities", help="Table 1: what each simulated robot can do, as rules infer it.")
+]
+Run = Annotated[bool, typer.Option("--run", help="Carry the exercises out, and say which reach their goal.")]
+Output = Annotated[
+    str | None, typer.Option("--output", "-o", metavar="FOLDER", help="Write Markdown, CSV and SVG into FOLDER.")
+]
+
+
+def exercises(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    *,
+    capabilities: Capabilities = False,
+    run: Run = False,
+    output: Output = None,
+    json: Json = False,
+    store: Store = None,
+) -> None:
+    """Compare programs of capabilities with code that does the same, by four exercises for two simulated robots.
+
+    Blocks and capabilities of the program, and lines, components and message types of the code, as in Table 2 of the
+    onto-ros paper. The programs stand in examples/programs; needs the extra `simulate`. For example:
+
+        kg eval exercises
+        kg eval exercises --capabilities
+        kg eval exercises --run
+    """
+    settings = session(context).settings(store=store)
+    if run:
+        _run(settings, json=json, output=output)
+    else:
+        deliver(_table(settings, capabilities=capabilities), json=json, output=output)
+
+
+def _table(settings: "Settings", *, capabilities: bool) -> "Table":
+    import asyncio  # noqa: PLC0415 - start-up time
+
+    from kg.evaluate.exercise_tables import (  # noqa: PLC0415 - start-up time
+        capabilities_of_robots,
+        capabilities_table,
+        exercises_table,
+    )
+
+    found = asyncio.run(capabilities_of_robots(settings))
+    return capabilities_table(found) if capabilities else exercises_table(found)
+
+
+def _run(settings: "Settings", *, json: bool, output: str | None) -> None:
+    import asyncio  # noqa: PLC0415 - start-up time
+
+    from kg.evaluate.exercise_tables import runs_table  # noqa: PLC0415 - start-up time
+    from kg.evaluate.exercises import perform_all  # noqa: PLC0415 - start-up time
+
+    outcomes = asyncio.run(perform_all(settings))
+    deliver(runs_table(outcomes), json=json, output=output)
+    if any(one.missed for one in outcomes):
+        raise typer.Exit(Exit.FOUND)

@@ -1,0 +1,28 @@
+"""`kg mcp`: the server for coding assistants."""
+
+import typer
+
+from kg.cli.options import Store, Timeout
+from kg.cli.session import session
+from kg.errors import UsageError
+
+__all__ = ["mcp"]
+
+
+def mcp(context: typer.Context, *, timeout: Timeout = None, store: Store = None) -> None:
+    """Serve coding assistants over the Model Context Protocol.
+
+    An assistant starts it and speaks to it on standard input and output; it finds nodes, describes them, shows
+    how launch files wire them, reports findings, runs read-only queries and explains facts, each with lines of
+    code. Nothing is changed. Needs `pip install 'kg-ros[mcp]'`. For example, in an assistant's settings:
+
+        {"mcpServers": {"kg": {"command": "kg", "args": ["--store", "/path/to/.kg", "mcp"]}}}
+    """
+    try:
+        from kg.assistants.server import serve  # noqa: PLC0415 - start-up time
+    except ModuleNotFoundError as error:
+        if error.name is None or error.name.partition(".")[0] != "mcp":
+            raise
+        hint = "pip install 'kg-ros[mcp]'"
+        raise UsageError("KG555", "the SDK of the Model Context Protocol is not installed", hint=hint) from error
+    serve(session(context).settings(store=store, timeout=timeout))

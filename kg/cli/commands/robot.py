@@ -1,0 +1,143 @@
+"""`kg robot`: what a robot can do, and the store in step with it."""
+
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
+
+from kg.cli.completion import packages
+from kg.cli.options import Families, Json, Robot, Rules, Store
+from kg.cli.session import session
+from kg.cli.systems import Arguments, Environment, Launch, given
+from kg.errors import Exit, UsageError
+
+if TYPE_CHECKING:
+    from kg.robot.live.asking import Subject
+    from kg.settings import Settings
+
+__all__ = ["HELP", "capabilities", "watch"]
+
+HELP: Final = """Say what a robot can do, and let it do so.
+
+A robot is a running ROS system: its master, domain or router is given by --robot, else by the setting `robot`, else by
+ROS_MASTER_URI or ROS_DOMAIN_ID. `kg robot simulate office` starts one to try.
+"""
+
+Live = Annotated[bool, typer.Option("--live", help="The running robot; what is meant where nothing else is named.")]
+Package = Annotated[
+    str | None,
+    typer.Option(
+        "--package",
+        "-p",
+        metavar="NAME",
+        help="A package of the store; with --live or --launch, what it would add to that.",
+        autocompletion=packages,
+    ),
+]
+Why = Annotated[str | None, typer.Option("--why", metavar="CAPABILITY", help="Show why it is there, for each node.")]
+All = Annotated[bool, typer.Option("--all", "-a", help="List general capabilities, which others imply, too.")]
+Name = Annotated[
+    str | None,
+    typer.Option("--name", metavar="NAME", help="What the system is called in the store; by default its address."),
+]
+Once = Annotated[bool, typer.Option("--once", help="Take the system into the store as it is now, and end.")]
+
+
+def capabilities(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    *,
+    launch: Launch = None,
+    live: Live = False,
+    robot: Robot = None,
+    package: Package = None,
+    why: Why = None,
+    every: All = False,
+    arg: Arguments = None,
+    env: Environment = None,
+    rules: Rules = None,
+    rule_families: Families = None,
+    json: Json = False,
+    store: Store = None,
+) -> None:
+    """List what a robot can sense, do and know, and through which topic, service or action.
+
+    A running robot is asked for its computation graph, and rules tell what follows from it; no store is needed. A
+    launch file or a package of the store is asked before anything runs. Capabilities are read (the robot tells
+    something) or written (it is told something). For example:
+
+        kg robot capabilities
+        kg robot capabilities --launch rover.launch
+        kg robot capabilities --package turtle_tf --launch rover.launch
+        kg robot capabilities --why drivingAtVelocity
+    """
+    from contextlib import ExitStack  # noqa: PLC0415 - start-up time
+
+    from kg.cli.robot_view import show_added, show_capabilities, show_proofs  # noqa: PLC0415 - start-up time
+    from kg.robot.live.asking import launched, of_package  # noqa: PLC0415 - start-up time
+
+    if launch is not None and (live or robot is not None):
+        raise UsageError("KG003", "--launch is for a robot that does not run yet", hint="Leave out --live and --robot.")
+    settings = session(context).settings(store=store, robot=robot, rules=rules, rule_families=rule_families)
+    with ExitStack() as stack:
+        base = None
+        if launch is not None:
+            base = stack.enter_context(launched(settings, launch, *given(launch, arg, env)))
+        elif live or robot is not None or package is None:
+            base = _running(settings)
+        subject = stack.enter_context(of_package(settings, package)) if package is not None else base
+        if subject is None:
+            return
+        if why is not None:
+            show_proofs(subject, why, json=json)
+        elif subject is not base and base is not None:
+            show_added(subject.capabilities, base.capabilities, every=every, json=json)
+        else:
+            show_capabilities(subject.capabilities, every=every, json=json)
+
+
+def _running(settings: "Settings") -> "Subject":
+    import asyncio  # noqa: PLC0415 - start-up time
+
+    from kg.cli.robot_view import tell_problems  # noqa: PLC0415 - start-up time
+    from kg.robot.live import address_of, look  # noqa: PLC0415 - start-up time
+    from kg.robot.live.asking import running  # noqa: PLC0415 - start-up time
+
+    address = address_of(settings)
+    graph = asyncio.run(look(address))
+    tell_problems(graph)
+    return running(graph, settings, address)
+
+
+def watch(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    *,
+    robot: Robot = None,
+    name: Name = None,
+    once: Once = False,
+    rules: Rules = None,
+    rule_families: Families = None,
+    json: Json = False,
+    store: Store = None,
+) -> None:
+    """Keep a running robot in the store, in step with it, and say what came and went.
+
+    Nodes that come and go, and what they can do, are in the store within a second, in a graph of their own; a store
+    is made where there is none. `kg instances`, `kg lint`, `kg graph`, `kg why` and the page work on it as on a launch
+    file. A robot that is lost is waited for. Ctrl-C ends it, and the graph stays as it was seen last. For example:
+
+        kg robot watch
+        kg robot watch --robot ros1://turtle:11311 --name turtle
+        kg robot watch --once && kg lint --launch robot/localhost:11311
+    """
+    import asyncio  # noqa: PLC0415 - start-up time
+
+    from kg.cli.robot_view import follow  # noqa: PLC0415 - start-up time
+    from kg.robot.live import Watching, address_of  # noqa: PLC0415 - start-up time
+    from kg.store.opening import writable  # noqa: PLC0415 - start-up time
+
+    settings = session(context).settings(store=store, robot=robot, rules=rules, rule_families=rule_families)
+    try:
+        with writable(settings) as target:
+            watching = Watching(target, settings, address=address_of(settings), name=name or "")
+            asyncio.run(follow(watching, once=once, json=json))
+    except KeyboardInterrupt:
+        raise typer.Exit(Exit.INTERRUPTED) from None

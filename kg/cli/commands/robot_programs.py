@@ -1,0 +1,220 @@
+"""`kg robot run`, `check` and `convert`: programs for robots."""
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from kg.cli.options import Families, Json, Places, Robot, Rules, Store
+from kg.cli.session import session
+from kg.cli.systems import Arguments, Environment, Launch, given
+from kg.errors import Exit, UsageError
+
+if TYPE_CHECKING:
+    from kg.robot.capability import Capabilities
+    from kg.robot.connection import ComputationGraph
+    from kg.robot.programs.executing import Execution
+    from kg.robot.programs.places import Places as PlacesByName
+    from kg.settings import Settings
+
+__all__ = ["check", "convert", "run"]
+
+_FORMS = ("text", "json", "rospy", "rclpy")
+
+Program = Annotated[
+    str, typer.Argument(metavar="PROGRAM", help="A program: text (`.kgp`), or JSON (`.json`).", show_default=False)
+]
+DryRun = Annotated[bool, typer.Option("--dry-run", "-n", help="Say what would be sent; the robot is not moved.")]
+Seconds = Annotated[
+    str | None, typer.Option("--seconds", metavar="S", help="End the program after so many seconds of robot's time.")
+]
+To = Annotated[str, typer.Option("--to", metavar="FORM", help=f"One of {', '.join(_FORMS)}.", show_default=True)]
+Ids = Annotated[bool, typer.Option("--ids", help="Keep the names of blocks in text, behind `@`.")]
+Metrics = Annotated[bool, typer.Option("--metrics", help="Write figures instead: what the program takes, or the code.")]
+
+
+def run(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    program: Program,
+    *,
+    dry_run: DryRun = False,
+    seconds: Seconds = None,
+    robot: Robot = None,
+    places: Places = None,
+    rules: Rules = None,
+    rule_families: Families = None,
+    json: Json = False,
+    store: Store = None,
+) -> None:
+    """Carry out a program on a robot, and write what happens.
+
+    The program is checked first; with errors nothing is done. Whatever ends it, the robot is stopped: Ctrl-C, an error,
+    a time that is over, a connection that is lost. The exit code is 1 when the program failed. For example:
+
+        kg robot run mail.kgp
+        kg robot run mail.kgp --dry-run
+        kg robot run mail.kgp --robot ros1://turtle:11311 --seconds 60 --json
+    """
+    from kg.cli.diagnostics import report  # noqa: PLC0415 - start-up time
+    from kg.cli.interruptible import interruptible  # noqa: PLC0415 - start-up time
+    from kg.cli.numbers import seconds as number_of_seconds  # noqa: PLC0415 - start-up time
+    from kg.cli.program_view import Log, error_at, read, show_problems  # noqa: PLC0415 - start-up time
+    from kg.robot.live import address_of  # noqa: PLC0415 - start-up time
+    from kg.robot.programs.executing import execute, limited  # noqa: PLC0415 - start-up time
+
+    settings = session(context).settings(
+        store=store, robot=robot, places=places, rules=rules, rule_families=rule_families
+    )
+    loaded = read(program, json=json)
+    wanted = limited(loaded.program, None if seconds is None else number_of_seconds(seconds, "--seconds"))
+    outcome: list[Execution] = []
+
+    async def carry_out() -> None:
+        found = await execute(
+            wanted,
+            address_of(settings),
+            settings,
+            on_event=Log(loaded, json=json),
+            on_problems=lambda problems: show_problems(problems, loaded, json=json),
+            dry_run=dry_run,
+        )
+        outcome.append(found)
+
+    interruptible(carry_out())
+    (found,) = outcome
+    if found.ended is not None and found.ended.problem is not None:
+        report(error_at(found.ended.problem, loaded))
+    if found.ended is None or found.ended.ended == "failed":
+        raise typer.Exit(Exit.FOUND)
+
+
+def check(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    program: Program,
+    *,
+    launch: Launch = None,
+    robot: Robot = None,
+    places: Places = None,
+    arg: Arguments = None,
+    env: Environment = None,
+    rules: Rules = None,
+    rule_families: Families = None,
+    json: Json = False,
+    store: Store = None,
+) -> None:
+    """Check a program: names, kinds and units, limits, what is never reached or never ends, nodes that are dead.
+
+    Without --robot and --launch it is checked against everything that robots can do by the ontology. The exit code is
+    1 when there are errors; warnings do not count. For example:
+
+        kg robot check mail.kgp
+        kg robot check mail.kgp --robot ros1://turtle:11311
+        kg robot check mail.kgp --launch rover.launch --places office.toml
+    """
+    from kg.cli.diagnostics import note  # noqa: PLC0415 - start-up time
+    from kg.cli.program_view import read, show_problems  # noqa: PLC0415 - start-up time
+    from kg.robot.programs.check import check as problems_of  # noqa: PLC0415 - start-up time
+    from kg.robot.programs.doubts import doubts  # noqa: PLC0415 - start-up time
+    from kg.robot.programs.places import placed  # noqa: PLC0415 - start-up time
+
+    settings = session(context).settings(
+        store=store, robot=robot, places=places, rules=rules, rule_families=rule_families
+    )
+    loaded = read(program, json=json)
+    capabilities, told, graph = _known(settings, robot, launch, arg, env)
+    meant = placed(loaded.program, told)
+    problems = [*problems_of(meant, capabilities, told), *(doubts(meant, capabilities, graph) if graph else ())]
+    show_problems(problems, loaded, json=json)
+    if any(problem.severity == "error" for problem in problems):
+        raise typer.Exit(Exit.FOUND)
+    if not problems and not json:
+        note(f"the program is sound for {capabilities.of}")
+
+
+def convert(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    program: Program,
+    *,
+    to: To = "text",
+    ids: Ids = False,
+    metrics: Metrics = False,
+    launch: Launch = None,
+    robot: Robot = None,
+    places: Places = None,
+    arg: Arguments = None,
+    env: Environment = None,
+    rules: Rules = None,
+    rule_families: Families = None,
+    store: Store = None,
+) -> None:
+    """Write a program as text, as JSON, or as the code that an expert would write for it, in ROS 1 or ROS 2.
+
+    Code needs to know through which topics, services and actions the robot is reached: those of --robot or --launch,
+    by default of the robot in force. For example:
+
+        kg robot convert mail.kgp --to json > mail.json
+        kg robot convert mail.kgp --to rospy --launch rover.launch > mail.py
+        kg robot convert mail.kgp --to rclpy --metrics
+    """
+    from msgspec import to_builtins  # noqa: PLC0415 - start-up time
+
+    from kg.cli.diagnostics import note  # noqa: PLC0415 - start-up time
+    from kg.cli.output import json_lines, write  # noqa: PLC0415 - start-up time
+    from kg.robot.programs.files import load  # noqa: PLC0415 - start-up time
+    from kg.robot.programs.form import encode  # noqa: PLC0415 - start-up time
+    from kg.robot.programs.metrics import code_metrics, foreign_types  # noqa: PLC0415 - start-up time
+    from kg.robot.programs.metrics import metrics as program_metrics  # noqa: PLC0415 - start-up time
+    from kg.robot.programs.write import write as text_of  # noqa: PLC0415 - start-up time
+
+    if to not in _FORMS:
+        raise UsageError("KG003", f"`{to}` is no form of a program", hint=f"One of {', '.join(_FORMS)}.")
+    settings = session(context).settings(
+        store=store, robot=robot, places=places, rules=rules, rule_families=rule_families
+    )
+    loaded = load(program)
+    if to in {"text", "json"}:
+        if metrics:
+            json_lines([to_builtins(program_metrics(loaded.program))])
+        else:
+            write((text_of(loaded.program, ids=ids) if to == "text" else encode(loaded.program).decode()).rstrip())
+        return
+    from kg.robot.programs.converting import convert as code_of  # noqa: PLC0415 - start-up time
+    from kg.robot.programs.places import placed  # noqa: PLC0415 - start-up time
+
+    capabilities, told, _ = _known(settings, robot or (None if launch else ""), launch, arg, env)
+    code = code_of(
+        placed(loaded.program, told), capabilities, to="rospy" if to == "rospy" else "rclpy", place=loaded.place
+    )
+    if metrics:
+        json_lines([to_builtins(code_metrics(code))])
+    else:
+        write(code.rstrip())
+    ros = 1 if to == "rospy" else 2
+    for name in foreign_types(code, ros):
+        note(f"ROS {ros} has no {name}: the robot that the code was made for speaks the other version")
+
+
+def _known(
+    settings: "Settings", robot: str | None, launch: str | None, arg: list[str] | None, env: list[str] | None
+) -> "tuple[Capabilities, PlacesByName, ComputationGraph | None]":
+    """Return what a launch file, a running robot, or any by the ontology can do; places; the graph of what runs."""
+    import asyncio  # noqa: PLC0415 - start-up time
+
+    from kg.cli.robot_view import tell_problems  # noqa: PLC0415 - start-up time
+    from kg.robot.live import address_of  # noqa: PLC0415 - start-up time
+    from kg.robot.live.asking import launched, running  # noqa: PLC0415 - start-up time
+    from kg.robot.programs.executing import seen  # noqa: PLC0415 - start-up time
+    from kg.robot.programs.general import general  # noqa: PLC0415 - start-up time
+    from kg.robot.programs.places import read_places  # noqa: PLC0415 - start-up time
+
+    own = read_places(settings.places)
+    if launch is not None:
+        if robot:
+            raise UsageError("KG003", "--launch is for a robot that does not run yet", hint="Leave out --robot.")
+        with launched(settings, launch, *given(launch, arg, env)) as subject:
+            return subject.capabilities, own, None
+    if robot is None:
+        return general(settings), own, None
+    address = address_of(settings)
+    graph, told = asyncio.run(seen(address))
+    tell_problems(graph)
+    return running(graph, settings, address).capabilities, {**told, **own}, graph

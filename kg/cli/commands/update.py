@@ -1,0 +1,117 @@
+"""`kg update`: SPARQL updates. `kg backup` and `kg restore`: copies of the store."""
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from kg.cli.diagnostics import note, say
+from kg.cli.options import Base, Json, NoRules, Store
+from kg.cli.output import json_lines
+from kg.cli.session import session
+from kg.errors import Exit, Place, UsageError
+from kg.render.text import count
+from kg.store.opening import existing, layout_of, writable
+
+if TYPE_CHECKING:
+    from kg.pipeline.updating.changes import Updated
+
+__all__ = ["backup", "restore", "update"]
+
+Text = Annotated[str | None, typer.Argument(metavar="UPDATE", help="SPARQL Update; - reads it from standard input.")]
+File = Annotated[str | None, typer.Option("--file", "-f", metavar="FILE", help="Read the update from FILE.")]
+DryRun = Annotated[bool, typer.Option("--dry-run", help="Say what would change, and change nothing.")]
+Target = Annotated[
+    str, typer.Argument(metavar="TARGET", help="A new folder, or a file whose name ends in .nq or .nq.gz.")
+]
+Source = Annotated[str, typer.Argument(metavar="BACKUP", help="A folder or a file that `kg backup` wrote.")]
+
+
+def update(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    text: Text = None,
+    *,
+    file: File = None,
+    dry_run: DryRun = False,
+    no_rules: NoRules = False,
+    json: Json = False,
+    base: Base = None,
+    store: Store = None,
+) -> None:
+    """Change the store in SPARQL.
+
+    All operations happen, or none; then rules infer what follows. The prefixes of `kg query` are known; the default
+    graph is the unnamed one. What rules infer and the record of builds cannot be written, and what was read from a
+    source stays changed until the next build of it. For example:
+
+        kg update 'INSERT DATA { GRAPH <urn:notes> { <urn:rover> rdfs:comment "mine" } }'
+        kg update -f cleaning.ru --dry-run
+    """
+    from kg.cli.update_view import show  # noqa: PLC0415 - start-up time
+    from kg.pipeline.updating.applying import apply  # noqa: PLC0415 - start-up time
+    from kg.pipeline.updating.changes import Update  # noqa: PLC0415 - start-up time
+
+    settings = session(context).settings(store=store, base=base)
+    asked, place = _asked(text, file)
+    updated = apply(existing(settings), settings, Update(text=asked, path=place), rules=not no_rules, dry_run=dry_run)
+    show(updated, dry_run=dry_run, json=json)
+    _end(updated)
+
+
+def backup(context: typer.Context, target: Target, *, json: Json = False, store: Store = None) -> None:
+    """Copy the store, also while it is written.
+
+    A folder is a store of its own and takes milliseconds, as large files are shared by hard links; `kg restore` puts
+    it back, and --store TARGET reads it. A file holds N-Quads in an order and with names of blank nodes that depend
+    on nothing but the data. For example:
+
+        kg backup monday
+        kg backup monday.nq.gz
+    """
+    from dataclasses import asdict  # noqa: PLC0415 - start-up time
+
+    from kg.store.backups import back_up  # noqa: PLC0415 - start-up time
+
+    settings = session(context).settings(store=store)
+    found = back_up(layout_of(settings), Path(target))
+    if json:
+        json_lines([asdict(found)])
+    say(f"wrote {count(found.quads, 'quad')} of snapshot {found.snapshot} to {target}")
+
+
+def restore(context: typer.Context, source: Source, *, store: Store = None) -> None:
+    """Put a backup in the place of all that the store holds.
+
+    The data becomes a new snapshot; the next build reads every source again. For example:
+
+        kg restore monday
+    """
+    from kg.pipeline.updating.restoring import restore as put_back  # noqa: PLC0415 - start-up time
+
+    settings = session(context).settings(store=store)
+    with writable(settings) as target:
+        found = put_back(target, Path(source))
+    original = f", made of snapshot {found.original} of the backup" if found.original else ""
+    say(f"the store now holds {count(found.quads, 'quad')}: snapshot {found.snapshot}{original}")
+
+
+def _asked(text: str | None, file: str | None) -> tuple[str, str]:
+    """Return an update and what errors call its place."""
+    if (text is None) == (file is None):
+        raise UsageError("KG003", "give an update or a file with one", hint="See `kg update --help`.")
+    if "-" in {text, file}:
+        return sys.stdin.read(), "standard input"
+    if text is not None:
+        return text, "update"
+    try:
+        return Path(str(file)).read_text(encoding="utf-8"), str(file)
+    except (OSError, UnicodeDecodeError) as error:
+        raise UsageError("KG003", f"cannot be read: {error}", place=Place(str(file))) from error
+
+
+def _end(updated: "Updated") -> None:
+    for sentence in updated.warnings:
+        note(sentence)
+    if any("a rule was left out" in sentence for sentence in updated.warnings):
+        raise typer.Exit(Exit.FOUND)

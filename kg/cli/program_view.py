@@ -1,0 +1,128 @@
+"""Programs for robots on the command line: what is wrong with them, and what they do, line by line."""
+
+from __future__ import annotations
+
+import json as as_json
+import math
+import sys
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from kg.cli.diagnostics import colored, dim, report
+from kg.cli.output import json_line, json_lines, write
+from kg.errors import Exit, Place, RobotError
+from kg.render.text import count, printable
+from kg.robot.programs.files import load
+from kg.robot.programs.problems import Problem
+from kg.robot.programs.walk import statements
+from kg.robot.programs.write import headline
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kg.robot.programs.files import Loaded
+
+__all__ = ["Log", "error_at", "read", "show_problems"]
+
+
+def read(path: str, *, json: bool) -> Loaded:
+    """Return the program in a file; with `json`, what makes it none is written like any other problem, and that is all.
+
+    Raises:
+        typer.Exit: with `json`, when the file holds no program.
+        KGError: what `load` raises.
+    """
+    try:
+        return load(path)
+    except RobotError as error:
+        if not json:
+            raise
+        problem = Problem.of(error, "", None)
+        json_lines([_problem_object(problem, path, error.place or Place(path))])
+        raise typer.Exit(Exit.FOUND) from error
+
+
+def error_at(problem: Problem, loaded: Loaded) -> RobotError:
+    """Return a problem as an error at its place in the file."""
+    return RobotError(problem.code, problem.message, place=loaded.place(problem.path), hint=problem.hint)
+
+
+def show_problems(problems: Sequence[Problem], loaded: Loaded, *, json: bool) -> None:
+    """Write what is wrong with a program: words on standard error, or an object each on standard output."""
+    if json:
+        json_lines(_problem_object(problem, loaded.path, loaded.place(problem.path)) for problem in problems)
+        return
+    for problem in problems:
+        report(error_at(problem, loaded), problem.severity)
+
+
+def _problem_object(problem: Problem, file: str, place: Place) -> dict[str, Any]:
+    return {
+        "severity": problem.severity,
+        "code": problem.code,
+        "message": problem.message,
+        "hint": problem.hint,
+        "id": problem.id,
+        "path": problem.path,
+        "file": file,
+        "line": place.line,
+        "column": place.column,
+    }
+
+
+class Log:
+    """Writes what a program does as it happens: lines with the time, or objects."""
+
+    def __init__(self, loaded: Loaded, *, json: bool) -> None:
+        """Know the statements by their paths."""
+        self._loaded = loaded
+        self._json = json
+        self._heads = {path: headline(one) for path, one in statements(loaded.program.body)}
+        self._color = colored(sys.stdout)
+
+    def __call__(self, event: dict[str, Any]) -> None:
+        """Write an event."""
+        if self._json:
+            sys.stdout.write(json_line(_plain(event)))
+        else:
+            text = self._words(event)
+            if text is not None:
+                time = dim(f"{event['at']:9.3f} s", color=self._color)
+                write(f"{time}  {printable(text)}")
+        sys.stdout.flush()
+
+    def _words(self, event: dict[str, Any]) -> str | None:
+        path = event.get("path", "")
+        match event["event"]:
+            case "enter":
+                line = self._loaded.place(path).line
+                return f"{line or path}: {self._heads[path]}"
+            case "value":
+                value = event["value"] if not isinstance(event["value"], float) else f"{event['value']:.4g}"
+                return f"  {event['parameter']} of {event['capability']} = {value} {event.get('unit', '')}".rstrip()
+            case "set":
+                return f"  {event['variable']} = {event['shown']}"
+            case "log":
+                return f"  {event['message']}"
+            case "event":
+                return f"  it happened: {self._heads[path]}"
+            case "planned":
+                value = as_json.dumps(_plain(event["value"]))
+                return f"  would send to {event['kind']} {event['name']} ({event['type']}): {value}"
+            case "paused" | "resumed":
+                return str(event["event"])
+            case "done" | "stopped" | "failed" | "cancelled":
+                return f"{event['event']} after {count(event['statements'], 'statement')}"
+        return None
+
+
+def _plain(value: Any) -> Any:
+    """Return a value as JSON has it: numbers without end become null."""
+    if isinstance(value, dict):
+        return {key: _plain(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(one) for one in value]
+    if isinstance(value, bytes):
+        return list(value)
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,0 +1,157 @@
+"""Capabilities of robots as people and programs read them, and what `kg robot watch` says."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING, Any, Final
+
+import msgspec
+
+from kg.cli.diagnostics import note, problem
+from kg.cli.output import Column, json_line, json_lines, listing, terminal, write
+from kg.render.text import count, printable
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kg.robot.capability import Capabilities, Capability
+    from kg.robot.connection import ComputationGraph
+    from kg.robot.live import Event, Watching
+    from kg.robot.live.asking import Subject
+
+__all__ = ["capability_object", "follow", "show_added", "show_capabilities", "show_proofs", "tell_problems"]
+
+_COLUMNS: Final = (
+    Column("kind", spare=3),
+    Column("capability", "name"),
+    Column("what", spare=2),
+    Column("way"),
+    Column("parameters", spare=1),
+    Column("through", "dim", spare=4),
+)
+_SHOWN: Final = 2
+"""So many ways of one capability are named in a table on a terminal."""
+_SIGN: Final = {"came": "+", "went": "-"}
+
+
+def tell_problems(graph: ComputationGraph) -> None:
+    """Warn of what peers did wrong, such as nodes that are dead: the table lacks what they would be able to do."""
+    for one in graph.problems:
+        problem(one.code, one.message, one.subject)
+
+
+def show_capabilities(found: Capabilities, *, every: bool, json: bool, none: str = "") -> None:
+    """Write capabilities: a table by kind with those that have ways, and general ones too with `every`.
+
+    `none` is what is said where there are none.
+    """
+    chosen = [one for one in found.capabilities if every or one.ways]
+    listing(_COLUMNS, map(_row, chosen), objects=map(capability_object, found.capabilities) if json else None)
+    if json:
+        return
+    hidden = len(found.capabilities) - len(chosen)
+    if not found.capabilities:
+        note(none or f"{found.of} has no capability that the ontology knows")
+    elif hidden and terminal():
+        note(
+            f"{count(len(chosen), 'capability', 'capabilities')}, and {hidden} general ones that follow; --all has them"
+        )
+
+
+def show_added(subject: Capabilities, base: Capabilities, *, every: bool, json: bool) -> None:
+    """Write what a package would add to something else."""
+    from kg.robot.capabilities import added  # noqa: PLC0415 - start-up time
+
+    found = added(subject, base)
+    if not json and found.capabilities:
+        note(f"what {subject.of} would add to {base.of}")
+    none = f"{subject.of} would add nothing to {base.of}" if subject.capabilities else ""
+    show_capabilities(found, every=every, json=json, none=none)
+
+
+def show_proofs(subject: Subject, name: str, *, json: bool) -> None:
+    """Write why each node has a capability: trees, or an object for each."""
+    proofs = subject.why(name)
+    if json:
+        from kg.rules.explain.export import proof_object  # noqa: PLC0415 - start-up time
+
+        json_lines(proof_object(proof, subject.view) for proof in proofs)
+        return
+    from kg.cli.trees import print_tree  # noqa: PLC0415 - start-up time
+    from kg.rules.explain.text import proof_lines  # noqa: PLC0415 - start-up time
+
+    for proof in proofs:
+        print_tree(proof_lines(proof, subject.view), subject.graph)
+
+
+def capability_object(one: Capability) -> dict[str, Any]:
+    """Return a capability as a plain object, as docs/robots.md has it; every key is there."""
+    found: dict[str, Any] = {name: msgspec.to_builtins(getattr(one, name)) for name in one.__struct_fields__}
+    return found
+
+
+async def follow(watching: Watching, *, once: bool, json: bool) -> None:
+    """Write what happens to a robot, with `once` what there is; the graph is marked as ended in the end."""
+    try:
+        if once:
+            for event in await watching.once():
+                _tell(event, json=json)
+        else:
+            async for event in watching.events():
+                _tell(event, json=json)
+    finally:
+        await watching.end()
+
+
+def _tell(event: Event, *, json: bool) -> None:
+    if json:
+        sys.stdout.write(json_line(msgspec.to_builtins(event)))
+    else:
+        _say(event)
+    sys.stdout.flush()
+
+
+def _say(event: Event) -> None:
+    """Write what came and went as lines, all else as notes."""
+    if event.change is not None:
+        kind = {"end": " ", "node": "", "capability": "can "}[event.event]
+        detail = f"  {event.detail}" if event.detail else ""
+        write(printable(f"{_SIGN[event.change]} {kind}{event.name}{detail}"))
+        return
+    words = {
+        "watching": f"watching {event.detail} as robot/{event.name}; Ctrl-C ends",
+        "back": f"{event.name} is back",
+        "lost": f"{event.name} is lost: {event.detail}; waiting for it",
+        "busy": f"{event.detail}; waiting for it",
+        "problem": f"{event.name}: {event.detail}",
+        "kept": f"generation {event.generation}, in {event.seconds} s",
+    }
+    note(words[event.event])
+
+
+def _row(one: Capability) -> tuple[str, ...]:
+    return (
+        one.kinds[0] if one.kinds else "",
+        one.name,
+        one.label,
+        one.modality,
+        ", ".join(_parameters(one)),
+        "; ".join(_ways(one)),
+    )
+
+
+def _parameters(one: Capability) -> Iterator[str]:
+    """Yield the parameters that some way of the robot has a field for, with their units."""
+    for parameter in one.parameters:
+        if not one.ways or any(parameter.name in way.fields for way in one.ways):
+            yield f"{parameter.name} {parameter.unit}" if parameter.unit else parameter.name
+
+
+def _ways(one: Capability) -> Iterator[str]:
+    if not one.ways:
+        yield f"follows from {', '.join(one.implied_by)}"
+    shown = _SHOWN if terminal() else len(one.ways)
+    for way in one.ways[:shown]:
+        yield f"{way.name} of {way.node}"
+    if len(one.ways) > shown:
+        yield f"{len(one.ways) - shown} more"

@@ -1,0 +1,133 @@
+"""`kg robot simulate`: what is read from its options, what it says, and the page beside it."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import secrets
+import sys
+from asyncio.subprocess import DEVNULL
+from contextlib import suppress
+from pathlib import Path
+from shlex import quote
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
+
+from kg.cli.diagnostics import say
+from kg.cli.numbers import factor, whole
+from kg.cli.numbers import seconds as number_of_seconds
+from kg.errors import StoreError, UsageError
+from kg.similar import did_you_mean
+
+if TYPE_CHECKING:
+    from kg.robot.simulation.session import Choice
+    from kg.settings import Settings
+
+__all__ = ["chosen", "simulated"]
+
+
+def chosen(  # noqa: PLR0913 - the options of a command
+    world: str, *, master: str | None, port: str, ros2: bool, speed: str, seconds: str | None, seed: str
+) -> Choice:
+    """Return what the options choose.
+
+    Raises:
+        UsageError: KG003 for what they cannot mean.
+        RobotError: KG801 for a master whose address is of no form that is known.
+    """
+    from kg.robot.connecting import scheme_of  # noqa: PLC0415 - start-up time
+    from kg.robot.simulation.plan import PLANS  # noqa: PLC0415 - start-up time
+    from kg.robot.simulation.session import Choice  # noqa: PLC0415 - the same
+
+    if world not in PLANS:
+        hint = did_you_mean(world, PLANS) or f"One of {', '.join(PLANS)}."
+        raise UsageError("KG003", f"there is no world `{world}`", hint=hint)
+    own = whole(port, "--port", 0, 65535)
+    if master is not None:
+        scheme_of(master)
+    if ros2 and master and master.startswith("ros1:"):
+        raise UsageError("KG003", f"--ros2 does not go with the master {master}", hint="Name a domain: dds://0.")
+    if own and (ros2 or master):
+        other = f"--master {master}" if master else "--ros2"
+        hint = "Leave out --port, which is of a ROS master of our own; ROS_DOMAIN_ID names a domain of ROS 2."
+        raise UsageError("KG003", f"--port {port} does not go with {other}", hint=hint)
+    return Choice(
+        world,
+        master,
+        own,
+        ros2,
+        None if speed == "max" else factor(speed, "--speed"),
+        number_of_seconds(seconds, "--seconds") if seconds else None,
+        whole(seed, "--seed", 0),
+    )
+
+
+async def simulated(choice: Choice, settings: Settings | None) -> None:
+    """Simulate a robot until it is enough, and say where it is; with `settings`, `kg serve` shows it meanwhile.
+
+    Raises as `kg.robot.simulation.session.simulate`.
+    """
+    from kg.robot.simulation.session import simulate  # noqa: PLC0415 - start-up time
+
+    pages: list[asyncio.Task[None]] = []
+
+    def begun(address: str) -> None:
+        speed = "as fast as can be" if choice.speed is None else f"{choice.speed:g} times real time"
+        say(f"{choice.world} at {address}, {speed}; Ctrl-C ends it")
+        typed = quote(address)
+        say(f"next: kg robot capabilities --live --robot {typed}")
+        say(f"      kg robot read sensingPose --robot {typed}")
+        say(f"      kg robot run {quote(_example(choice.world))} --robot {typed}")
+        if address.startswith("ros1:"):
+            say(f"      export ROS_MASTER_URI=http://{address.removeprefix('ros1://')}")
+        if settings is None:
+            say(f"      or with blocks, on a page: KG_TOKEN=choose-a-long-secret kg serve --robot {typed}")
+        else:
+            pages.append(asyncio.create_task(_shown(address, settings)))
+
+    try:
+        await simulate(choice, begun)
+    finally:
+        for task in pages:
+            task.cancel()
+        await asyncio.gather(*pages, return_exceptions=True)
+
+
+def _example(world: str) -> str:
+    """Return the path of a program to try, as short as it can be typed here."""
+    from kg.resources import folder  # noqa: PLC0415 - start-up time
+
+    path = folder("examples") / "programs" / f"{world}-1-rounds.kgp"
+    return str(path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path)
+
+
+async def _shown(address: str, settings: Settings) -> None:
+    """Let `kg serve` show the robot until this is cancelled; the token that is said allows to move it.
+
+    Where there is no store, a page needs one all the same: it gets one with the robot in it, for as long as it lasts.
+    """
+    from kg.store.opening import layout_of  # noqa: PLC0415 - start-up time
+
+    token = os.environ.get("KG_TOKEN") or secrets.token_urlsafe(12)
+    say(f"token of the page, which moves the robot: {token}")
+    robot = ("--robot", address)
+    with TemporaryDirectory() as folder:
+        try:
+            store = str(layout_of(settings).root)
+        except StoreError:
+            store = str(Path(folder) / ".kg")
+            await _ran(token, "robot", "watch", "--once", *robot, "--store", store)
+        await _ran(token, "serve", *robot, "--port", "0", "--store", store)
+        say("the page has ended; the robot goes on")
+
+
+async def _ran(token: str, *arguments: str) -> None:
+    """Run `kg` in another process until it ends, or until this is cancelled."""
+    command = [sys.executable, "-m", "kg", *arguments]
+    process = await asyncio.create_subprocess_exec(*command, stdout=DEVNULL, env=os.environ | {"KG_TOKEN": token})
+    try:
+        await process.wait()
+    finally:
+        with suppress(ProcessLookupError):
+            process.terminate()
+        await process.wait()

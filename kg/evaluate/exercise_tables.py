@@ -1,0 +1,122 @@
+"""Tables 1 and 2 of the onto-ros paper (section 4) for our robots and exercises, beside what is known of the paper's.
+
+The paper's rows and figures stand in `corpus/onto-ros.toml`, which has those that are known.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.evaluate.exercises import ROBOTS, Outcome, exercises, program_of
+from kg.evaluate.tables import Table
+from kg.resources import folder
+from kg.robot.connecting import connect
+from kg.robot.live import infer
+from kg.robot.programs.converting import convert
+from kg.robot.programs.metrics import code_metrics, metrics
+from kg.robot.simulation.hosting import hosted_in_memory
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from kg.evaluate.tables import Cell
+    from kg.robot.capability import Capabilities
+    from kg.settings import Settings
+
+__all__ = ["capabilities_of_robots", "capabilities_table", "exercises_table", "runs_table"]
+
+PAPER: Final = "onto-ros"
+_FIGURES: Final = ("blocks", "capabilities", "lines", "components", "message types")
+
+
+async def capabilities_of_robots(settings: Settings) -> dict[str, Capabilities]:
+    """Return what rules infer for each simulated robot by its computation graph.
+
+    Raises:
+        RobotError: KG840 when pybullet or OpenCV is not installed.
+    """
+    found: dict[str, Capabilities] = {}
+    for robot in ROBOTS:
+        async with hosted_in_memory(robot) as (_, address):
+            face = await connect(address, name="/kg_evaluation")
+            found[robot] = infer(await face.graph(), settings, address=address)
+            await face.aclose()
+    return found
+
+
+def capabilities_table(of: Mapping[str, Capabilities], paper: Mapping[str, list[str]] | None = None) -> Table:
+    """Return Table 1: the capabilities that a robot can be reached by, and whether each robot has them.
+
+    With `paper`, the capabilities by robot that the paper has, there is a column for each robot of it, and a row for
+    each capability that only it has; by default these are those of the file.
+    """
+    paper = _paper("capabilities") if paper is None else paper
+    reached = {robot: {one.name for one in known.capabilities if one.ways} for robot, known in of.items()}
+    kinds = {one.name: (one.kinds[0], one.label) for known in of.values() for one in known.capabilities}
+    names = sorted(
+        {*set().union(*reached.values()), *(name for some in paper.values() for name in some)}, key=_order(kinds)
+    )
+    rows = [
+        (
+            *reversed(kinds.get(name, ("", name))),
+            *(_mark(name in reached[robot]) for robot in reached),
+            *(_mark(name in some) for some in paper.values()),
+        )
+        for name in names
+    ]
+    columns = ("capability", "kind", *reached, *(f"{PAPER} {robot}" for robot in paper))
+    return Table("capabilities", "Capabilities inferred (onto-ros, Table 1)", columns, tuple(rows), _notes(paper))
+
+
+def _order(kinds: Mapping[str, tuple[str, str]]) -> Any:
+    return lambda name: (*kinds.get(name, ("~", name)), name)
+
+
+def _mark(has: bool) -> str:  # noqa: FBT001 - what it marks
+    return "yes" if has else ""
+
+
+def exercises_table(of: Mapping[str, Capabilities], paper: Mapping[str, Mapping[str, int]] | None = None) -> Table:
+    """Return Table 2: what each exercise takes as a program, and as the code of an expert that does the same.
+
+    The code is the one that `kg robot convert --to rospy` writes for the robot. With `paper`, figures by exercise and
+    robot (`1 office`), there is a column for each that is known; by default these are those of the file.
+    """
+    paper = _paper("exercises") if paper is None else paper
+    known = [name for name in _FIGURES if any(name in figures for figures in paper.values())]
+    rows: list[tuple[Cell, ...]] = []
+    for exercise in exercises():
+        for robot in ROBOTS:
+            program = program_of(exercise.of(robot))
+            ours, code = metrics(program), code_metrics(convert(program, of[robot], to="rospy"))
+            figures = (ours.blocks, ours.capabilities, code.lines, code.components, code.message_types)
+            told = paper.get(f"{exercise.number} {robot}", {})
+            rows.append((f"{exercise.number} {exercise.title}", robot, *figures, *(told.get(name) for name in known)))
+    columns = ("exercise", "robot", *_FIGURES, *(f"{PAPER} {name}" for name in known))
+    return Table("exercises", "Programs beside code (onto-ros, Table 2)", columns, tuple(rows), _notes(paper))
+
+
+def _notes(paper: Mapping[str, object]) -> tuple[str, ...]:
+    return () if paper else ("the paper's own rows are not known: `corpus/onto-ros.toml` has none",)
+
+
+def runs_table(outcomes: Iterable[Outcome]) -> Table:
+    """Return how the exercises went in the simulation."""
+    titles = {one.number: one.title for one in exercises()}
+    rows = tuple(
+        (
+            f"{one.number} {titles[one.number]}",
+            one.robot,
+            "; ".join(one.missed) or "reached",
+            f"{one.simulated:.1f} s",
+            f"{one.took:.1f} s",
+        )
+        for one in outcomes
+    )
+    return Table("runs", "Exercises carried out", ("exercise", "robot", "goal", "simulated", "took"), rows)
+
+
+def _paper(table: str) -> dict[str, Any]:
+    content: dict[str, Any] = tomllib.loads((folder("corpus") / "onto-ros.toml").read_text("utf-8"))[table]
+    return content

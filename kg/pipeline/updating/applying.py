@@ -1,0 +1,152 @@
+"""One change in one transaction: what was asked for, and what rules infer from the data that then holds."""
+
+from __future__ import annotations
+
+import time
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+from pyoxigraph import DefaultGraph, NamedNode
+
+from kg.errors import KgError, Place, QueryError
+from kg.pipeline.inferring import Inference
+from kg.pipeline.updating import contents
+from kg.pipeline.updating.changes import GraphChange, Updated
+from kg.pipeline.updating.checking import parsed
+from kg.pipeline.updating.executing import Executor
+from kg.pipeline.updating.ownership import protected_graphs, warnings
+from kg.store.failure import is_of_store
+
+if TYPE_CHECKING:
+    from kg.pipeline.report import Inferred
+    from kg.pipeline.updating.changes import Change
+    from kg.settings import Settings
+    from kg.store.embedded import EmbeddedStore
+    from kg.store.transaction import EmbeddedTransaction
+
+__all__ = ["Applier", "apply"]
+
+
+def apply(
+    store: EmbeddedStore, settings: Settings, change: Change, *, rules: bool = True, dry_run: bool = False
+) -> Updated:
+    """Make a change, with what follows from it by rules unless `rules` is false; with `dry_run` nothing is written.
+
+    Raises:
+        KgError: what `Writer.update` names; the store is then as it was.
+    """
+    applier = Applier(store, settings)
+    updated = applier.apply(change, rules=rules, dry_run=dry_run)
+    applier.save()
+    return updated
+
+
+class Applier:
+    """Makes changes of one store, one after the other, and keeps in between what rules know of it."""
+
+    def __init__(self, store: EmbeddedStore, settings: Settings) -> None:
+        self._store = store
+        self._settings = settings
+        self._inference = Inference(store, settings)
+        self._unsaved = 0
+
+    def warm(self) -> None:
+        """Load what the first change would have to wait for: the rules, and what their last run left."""
+        # What is wrong is told by the first change.
+        with suppress(KgError):
+            self._inference.prepare()
+
+    def apply(self, change: Change, *, rules: bool = True, dry_run: bool = False) -> Updated:
+        """Make a change; see `apply`. What rules know is kept in this process until `save`."""
+        try:
+            return self._apply(change, rules=rules, dry_run=dry_run)
+        except BaseException:
+            # What rules know may be half changed.
+            self._inference = Inference(self._store, self._settings)
+            raise
+
+    def save(self) -> None:
+        """Keep what rules know for other processes, unless nothing changed since."""
+        if self._unsaved:
+            self._inference.save()
+            self._unsaved = 0
+
+    @property
+    def unsaved(self) -> int:
+        """How many changes were made since `save`."""
+        return self._unsaved
+
+    def _apply(self, change: Change, *, rules: bool, dry_run: bool) -> Updated:
+        began = time.perf_counter()
+        inferred: Inferred | None = None
+        with self._store.write("kg update") as transaction:
+            self._check_snapshot(transaction, change)
+            executor = Executor(transaction, protected_graphs(self._settings))
+            created = _make(executor, transaction, change)
+            changed = bool(executor.touched)
+            if changed and rules:
+                inferred = self._inference.run(transaction)
+            if dry_run or not changed:
+                transaction.roll_back()
+            generation = transaction.commit()
+        if inferred is not None and generation is not None:
+            self._inference.remember(generation, save=False)
+            self._unsaved += 1
+        return Updated(
+            snapshot=str(generation or self._store.layout.current() or 0),
+            changed=changed,
+            graphs=executor.graphs(),
+            inferred=inferred.triples if inferred else None,
+            inferred_added=inferred.added if inferred else 0,
+            inferred_removed=inferred.removed if inferred else 0,
+            mode=inferred.mode if inferred else "none",
+            created=created,
+            warnings=tuple(warnings(executor, self._settings, inferred)),
+            seconds=time.perf_counter() - began,
+        )
+
+    def _check_snapshot(self, transaction: EmbeddedTransaction, change: Change) -> None:
+        found = str(transaction.base or 0)
+        if change.snapshot is not None and change.snapshot != found:
+            message = f"the update is for snapshot {change.snapshot}, and the data is now {found}"
+            raise QueryError("KG512", message, hint="Look at the data as it is now, and ask again.")
+
+
+def _make(executor: Executor, transaction: EmbeddedTransaction, change: Change) -> bool:
+    """Do what a change asks for; tell whether it made the graph that it writes."""
+    if isinstance(change, GraphChange):
+        return _write_graph(executor, transaction, change)
+    text, found = parsed(change.text, change.path, change.base)
+    for operation in found:
+        try:
+            executor.run(operation, text, change.using, change.using_named)
+        except (RuntimeError, ValueError) as error:
+            if is_of_store(error):
+                raise
+            raise QueryError("KG560", str(error), place=Place(change.path)) from error
+    return False
+
+
+def _write_graph(executor: Executor, transaction: EmbeddedTransaction, change: GraphChange) -> bool:
+    graph = _graph(change.graph)
+    executor.allow(graph)
+    known = isinstance(graph, DefaultGraph) or transaction.has_graph(graph)
+    if change.action == "delete":
+        if not known:
+            raise QueryError("KG564", f"there is no graph {graph}")
+        executor.remove(graph, drop=True)
+        return False
+    base = change.base or change.graph
+    content = list(contents.quads(change.parts, graph, base))
+    before = list(transaction.quads(graph)) if change.action == "put" and known else []
+    executor.patch(before, content)
+    if not known:
+        executor.create(graph)
+    return not known
+
+
+def _graph(name: str | None) -> NamedNode | DefaultGraph:
+    try:
+        return DefaultGraph() if name is None else NamedNode(name)
+    except ValueError as error:
+        raise QueryError("KG560", f"`{name}` is no IRI of a graph: {error}") from error

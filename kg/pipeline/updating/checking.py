@@ -1,0 +1,130 @@
+"""What is refused of an update before anything runs: what is not SPARQL, and what would harm the engine."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final
+
+import pyoxigraph
+
+from kg.errors import QueryError
+from kg.pipeline.updating.operations import operations
+from kg.query.guard import check
+from kg.query.lexer import Kind, normalise, tokens
+from kg.query.position import place_at
+from kg.query.prefixes import PREFIXES
+from kg.query.syntax import syntax_error
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kg.pipeline.updating.operations import Operation
+    from kg.query.lexer import Token
+
+__all__ = ["parsed"]
+
+_FAILING: Final = "CLEAR GRAPH <urn:kg:no-such-graph>; "
+"""Put before the operations of an update, they are parsed, and then none runs: this one fails first."""
+_NESTING: Final = frozenset({"(", ")", "[", "]", "<<", ">>"})
+
+
+def parsed(text: str, path: str, base: str | None) -> tuple[str, list[Operation]]:
+    """Return an update with its ends of lines normalised, and its operations.
+
+    Raises:
+        QueryError: KG501 with the place of what is not SPARQL; KG502 for what would call another server; KG516 for
+            what nests too deep or chains too much.
+    """
+    text = normalise(text)
+    for part in _guarded(text):
+        check(part, text, path)
+    try:
+        found = list(operations(text, path, base))
+    except QueryError as unusual:
+        raise _explained(text, path, base) or unusual from None
+    if not found:
+        problem = _explained(text, path, base)
+        if problem:
+            raise problem
+    elif not _is_sound(text, found[0].begin, base):
+        _check_each(found, text, path, base)
+    return text, found
+
+
+def _check_each(found: list[Operation], text: str, path: str, base: str | None) -> None:
+    """Have the engine parse one operation after the other: it knows no prologue behind the first one."""
+    labels: dict[str, Operation] = {}
+    for number, operation in enumerate(found):
+        alone = _alone(text, found[: number + 1])
+        if not _is_sound(alone, operation.begin, base):
+            problem = _explained(alone, path, base)
+            if problem:
+                raise _shown(problem, text)
+        for token in tokens(text[operation.begin : operation.end]):
+            if token.text.startswith("_:") and labels.setdefault(token.text, operation) is not operation:
+                message = f"the blank node `{token.text}` is that of another operation"
+                place = place_at(text, operation.begin + token.start, path, operation.begin + token.end)
+                raise QueryError("KG501", message, place=place)
+
+
+def _alone(text: str, found: list[Operation]) -> str:
+    """Return the last of some operations with all that was declared before, every character in its place."""
+    *earlier, last = found
+    signs = list(text[: last.end])
+    for operation in earlier:
+        for at in range(operation.begin, operation.end):
+            signs[at] = "\n" if signs[at] == "\n" else " "
+    return "".join(signs)
+
+
+def _is_sound(text: str, begin: int, base: str | None) -> bool:
+    """Tell whether the engine can parse an update whose first operation stands at `begin`; nothing of it runs."""
+    try:
+        pyoxigraph.Store().update(text[:begin] + _FAILING + text[begin:], base_iri=base, prefixes=dict(PREFIXES))
+    except SyntaxError:
+        return False
+    except (RuntimeError, OSError):
+        return True
+    return True
+
+
+def _explained(text: str, path: str, base: str | None) -> QueryError | None:
+    """Return the error about an update that the engine cannot parse; None where it can."""
+
+    def parse(beginning: str) -> None:
+        pyoxigraph.Store().update(beginning, base_iri=base, prefixes=dict(PREFIXES))
+
+    try:
+        parse(text)
+    except SyntaxError as error:
+        return syntax_error(error, text, path, parse)
+    except (RuntimeError, OSError):
+        return None
+    return None
+
+
+def _shown(error: QueryError, text: str) -> QueryError:
+    """Return an error with the line as it was typed."""
+    if error.place is not None and error.place.line is not None:
+        line = text.split("\n")[error.place.line - 1]
+        error.place = replace(error.place, excerpt=line)
+    return error
+
+
+def _guarded(text: str) -> Iterator[list[Token]]:
+    """Yield the tokens of each operation that count for the guard: data may have any number of signs and graphs."""
+    found: list[Token] = []
+    depth = 0
+    data = False
+    for token in tokens(text):
+        sign = token.text if token.kind is Kind.SIGN else ""
+        if depth == 0:
+            data = sign == "{" and bool(found) and found[-1].text.lower() == "data"
+        depth = max(0, depth + (sign == "{") - (sign == "}"))
+        outer = depth == (sign == "{")
+        if sign == ";" and depth == 0:
+            yield found
+            found = []
+        elif not data or outer or sign in _NESTING:
+            found.append(token)
+    yield found

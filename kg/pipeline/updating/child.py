@@ -1,0 +1,78 @@
+"""The process of a `Writer`: `python -m kg.pipeline.updating.child` makes changes until its input is closed."""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+from pathlib import Path
+from typing import TYPE_CHECKING, BinaryIO, Final
+
+import msgspec
+
+from kg.pipeline.updating.applying import Applier
+from kg.pipeline.updating.changes import Change
+from kg.query.readers.messages import Call, Configuration, frame
+from kg.query.readers.requests import failure, received
+from kg.settings import load
+from kg.store.embedded import EmbeddedStore
+from kg.store.layout import Layout
+
+if TYPE_CHECKING:
+    from kg.query.readers.messages import Message
+
+__all__ = ["main"]
+
+_STACK_BYTES: Final = 256 << 20
+"""The engine recurses over an update; what the guards let through needs less than this (reserved, not used)."""
+
+_SAVED_EVERY: Final = 16
+"""What rules know is saved after so many changes, and at the end; a process that is killed costs the next one these."""
+
+_CHANGES: Final = msgspec.msgpack.Decoder[Change](Change)
+
+
+def _serve(requests: BinaryIO, answers: BinaryIO) -> None:
+    """Make one change after the other until the requests end."""
+    configuration = received(requests)
+    if not isinstance(configuration, Configuration):
+        return
+    settings = load({"store": configuration.root, **configuration.settings})
+    applier = Applier(EmbeddedStore(Layout(Path(configuration.root))), settings)
+    _cap_memory(configuration.memory)
+    applier.warm()
+    while isinstance(request := received(requests), Call):
+        answer: Message | bytes
+        try:
+            answer = msgspec.msgpack.encode(applier.apply(_CHANGES.decode(request.arguments["change"])))
+        except Exception as error:  # noqa: BLE001 - one change must not end the others
+            answer = failure(error, "update")
+        answers.write(frame(answer))
+        answers.flush()
+        if applier.unsaved >= _SAVED_EVERY:
+            applier.save()
+    applier.save()
+
+
+def _cap_memory(most: int | None) -> None:
+    """Bound the address space of this process: past it the engine ends the process, which its owner sees."""
+    import resource  # noqa: PLC0415 - not on every system
+
+    if most is not None:
+        resource.setrlimit(resource.RLIMIT_AS, (most, most))
+
+
+def main() -> None:
+    """Serve until standard input ends; what anything prints goes to standard error."""
+    answers = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)
+    threading.stack_size(_STACK_BYTES)
+    thread = threading.Thread(target=_serve, args=(sys.stdin.buffer, answers), daemon=True)
+    thread.start()
+    # The threads that read and load columns need no such stack.
+    threading.stack_size(0)
+    thread.join()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,46 @@
+"""Contents of graphs as they are sent: RDF in one of the formats that hold one graph."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from pyoxigraph import Quad, RdfFormat, parse
+
+from kg.errors import Place, QueryError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from pyoxigraph import DefaultGraph, NamedNode
+
+__all__ = ["quads"]
+
+
+def quads(parts: Iterable[tuple[bytes, str]], graph: NamedNode | DefaultGraph, base: str | None) -> Iterator[Quad]:
+    """Yield the triples of parts, each with its media type or the name of its format, as quads of a graph.
+
+    Relative IRIs are relative to `base`. Blank nodes are new ones; no part shares any with another.
+
+    Raises:
+        QueryError: KG562 with the place in a part that does not parse, KG563 for a format that holds no single graph.
+    """
+    for number, (content, kind) in enumerate(parts, 1):
+        rdf_format = _format(kind)
+        name = "content" if number == 1 else f"content of part {number}"
+        try:
+            found = parse(content, rdf_format, base_iri=base, without_named_graphs=True, rename_blank_nodes=True)
+            for quad in found:
+                yield Quad(quad.subject, quad.predicate, quad.object, graph)
+        except SyntaxError as error:
+            place = Place(name, error.lineno, error.offset)
+            raise QueryError("KG562", error.msg, place=place) from error
+
+
+def _format(name: str) -> RdfFormat:
+    """Return the format with a media type, or an ending of file names."""
+    plain = name.partition(";")[0].strip().lower()
+    found = RdfFormat.from_media_type(plain) if "/" in plain else RdfFormat.from_extension(plain)
+    if found is None or (found.supports_datasets and found != RdfFormat.JSON_LD):
+        hint = "The formats are text/turtle, application/n-triples, application/rdf+xml and application/ld+json."
+        raise QueryError("KG563", f"`{name}` is no format of one graph", hint=hint)
+    return found

@@ -1,0 +1,47 @@
+"""Whose graphs are whose: what only rules and builds write, and what the next build writes again."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from pyoxigraph import NamedNode
+
+from kg.graph.iris import Iris
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kg.pipeline.report import Inferred
+    from kg.pipeline.updating.executing import Executor
+    from kg.settings import Settings
+
+__all__ = ["protected_graphs", "warnings"]
+
+_NEVER: Final = ("inferred", "builds")
+_BUILT: Final = ("shared", "source/", "launch/")
+_FEW: Final = 2
+
+
+def protected_graphs(settings: Settings) -> list[NamedNode]:
+    """Return the graphs that nobody but `kg` writes: what rules infer, and the record of builds."""
+    return [NamedNode(Iris(settings.base).graph(name)) for name in _NEVER]
+
+
+def warnings(executor: Executor, settings: Settings, inferred: Inferred | None) -> Iterator[str]:
+    """Yield what a person should know of a change that was made."""
+    built = tuple(f"{settings.base}graph/{name}" for name in _BUILT)
+    found = [f"<{name}>" for name in sorted(executor.touched) if name.startswith(built)]
+    if found:
+        yield f"{_listed(found)}: read by `kg build`; the next build of the source drops this change"
+    if Iris(settings.base).graph("ontology") in executor.touched:
+        yield "the ontologies of kg were changed, on which rules depend; another version of kg brings its own again"
+    kept = [str(graph) for graph in sorted(executor.kept, key=str)]
+    if kept:
+        yield f"{_listed(kept)}: written by kg alone, left as it was"
+    for problem in inferred.problems if inferred else ():
+        yield f"a rule was left out: {problem}"
+
+
+def _listed(names: list[str]) -> str:
+    more = len(names) - _FEW
+    return ", ".join(names[:_FEW]) + (f" and {more} more graphs" if more > 0 else "")

@@ -1,0 +1,101 @@
+"""Templates of quads with variables, filled with the solutions of a WHERE (SPARQL 1.1 Update, section 3.1.3).
+
+The engine parses a template: each variable is replaced by an IRI that nobody can guess, and the whole is inserted, as
+data, into an empty store.
+"""
+
+from __future__ import annotations
+
+import secrets
+from typing import TYPE_CHECKING, Any, Final
+
+import pyoxigraph
+from pyoxigraph import BlankNode, DefaultGraph, NamedNode, Quad, Triple
+
+from kg.query.lexer import Kind
+from kg.query.prefixes import PREFIXES
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+
+    from kg.pipeline.updating.operations import Part
+
+__all__ = ["Template", "data", "iris"]
+
+_MARK: Final = f"urn:kg:{secrets.token_hex(16)}:"
+_RESOURCE: Final = (NamedNode, BlankNode)
+
+
+def data(prologue: str, quads: str) -> list[Quad]:
+    """Return the quads that `INSERT DATA` would insert; blank nodes are new ones."""
+    store = pyoxigraph.Store()
+    store.update(f"{prologue} INSERT DATA {{ {quads}\n}}", prefixes=dict(PREFIXES))
+    return list(store)
+
+
+def iris(prologue: str, names: Iterable[str]) -> list[NamedNode]:
+    """Return the IRIs that names stand for, as the text writes them (in full or with a prefix)."""
+    found = []
+    for name in names:
+        (quad,) = data(prologue, f"<{_MARK}> <{_MARK}> {name}")
+        found.append(quad.object)
+    return found  # type: ignore[return-value]  # the grammar has nothing but IRIs there
+
+
+class Template:
+    """The template of a DELETE or an INSERT; quads without a graph are of `graph`.
+
+    `variables` are the names that it uses, in the order in which `fill` is given their values; `fresh` tells whether
+    each solution makes blank nodes.
+    """
+
+    def __init__(self, prologue: str, part: Part, text: str, graph: NamedNode | DefaultGraph) -> None:
+        self.variables = sorted({token.text[1:] for token in part.tokens if token.kind is Kind.VARIABLE})
+        numbers = {name: number for number, name in enumerate(self.variables)}
+        self._slots: dict[Any, int] = {NamedNode(f"{_MARK}{number}"): number for number in numbers.values()}
+        self._quads = data(prologue, _marked(part, text, numbers))
+        self._graph = graph
+        self.fresh = any(isinstance(term, BlankNode) for quad in self._quads for term in _terms(quad.triple))
+
+    def fill(self, values: Sequence[Any]) -> Iterator[Quad]:
+        """Yield the quads for one solution; those that are not RDF, or lack a value, are left out."""
+        fresh: dict[Any, BlankNode] = {}
+        for quad in self._quads:
+            subject = self._value(quad.subject, values, fresh)
+            predicate = self._value(quad.predicate, values, fresh)
+            value = self._value(quad.object, values, fresh)
+            graph = quad.graph_name
+            graph = self._graph if isinstance(graph, DefaultGraph) else self._value(graph, values, fresh)
+            sound = isinstance(subject, _RESOURCE) and isinstance(predicate, NamedNode) and value is not None
+            if sound and isinstance(graph, NamedNode | DefaultGraph):
+                yield Quad(subject, predicate, value, graph)
+
+    def _value(self, term: Any, values: Sequence[Any], fresh: dict[Any, BlankNode]) -> Any:
+        """Return what stands for a term of the template; None where there is nothing."""
+        if isinstance(term, BlankNode):
+            return fresh.setdefault(term, BlankNode())
+        if isinstance(term, Triple):
+            parts = [self._value(part, values, fresh) for part in (term.subject, term.predicate, term.object)]
+            sound = isinstance(parts[0], _RESOURCE) and isinstance(parts[1], NamedNode) and parts[2] is not None
+            return Triple(*parts) if sound else None
+        number = self._slots.get(term)
+        return term if number is None else values[number]
+
+
+def _marked(part: Part, text: str, numbers: dict[str, int]) -> str:
+    """Return the text of a template with an IRI in the place of each variable."""
+    found = []
+    at = part.begin
+    for token in part.tokens:
+        if token.kind is Kind.VARIABLE:
+            found += [text[at : token.start], f"<{_MARK}{numbers[token.text[1:]]}>"]
+            at = token.end
+    return "".join([*found, text[at : part.end]])
+
+
+def _terms(triple: Triple) -> Iterator[Any]:
+    for term in (triple.subject, triple.object):
+        if isinstance(term, Triple):
+            yield from _terms(term)
+        else:
+            yield term

@@ -1,0 +1,212 @@
+"""The writer of one store, for asyncio: changes one at a time, in the order in which they were asked for.
+
+async with Writer(layout, settings) as writer:
+    updated = await writer.update("INSERT DATA { <urn:a> <urn:b> <urn:c> }", seconds=60)
+    updated.snapshot                                        "13"
+
+The work is done by a process that can be killed: deadline, cap of memory and a crash of the engine leave the store as
+it was. The process stays for the next change, since loading the rules takes longer than most changes.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import sys
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any, Final
+
+import msgspec
+
+from kg.errors import QueryError
+from kg.pipeline.updating.changes import GraphChange, Update, Updated
+from kg.query.readers.messages import PREFIX, Call, Configuration, Failure, decode, frame
+from kg.query.runner import DeadlineError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from typing import Self
+
+    from kg.pipeline.updating.changes import Change
+    from kg.settings import Settings
+    from kg.store.layout import Layout
+
+__all__ = ["Writer"]
+
+_MEMORY: Final = 8 << 30
+_MOVED: Final = "The data changed just then: look whether it was by this update."
+_PATIENCE: Final = 5.0
+"""Seconds that the process has for saving when it is to end."""
+
+
+class Writer:
+    """Writes one store; at most `queue` changes wait. `memory` caps the address space of its process in bytes."""
+
+    def __init__(self, layout: Layout, settings: Settings, *, queue: int = 16, memory: int | None = _MEMORY) -> None:
+        self.layout = layout
+        self._configuration = Configuration(str(layout.root), memory, "", settings.chosen())
+        self._queue = queue
+        self._waiting = 0
+        self._turn = asyncio.Lock()
+        self._process: asyncio.subprocess.Process | None = None
+
+    async def __aenter__(self) -> Self:
+        await self._ready()
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await self._stop()
+
+    @property
+    def process(self) -> int | None:
+        """The identity of the process that makes changes; None where there is none now."""
+        running = self._process is not None and self._process.returncode is None
+        return self._process.pid if self._process is not None and running else None
+
+    async def update(  # noqa: PLR0913 - all but three by name
+        self,
+        text: str,
+        using: Sequence[str] = (),
+        using_named: Sequence[str] = (),
+        *,
+        base: str | None = None,
+        seconds: float | None = 60,
+        snapshot: str | None = None,
+    ) -> Updated:
+        """Run a SPARQL update; all of its operations happen, or none.
+
+        `using` and `using_named` are those of the protocol; relative IRIs are relative to `base`; with `snapshot` it
+        happens only to the data of that identity.
+
+        Raises:
+            KgError: KG501 syntax, KG502 refused, KG503 deadline, KG507 memory, KG509 too many wait, KG512 another
+                snapshot, KG302 while another process writes, KG560 a graph is there already or is not, KG561 a graph of
+                kg's own, KG565 `using` beside USING or WITH, KG568 the process ended. The store is then as it was.
+        """
+        change = Update(text=text, using=tuple(using), using_named=tuple(using_named), base=base, snapshot=snapshot)
+        return await self.apply(change, seconds=seconds)
+
+    async def put_graph(  # noqa: PLR0913 - all but three by name
+        self,
+        graph: str | None,
+        body: bytes | Sequence[tuple[bytes, str]],
+        media_type: str = "",
+        *,
+        base: str | None = None,
+        seconds: float | None = 60,
+        snapshot: str | None = None,
+    ) -> Updated:
+        """Give a graph (None: the default graph) a new content; `Updated.created` tells whether it is new.
+
+        `body` is RDF of `media_type` (or the name of a format), or several parts, each with its own. Raises as
+        `update`, and KG562 for content that does not parse, KG563 for a format that holds no single graph.
+        """
+        return await self.apply(_graph_change("put", graph, body, media_type, base, snapshot), seconds=seconds)
+
+    async def post_graph(  # noqa: PLR0913 - all but three by name
+        self,
+        graph: str | None,
+        body: bytes | Sequence[tuple[bytes, str]],
+        media_type: str = "",
+        *,
+        base: str | None = None,
+        seconds: float | None = 60,
+        snapshot: str | None = None,
+    ) -> Updated:
+        """Add content to a graph, which is made where there is none; arguments and errors as `put_graph`."""
+        return await self.apply(_graph_change("post", graph, body, media_type, base, snapshot), seconds=seconds)
+
+    async def delete_graph(
+        self, graph: str | None, *, seconds: float | None = 60, snapshot: str | None = None
+    ) -> Updated:
+        """Remove a graph, or empty the default graph (None); raises as `update`, and KG564 where there is none."""
+        return await self.apply(GraphChange(action="delete", graph=graph, snapshot=snapshot), seconds=seconds)
+
+    async def apply(self, change: Change, *, seconds: float | None = 60) -> Updated:
+        """Make a change; the deadline counts from here, waiting included. Raises as `update`."""
+        if self._waiting > self._queue:
+            raise QueryError("KG509", f"{self._waiting} updates run or wait already", hint="Try again in a second.")
+        self._waiting += 1
+        base: int | None = None
+        current = base
+        try:
+            async with asyncio.timeout(seconds or None), self._turn:
+                base = self.layout.current()
+                try:
+                    return await self._run(change)
+                finally:
+                    current = self.layout.current()
+        except TimeoutError:
+            message = f"the update took longer than {seconds:g} s"
+            hint = _MOVED if current != base else "Change less at once, or raise the timeout."
+            raise DeadlineError("KG503", message, hint=hint) from None
+        finally:
+            self._waiting -= 1
+
+    async def _run(self, change: Change) -> Updated:
+        """Have the process make a change; it is killed where this is left early."""
+        process = await self._ready()
+        whole = False
+        try:
+            answer = await _asked(process, Call("apply", {"change": msgspec.msgpack.encode(change)}))
+            whole = True
+        finally:
+            if not whole:
+                await self._kill()
+        if isinstance(answer, Failure):
+            raise answer.error()
+        return msgspec.msgpack.decode(answer, type=Updated)
+
+    async def _ready(self) -> asyncio.subprocess.Process:
+        """Return the process, started anew where it has ended."""
+        if self._process is None or self._process.returncode is not None:
+            self._process = await asyncio.create_subprocess_exec(
+                sys.executable, "-P", "-m", "kg.pipeline.updating.child",
+                stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE,
+                env={**os.environ, "PYTHONUNBUFFERED": "1"},
+            )  # fmt: skip
+            assert self._process.stdin is not None  # noqa: S101 - it was asked for a pipe
+            self._process.stdin.write(frame(self._configuration))
+        return self._process
+
+    async def _stop(self) -> None:
+        """Let the process save what rules know, and end; it is killed if that takes long."""
+        if self._process is not None and self._process.stdin is not None and not self._turn.locked():
+            self._process.stdin.close()
+            with suppress(TimeoutError):
+                await asyncio.wait_for(self._process.wait(), _PATIENCE)
+        await self._kill()
+
+    async def _kill(self) -> None:
+        process, self._process = self._process, None
+        if process is not None:
+            with suppress(ProcessLookupError):
+                process.kill()
+            await process.wait()
+
+
+async def _asked(process: asyncio.subprocess.Process, request: Call) -> bytes | Failure:
+    """Send a request and return what the process answers."""
+    assert process.stdin is not None  # noqa: S101 - it was asked for a pipe
+    assert process.stdout is not None  # noqa: S101 - the same
+    try:
+        process.stdin.write(frame(request))
+        await process.stdin.drain()
+        length, kind = PREFIX.unpack(await process.stdout.readexactly(PREFIX.size))
+        answer = decode(kind, await process.stdout.readexactly(length))
+    except (asyncio.IncompleteReadError, ConnectionError):
+        message = "the process that makes changes ended; the store is as it was"
+        raise QueryError("KG568", message, hint="Change less at once, or raise its memory.") from None
+    return answer if isinstance(answer, bytes | Failure) else Failure("KG568", "no answer")
+
+
+def _graph_change(  # noqa: PLR0913, PLR0917 - all that a write of a graph depends on
+    action: Any,
+    graph: str | None,
+    body: bytes | Sequence[tuple[bytes, str]],
+    media_type: str,
+    base: str | None,
+    snapshot: str | None,
+) -> GraphChange:
+    parts = ((body, media_type),) if isinstance(body, bytes) else tuple(body)
+    return GraphChange(action=action, graph=graph, parts=parts, base=base, snapshot=snapshot)

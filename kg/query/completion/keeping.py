@@ -1,0 +1,163 @@
+"""Statistics that are counted once for a snapshot, and then kept: in the process, and in the cache of the store.
+
+    .kg/cache/completion/12/statistics.json       of the snapshot 12
+    .kg/cache/completion/12/<digest>.json         values of a property (`kg.query.completion.names`)
+
+Files that cannot be written are done without.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import os
+import shutil
+from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING, Final, TypeVar
+
+import msgspec
+
+from kg.query.completion.statistics import Statistics, count, declared
+from kg.store.layout import write_atomically
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+
+    from kg.store.interface import Snapshot
+
+__all__ = ["Kept"]
+
+_FORMAT: Final = 1
+"""Raised when what the files hold changes."""
+_Content = TypeVar("_Content")
+
+
+class Kept:
+    """What is kept of one snapshot below `folder`, or in the process alone when `folder` is None."""
+
+    def __init__(self, folder: Path | None, snapshot: Snapshot) -> None:
+        self._snapshot = snapshot
+        self._folder = None if folder is None else folder / f"completion-{_FORMAT}"
+        self._own = None if self._folder is None else self._folder / snapshot.identity
+        self._statistics: Statistics | None = None
+        self._memory: dict[str, object] = {}
+        self._held: dict[str, object] = {}
+
+    def over(self, snapshot: Snapshot) -> Kept:
+        """Return this, for the same content opened anew."""
+        self._snapshot = snapshot
+        return self
+
+    @property
+    def snapshot(self) -> Snapshot:
+        """What all of it is about."""
+        return self._snapshot
+
+    def statistics(self, *, fresh: bool = False) -> Statistics:
+        """Return the statistics of the snapshot.
+
+        Without `fresh`, those of an earlier one serve as long as nobody has counted again, and none while another
+        process counts for the first time.
+        """
+        if self._statistics is not None:
+            return self._statistics
+        path = None if self._own is None else self._own / "statistics.json"
+        found = _read(path, Statistics)
+        if found is None and not fresh and (earlier := self._earlier()) is not None:
+            return earlier
+        if found is None:
+            with _held(self._folder, wait=fresh) as held:
+                found = _read(path, Statistics)
+                if found is None and not held:
+                    return Statistics()
+                if found is None:
+                    found = count(self._snapshot, self.values)
+                    _write(path, found)
+                    self._forget()
+        self._statistics = found
+        return found
+
+    def known(self) -> Statistics:
+        """Return the statistics as far as somebody has counted already, of this snapshot or of an earlier one."""
+        if self._statistics is None:
+            path = None if self._own is None else self._own / "statistics.json"
+            self._statistics = _read(path, Statistics)
+        return self._statistics or self._earlier() or Statistics()
+
+    def prefixes(self) -> dict[str, str]:
+        """Return the prefixes that the store declares, beside those that every query knows."""
+        return self.held("prefixes", lambda: declared(self._snapshot))
+
+    def values(self, key: str, make: Callable[[], _Content], kind: type[_Content]) -> _Content:
+        """Return what was made for `key` before, or what `make` returns now."""
+        if key not in self._memory:
+            name = hashlib.sha256(key.encode()).hexdigest()[:32] + ".json"
+            path = None if self._own is None else self._own / name
+            found = _read(path, kind)
+            if found is None:
+                found = make()
+                _write(path, found)
+            self._memory[key] = found
+        return self._memory[key]  # type: ignore[return-value] # each key has contents of one kind
+
+    def held(self, key: str, make: Callable[[], _Content]) -> _Content:
+        """Return what was made for `key` before, or what `make` returns now; this goes into no file."""
+        if key not in self._held:
+            self._held[key] = make()
+        return self._held[key]  # type: ignore[return-value] # each key has contents of one kind
+
+    def _earlier(self) -> Statistics | None:
+        """Return the newest statistics of another snapshot."""
+        if self._folder is None or not self._folder.is_dir():
+            return None
+        numbers = sorted((int(each.name) for each in self._folder.iterdir() if each.name.isdigit()), reverse=True)
+        kept = (_read(self._folder / str(number) / "statistics.json", Statistics) for number in numbers)
+        return next((each for each in kept if each is not None), None)
+
+    def _forget(self) -> None:
+        """Remove what is kept of earlier snapshots."""
+        if self._folder is not None and self._folder.is_dir():
+            for each in self._folder.iterdir():
+                if each.is_dir() and each.name.isdigit() and each != self._own:
+                    shutil.rmtree(each, ignore_errors=True)
+
+
+def _read(path: Path | None, kind: type[_Content]) -> _Content | None:
+    if path is None:
+        return None
+    try:
+        return msgspec.json.decode(path.read_bytes(), type=kind)
+    except (OSError, msgspec.DecodeError):
+        return None
+
+
+def _write(path: Path | None, content: object) -> None:
+    if path is None:
+        return
+    with suppress(OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_atomically(path, msgspec.json.encode(content), durable=False)
+
+
+@contextmanager
+def _held(folder: Path | None, *, wait: bool) -> Iterator[bool]:
+    """Hold the right to count, which the end of the process gives back; False when another process has it."""
+    try:
+        if folder is not None:
+            folder.mkdir(parents=True, exist_ok=True)
+        handle = None if folder is None else os.open(folder / "lock", os.O_RDWR | os.O_CREAT)
+    except OSError:
+        handle = None
+    if handle is None:
+        yield True
+        return
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX if wait else fcntl.LOCK_EX | fcntl.LOCK_NB)
+        held = True
+    except BlockingIOError:
+        held = False
+    try:
+        yield held
+    finally:
+        os.close(handle)

@@ -1,0 +1,90 @@
+"""Which classes a term of a query stands for, and which properties fit it, by what the store has."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from kg.query.completion.outline import TYPE, Step
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from kg.query.completion.outline import Pattern
+    from kg.query.completion.statistics import Statistics
+
+__all__ = ["asserted", "behind", "classes", "fitting", "leading"]
+
+_SHARE: Final = 0.1
+"""A class of which a property has fewer values, measured by its most frequent class, does not count."""
+
+
+def asserted(term: str, patterns: Iterable[Pattern]) -> list[str]:
+    """Return the classes that the query itself says that a term is of, the last one first."""
+    kind = (Step(TYPE, inverse=False),)
+    found = (each.object for each in patterns if each.subject == term and each.path == kind)
+    return list(reversed([each for each in dict.fromkeys(found) if not each.startswith(("?", "_:"))]))
+
+
+def classes(term: str, patterns: Iterable[Pattern], statistics: Statistics) -> list[str]:
+    """Return the classes that a term can be of: those asserted, else those that all of its patterns allow."""
+    patterns = list(patterns)
+    said = asserted(term, patterns)
+    if said:
+        return said
+    options = []
+    for each in patterns:
+        if each.subject == term and each.path and each.path[0].iri != TYPE:
+            options.append(_from(each.path[0], statistics))
+        if each.object == term and each.path and each.path[-1].iri != TYPE:
+            options.append(_to(each.path[-1], statistics))
+    options = [each for each in options if each]
+    if not options:
+        return []
+    common = set(options[0]).intersection(*options[1:]) or set().union(*options)
+    return sorted(common)
+
+
+def behind(step: Step, statistics: Statistics) -> list[str]:
+    """Return the classes of what a step of a path leads to."""
+    return sorted(_to(step, statistics))
+
+
+def _to(step: Step, statistics: Statistics) -> set[str]:
+    if step.iri is None:
+        return set()
+    return _users(step.iri, statistics) if step.inverse else _values(step.iri, statistics)
+
+
+def _from(step: Step, statistics: Statistics) -> set[str]:
+    return _to(Step(step.iri, not step.inverse), statistics)
+
+
+def _users(iri: str, statistics: Statistics) -> set[str]:
+    return {kind for kind, used in statistics.used.items() if iri in used}
+
+
+def _values(iri: str, statistics: Statistics) -> set[str]:
+    found = statistics.leads.get(iri, {})
+    least = max(found.values(), default=0) * _SHARE
+    return {kind for kind, number in found.items() if number >= least}
+
+
+def fitting(kinds: Iterable[str], statistics: Statistics) -> Mapping[str, tuple[int, str]]:
+    """Return the properties of some classes: how many instances have it, and of which of the classes those are."""
+    found: dict[str, tuple[int, str]] = {}
+    for kind in kinds:
+        for iri, number in statistics.used.get(kind, {}).items():
+            if iri not in found or number > found[iri][0]:
+                found[iri] = (number, kind)
+    return found
+
+
+def leading(kinds: Iterable[str], statistics: Statistics) -> Mapping[str, tuple[int, str]]:
+    """Return the properties that lead to some classes: how many triples have it, and one of the classes."""
+    wanted = list(kinds)
+    found = {}
+    for iri in statistics.leads:
+        to = next((kind for kind in wanted if kind in _values(iri, statistics)), None)
+        if to is not None:
+            found[iri] = (statistics.properties.get(iri, 0), to)
+    return found

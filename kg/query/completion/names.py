@@ -1,0 +1,108 @@
+"""The values that a property has, and the names of graphs: what can be offered where a term is expected."""
+
+from __future__ import annotations
+
+import re
+from itertools import islice
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import msgspec
+from pyoxigraph import Literal, NamedNode
+
+from kg.query.prefixes import PREFIXES, shorten
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from kg.query.completion.keeping import Kept
+
+__all__ = ["Value", "Values", "graphs", "of_iri", "values"]
+
+_MOST: Final = 50_000
+"""How many values of a property are kept, the most frequent ones."""
+_IRI: Final = re.compile(r"[A-Za-z][\w+.-]*:[^\x00-\x20<>\"{}|^`\\]*", re.ASCII)
+"""What can stand between angle brackets: terms of a query that is being written may be anything."""
+_XSD: Final = PREFIXES["xsd"]
+_BARE: Final = frozenset({_XSD + "integer", _XSD + "boolean", _XSD + "decimal"})
+
+
+class Value(msgspec.Struct, frozen=True, array_like=True):
+    """A term as SPARQL writes it, the text that it is known by, and how often it is the value."""
+
+    written: str
+    text: str
+    count: int
+
+
+class Values(NamedTuple):
+    """Values, the most frequent first, and their texts in small letters."""
+
+    values: list[Value]
+    lower: list[str]
+
+    def holding(self, typed: str) -> Iterator[Value]:
+        """Yield the values in whose text `typed` occurs, as many as can be offered; of a few values all."""
+        wanted = typed.lower()
+        if len(self.values) <= _FEW:
+            yield from self.values
+            return
+        found = (value for value, lower in zip(self.values, self.lower, strict=True) if wanted in lower)
+        yield from islice(found, _OFFERED)
+
+
+_FEW: Final = 1000
+"""So many values are compared with what was typed one by one, in any way that they may be alike."""
+_OFFERED: Final = 500
+_OF_CLASS: Final = "?s a <%s> ."
+_COUNTED: Final = "SELECT ?o (COUNT(*) AS ?n) { %s ?s <%s> ?o } GROUP BY ?o"
+_LABELLED: Final = "SELECT ?o ?n ?l { { %s } OPTIONAL { ?o rdfs:label ?l } }"
+_PROPERTIES: Final = "SELECT ?p (COUNT(*) AS ?n) { <%s> ?p ?o } GROUP BY ?p"
+
+
+def values(kept: Kept, iri: str, kind: str | None, *, literal: bool) -> Values:
+    """Return the values of the property `iri`, of the instances of `kind` or of all."""
+
+    def make() -> list[Value]:
+        if not all(_IRI.fullmatch(each) for each in (iri, kind) if each is not None):
+            return []
+        counted = _COUNTED % (_OF_CLASS % kind if kind else "", iri)
+        rows: Any = kept.snapshot.query(counted if literal else _LABELLED % counted, prefixes=PREFIXES)
+        found = {
+            row[0]: _value(row[0], int(row[1].value), None if literal else row[2]) for row in rows if _named(row[0])
+        }
+        return sorted(found.values(), key=lambda value: (-value.count, value.text))[:_MOST]
+
+    return _lowered(kept, f"values {iri} {kind}", make)
+
+
+def _named(term: object) -> bool:
+    return isinstance(term, NamedNode | Literal)
+
+
+def _lowered(kept: Kept, key: str, make: Callable[[], list[Value]]) -> Values:
+    found = kept.values(key, make, list[Value])
+    return kept.held(key, lambda: Values(found, [value.text.lower() for value in found]))
+
+
+def _value(term: NamedNode | Literal, count: int, label: Literal | None) -> Value:
+    if isinstance(term, NamedNode):
+        written = shorten(term.value)
+        return Value(written, label.value if label else written, count)
+    return Value(term.value if term.datatype.value in _BARE else str(term), term.value, count)
+
+
+def graphs(kept: Kept) -> Values:
+    """Return the named graphs."""
+
+    def make() -> list[Value]:
+        return [Value(shorten(graph.value), graph.value, 0) for graph in kept.snapshot.graphs()]
+
+    return _lowered(kept, "graphs", make)
+
+
+def of_iri(kept: Kept, iri: str) -> dict[str, int]:
+    """Return how many values an IRI has of each of its properties."""
+    if not _IRI.fullmatch(iri):
+        return {}
+    rows: Any = kept.snapshot.query(_PROPERTIES % iri)
+    return {row[0].value: int(row[1].value) for row in rows}

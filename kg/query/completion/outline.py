@@ -1,0 +1,428 @@
+"""The outline of a query, whole or broken: its triple patterns, its variables, and what is expected behind it.
+
+A query that is being written seldom parses, so this reads its tokens one by one and never refuses: what does not fit is
+passed over, and a dot, a keyword or a bracket puts it on the track again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum, auto
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from kg.query.lexer import Kind
+from kg.query.prefixes import PREFIXES
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from kg.query.lexer import Token
+
+__all__ = ["TYPE", "Outline", "Pattern", "Role", "Slot", "Step", "Use", "outline"]
+
+TYPE: Final = PREFIXES["rdf"] + "type"
+
+
+class Slot(Enum):
+    """What is expected at a place."""
+
+    BEGIN = auto()
+    """A declaration, or the form of the query."""
+    PREFIX = auto()
+    """The name of a prefix behind PREFIX."""
+    NAMESPACE = auto()
+    """The IRI of a prefix or of BASE."""
+    PROJECTION = auto()
+    DATASET = auto()
+    """The name of a graph behind FROM."""
+    CLAUSE = auto()
+    """A brace, or WHERE or FROM before it."""
+    TEMPLATE = auto()
+    """The brace of a template."""
+    OPENING = auto()
+    """A bracket, behind OPTIONAL, BIND and such."""
+    CONSTRAINT = auto()
+    """What follows FILTER."""
+    GRAPH = auto()
+    """The name of a graph behind GRAPH."""
+    SUBJECT = auto()
+    PREDICATE = auto()
+    OBJECT = auto()
+    AFTER = auto()
+    """Behind a triple: punctuation, or a keyword."""
+    EXPRESSION = auto()
+    NEW = auto()
+    """A variable of the user's choice, behind AS."""
+    COLUMNS = auto()
+    """The variables of VALUES."""
+    DATA = auto()
+    """A value in VALUES."""
+    MODIFIER = auto()
+    """Behind the pattern: GROUP BY, ORDER BY, LIMIT, ..."""
+    ORDER = auto()
+    """Behind GROUP BY, ORDER BY, HAVING."""
+    NUMBER = auto()
+
+
+class Role(Enum):
+    """What a bracket encloses."""
+
+    QUERY = auto()
+    GROUP = auto()
+    TEMPLATE = auto()
+    EXPRESSION = auto()
+    LIST = auto()
+    BLANK = auto()
+    PATH = auto()
+    DATA = auto()
+
+
+class Step(NamedTuple):
+    """A property of a path: None when a variable stands there; `inverse` behind `^`."""
+
+    iri: str | None
+    inverse: bool
+
+
+class Pattern(NamedTuple):
+    """A triple pattern; terms are `?name`, an IRI without brackets, `_:label`, or the text of a literal.
+
+    `path` has the steps from subject to object. `group` is the number of its group, 0 for templates. `start` is where
+    its subject, and `end` where its object ends.
+    """
+
+    subject: str
+    path: tuple[Step, ...]
+    object: str
+    group: int
+    start: int
+    end: int
+
+
+class Use(NamedTuple):
+    """A variable at a place; `group` is the number of the group around it, `within` that of the expression or 0."""
+
+    name: str
+    slot: Slot
+    group: int
+    within: int
+    token: Token
+
+
+@dataclass(slots=True)
+class Frame:
+    """An open bracket, and how far what is in it has been read."""
+
+    role: Role
+    slot: Slot
+    group: int = 0
+    within: int = 0
+    subject: str = ""
+    start: int = 0
+    steps: list[Step] = field(default_factory=list)
+    inverse: bool = False
+    columns: list[str] = field(default_factory=list)
+    column: int = 0
+    closes: str = ""
+
+
+@dataclass(slots=True)
+class Outline:
+    """What a query says; `frame` is where it ends, `inside` tells which group another one stands in."""
+
+    patterns: list[Pattern] = field(default_factory=list)
+    uses: list[Use] = field(default_factory=list)
+    prefixes: dict[str, str] = field(default_factory=dict)
+    inside: dict[int, int] = field(default_factory=dict)
+    words: set[str] = field(default_factory=set)
+    frames: list[Frame] = field(default_factory=lambda: [Frame(Role.QUERY, Slot.BEGIN)])
+    previous: Token | None = None
+    numbers: int = 0
+
+    @property
+    def frame(self) -> Frame:
+        """The innermost bracket that is open."""
+        return self.frames[-1]
+
+    def iri(self, token: Token) -> str:
+        """Return the IRI of a token, or the name itself where its prefix is not known."""
+        if token.kind is Kind.IRI:
+            return token.text[1:-1]
+        prefix, _, local = token.text.partition(":")
+        namespace = self.prefixes.get(prefix, PREFIXES.get(prefix))
+        return token.text if namespace is None else namespace + local.replace("\\", "")
+
+    def term(self, token: Token) -> str:
+        """Return the term of a token as patterns have it."""
+        if token.kind is Kind.VARIABLE:
+            return "?" + token.text[1:]
+        return self.iri(token) if token.kind in {Kind.IRI, Kind.NAME} else token.text
+
+    def number(self) -> int:
+        """Return a number that nothing else has."""
+        self.numbers += 1
+        return self.numbers
+
+
+def outline(found: Iterable[Token], known: Outline | None = None) -> Outline:
+    """Return what the tokens of a query say, behind those that `known` has read already."""
+    result = known or Outline()
+    for token in found:
+        _read(result, token)
+        result.previous = token
+    return result
+
+
+def _read(result: Outline, token: Token) -> None:
+    frame = result.frame
+    if token.kind is Kind.VARIABLE:
+        result.uses.append(Use(token.text[1:], frame.slot, frame.group, frame.within, token))
+    if token.kind is Kind.SIGN:
+        _sign(result, frame, token)
+    elif frame.role is Role.EXPRESSION:
+        _expression(result, frame, token)
+    elif token.kind is Kind.WORD and _keyword(result, frame, token.text.lower()):
+        result.words.add(token.text.lower())
+    elif frame.slot in _TOKENS:
+        _TOKENS[frame.slot](result, frame, token)
+    else:
+        _pattern_term(result, frame, token)
+
+
+def _expression(result: Outline, frame: Frame, token: Token) -> None:
+    word = token.text.lower() if token.kind is Kind.WORD else ""
+    result.words.add(word)
+    frame.slot = Slot.NEW if word == "as" else Slot.EXPRESSION
+
+
+_KEYWORDS: Final = {
+    "select": Slot.PROJECTION,
+    "describe": Slot.PROJECTION,
+    "construct": Slot.TEMPLATE,
+    "ask": Slot.CLAUSE,
+    "where": Slot.CLAUSE,
+    "from": Slot.DATASET,
+    "prefix": Slot.PREFIX,
+    "base": Slot.NAMESPACE,
+    "group": Slot.MODIFIER,
+    "order": Slot.MODIFIER,
+    "by": Slot.ORDER,
+    "having": Slot.ORDER,
+    "limit": Slot.NUMBER,
+    "offset": Slot.NUMBER,
+    "values": Slot.COLUMNS,
+    "filter": Slot.CONSTRAINT,
+    "bind": Slot.OPENING,
+    "optional": Slot.OPENING,
+    "minus": Slot.OPENING,
+    "union": Slot.OPENING,
+    "graph": Slot.GRAPH,
+    "service": Slot.GRAPH,
+    "insert": Slot.TEMPLATE,
+    "delete": Slot.TEMPLATE,
+}
+_KEPT: Final = frozenset({"exists", "not", "distinct", "reduced", "named", "silent", "asc", "desc", "data"})
+
+
+def _keyword(result: Outline, frame: Frame, word: str) -> bool:
+    """Follow a keyword; False when the word is none here."""
+    if word in _KEPT:
+        return True
+    if word not in _KEYWORDS or frame.role in {Role.LIST, Role.DATA}:
+        return False
+    while frame.role in {Role.BLANK, Role.PATH}:
+        result.frames.pop()
+        frame = result.frame
+    frame.slot = _KEYWORDS[word]
+    if word == "values":
+        frame.columns = []
+    return True
+
+
+def _prefix(_result: Outline, frame: Frame, token: Token) -> None:
+    frame.subject = token.text.partition(":")[0]
+    frame.slot = Slot.NAMESPACE
+
+
+def _namespace(result: Outline, frame: Frame, token: Token) -> None:
+    if token.kind is Kind.IRI and result.previous is not None and result.previous.kind is Kind.NAME:
+        result.prefixes[frame.subject] = token.text[1:-1]
+    frame.slot = Slot.BEGIN
+
+
+def _graph(_result: Outline, frame: Frame, _token: Token) -> None:
+    frame.slot = Slot.OPENING
+
+
+def _column(_result: Outline, frame: Frame, token: Token) -> None:
+    frame.columns.append("?" + token.text[1:])
+
+
+def _data(_result: Outline, frame: Frame, _token: Token) -> None:
+    frame.column += 1
+
+
+def _number(_result: Outline, frame: Frame, _token: Token) -> None:
+    frame.slot = Slot.MODIFIER
+
+
+def _pass(_result: Outline, _frame: Frame, _token: Token) -> None:
+    """Stay where this token is only one of several that may stand there."""
+
+
+_TOKENS: Final[dict[Slot, Callable[[Outline, Frame, Token], None]]] = {
+    Slot.BEGIN: _pass,
+    Slot.PREFIX: _prefix,
+    Slot.NAMESPACE: _namespace,
+    Slot.PROJECTION: _pass,
+    Slot.DATASET: _pass,
+    Slot.CLAUSE: _pass,
+    Slot.TEMPLATE: _pass,
+    Slot.OPENING: _pass,
+    Slot.CONSTRAINT: _pass,
+    Slot.GRAPH: _graph,
+    Slot.COLUMNS: _column,
+    Slot.DATA: _data,
+    Slot.MODIFIER: _pass,
+    Slot.ORDER: _pass,
+    Slot.NUMBER: _number,
+}
+
+
+def _pattern_term(result: Outline, frame: Frame, token: Token) -> None:
+    if frame.role is Role.LIST or token.kind is Kind.TAG:
+        return
+    if frame.slot is Slot.PREDICATE:
+        kind_of = token.kind is Kind.WORD and token.text == "a"
+        named = token.kind in {Kind.IRI, Kind.NAME}
+        iri = TYPE if kind_of else result.iri(token) if named else None
+        frame.steps.append(Step(iri, frame.inverse))
+        frame.inverse = False
+        frame.slot = Slot.OBJECT
+    elif frame.slot is Slot.OBJECT and frame.role is not Role.PATH:
+        _object(result, frame, result.term(token), token.end)
+    elif frame.role is not Role.PATH:
+        frame.subject, frame.start = result.term(token), token.start
+        frame.steps = []
+        frame.slot = Slot.PREDICATE
+
+
+def _object(result: Outline, frame: Frame, term: str, end: int) -> None:
+    if frame.subject:
+        result.patterns.append(Pattern(frame.subject, tuple(frame.steps), term, frame.group, frame.start, end))
+    frame.slot = Slot.AFTER
+
+
+def _sign(result: Outline, frame: Frame, token: Token) -> None:
+    sign = token.text
+    if sign in {"{", "(", "[", "<<"}:
+        _open(result, frame, token)
+    elif sign in {"}", ")", "]", ">>"}:
+        _close(result, sign, token.end)
+    elif frame.role is Role.EXPRESSION:
+        frame.slot = Slot.EXPRESSION
+    elif frame.slot in {Slot.SUBJECT, Slot.PREDICATE, Slot.OBJECT, Slot.AFTER}:
+        _punctuation(frame, sign)
+
+
+def _punctuation(frame: Frame, sign: str) -> None:
+    if sign == "." and frame.role in {Role.GROUP, Role.TEMPLATE}:
+        frame.slot = Slot.SUBJECT
+    elif sign == ";":
+        frame.slot = Slot.PREDICATE
+        frame.steps = []
+    elif sign == "," and frame.slot is Slot.AFTER:
+        frame.slot = Slot.OBJECT
+    elif sign == "^" and frame.slot is Slot.PREDICATE:
+        frame.inverse = True
+    elif sign in {"/", "|"} and frame.slot is Slot.OBJECT and frame.steps:
+        if sign == "|":
+            frame.steps.pop()
+        frame.slot = Slot.PREDICATE
+
+
+_IN_PATTERNS: Final = frozenset({Slot.SUBJECT, Slot.AFTER, Slot.OBJECT, Slot.PREDICATE})
+
+
+def _open(result: Outline, frame: Frame, token: Token) -> None:
+    if token.text == "{":
+        _open_brace(result, frame)
+    elif token.text == "[":
+        label = f"_:{result.number()}"
+        if frame.slot is Slot.OBJECT:
+            _object(result, frame, label, token.end)
+        elif frame.slot in _IN_PATTERNS:
+            frame.subject, frame.start, frame.steps = label, token.start, []
+            frame.slot = Slot.PREDICATE
+        result.frames.append(
+            Frame(Role.BLANK, Slot.PREDICATE, frame.group, subject=label, start=token.start, closes="]")
+        )
+    elif token.text == "<<":
+        result.frames.append(Frame(Role.LIST, Slot.OBJECT, frame.group, closes=">>"))
+    else:
+        _open_parenthesis(result, frame)
+
+
+def _open_brace(result: Outline, frame: Frame) -> None:
+    if frame.slot is Slot.COLUMNS:
+        result.frames.append(Frame(Role.DATA, Slot.DATA, frame.group, columns=frame.columns, closes="}"))
+        return
+    role = Role.TEMPLATE if frame.slot is Slot.TEMPLATE else Role.GROUP
+    number = result.number() if role is Role.GROUP else 0
+    result.inside[number] = frame.group
+    result.frames.append(Frame(role, Slot.SUBJECT, number, closes="}"))
+
+
+def _open_parenthesis(result: Outline, frame: Frame) -> None:
+    if frame.role is Role.DATA:
+        frame.column = 0
+    elif frame.slot is Slot.COLUMNS:
+        return
+    elif frame.slot is Slot.PREDICATE:
+        result.frames.append(Frame(Role.PATH, Slot.PREDICATE, frame.group, subject=frame.subject, closes=")"))
+    elif frame.slot in _IN_PATTERNS:
+        result.frames.append(Frame(Role.LIST, Slot.OBJECT, frame.group, closes=")"))
+    else:
+        within = frame.within or result.number()
+        result.frames.append(Frame(Role.EXPRESSION, Slot.EXPRESSION, frame.group, within, closes=")"))
+
+
+def _close(result: Outline, sign: str, end: int) -> None:
+    """Go back to the frame around the innermost one that `sign` closes; a brace closes what was left open in it."""
+    if result.frame.role is Role.DATA and sign == ")":
+        return
+    depth = len(result.frames) - 1
+    while depth > 0 and result.frames[depth].closes != sign:
+        if result.frames[depth].closes == "}":
+            return
+        depth -= 1
+    if depth == 0:
+        return
+    closed = result.frames[depth]
+    del result.frames[depth:]
+    _behind(result, result.frame, closed, end)
+
+
+def _behind(result: Outline, frame: Frame, closed: Frame, end: int) -> None:
+    """Set what is expected in `frame` behind a bracket in it."""
+    if closed.role is Role.TEMPLATE:
+        frame.slot = Slot.CLAUSE
+    elif closed.role is Role.PATH:
+        frame.steps += closed.steps
+        frame.slot = Slot.OBJECT
+    elif closed.role is Role.BLANK:
+        frame.slot = frame.slot if frame.slot in {Slot.AFTER, Slot.PREDICATE} else Slot.AFTER
+    elif closed.role is Role.LIST:
+        if frame.slot is Slot.OBJECT:
+            _object(result, frame, f"_:{result.number()}", end)
+        elif frame.slot in _IN_PATTERNS:
+            frame.subject, frame.slot = f"_:{result.number()}", Slot.PREDICATE
+    elif frame.role is Role.EXPRESSION:
+        frame.slot = Slot.EXPRESSION
+    elif closed.role in {Role.GROUP, Role.DATA} and frame.slot in _OF_QUERIES:
+        frame.slot = Slot.MODIFIER if frame.role is Role.QUERY or closed.role is Role.GROUP else Slot.SUBJECT
+    elif frame.slot in {Slot.CONSTRAINT, Slot.OPENING}:
+        frame.slot = Slot.SUBJECT
+
+
+_OF_QUERIES: Final = frozenset({Slot.BEGIN, Slot.CLAUSE, Slot.PROJECTION, Slot.DATASET, Slot.COLUMNS, Slot.MODIFIER})

@@ -1,0 +1,137 @@
+"""What is being typed at a position of a text, and the part of the text that a completion replaces."""
+
+from __future__ import annotations
+
+import re
+from enum import Enum, auto
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from kg.query.lexer import Kind, tokens
+
+if TYPE_CHECKING:
+    from kg.query.lexer import Token
+
+__all__ = ["Form", "Typed", "typed"]
+
+
+class Form(Enum):
+    """How what is being typed begins."""
+
+    NOTHING = auto()
+    WORD = auto()
+    """A keyword, or a name whose prefix is not typed yet."""
+    NAME = auto()
+    """A prefixed name."""
+    VARIABLE = auto()
+    STRING = auto()
+    IRI = auto()
+    COMMENT = auto()
+
+
+class Typed(NamedTuple):
+    """The beginning `text` of a token, from `start` to the position; `end` is where the word goes on to behind it.
+
+    `before` are the tokens before it, `after` those behind. `quote` is the quotation mark of a string.
+    """
+
+    form: Form
+    text: str
+    start: int
+    end: int
+    before: list[Token]
+    after: list[Token]
+    quote: str = ""
+
+
+_FORMS: Final = {Kind.WORD: Form.WORD, Kind.NAME: Form.NAME, Kind.VARIABLE: Form.VARIABLE}
+_ALONE: Final = re.compile(r"\s*([A-Za-z][\w./-]*)")
+"""What may be the name of a stored query: nothing stands before it."""
+_OPEN_IRI: Final = re.compile(r"<[^\x00-\x20<>\"{}|^`\\]*\Z")
+_REST: Final = {
+    Form.WORD: re.compile(r"[\w-]*:?[\w-]*"),
+    Form.NAME: re.compile(r"[\w-]*"),
+    Form.VARIABLE: re.compile(r"\w*"),
+    Form.IRI: re.compile(r"[^\x00-\x20<>\"{}|^`\\]*>?"),
+}
+_ANY: Final = re.compile("")
+_OPERANDS: Final = frozenset({Kind.VARIABLE, Kind.NUMBER, Kind.STRING, Kind.IRI})
+
+
+def typed(text: str, position: int) -> Typed:
+    """Return what is being typed at `position` of `text`, an offset in code points that is brought into the text."""
+    position = max(0, min(position, len(text)))
+    before = list(tokens(text[:position]))
+    special = _string(text, position, before) or _comment(text, position, before) or _iri(text, position, before)
+    if special:
+        return special
+    alone = _ALONE.fullmatch(text, 0, position)
+    if alone:
+        return _found(Form.WORD, text, alone.start(1), position, [])
+    form, start = Form.NOTHING, position
+    if before and before[-1].end == position:
+        last = before[-1]
+        form = _FORMS.get(last.kind, Form.NOTHING)
+        if last.kind is Kind.SIGN and last.text in {"?", "$"} and not _is_path(before):
+            form = Form.VARIABLE
+        if form is not Form.NOTHING:
+            start = last.start
+            before = before[:-1]
+    return _found(form, text, start, position, before)
+
+
+def _found(form: Form, text: str, start: int, position: int, before: list[Token]) -> Typed:
+    match = _REST.get(form, _ANY).match(text, position)
+    end = match.end() if match else position
+    return Typed(form, text[start:position], start, end, before, _moved(text, end))
+
+
+def _moved(text: str, end: int) -> list[Token]:
+    return [token._replace(start=token.start + end, end=token.end + end) for token in tokens(text[end:])]
+
+
+def _is_path(before: list[Token]) -> bool:
+    """Tell whether the question mark at the end makes a step of a path optional."""
+    return len(before) > 1 and before[-2].end == before[-1].start and before[-2].kind in {Kind.NAME, Kind.IRI}
+
+
+def _string(text: str, position: int, before: list[Token]) -> Typed | None:
+    """Return the string that is open; a quotation mark that the lexer gives alone is one that nothing closes."""
+    for index, token in enumerate(before):
+        if token.kind is Kind.SIGN and token.text in {'"', "'"}:
+            line = text.find("\n", token.start, position)
+            if line >= 0:
+                return Typed(Form.COMMENT, "", position, position, before[:index], [])
+            end = position + _closing(text, position, token.text)
+            known = before[:index]
+            return Typed(
+                Form.STRING, text[token.end : position], token.start, end, known, _moved(text, end), token.text
+            )
+    return None
+
+
+def _closing(text: str, position: int, quote: str) -> int:
+    """Return how many characters of the same string follow: up to its mark, if only a name is between."""
+    match = re.compile(rf"[^\s{quote};,.(){{}}\[\]]*{quote}").match(text, position)
+    return match.end() - position if match else 0
+
+
+def _comment(text: str, position: int, before: list[Token]) -> Typed | None:
+    begin = text.find("#", before[-1].end if before else 0, position)
+    if begin < 0 or any(end in text[text.rfind("#", begin, position) : position] for end in "\r\n"):
+        return None
+    return Typed(Form.COMMENT, "", position, position, before, [])
+
+
+def _iri(text: str, position: int, before: list[Token]) -> Typed | None:
+    match = _OPEN_IRI.search(text, max(text.rfind("<", 0, position), 0), position)
+    if match is None:
+        return None
+    known = [token for token in before if token.end <= match.start()]
+    if known and (known[-1].kind in _OPERANDS or known[-1].text == ")") and not _follows_term(text, match.start()):
+        return None
+    return _found(Form.IRI, text, match.start(), position, known)
+
+
+def _follows_term(text: str, start: int) -> bool:
+    """Tell whether a `<` begins an IRI by what stands behind it: operators have a blank there."""
+    return text[start + 1 : start + 2] not in {"", "=", " "}

@@ -1,0 +1,145 @@
+"""`diagnose`: the problems of a query, the same for all faces."""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from typing import TYPE_CHECKING, Any
+
+import pyoxigraph
+
+from kg.errors import QueryError
+from kg.query.completion.outline import Outline, outline
+from kg.query.diagnosis import fixes
+from kg.query.diagnosis.variables import bound, product, unbound
+from kg.query.guard import check
+from kg.query.lexer import Token, normalise, tokens
+from kg.query.position import place_at
+from kg.query.prefixes import PREFIXES
+from kg.query.syntax import syntax_error
+from kg.query.terms import unknown
+from kg.similar import asked
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+
+    from kg.store.interface import Snapshot
+
+__all__ = ["diagnose"]
+
+
+def diagnose(
+    text: str, snapshot: Snapshot, declared: Mapping[str, str] | None = None, used: Iterable[str] = ()
+) -> list[dict[str, Any]]:
+    """Return the problems of the query `text`: the first error, and warnings when there is none or it is small.
+
+    Each has `severity` (error or warning), `code`, `message`, `hint` (null without one), `line` and `column` of its
+    first character and `endLine` and `endColumn` behind its last, counted from one in code points; the same as the
+    offsets `start` and `end` in the text; and `fixes`: a `title` and the `edits` (`start`, `end`, `text`) that mend it,
+    in offsets of the text as it is. `declared` are further prefixes to suggest, `used` the IRIs of further terms. A
+    blank text has no problems.
+    """
+    if not text.strip():
+        return []
+    normal = normalise(text)
+    found = list(tokens(normal))
+    error = _error(normal)
+    if error is not None:
+        problems = [_of_error(error, normal, found, declared or {})]
+    else:
+        known = outline(found)
+        problems = [*_unbound(normal, known), *_product(normal, known)]
+    problems += _unknown(normal, snapshot, used)
+    problems.sort(key=lambda problem: problem["start"])
+    return [_moved(problem, text) for problem in problems] if len(text) != len(normal) else problems
+
+
+def _error(text: str) -> QueryError | None:
+    try:
+        check(tokens(text), text)
+        pyoxigraph.Store().query(text, prefixes=dict(PREFIXES))
+    except QueryError as error:
+        return error
+    except SyntaxError as error:
+        return syntax_error(error, text, "query")
+    except (RuntimeError, ValueError):
+        # The query parses; what the engine makes of it is told when it is run.
+        return None
+    return None
+
+
+def _of_error(error: QueryError, text: str, found: list[Token], declared: Mapping[str, str]) -> dict[str, Any]:
+    place = error.place
+    assert place is not None  # noqa: S101 - errors about a text have one
+    start = _offset(text, place.line or 1, place.column or 1)
+    end = start if place.end_line is None else _offset(text, place.end_line, place.end_column or 1)
+    known = outline(found)
+    culprit = next((token for token in found if token.start == start), None)
+    mended = fixes.of_token(text, culprit, known, declared) if culprit else fixes.closing(text, known)
+    return _problem("error", error, (text, start, end), mended)
+
+
+def _unbound(text: str, known: Outline) -> Iterator[dict[str, Any]]:
+    names = bound(known)
+    for use in unbound(known):
+        meant = get_close_matches(use.name, sorted(names))
+        hint = asked([f"?{name}" for name in meant])
+        told = QueryError("KG514", f"nothing gives ?{use.name} a value", hint=hint)
+        mended = fixes.replacing(use.token, [f"?{name}" for name in meant])
+        yield _problem("warning", told, (text, use.token.start, use.token.end), mended)
+
+
+def _product(text: str, known: Outline) -> Iterator[dict[str, Any]]:
+    second = product(known)
+    if second is not None:
+        message = "nothing joins this with what stands before it: every match of one goes with every match of the other"
+        hint = "Join them by a variable, or by a FILTER that compares them."
+        yield _problem("warning", QueryError("KG515", message, hint=hint), (text, second.start, second.end), [])
+
+
+def _unknown(text: str, snapshot: Snapshot, used: Iterable[str]) -> Iterator[dict[str, Any]]:
+    for each in unknown(snapshot, text, used):
+        told = QueryError("KG513", f"`{each.token.text}` is not in the store", hint=asked(each.meant))
+        span = (text, each.token.start, each.token.end)
+        yield _problem("warning", told, span, fixes.replacing(each.token, each.meant))
+
+
+def _problem(
+    severity: str, told: QueryError, span: tuple[str, int, int], mended: list[dict[str, Any]]
+) -> dict[str, Any]:
+    text, start, end = span
+    place = place_at(text, start, "query", end)
+    return {
+        "severity": severity,
+        "code": told.code,
+        "message": told.message,
+        "hint": told.hint,
+        "line": place.line,
+        "column": place.column,
+        "endLine": place.end_line,
+        "endColumn": place.end_column,
+        "start": start,
+        "end": end,
+        "fixes": mended,
+    }
+
+
+def _offset(text: str, line: int, column: int) -> int:
+    offset = 0
+    for _ in range(line - 1):
+        offset = text.index("\n", offset) + 1
+    return offset + column - 1
+
+
+def _moved(problem: dict[str, Any], text: str) -> dict[str, Any]:
+    """Return a problem with its offsets in the text before its ends of lines were made one character each."""
+    offsets = []
+    for index, character in enumerate(text):
+        if not (character == "\n" and index and text[index - 1] == "\r"):
+            offsets.append(index)
+    offsets.append(len(text))
+
+    def moved(part: dict[str, Any]) -> dict[str, Any]:
+        return {**part, "start": offsets[part["start"]], "end": offsets[part["end"]]}
+
+    mended = [{**fix, "edits": [moved(edit) for edit in fix["edits"]]} for fix in problem["fixes"]]
+    return {**moved(problem), "fixes": mended}

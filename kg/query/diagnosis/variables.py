@@ -1,0 +1,86 @@
+"""Variables that nothing binds, and patterns that nothing joins, by the outline of a query that parses."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from kg.query.completion.outline import Slot
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kg.query.completion.outline import Outline, Pattern, Use
+
+__all__ = ["bound", "product", "unbound"]
+
+_PATTERN: Final = frozenset({Slot.SUBJECT, Slot.PREDICATE, Slot.OBJECT, Slot.AFTER, Slot.GRAPH, Slot.OPENING})
+
+
+def bound(known: Outline) -> set[str]:
+    """Return the names of the variables that a pattern, BIND, VALUES or AS gives a value."""
+    return {use.name for use in known.uses if _binds(use)}
+
+
+def _binds(use: Use) -> bool:
+    return use.slot in {Slot.NEW, Slot.COLUMNS} or (use.group > 0 and use.slot in _PATTERN)
+
+
+def unbound(known: Outline) -> Iterator[Use]:
+    """Yield the first use of each variable that is asked for or computed with, but that nothing binds."""
+    seen = bound(known)
+    for use in known.uses:
+        if use.name not in seen:
+            seen.add(use.name)
+            yield use
+
+
+def product(known: Outline) -> Pattern | None:
+    """Return the first pattern that shares no variable with those before it, however indirectly; None without one.
+
+    Queries with UNION are passed over. What stands in a group within the group counts as joined.
+    """
+    if "union" in known.words:
+        return None
+    for group, around in known.inside.items():
+        if group and not around:
+            found = _second_part(known, group)
+            if found is not None:
+                return found
+    return None
+
+
+def _second_part(known: Outline, group: int) -> Pattern | None:
+    parts: list[set[str]] = []
+    patterns = [(each, _names(each)) for each in known.patterns if each.group == group]
+    for together in (*(names for _, names in patterns), *_joined(known, group)):
+        touching = [part for part in parts if part & together]
+        parts = [part for part in parts if not part & together]
+        parts.append(together.union(*touching))
+    first = next((names for _, names in patterns if names), set())
+    own = next((part for part in parts if part & first), set())
+    return next((each for each, names in patterns if names and not names & own), None)
+
+
+def _names(pattern: Pattern) -> set[str]:
+    return {term for term in (pattern.subject, pattern.object) if term.startswith(("?", "_:"))}
+
+
+def _joined(known: Outline, group: int) -> Iterator[set[str]]:
+    """Yield what an expression, or a group within the group, mentions together."""
+    by_expression: dict[int, set[str]] = {}
+    by_group: dict[int, set[str]] = {}
+    for use in known.uses:
+        if use.within:
+            by_expression.setdefault(use.within, set()).add("?" + use.name)
+        inner = _child_of(known, use.group, group)
+        if inner:
+            by_group.setdefault(inner, set()).add("?" + use.name)
+    yield from by_expression.values()
+    yield from by_group.values()
+
+
+def _child_of(known: Outline, number: int, group: int) -> int:
+    """Return the group directly in `group` that `number` is or stands in; 0 when it stands elsewhere."""
+    while number and known.inside.get(number, 0) != group:
+        number = known.inside.get(number, 0)
+    return number

@@ -1,0 +1,167 @@
+"""A query on its way: checked, bound to its values and data set, and given to the engine, which finds rows as asked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final, cast
+
+import pyoxigraph
+from pyoxigraph import NamedNode
+
+from kg.errors import QueryError
+from kg.query.binding import bind
+from kg.query.guard import check
+from kg.query.lexer import Kind, normalise, tokens
+from kg.query.prefixes import PREFIXES
+from kg.query.syntax import syntax_error
+from kg.store.failure import is_of_store, store_error
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+    from pyoxigraph import Literal, Triple
+
+    from kg.errors import KgError
+    from kg.query.lexer import Token
+    from kg.query.result import Row
+    from kg.store.interface import Snapshot
+
+__all__ = ["Dataset", "Evaluation", "Prepared", "prepare"]
+
+_FRESH: Final = ("now", "rand", "uuid", "bnode")
+"""Functions, STRUUID among them, that give another value at each call, or at each query."""
+
+
+@dataclass(frozen=True, slots=True)
+class Dataset:
+    """What a query is asked of.
+
+    Without graphs named here the query's own FROM and FROM NAMED hold; without these, with `union`, the default graph
+    is the union of all graphs, else the unnamed one. `default_graphs` or `named_graphs`, as IRIs, replace all of that
+    (SPARQL 1.1 Protocol, section 2.1.4): what of the two is not given is empty. The embedded store alone knows them.
+    """
+
+    union: bool = True
+    default_graphs: Sequence[str] | None = None
+    named_graphs: Sequence[str] | None = None
+
+    @property
+    def given(self) -> bool:
+        """Whether graphs are named."""
+        return self.default_graphs is not None or self.named_graphs is not None
+
+
+@dataclass(frozen=True, slots=True)
+class Evaluation:
+    """What the engine finds: `kind` is `rows`, `graph` or `boolean`.
+
+    `found` yields rows or triples as they are found, and is true or false for `boolean`; what goes wrong underway
+    it raises as `Prepared.evaluate`.
+    """
+
+    kind: str
+    variables: tuple[str, ...]
+    found: Iterator[Row] | Iterator[Triple] | bool
+    snapshot: str
+
+
+@dataclass(frozen=True, slots=True)
+class Prepared:
+    """A query that the guard let through, bound to its values.
+
+    `repeatable` tells whether the same data gives the same answer whenever it is asked, up to the order of rows where
+    the query gives none and the labels of blank nodes; `names_data` whether it has a FROM of its own.
+    """
+
+    typed: str
+    bound: str
+    repeatable: bool
+    names_data: bool
+    path: str
+
+    def evaluate(self, snapshot: Snapshot, dataset: Dataset, base: str | None = None) -> Evaluation:
+        """Give the query to the engine; relative IRIs are relative to `base`, and an error without one.
+
+        Raises:
+            QueryError: KG501 not SPARQL, KG506 the engine cannot evaluate it.
+            StoreError: KG303 what the store has cannot be read.
+        """
+        further = _graphs(dataset)
+        if base is not None:
+            further["base"] = base
+        union = dataset.union and not dataset.given and not self.names_data
+        try:
+            answer = snapshot.query(self.bound, prefixes=PREFIXES, union=union, **further)
+        except SyntaxError as error:
+            raise self._explained(error, base) from error
+        except (RuntimeError, OSError, ValueError) as error:
+            raise _failure(error) from error
+        return _evaluation(answer, snapshot.identity)
+
+    def _explained(self, error: SyntaxError, base: str | None) -> QueryError:
+        """Return the error about the text as typed: binding parameters moves what stands behind them."""
+        try:
+            pyoxigraph.Store().query(self.typed, prefixes=dict(PREFIXES), base_iri=base)
+        except SyntaxError as typed:
+            error = typed
+        return syntax_error(error, self.typed, self.path)
+
+
+def prepare(text: str, parameters: Mapping[str, NamedNode | Literal], path: str = "query") -> Prepared:
+    """Check the SPARQL query `text` and give its parameters their values (see `kg.query.binding`).
+
+    Raises:
+        QueryError: KG502 refused, KG505 parameter, KG516 too deep.
+    """
+    text = normalise(text)
+    found = list(tokens(text))
+    check(found, text, path)
+    words = _words(found)
+    return Prepared(
+        typed=text,
+        bound=bind(text, parameters),
+        # Where the engine needs no blank between two words, the lexer takes them for one.
+        repeatable=not any(fresh in word for word in words for fresh in _FRESH),
+        names_data=any(word.startswith("from") for word in words),
+        path=path,
+    )
+
+
+def _words(found: Iterable[Token]) -> set[str]:
+    return {token.text.lower() for token in found if token.kind is Kind.WORD}
+
+
+def _graphs(dataset: Dataset) -> dict[str, Any]:
+    if not dataset.given:
+        return {}
+    try:
+        return {
+            "default_graphs": [NamedNode(iri) for iri in dataset.default_graphs or ()],
+            "named_graphs": [NamedNode(iri) for iri in dataset.named_graphs or ()],
+        }
+    except ValueError as error:
+        raise QueryError("KG505", f"a graph of the data set is no IRI: {error}") from error
+
+
+def _evaluation(
+    answer: pyoxigraph.QuerySolutions | pyoxigraph.QueryBoolean | pyoxigraph.QueryTriples, snapshot: str
+) -> Evaluation:
+    if isinstance(answer, pyoxigraph.QueryBoolean):
+        return Evaluation("boolean", (), bool(answer), snapshot)
+    if isinstance(answer, pyoxigraph.QueryTriples):
+        return Evaluation("graph", (), cast("Iterator[Triple]", _guarded(answer)), snapshot)
+    variables = tuple(variable.value for variable in answer.variables)
+    return Evaluation("rows", variables, cast("Iterator[Row]", map(tuple, _guarded(answer))), snapshot)
+
+
+def _guarded(answer: Iterable[Any]) -> Iterator[Any]:
+    """Yield what the engine finds; raises as `Prepared.evaluate`."""
+    try:
+        yield from answer
+    except (RuntimeError, OSError, ValueError) as error:
+        raise _failure(error) from error
+
+
+def _failure(error: RuntimeError | OSError | ValueError) -> KgError:
+    """Return what the engine reports: of the store, or of the query."""
+    return store_error(error, "the store") if is_of_store(error) else QueryError("KG506", str(error))

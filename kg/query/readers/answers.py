@@ -1,0 +1,126 @@
+"""An answer as its caller takes it."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from typing import TYPE_CHECKING
+
+from kg.errors import QueryError
+from kg.query.readers.messages import End, Failure, Head, Progress
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+    from kg.query.readers.cache import Kept
+    from kg.query.readers.jobs import Job
+    from kg.query.readers.processes import Process
+
+__all__ = ["Answer"]
+
+
+class Answer:
+    """What a reader says: `head` first, then `parts`, then `end`.
+
+    Where the query was quick, or the answer known, `end` is there from the beginning: then nothing can go wrong any
+    more, and `size` is how many bytes the parts have in all. `job` is the request, `held_bytes` how many bytes came,
+    `last` whether its reader is to answer nothing else.
+    """
+
+    head: Head
+
+    def __init__(self, job: Job, process: Process | None, copied: int = 0) -> None:
+        """Take the answer of `process` to what it was sent; a copy of up to `copied` bytes is made for `copy`."""
+        self.job = job
+        self.end: End | None = None
+        self.settled = False
+        self.last = False
+        self._process = process
+        self._begun = False
+        self._held: deque[bytes] = deque()
+        self.held_bytes = 0
+        self._copied: list[bytes] | None = []
+        self._room = copied
+
+    @classmethod
+    def of(cls, job: Job, kept: Kept) -> Answer:
+        """Return an answer that is known already."""
+        answer = cls(job, None)
+        answer.head, answer.end = kept.head, kept.end
+        answer._held.append(kept.body)
+        answer.held_bytes = len(kept.body)
+        return answer
+
+    @property
+    def size(self) -> int | None:
+        """How many bytes `parts` will yield, None as long as the answer has not ended."""
+        return self.held_bytes if self.end is not None else None
+
+    @property
+    def copy(self) -> bytes | None:
+        """The whole body, when the answer has ended and is not larger than was to be copied."""
+        return None if self.end is None or self._copied is None else b"".join(self._copied)
+
+    async def parts(self) -> AsyncIterator[bytes]:
+        """Yield the answer as bytes; `end` is there behind the last.
+
+        Raises:
+            KgError: what ended it before it was whole; KG303 the store, KG503 deadline, KG506 the query, KG507 memory,
+                KG508 the reader ended, KG510 cancelled, KG511 too large.
+        """
+        while self._held or self.end is None:
+            if self._held:
+                yield self._held.popleft()
+            else:
+                await self._hear()
+
+    async def begin(self) -> None:
+        """Wait for the head; raises as `parts`."""
+        while not self._begun:
+            await self._hear()
+
+    async def collect(self, seconds: float, most: int) -> bool:
+        """Take parts for so long, or so many bytes; tell whether that was the whole answer. Raises as `parts`."""
+        try:
+            async with asyncio.timeout(seconds):
+                while self.end is None and self.held_bytes <= most:
+                    await self._hear()
+        except TimeoutError:
+            return False
+        return self.end is not None
+
+    async def _hear(self) -> None:
+        """Take one message."""
+        assert self._process is not None  # noqa: S101 - what is known already has ended
+        message = await self._process.receive()
+        if message is None:
+            raise self._reason(self._process)
+        if isinstance(message, bytes):
+            self._hold(message)
+        elif isinstance(message, Head):
+            self.head, self._begun = message, True
+        elif isinstance(message, Progress):
+            self.job.rows = message.rows
+        elif isinstance(message, Failure):
+            self.settled, self.last = True, message.last
+            raise message.error()
+        elif isinstance(message, End):
+            self.end, self.settled, self.last = message, True, message.last
+            self.job.rows = message.rows
+
+    def _hold(self, part: bytes) -> None:
+        self._held.append(part)
+        self.held_bytes += len(part)
+        if self._copied is not None:
+            self._copied.append(part)
+            if self.held_bytes > self._room:
+                self._copied = None
+
+    def _reason(self, process: Process) -> Exception:
+        """Return why there is nothing more to hear."""
+        if self.job.cause is not None:
+            return self.job.cause
+        if process.out_of_memory:
+            hint = "Ask for fewer rows; avoid ORDER BY and patterns that have nothing in common."
+            return QueryError("KG507", "the query needs more memory than it may use", hint=hint)
+        return QueryError("KG508", "the process that ran the query ended", hint="Ask less at once.")

@@ -1,0 +1,210 @@
+"""What a reader does: it answers requests on a socket until that is closed."""
+
+from __future__ import annotations
+
+import os
+import resource
+import threading
+import time
+from functools import cached_property
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO, Final, cast
+
+import msgspec
+import pyoxigraph
+from pyoxigraph import Literal, NamedNode
+
+from kg.errors import KgError, QueryError
+from kg.query.evaluation import Dataset, prepare
+from kg.query.formats import write_boolean, write_graph, write_rows
+from kg.query.readers.messages import (
+    Call,
+    Configuration,
+    End,
+    Head,
+    Question,
+    Ready,
+    Refresh,
+    frame,
+)
+from kg.query.readers.parts import Parts, Pulse
+from kg.query.readers.requests import failure, received
+from kg.query.window import Window
+from kg.settings import load
+from kg.store.layout import Layout
+from kg.store.snapshot import EmbeddedSnapshot
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from pyoxigraph import Triple
+
+    from kg.query.evaluation import Evaluation
+    from kg.query.readers.messages import Message
+    from kg.query.result import Row
+    from kg.settings import Settings
+
+__all__ = ["serve"]
+
+
+_RESERVED_BYTES: Final = 1 << 30
+"""About what a reader reserves, where the system does not tell."""
+_LARGE_BYTES: Final = 512 << 20
+"""A reader that holds more than this behind an answer does not wait for another request."""
+_HARD_LIMIT: Final = resource.getrlimit(resource.RLIMIT_AS)[1]
+
+
+def serve(requests: BinaryIO, answers: BinaryIO) -> None:
+    """Answer `requests`, of which the first is a `Configuration`, until they end."""
+    configuration = received(requests)
+    if not isinstance(configuration, Configuration):
+        return
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    reader = _Reader(configuration, answers)
+    reader.begin()
+    while (request := received(requests)) is not None:
+        if not reader.answer(request):
+            return
+
+
+class _Reader:
+    """One store, read for whoever takes the `answers`."""
+
+    def __init__(self, configuration: Configuration, answers: BinaryIO) -> None:
+        self._configuration = configuration
+        self._layout = Layout(Path(configuration.root))
+        self._answers = answers
+        self._snapshot: EmbeddedSnapshot | None = None
+        self._threads = threading.active_count()
+
+    def begin(self) -> None:
+        """Open what is in force and say that requests may come."""
+        self._refresh()
+        self._send(Ready(os.getpid()))
+
+    def answer(self, request: Message | bytes) -> bool:
+        """Answer a request; false when this process had better not answer another one."""
+        try:
+            if isinstance(request, Question):
+                self._ask(request)
+            elif isinstance(request, Call):
+                self._call(request)
+            elif isinstance(request, Refresh):
+                self._refresh()
+        except Exception as error:  # noqa: BLE001 - one request must not end the others
+            self._send(msgspec.structs.replace(failure(error, "query"), last=self._is_spent()))
+            return not isinstance(error, MemoryError)
+        return True
+
+    def _ask(self, question: Question) -> None:
+        began = time.perf_counter()
+        terms = {name: _term(name, text) for name, text in question.parameters.items()}
+        prepared = prepare(question.text, terms, question.path)
+        snapshot = self._current()
+        if question.snapshot not in {None, snapshot.identity}:
+            message = f"the data is no longer snapshot {question.snapshot}, but {snapshot.identity}"
+            raise QueryError("KG512", message, hint="Ask again without a snapshot to see what holds now.")
+        dataset = Dataset(question.union, question.default_graphs, question.named_graphs)
+        evaluation = prepared.evaluate(snapshot, dataset, question.base)
+        kind = evaluation.kind
+        if kind not in question.formats:
+            raise QueryError("KG504", f"the query answers {kind}, which no format asked for can hold")
+        head = Head(kind, question.formats[kind], snapshot.identity, evaluation.variables, prepared.repeatable)
+        count, more = self._write(head, evaluation, question)
+        self._end(count, began, more=more)
+
+    def _write(self, head: Head, evaluation: Evaluation, question: Question) -> tuple[int, bool]:
+        """Say the head and the parts; return how many rows these hold, and whether there were more."""
+        parts = Parts(self._answers, head, question.size)
+        if isinstance(evaluation.found, bool):
+            write_boolean(head.format, parts.take, value=evaluation.found)
+            parts.flush()
+            return 1, False
+        pulse = Pulse(self._answers)
+        window: Window[Any] = Window(evaluation.found, offset=question.offset, most=question.rows, tick=pulse.tick)
+        if head.kind == "graph":
+            write_graph(head.format, cast("Iterable[Triple]", window), parts.take)
+        else:
+            write_rows(head.format, evaluation.variables, cast("Iterable[Row]", window), parts.take)
+        parts.flush()
+        return window.count, window.more
+
+    def _call(self, call: Call) -> None:
+        functions = import_module(self._configuration.calls).CALLS if self._configuration.calls else {}
+        if call.name not in functions:
+            raise QueryError("KG506", f"there is no view `{call.name}`")
+        began = time.perf_counter()
+        snapshot = self._current()
+        found = functions[call.name](snapshot, self._settings, **call.arguments)
+        parts = Parts(self._answers, Head("json", "json", snapshot.identity, repeatable=False), None)
+        parts.take(msgspec.json.encode(found))
+        parts.flush()
+        self._end(1, began)
+
+    @cached_property
+    def _settings(self) -> Settings:
+        return load({"store": self._configuration.root, **self._configuration.settings})
+
+    def _end(self, count: int, began: float, *, more: bool = False) -> None:
+        """Say that the answer is whole."""
+        self._send(End(count, time.perf_counter() - began, more, self._is_spent()))
+
+    def _is_spent(self) -> bool:
+        """Tell whether a request left this process large or at work, so that another one had better begin anew."""
+        return _resident_bytes() > _LARGE_BYTES or threading.active_count() > self._threads
+
+    def _current(self) -> EmbeddedSnapshot:
+        """Return the content that is in force now."""
+        if self._snapshot is not None and self._snapshot.generation != self._layout.current():
+            self._snapshot.close()
+            self._snapshot = None
+        if self._snapshot is None:
+            _cap_memory(None)
+            self._snapshot = EmbeddedSnapshot(self._layout)
+            _cap_memory(self._configuration.memory)
+        return self._snapshot
+
+    def _refresh(self) -> None:
+        """Open what is in force; what keeps it from that is for the next request to say."""
+        try:
+            self._current()
+        except (KgError, OSError):
+            return
+
+    def _send(self, message: Message) -> None:
+        self._answers.write(frame(message))
+        self._answers.flush()
+
+
+def _term(name: str, text: str) -> NamedNode | Literal:
+    """Return the term that N-Triples writes as `text`; QueryError KG505 when that is no IRI and no literal."""
+    try:
+        statements = list(pyoxigraph.parse(f"<x:s> <x:p> {text} .", pyoxigraph.RdfFormat.N_TRIPLES))
+    except SyntaxError:
+        statements = []
+    term = statements[0].object if len(statements) == 1 else None
+    if not isinstance(term, NamedNode | Literal):
+        raise QueryError("KG505", f"`{text}` for ?{name} is no term of N-Triples", hint='Write <iri> or "text".')
+    return term
+
+
+def _cap_memory(most: int | None) -> None:
+    """Bound the address space to what it is now and `most` bytes more; past that the engine ends the process.
+
+    Much of what it is now is only reserved: stacks, and room for the memory of threads.
+    """
+    now = _memory_bytes(0) or _RESERVED_BYTES
+    wanted = _HARD_LIMIT if most is None else now + most
+    bounded = wanted if _HARD_LIMIT == resource.RLIM_INFINITY else min(wanted, _HARD_LIMIT)
+    resource.setrlimit(resource.RLIMIT_AS, (bounded, _HARD_LIMIT))
+
+
+def _resident_bytes() -> int:
+    """Return how much memory this process holds, 0 where the system does not tell."""
+    return _memory_bytes(1)
+
+
+def _memory_bytes(column: int) -> int:
+    statistics = Path("/proc/self/statm")
+    return int(statistics.read_text().split()[column]) * resource.getpagesize() if statistics.exists() else 0

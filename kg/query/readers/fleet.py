@@ -1,0 +1,168 @@
+"""The reader processes that there are: those with nothing to do, and how others come and go."""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+from collections import Counter, defaultdict
+from typing import TYPE_CHECKING
+
+from kg.errors import QueryError
+from kg.query.readers.messages import Refresh, frame
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kg.query.readers.processes import Process, Spawner
+
+__all__ = ["Fleet"]
+
+
+class Fleet:
+    """Readers made by `spawner`; `ready` of them are kept, of which at least one has nothing to do if it can be helped.
+
+    Those that have given way to others cannot take that back; they are kept for other requests that are to be as nice.
+    `spawned` is how many there were so far, `ended` how many of these by what ended them.
+    """
+
+    def __init__(self, spawner: Spawner, ready: int) -> None:
+        self._spawner = spawner
+        self._ready = ready
+        self._idle: list[Process] = []
+        self._niced: defaultdict[int, list[Process]] = defaultdict(list)
+        self._used: set[Process] = set()
+        self._filling: asyncio.Task[None] | None = None
+        self._closing = False
+        self.spawned = 0
+        self.ended: Counter[str] = Counter()
+
+    @property
+    def idle(self) -> int:
+        """How many have nothing to do."""
+        return len(self._waiting())
+
+    async def take(self, tell: Callable[[asyncio.Future[None]], object], niceness: int) -> Process:
+        """Return a reader with nothing to do; while one starts, an exception on what `tell` is given ends the waiting.
+
+        For one that is to be nice a new one is started rather than one taken that waits for those that are not.
+
+        Raises:
+            QueryError: KG508 when there is none and none can be started.
+        """
+        process = self._alive(self._niced[niceness] if niceness else self._idle)
+        process = process or await self._spawn_unless(tell, niceness)
+        self._used.add(process)
+        self.fill()
+        return process
+
+    def put(self, process: Process) -> None:
+        """Take a reader back that is ready for the next request."""
+        self._used.discard(process)
+        kept = self._niced[process.niceness] if process.niceness else self._idle
+        if process.ended or self._closing or len(kept) > self._ready - 2 * bool(process.niceness):
+            self._close(process, "retired")
+        else:
+            kept.append(process)
+        self.fill()
+
+    def drop(self, process: Process, cause: str) -> None:
+        """End a reader that still does something, and note the cause."""
+        self._used.discard(process)
+        self._close(process, cause)
+        self.fill()
+
+    def refresh(self) -> None:
+        """Let the readers with nothing to do take note that the data has changed; the others do so afterwards."""
+        for process in self._waiting():
+            process.send(frame(Refresh()))
+
+    def fill(self) -> None:
+        """See to it, in the background, that there are enough."""
+        if self._filling is None and not self._closing and len(self._idle) < self._wanted():
+            self._filling = asyncio.get_running_loop().create_task(self._fill())
+
+    async def close(self) -> None:
+        """End all of them, and what they are forked from."""
+        self._closing = True
+        if self._filling is not None:
+            self._filling.cancel()
+            await asyncio.gather(self._filling, return_exceptions=True)
+        for process in [*self._waiting(), *self._used]:
+            process.close()
+        self._idle.clear()
+        self._niced.clear()
+        self._used.clear()
+        await self._spawner.close()
+
+    def _waiting(self) -> list[Process]:
+        """Return all that have nothing to do."""
+        return [*self._idle, *itertools.chain.from_iterable(self._niced.values())]
+
+    def _alive(self, kept: list[Process]) -> Process | None:
+        """Take the one that was used last, which has the data in its caches; None when there is none."""
+        while kept:
+            process = kept.pop()
+            if not process.ended:
+                return process
+            self._close(process, "crashed")
+        return None
+
+    def _wanted(self) -> int:
+        """Return how many are to have nothing to do, beside those that give way to others."""
+        return max(1, self._ready - sum(not process.niceness for process in self._used))
+
+    async def _fill(self) -> None:
+        try:
+            while len(self._idle) < self._wanted():
+                self._idle.insert(0, await self._spawn())
+        except QueryError:
+            # Whoever needs a reader tries again and is told.
+            return
+        finally:
+            self._filling = None
+
+    async def _spawn_unless(self, tell: Callable[[asyncio.Future[None]], object], niceness: int) -> Process:
+        """Return a new reader; raises what is told meanwhile."""
+        told: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        tell(told)
+        starting = asyncio.ensure_future(self._spawn(niceness))
+        told.add_done_callback(lambda _: starting.cancel())
+        try:
+            return await starting
+        except asyncio.CancelledError:
+            if starting.done() and not starting.cancelled() and starting.exception() is None:
+                # It was ready in the moment that whoever wanted it went away.
+                self.put(starting.result())
+            if told.done():
+                told.result()
+            raise
+        finally:
+            # Nobody else asks what it was told, which would be reported as forgotten.
+            if not told.cancel():
+                told.exception()
+
+    async def _spawn(self, niceness: int = 0) -> Process:
+        # What readers are forked from may end before it has read the order; for the next one it is started anew.
+        process = await self._spawn_once(niceness) or await self._spawn_once(niceness)
+        if process is None:
+            raise QueryError("KG508", "no process for queries can be started", hint="The log has what it said.")
+        self.spawned += 1
+        return process
+
+    async def _spawn_once(self, niceness: int) -> Process | None:
+        """Return a new reader; None when it has ended before it could be asked."""
+        process = await self._spawner.spawn(niceness)
+        try:
+            ready = await process.receive()
+        except BaseException:
+            process.close()
+            raise
+        if ready is None:
+            process.close()
+            return None
+        process.pid = ready.pid
+        return process
+
+    def _close(self, process: Process, cause: str) -> None:
+        process.close()
+        self.ended[cause] += 1

@@ -1,0 +1,69 @@
+"""How a reader gives an answer out: in parts of some size, with word of how far it is."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, BinaryIO, Final
+
+from kg.errors import QueryError
+from kg.query.readers.messages import Progress, frame
+
+if TYPE_CHECKING:
+    from kg.query.readers.messages import Head
+
+__all__ = ["Parts", "Pulse"]
+
+_PART_BYTES: Final = 64 << 10
+_SECONDS: Final = 0.1
+
+
+class Parts:
+    """Takes what is written and says it in parts, the head before the first; `most` bytes in all.
+
+    What goes wrong before the first part is full is known before anything was said.
+    """
+
+    def __init__(self, answers: BinaryIO, head: Head, most: int | None) -> None:
+        self._answers = answers
+        self._head: Head | None = head
+        self._most = most
+        self._size = 0
+        self._held: list[bytes] = []
+        self._held_bytes = 0
+
+    def take(self, data: bytes) -> None:
+        """Take some more of the answer; QueryError KG511 when it becomes larger than it may."""
+        self._size += len(data)
+        if self._most is not None and self._size > self._most:
+            hint = "Ask for fewer rows, with LIMIT."
+            raise QueryError("KG511", f"the answer has more than {self._most:,} bytes", hint=hint)
+        self._held.append(data)
+        self._held_bytes += len(data)
+        if self._held_bytes >= _PART_BYTES:
+            self.flush()
+
+    def flush(self) -> None:
+        """Say what is held; behind the last of it the answer can end."""
+        if self._head is not None:
+            self._answers.write(frame(self._head))
+            self._head = None
+        if self._held:
+            self._answers.write(frame(b"".join(self._held)))
+            self._held, self._held_bytes = [], 0
+        self._answers.flush()
+
+
+class Pulse:
+    """Says how many rows were found, ten times a second at most."""
+
+    def __init__(self, answers: BinaryIO) -> None:
+        self._answers = answers
+        self._next = time.monotonic() + _SECONDS
+
+    def tick(self, count: int) -> None:
+        """Take word that there are `count` rows."""
+        now = time.monotonic()
+        if now >= self._next:
+            self._answers.write(frame(Progress(count)))
+            self._answers.flush()
+            self._next = now + _SECONDS

@@ -1,0 +1,237 @@
+"""The readers of one store, for asyncio: `ask` a query, `call` a view, `cancel` what runs.
+
+async with Readers(layout) as readers:
+    async with readers.ask(Question(text="ASK {}", formats={"boolean": "json"}), seconds=30) as answer:
+        answer.head.kind                                    "boolean"
+        body = b"".join([part async for part in answer.parts()])
+        answer.end.rows                                     1
+
+There are lanes, so that slow queries do not keep quick ones waiting. Each query begins in the first one, where
+it has a fraction of a second to end. One that has not ended by then goes on in the second lane if that has room, and
+lets processes of the first go first; if not, it is ended, waits for the second lane and begins anew. Nothing of an
+answer is given out before it is whole or in the second lane. Requests that were slow before begin in the second lane;
+those that may be like them have lanes of their own to try that in, so that quick ones do not wait for them. Calls of
+views have one of their own too.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import secrets
+from contextlib import asynccontextmanager, suppress
+from typing import TYPE_CHECKING, Any, Final
+
+import msgspec
+
+from kg.errors import KgError, QueryError
+from kg.query.readers.answers import Answer
+from kg.query.readers.cache import AnswerCache, CacheStats, Kept, Pointer
+from kg.query.readers.course import Course, Lanes
+from kg.query.readers.fleet import Fleet
+from kg.query.readers.jobs import Job
+from kg.query.readers.messages import Call, Configuration, Question, frame
+from kg.query.readers.processes import PROGRAM, Spawner
+from kg.query.runner import DeadlineError
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Mapping, Sequence
+    from typing import Self
+
+    from kg.store.layout import Layout
+
+__all__ = ["Answer", "Job", "Readers", "Stats"]
+
+_LOOK_SECONDS: Final = 0.5
+"""How often is looked whether the data has changed."""
+
+_PREPARE_SECONDS: Final = 2.0
+"""Who opens a store for one question ends before, and pays nothing."""
+
+_CLOSED: Final = "the readers are closed"
+
+
+class Stats(msgspec.Struct, frozen=True):
+    """How the readers do: processes that are `idle`, requests in the first lane or on trial (`quick`), and others.
+
+    Those in the second lane are `slow`. `waiting` and `waiting_slow` wait for these. `spawned` is how many processes
+    there were, `ended` how many of them by cause: `deadline`, `cancelled`, `left` (whoever asked went away), `memory`,
+    `crashed`, `moved` (its request waits for the second lane), `retired` (not needed any more, or grown large).
+    `snapshot` is the data in force.
+    """
+
+    idle: int
+    quick: int
+    slow: int
+    waiting: int
+    waiting_slow: int
+    spawned: int
+    ended: dict[str, int]
+    cache: CacheStats
+    snapshot: str | None
+
+
+class Readers:
+    """Reader processes of one store.
+
+    `processes` requests run in each of the lanes; `queue` is how many more are taken, half of which may wait for
+    the second lane. `memory` is how many bytes a request may use. `cache` is how many bytes of answers are kept for
+    requests that come again while the data is the same; 0 keeps none. `calls` and `settings` are those of
+    `messages.Configuration`. `prepare` names a view that works out what the others then find; it is called without a
+    deadline soon after the start, and after the data has changed. What readers say on standard error goes to the log
+    alone, and keys that end the programs of a terminal do not reach them. `program` is what they are forked from.
+    """
+
+    def __init__(  # noqa: PLR0913 - all by name
+        self,
+        layout: Layout,
+        *,
+        processes: int = 2,
+        queue: int = 64,
+        memory: int | None = 2 << 30,
+        cache: int = 0,
+        calls: str = "",
+        prepare: str = "",
+        settings: Mapping[str, Any] | None = None,
+        program: Sequence[str] = PROGRAM,
+    ) -> None:
+        self.layout = layout
+        self._prepare = prepare
+        self._preparing: asyncio.Task[None] | None = None
+        self.jobs: dict[str, Job] = {}
+        self._most = processes + queue
+        configuration = Configuration(str(layout.root), memory, calls, dict(settings or {}))
+        self._fleet = Fleet(Spawner(configuration, program), processes + 1)
+        self._lanes = Lanes.of(processes, self._most, max(1, queue // 2), self._fleet)
+        self._cache = AnswerCache(cache)
+        self._pointer = Pointer(layout)
+        self._looking: asyncio.Task[None] | None = None
+        self._closed = False
+
+    async def __aenter__(self) -> Self:
+        self._fleet.fill()
+        self._looking = asyncio.get_running_loop().create_task(self._look())
+        self._begin_preparing()
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        self._closed = True
+        for job in tuple(self.jobs.values()):
+            job.end(QueryError("KG510", _CLOSED))
+        for task in (self._looking, self._preparing):
+            if task is not None:
+                task.cancel()
+                await asyncio.gather(task, return_exceptions=True)
+        await self._fleet.close()
+
+    @asynccontextmanager
+    async def ask(
+        self, request: Question | Call, *, seconds: float | None = None, job: str | None = None
+    ) -> AsyncIterator[Answer]:
+        """Send a request and yield its answer, of which the head is there; leaving early ends the work.
+
+        `job` is the identity to cancel it by. The deadline counts from here, waiting included, and until the caller has
+        left: a caller that is slow to take an answer does not hold a reader for longer.
+
+        Raises:
+            KgError: what the reader says; KG503 deadline, KG505 a job of this identity runs, KG507 memory, KG508 the
+                reader ended, KG509 too many wait, KG510 cancelled.
+        """
+        message = frame(request)
+        room = self._cache.largest if isinstance(request, Question) else 0
+        entry = Job(job or secrets.token_urlsafe(16), request.text if isinstance(request, Question) else request.name)
+        entry.own = isinstance(request, Call) and request.name == self._prepare
+        kept = self._cache.get(message, self._pointer.snapshot()) if room else None
+        if kept is not None:
+            yield Answer.of(entry, kept)
+            return
+        self._admit(entry)
+        timer = asyncio.get_running_loop().call_later(seconds, _expire, entry, seconds) if seconds else None
+        course = Course(self._lanes, entry, message, room, view=isinstance(request, Call))
+        try:
+            answer = await course.begin()
+            yield answer
+            if (body := answer.copy) is not None and answer.end is not None:
+                self._cache.put(message, Kept(answer.head, body, answer.end), self._pointer.snapshot())
+        except KgError as error:
+            course.error = error
+            raise
+        finally:
+            if timer:
+                timer.cancel()
+            self.jobs.pop(entry.identity, None)
+            course.leave()
+
+    def known(self, question: Question) -> Answer | None:
+        """Return the answer to a question if it was asked before of the same data, without waiting; else None."""
+        message, snapshot = frame(question), self._pointer.snapshot()
+        if snapshot is None or not self._cache.has(message, snapshot):
+            return None
+        kept = self._cache.get(message, snapshot)
+        return None if kept is None else Answer.of(Job("", question.text), kept)
+
+    async def call(self, name: str, arguments: Mapping[str, Any], *, seconds: float | None = 60) -> bytes:
+        """Return the JSON that a view answers; raises as `ask`."""
+        async with self.ask(Call(name, dict(arguments)), seconds=seconds) as answer:
+            return b"".join([part async for part in answer.parts()])
+
+    def cancel(self, identity: str) -> bool:
+        """End a request; False when none of this identity runs."""
+        job = self.jobs.get(identity)
+        if job is not None:
+            job.end(QueryError("KG510", "the query was cancelled"))
+        return job is not None
+
+    def moved(self) -> None:
+        """Take note at once that the data has changed, which else takes half a second."""
+        self._fleet.refresh()
+
+    def stats(self) -> Stats:
+        """Return how the readers do."""
+        first, slow, fleet = self._lanes.first_ones, self._lanes.slow, self._fleet
+        return Stats(
+            idle=fleet.idle,
+            quick=sum(lane.held for lane in first),
+            slow=slow.held,
+            waiting=sum(lane.waiting for lane in first),
+            waiting_slow=slow.waiting,
+            spawned=fleet.spawned,
+            ended=dict(fleet.ended),
+            cache=self._cache.stats(),
+            snapshot=self._pointer.snapshot(),
+        )
+
+    def _admit(self, job: Job) -> None:
+        if self._closed:
+            raise QueryError("KG510", _CLOSED)
+        if job.identity in self.jobs:
+            raise QueryError("KG505", "the job of this identity still runs", hint="Choose another identity.")
+        if len(self.jobs) >= self._most:
+            raise QueryError("KG509", f"{len(self.jobs)} queries run or wait already", hint="Try again in a second.")
+        self.jobs[job.identity] = job
+
+    async def _look(self) -> None:
+        """Let idle readers go of data that is no longer in force."""
+        known = self._pointer.snapshot()
+        while True:
+            await asyncio.sleep(_LOOK_SECONDS)
+            found = self._pointer.snapshot()
+            if found != known:
+                known = found
+                self.moved()
+                self._begin_preparing()
+
+    def _begin_preparing(self) -> None:
+        if self._preparing is not None:
+            self._preparing.cancel()
+        self._preparing = asyncio.get_running_loop().create_task(self._run_prepare()) if self._prepare else None
+
+    async def _run_prepare(self) -> None:
+        await asyncio.sleep(_PREPARE_SECONDS)
+        # Whoever asks for what could not be prepared is told why.
+        with suppress(KgError):
+            await self.call(self._prepare, {}, seconds=None)
+
+
+def _expire(job: Job, seconds: float) -> None:
+    message = f"the query ran longer than {seconds:g} s"
+    job.end(DeadlineError("KG503", message, hint="Ask less, or raise the timeout."))

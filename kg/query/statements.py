@@ -1,0 +1,65 @@
+"""Several queries in one text, as editors hold them: where each begins and ends.
+
+SPARQL has no sign between queries. A new one begins outside of all brackets at the first word of a prologue (`PREFIX`,
+`BASE`) or of a form (`SELECT`, ...) once the one before has a form; comments and blanks before it belong to it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from kg.query.lexer import Kind, tokens
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = ["Statement", "segment_at", "statement_at", "statements"]
+
+_PROLOGUE: Final = frozenset({"prefix", "base"})
+_FORMS: Final = frozenset({"select", "construct", "ask", "describe"})
+
+
+class Statement(NamedTuple):
+    """A query with the offsets of its first character and of the one behind its last."""
+
+    text: str
+    start: int
+    end: int
+
+
+def statements(text: str) -> Iterator[Statement]:
+    """Yield the queries in a normalised text, each from its first token to its last."""
+    start = end = 0
+    has_form = begun = False
+    depth = 0
+    for token in tokens(text):
+        word = token.text.lower() if token.kind is Kind.WORD and depth == 0 else ""
+        if begun and has_form and (word in _FORMS or word in _PROLOGUE):
+            yield Statement(text[start:end], start, end)
+            begun = has_form = False
+        if not begun:
+            start, begun = token.start, True
+        has_form = has_form or word in _FORMS
+        if token.kind is Kind.SIGN:
+            depth = max(0, depth + (token.text in {"{", "("}) - (token.text in {"}", ")"}))
+        end = token.end
+    if begun:
+        yield Statement(text[start:end], start, end)
+
+
+def statement_at(text: str, offset: int) -> Statement | None:
+    """Return the query that `offset` stands in or behind; the first one when it stands before all, None without any."""
+    found = None
+    for one in statements(text):
+        if found is not None and one.start > offset:
+            return found
+        found = one
+    return found
+
+
+def segment_at(text: str, offset: int) -> Statement:
+    """Return the query that `offset` stands in with the blanks and comments behind it, up to where the next begins."""
+    starts = [one.start for one in statements(text)]
+    begin = max((start for start in starts[1:] if start <= offset), default=0)
+    end = next((start for start in starts[1:] if start > offset), len(text))
+    return Statement(text[begin:end], begin, end)

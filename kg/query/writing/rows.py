@@ -1,0 +1,149 @@
+"""Rows in each of their formats, some at a time: a head, the rows, a tail.
+
+Sources: SPARQL 1.1 Query Results JSON Format; CSV and TSV Formats; XML in `xml`. Triple terms and base directions are
+written as SPARQL 1.2 does. `markdown` is a table; `jsonl` has one object a row, with plain values for literals of
+numbers, booleans and strings.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import msgspec
+from pyoxigraph import Literal, NamedNode, Triple
+
+from kg.query.writing import xml
+from kg.query.writing.values import XSD, display, plain, quoted_and_mark, turtle
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from kg.query.result import Row, Term
+
+__all__ = ["BOOLEANS", "ROWS", "RowFormat"]
+
+_INTEGER: Final = f'"^^<{XSD}integer>'
+_INTEGER_CHARS: Final = len(_INTEGER)
+_BOOLEANS: Final = frozenset(f'"{value}"^^<{XSD}boolean>' for value in ("true", "false"))
+_BOOLEAN_CHARS: Final = len(f'"^^<{XSD}boolean>')
+_WHOLE: Final = re.compile(r"[+-]?[0-9]+")
+_encode: Final = msgspec.json.Encoder().encode
+
+
+class RowFormat(NamedTuple):
+    """How rows are written: what begins, some rows for their variables, what stands between those, what ends."""
+
+    head: Callable[[tuple[str, ...]], bytes]
+    rows: Callable[[tuple[str, ...], Sequence[Row]], bytes]
+    separator: bytes = b""
+    tail: bytes = b""
+
+
+def _json_head(variables: tuple[str, ...]) -> bytes:
+    return b'{"head":{"vars":' + _encode(variables) + b'},"results":{"bindings":[\n'
+
+
+def _json_rows(variables: tuple[str, ...], found: Sequence[Row]) -> bytes:
+    names = [_encode(name) + b":" for name in variables]
+    lines = []
+    for row in found:
+        cells = [name + _json_term(term) for name, term in zip(names, row, strict=True) if term is not None]
+        lines.append(b"{" + b",".join(cells) + b"}")
+    return b",\n".join(lines)
+
+
+def _json_term(term: Term) -> bytes:
+    if isinstance(term, NamedNode):
+        return b'{"type":"uri","value":' + _encode(term.value) + b"}"
+    if isinstance(term, Literal):
+        value, mark = quoted_and_mark(term)
+        # The engine's quoted text has the escapes of N-Triples in their canonical form, which are those of JSON.
+        return b'{"type":"literal","value":' + value.encode() + (_json_mark(mark) if mark else b"") + b"}"
+    if isinstance(term, Triple):
+        parts = {"subject": term.subject, "predicate": term.predicate, "object": term.object}
+        inner = b",".join(_encode(key) + b":" + _json_term(part) for key, part in parts.items())
+        return b'{"type":"triple","value":{' + inner + b"}}"
+    return b'{"type":"bnode","value":' + _encode(term.value) + b"}"
+
+
+def _json_mark(mark: str) -> bytes:
+    if mark[0] == "^":
+        return b',"datatype":' + _encode(mark[3:-1])
+    language, _, direction = mark[1:].partition("--")
+    return b',"xml:lang":' + _encode(language) + (b',"its:dir":' + _encode(direction) if direction else b"")
+
+
+def _jsonl_rows(variables: tuple[str, ...], found: Sequence[Row]) -> bytes:
+    return b"".join(_encode(dict(zip(variables, map(plain, row), strict=True))) + b"\n" for row in found)
+
+
+def _csv_lines(lines: Sequence[Sequence[str]]) -> bytes:
+    output = io.StringIO()
+    csv.writer(output, lineterminator="\r\n").writerows(lines)
+    return output.getvalue().encode()
+
+
+def _csv_rows(_variables: tuple[str, ...], found: Sequence[Row]) -> bytes:
+    return _csv_lines([["" if term is None else _bare(term) for term in row] for row in found])
+
+
+def _bare(term: Term) -> str:
+    return term.value if isinstance(term, (NamedNode, Literal)) else turtle(term)
+
+
+def _tsv_head(variables: tuple[str, ...]) -> bytes:
+    return ("\t".join(f"?{name}" for name in variables) + "\n").encode()
+
+
+def _tsv_rows(_variables: tuple[str, ...], found: Sequence[Row]) -> bytes:
+    # The engine's own form of a term has its tabs and ends of lines escaped.
+    lines = ("\t".join(["" if term is None else _short(term) for term in row]) for row in found)
+    return "".join(line + "\n" for line in lines).encode()
+
+
+def _short(term: Term) -> str:
+    """Return a term as Turtle writes it, integers and booleans in their short form."""
+    if not isinstance(term, Literal):
+        return turtle(term)
+    text = str(term)
+    value, mark = text[1:-_INTEGER_CHARS], text[-_INTEGER_CHARS:]
+    if mark == _INTEGER and _WHOLE.fullmatch(value):
+        return value
+    return text[1:-_BOOLEAN_CHARS] if text in _BOOLEANS else text
+
+
+def _markdown_head(variables: tuple[str, ...]) -> bytes:
+    return ("| " + " | ".join(variables) + " |\n|" + " --- |" * len(variables) + "\n").encode()
+
+
+def _markdown_rows(_variables: tuple[str, ...], found: Sequence[Row]) -> bytes:
+    return "".join("| " + " | ".join(map(_cell, row)) + " |\n" for row in found).encode()
+
+
+def _cell(term: Term | None) -> str:
+    text = display(term).replace("\\", "\\\\").replace("|", "\\|")
+    return text if text.isprintable() else " ".join(text.splitlines())
+
+
+ROWS: Final = {
+    "json": RowFormat(_json_head, _json_rows, b",\n", b"\n]}}\n"),
+    "xml": RowFormat(xml.head, xml.rows, tail=xml.TAIL),
+    "csv": RowFormat(lambda variables: _csv_lines([variables]), _csv_rows),
+    "tsv": RowFormat(_tsv_head, _tsv_rows),
+    "markdown": RowFormat(_markdown_head, _markdown_rows),
+    "jsonl": RowFormat(lambda _: b"", _jsonl_rows),
+}
+"""What rows can be written as."""
+
+BOOLEANS: Final[dict[str, Callable[[str], bytes]]] = {
+    "json": lambda value: f'{{"head":{{}},"boolean":{value}}}\n'.encode(),
+    "xml": xml.boolean,
+    "csv": lambda value: f"{value}\r\n".encode(),
+    "tsv": lambda value: f"{value}\n".encode(),
+    "markdown": lambda value: f"{value}\n".encode(),
+    "jsonl": lambda value: f"{value}\n".encode(),
+}
+"""What yes or no can be written as, given as `true` or `false`."""

@@ -1,0 +1,66 @@
+"""Single terms as people and programs read them."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import TYPE_CHECKING, Final
+
+from pyoxigraph import Literal, NamedNode, Triple
+
+from kg.query.prefixes import shorten
+
+if TYPE_CHECKING:
+    from kg.query.result import Term
+
+__all__ = ["STRING", "XSD", "display", "plain", "quoted_and_mark", "turtle"]
+
+XSD: Final = "http://www.w3.org/2001/XMLSchema#"
+STRING: Final = XSD + "string"
+_INTEGERS: Final = frozenset({XSD + "integer", XSD + "int", XSD + "long", XSD + "nonNegativeInteger"})
+_DECIMALS: Final = frozenset({XSD + "decimal", XSD + "double", XSD + "float"})
+_WHOLE: Final = re.compile(r"[+-]?[0-9]+")
+
+
+def plain(term: Term | None) -> str | int | float | bool | None:
+    """Return the value of a term as JSON has it: numbers and booleans as such, everything else as text.
+
+    A number that JSON does not have, as infinity, or that is not written as one, is text too.
+    """
+    if not isinstance(term, Literal):
+        return None if term is None else term.value if isinstance(term, NamedNode) else turtle(term)
+    datatype = term.datatype.value
+    try:
+        if datatype in _INTEGERS and _WHOLE.fullmatch(term.value):
+            return int(term.value)
+        if datatype in _DECIMALS and math.isfinite(number := float(term.value)):
+            return number
+    except ValueError:
+        return term.value
+    return term.value in {"true", "1"} if datatype == XSD + "boolean" else term.value
+
+
+def display(term: Term | None) -> str:
+    """Return a term as people read it: IRIs with known prefixes, literals as their text."""
+    if isinstance(term, NamedNode):
+        return shorten(term.value).strip("<>")
+    if isinstance(term, Literal):
+        return term.value
+    return "" if term is None else turtle(term)
+
+
+def turtle(term: Term) -> str:
+    """Return a term as Turtle and N-Triples write it; the engine leaves the brackets of triple terms out."""
+    if isinstance(term, Triple):
+        return f"<<( {turtle(term.subject)} {term.predicate} {turtle(term.object)} )>>"
+    return str(term)
+
+
+def quoted_and_mark(literal: Literal) -> tuple[str, str]:
+    """Return the text of a literal in quotes, escaped as in N-Triples, and what stands behind: `@en`, `^^<...>`.
+
+    This is one question to the engine, where text, language, direction and data type would be four.
+    """
+    text = str(literal)
+    end = text.rindex('"') + 1
+    return text[:end], text[end:]

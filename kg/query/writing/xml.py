@@ -1,0 +1,92 @@
+"""Rows as SPARQL Query Results XML (W3C, second edition; triple terms and base directions as in SPARQL 1.2)."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Final
+from xml.sax.saxutils import escape, quoteattr
+
+from pyoxigraph import Literal, NamedNode, Triple
+
+from kg.errors import QueryError
+from kg.query.writing.values import quoted_and_mark
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kg.query.result import Row, Term
+
+__all__ = ["TAIL", "boolean", "head", "refuse_unwritable", "rows"]
+
+_NAMESPACE: Final = "http://www.w3.org/2005/sparql-results#"
+_DIRECTION: Final = ' its:dir="{}" xmlns:its="http://www.w3.org/2005/11/its" its:version="2.0"'
+_ESCAPES: Final = {"\r": "&#13;"}
+"""An XML parser reads a bare carriage return as a line feed."""
+_UNWRITABLE: Final = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
+"""What XML 1.0 has no way to write, not even as a reference (section 2.2)."""
+
+TAIL: Final = b"</results>\n</sparql>\n"
+
+
+def refuse_unwritable(text: str) -> None:
+    """Refuse a text with a character that XML cannot hold.
+
+    Raises:
+        QueryError: KG504 naming the character.
+    """
+    found = _UNWRITABLE.search(text)
+    if found:
+        message = f"a text of the answer has the character U+{ord(found.group()):04X}, which XML cannot hold"
+        raise QueryError("KG504", message, hint="Ask for a format that is not XML.")
+
+
+def head(variables: tuple[str, ...]) -> bytes:
+    """Return the document up to the first row."""
+    named = "".join(f"<variable name={quoteattr(name)}/>" for name in variables)
+    return f'<?xml version="1.0"?>\n<sparql xmlns="{_NAMESPACE}">\n<head>{named}</head>\n<results>\n'.encode()
+
+
+def rows(variables: tuple[str, ...], found: Sequence[Row]) -> bytes:
+    """Return some rows, a line each; QueryError KG504 for a text that XML cannot hold."""
+    opened = [f"<binding name={quoteattr(name)}>" for name in variables]
+    lines = []
+    for row in found:
+        cells = [
+            f"{binding}{_term(term)}</binding>" for binding, term in zip(opened, row, strict=True) if term is not None
+        ]
+        lines.append(f"<result>{''.join(cells)}</result>\n")
+    return "".join(lines).encode()
+
+
+def boolean(value: str) -> bytes:
+    """Return the whole document of yes or no."""
+    body = f"<head></head>\n<boolean>{value}</boolean>\n"
+    return f'<?xml version="1.0"?>\n<sparql xmlns="{_NAMESPACE}">\n{body}</sparql>\n'.encode()
+
+
+def _term(term: Term) -> str:
+    if isinstance(term, NamedNode):
+        return f"<uri>{escape(term.value)}</uri>"
+    if isinstance(term, Literal):
+        quoted, mark = quoted_and_mark(term)
+        value = term.value if "\\" in quoted else quoted[1:-1]
+        return f"<literal{_marks(mark)}>{_text(value)}</literal>"
+    if isinstance(term, Triple):
+        parts = {"subject": term.subject, "predicate": term.predicate, "object": term.object}
+        return "<triple>" + "".join(f"<{key}>{_term(part)}</{key}>" for key, part in parts.items()) + "</triple>"
+    return f"<bnode>{escape(term.value)}</bnode>"
+
+
+def _marks(mark: str) -> str:
+    if not mark:
+        return ""
+    if mark[0] == "^":
+        return f" datatype={quoteattr(mark[3:-1])}"
+    language, _, direction = mark[1:].partition("--")
+    return f' xml:lang="{language}"' + (_DIRECTION.format(direction) if direction else "")
+
+
+def _text(value: str) -> str:
+    if not value.isprintable():
+        refuse_unwritable(value)
+    return escape(value, _ESCAPES)

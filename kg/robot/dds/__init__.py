@@ -1,0 +1,49 @@
+"""ROS 2 over DDS, without an installation of ROS 2: `dds://DOMAIN`.
+
+    connection = await connect("dds://0", "/kg")
+    connection = await connect("dds://0?clock=simulated", "/kg")     # the time is that of /clock
+    connection = await connect("dds://0?distribution=humble", "/kg")     # a system of Humble or before
+
+Cyclone DDS is configured as everywhere, by `$CYCLONEDDS_URI`.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kg.errors import RobotError
+from kg.robot.messages import Types
+from kg.robot.ros2 import Address, Ros2Connection
+from kg.robot.ros2.names import absolute
+
+if TYPE_CHECKING:
+    from kg.robot.dds.middleware import DdsMiddleware
+
+__all__ = ["connect"]
+
+
+async def connect(address: str, name: str, types: Types | None = None) -> Ros2Connection:
+    """Become a node of a domain; there need not be anybody else in it yet.
+
+    Raises:
+        RobotError: KG801 for an address of another form, a name that is none, or when Cyclone DDS is not installed;
+            KG817 when the domain cannot be joined, as without a network.
+    """
+    read = Address.read(address)
+    own = absolute(name)
+    return await Ros2Connection.open(_joined(read, own, types or Types(2)), read, own)
+
+
+def _joined(address: Address, name: str, types: Types) -> DdsMiddleware:
+    try:
+        from cyclonedds.core import DDSException  # noqa: PLC0415 - an optional extra
+
+        from kg.robot.dds.middleware import DdsMiddleware  # noqa: PLC0415 - it needs the extra
+    except ImportError as error:
+        hint = 'Install it with `pip install "kg-ros[dds]"`.'
+        raise RobotError("KG801", f"Cyclone DDS is not installed: {error}", hint=hint) from None
+    try:
+        return DdsMiddleware(address.domain, name, types, humble=address.humble)
+    except DDSException as error:
+        told = f"the domain {address.domain} of DDS cannot be joined: {error.msg}"
+        raise RobotError("KG817", told, hint="See to the network and to $CYCLONEDDS_URI.") from None

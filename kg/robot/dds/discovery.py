@@ -1,0 +1,170 @@
+"""Who is in a domain: what the discovery of DDS tells, and the nodes that participants say they hold.
+
+Source: rmw_dds_common (ParticipantEntitiesInfo on the topic `ros_discovery_info`): a participant tells for each of its
+nodes the identifiers (GIDs) of its readers and writers; which topics those are of DDS itself tells.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
+
+from kg.robot.connection import GraphProblem, LiveEnd, LiveNode
+from kg.robot.dds.entities import PREFIX
+from kg.robot.ros2.middleware import Neighbourhood
+from kg.robot.ros2.names import is_name, replies, ros_end
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from kg.facts import Qos, Role
+
+__all__ = ["Discovery", "Endpoint", "gid"]
+
+Ends: TypeAlias = tuple[frozenset[bytes], ...]
+"""The identifiers of the readers and of the writers of a node."""
+RosEnd: TypeAlias = "tuple[Role, str, str | None]"
+_PARTICIPANT: Final = b"\x00\x00\x01\xc1"
+_MOST: Final = 100_000
+"""So many entities of one kind are kept, more would be no robot."""
+
+
+def gid(told: Any) -> bytes:
+    """Return the 16 bytes of an identifier as ROS writes it: a list of characters, of 24 bytes before Iron."""
+    return bytes(told["data"])[:16]
+
+
+@dataclass(frozen=True, slots=True)
+class Endpoint:
+    """A reader or writer of another participant; `end` is None when it is of no ROS topic or service."""
+
+    participant: bytes
+    topic: str
+    end: RosEnd | None
+    qos: Qos
+    handle: int
+    mark: str | None = None
+    """By which `clientid` or `serviceid` the two halves of a service or client are known."""
+    type_id: Any = None
+    problem: GraphProblem | None = None
+
+
+@dataclass(slots=True)
+class _Participant:
+    address: str
+    nodes: dict[str, Ends] = field(default_factory=dict)
+    problems: tuple[GraphProblem, ...] = ()
+
+
+class Discovery:
+    """The participants, readers and writers that are alive, and the nodes that they belong to."""
+
+    def __init__(self) -> None:
+        self._participants: dict[bytes, _Participant] = {}
+        self._told: dict[bytes, Any] = {}
+        self._ends: dict[bytes, Endpoint] = {}
+        self._handles: dict[int, bytes] = {}
+        self._owners: dict[bytes, str] = {}
+        self._own: bytes = b""
+
+    def leave_out(self, own: bytes) -> None:
+        """Note which participant is our own."""
+        self._own = own[:PREFIX]
+
+    def participant(self, key: bytes, address: str) -> None:
+        """Note a participant."""
+        if key[:PREFIX] == self._own or len(self._participants) >= _MOST:
+            return
+        self._participants.setdefault(key[:PREFIX], _Participant(address))
+        if key[:PREFIX] in self._told:
+            self.told(self._told.pop(key[:PREFIX]))
+
+    def end(self, key: bytes, endpoint: Endpoint) -> None:
+        """Note a reader or writer."""
+        if len(self._ends) < _MOST:
+            self._ends[key] = endpoint
+            self._handles[endpoint.handle] = key
+
+    @staticmethod
+    def read_end(topic: str, kind: str, *, writer: bool) -> tuple[RosEnd | None, GraphProblem | None]:
+        """Return what end of ROS a reader or writer is, and what is wrong with its name."""
+        end = ros_end(topic, kind, writer=writer)
+        if end is None:
+            return None, None
+        if not is_name(end[1]):
+            return None, GraphProblem("KG816", topic[:80], f"`{end[1][:80]}` is no name of ROS 2")
+        return end, None
+
+    def gone(self, key: bytes) -> None:
+        """Forget a participant with all that it told, or a reader or writer."""
+        endpoint = self._ends.pop(key, None)
+        if endpoint is not None:
+            self._handles.pop(endpoint.handle, None)
+            self._owners.pop(key, None)
+        elif key[:PREFIX] in self._participants and key[PREFIX:] == _PARTICIPANT:
+            del self._participants[key[:PREFIX]]
+
+    def told(self, value: Any) -> None:
+        """Note the nodes that a participant says it holds; what is nonsense in it is reported."""
+        key = gid(value["gid"])[:PREFIX]
+        if key == self._own:
+            return
+        found = self._participants.get(key)
+        if found is None:
+            if len(self._told) < _MOST:
+                self._told[key] = value  # its participant comes with another message
+            return
+        for each in found.nodes.values():
+            for one in (*each[0], *each[1]):
+                self._owners.pop(one, None)
+        found.nodes, found.problems = _nodes(value["node_entities_info_seq"], found.address)
+        for name, each in found.nodes.items():
+            for one in (*each[0], *each[1]):
+                if one[:PREFIX] == key:
+                    self._owners[one] = name
+
+    def node(self, handle: int) -> str | None:
+        """Return the node whose writer it is that has a handle."""
+        key = self._handles.get(handle)
+        return None if key is None else self._owners.get(key)
+
+    def endpoints(self, name: str) -> Iterator[Endpoint]:
+        """Yield the ends of a topic, or those of the requests and of the responses of a service."""
+        return (one for one in self._ends.values() if (one.end and one.end[1] == name) or one.topic == replies(name))
+
+    def neighbourhood(self) -> Neighbourhood:
+        """Return the nodes, ends and problems of all but our own participant."""
+        nodes = [LiveNode(name, one.address) for one in self._participants.values() for name in one.nodes]
+        problems = [problem for one in self._participants.values() for problem in one.problems]
+        ends, nameless = [], {}
+        for key, endpoint in self._ends.items():
+            if endpoint.participant[:PREFIX] == self._own:
+                continue
+            if endpoint.problem is not None:
+                problems.append(endpoint.problem)
+            if endpoint.end is None:
+                continue
+            name = self._owners.get(key)
+            if name is None:
+                name = f"/_participant_{endpoint.participant[:PREFIX].hex()}"
+                nameless[name] = self._participants.get(endpoint.participant[:PREFIX])
+            ends.append(LiveEnd(name, *endpoint.end, endpoint.qos))
+        nodes += [
+            LiveNode(name, one.address if one else None, "it says no name of a node: a participant without ROS 2")
+            for name, one in nameless.items()
+        ]
+        return Neighbourhood(tuple(nodes), tuple(ends), tuple(problems))
+
+
+def _nodes(told: Iterable[Any], address: str) -> tuple[dict[str, Ends], tuple[GraphProblem, ...]]:
+    nodes: dict[str, Ends] = {}
+    problems = []
+    for one in told:
+        name = f"{one['node_namespace'].rstrip('/')}/{one['node_name']}"
+        if not is_name(name):
+            problems.append(GraphProblem("KG816", address, f"`{name[:80]}` is no name of a node"))
+        elif name in nodes:
+            problems.append(GraphProblem("KG816", address, f"it tells the node `{name}` twice"))
+        else:
+            nodes[name] = tuple(frozenset(map(gid, one[f"{side}_gid_seq"])) for side in ("reader", "writer"))
+    return nodes, tuple(problems)

@@ -1,0 +1,154 @@
+"""Readers and writers of DDS, as bytes."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING, Any, Final
+
+from cyclonedds import _clayer
+from cyclonedds.core import DDSException, DDSStatus, InstanceState, SampleState, ViewState
+from cyclonedds.pub import DataWriter
+from cyclonedds.sub import DataReader
+
+from kg.errors import RobotError
+from kg.robot.dds.bell import delete
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kg.robot.dds.bell import Bell
+
+__all__ = ["PREFIX", "DdsReader", "DdsWriter"]
+
+PREFIX: Final = 12
+"""Of the 16 bytes of an identifier the first 12 are those of the participant (DDSI-RTPS 2.5, 9.3.1)."""
+_ANY: Final = SampleState.Any | ViewState.Any | InstanceState.Any
+_BATCH: Final = 100
+_ALIGNMENT: Final = 4
+
+
+def _matched(handles: Callable[[], list[int]]) -> list[int]:
+    """Return the handles of peers; the library counts before it fetches, and fails when one comes in between."""
+    while True:
+        try:
+            return handles()
+        except IndexError:
+            continue
+
+
+class _End:
+    """What readers and writers share: peers that are matched, which ends when it is closed."""
+
+    def __init__(self, bell: Bell, on_change: Callable[[], None]) -> None:
+        self.on_close: Callable[[], None] = lambda: None
+        self._news = asyncio.Event()
+        self._bell = bell
+        self._on_change = on_change
+        self._closed = False
+        self._entity: Any = None
+
+    @property
+    def peers(self) -> int:
+        """How many ends of others are matched."""
+        raise NotImplementedError
+
+    def _match(self) -> None:
+        self._news.set()
+        self._on_change()
+
+    async def until(self, true: Callable[[], bool]) -> None:
+        """Return when a condition holds that can only change with who is matched; KG803 when it is closed before."""
+        while not true():
+            if self._closed:
+                raise RobotError("KG803", "the connection was closed before anybody was there")
+            self._news.clear()
+            await self._news.wait()
+
+    async def ready(self) -> None:
+        """Return when an end of another node is matched."""
+        await self.until(lambda: self.peers > 0)
+
+    def close(self) -> None:
+        """Delete it; deleting again is nothing."""
+        if not self._closed:
+            self._closed = True
+            self._news.set()
+            self._bell.remove(self._entity)
+            delete(self._entity)
+            self.on_close()
+
+
+class DdsReader(_End):
+    """A reader that hands on each message, with the handle of its writer and its identifier."""
+
+    def __init__(
+        self,
+        bell: Bell,
+        topic: Any,
+        qos: Any,
+        deliver: Callable[[bytes, int], None],
+        on_change: Callable[[], None],
+    ) -> None:
+        super().__init__(bell, on_change)
+        self._deliver = deliver
+        self._entity = DataReader(bell.participant, topic, qos=qos)
+        self.identity: bytes = self._entity.guid.bytes
+        bell.add(self._entity, DDSStatus.DataAvailable | DDSStatus.SubscriptionMatched, self._happened)
+        self._happened()
+
+    @property
+    def peers(self) -> int:
+        """How many writers are matched."""
+        return 0 if self._closed else len(_matched(self._entity.get_matched_publications))
+
+    def _happened(self) -> None:
+        self._match()
+        self._drain()
+
+    def origin(self, handle: int) -> bytes | None:
+        """Return the participant whose writer has a handle, None when it has gone."""
+        found = None if self._closed else self._entity.get_matched_publication_data(handle)
+        return found.key.bytes[:PREFIX] if found else None
+
+    def _drain(self) -> None:
+        """Take what has come; the bell rings again for what comes meanwhile."""
+        while not self._closed:
+            found = _clayer.ddspy_take(self._entity._ref, _ANY, _BATCH)  # noqa: SLF001 - the library has no public way to bytes
+            if isinstance(found, int):
+                return
+            for content, info in found:
+                if info.valid_data:
+                    self._deliver(content, info.publication_handle)
+            if len(found) < _BATCH:
+                return
+
+
+class DdsWriter(_End):
+    """A writer of messages in CDR."""
+
+    def __init__(self, bell: Bell, topic: Any, qos: Any, on_change: Callable[[], None]) -> None:
+        super().__init__(bell, on_change)
+        self._name = topic.get_name()
+        self._entity = DataWriter(bell.participant, topic, qos=qos)
+        self.identity: bytes = self._entity.guid.bytes
+        bell.add(self._entity, DDSStatus.PublicationMatched, self._match)
+
+    @property
+    def peers(self) -> int:
+        """How many readers are matched."""
+        return 0 if self._closed else len(_matched(self._entity.get_matched_subscriptions))
+
+    def reaches(self, participant: bytes) -> bool:
+        """Tell whether a reader of a participant is matched."""
+        handles = [] if self._closed else _matched(self._entity.get_matched_subscriptions)
+        found = (self._entity.get_matched_subscription_data(handle) for handle in handles)
+        return any(one.key.bytes[:PREFIX] == participant for one in found if one)
+
+    def write(self, content: bytes) -> None:
+        """Send a message with its encapsulation; RobotError KG803 when the library does not take it."""
+        padded = content.ljust(-(-len(content) // _ALIGNMENT) * _ALIGNMENT, b"\0")
+        code = DDSException.DDS_RETCODE_ALREADY_DELETED
+        if not self._closed:
+            code = _clayer.ddspy_write(self._entity._ref, padded)  # noqa: SLF001 - the library has no public way to bytes
+        if code < 0:
+            raise RobotError("KG803", f"a message to `{self._name}` was not sent: {DDSException(code, 'writing').msg}")

@@ -1,0 +1,101 @@
+"""Quality of service: from that of DDS, and to it."""
+
+from __future__ import annotations
+
+import ctypes
+from typing import TYPE_CHECKING, Any, Final
+
+from cyclonedds.core import Policy
+from cyclonedds.core import Qos as DdsQos
+from cyclonedds.internal import dds_c_t
+from cyclonedds.qos import _CQos
+from cyclonedds.util import duration
+
+from kg.facts import Qos
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+__all__ = ["from_dds", "to_dds", "told", "user_data", "written"]
+
+_POLICIES: Final[Any] = _CQos
+_STRUCTURE: Final[Any] = dds_c_t.qos_p
+_READ: Final = ("reliability", "durability", "deadline", "lifespan", "liveliness", "userdata", "property")
+
+_BLOCKING: Final = duration(milliseconds=100)
+"""How long writing may wait for readers that are slow: the event loop waits with it."""
+_COERCION: Final = Policy.TypeConsistency.AllowTypeCoercion(
+    ignore_sequence_bounds=True,
+    ignore_string_bounds=True,
+    ignore_member_names=True,
+    prevent_type_widening=False,
+    force_type_validation=False,
+)
+"""ROS 2 compares names of types, and since Iron their hashes; not the type information of DDS XTypes, which most of its
+middlewares do not send."""
+_INFINITE: Final = (1 << 63) - 1
+_UNLIMITED: Final = -1
+
+
+def to_dds(qos: Qos, data: Mapping[str, str]) -> DdsQos:
+    """Return the policies for a reader or writer; `data` is what others read in its user data."""
+    history = Policy.History.KeepAll if qos.history == "keep_all" else Policy.History.KeepLast(max(qos.depth or 1, 1))
+    policies = [
+        Policy.Reliability.BestEffort if qos.reliability == "best_effort" else Policy.Reliability.Reliable(_BLOCKING),
+        history,
+        Policy.Userdata(written(data)),
+        Policy.DataRepresentation(use_cdrv0_representation=True),
+        Policy.WriterDataLifecycle(autodispose=False),
+        _COERCION,
+    ]
+    if qos.durability == "transient_local":
+        policies.append(Policy.Durability.TransientLocal)
+        limits = (_UNLIMITED, _UNLIMITED, _UNLIMITED)
+        policies.append(Policy.DurabilityService(0, history, *limits))
+    return DdsQos(*policies)
+
+
+def written(data: Mapping[str, str]) -> bytes:
+    """Return user data as ROS 2 writes them: `key=value;` one after the other."""
+    return "".join(f"{key}={value};" for key, value in data.items()).encode()
+
+
+def user_data(qos: DdsQos) -> dict[str, str]:
+    """Return what somebody tells in the user data; what is not of the form `key=value;` is left out."""
+    found = _policy(qos, Policy.Userdata)
+    if found is None:
+        return {}
+    parts = (part.partition("=") for part in found.data.decode("utf-8", "replace").split(";"))
+    return {key: value for key, sign, value in parts if sign}
+
+
+def told(pointer: int) -> DdsQos:
+    """Return those policies that we read, of the structure of the library's that others' ends are told with."""
+    structure = ctypes.cast(pointer, _STRUCTURE)
+    found = (getattr(_POLICIES, f"_get_p_{name}")(structure) for name in _READ)
+    policies = (one if isinstance(one, list) else [one] for one in found if one is not None)
+    return DdsQos(*(policy for each in policies for policy in each))
+
+
+def from_dds(qos: DdsQos, *, writer: bool) -> Qos:
+    """Return the quality of service of an end of another node; discovery does not tell history and depth of ROS."""
+    liveliness = _policy(qos, Policy.Liveliness)
+    return Qos(
+        reliability="best_effort" if _policy(qos, Policy.Reliability) == Policy.Reliability.BestEffort else "reliable",
+        durability="volatile" if _policy(qos, Policy.Durability) == Policy.Durability.Volatile else "transient_local",
+        deadline=_seconds(_policy(qos, Policy.Deadline), "deadline"),
+        lifespan=_seconds(_policy(qos, Policy.Lifespan), "lifespan") if writer else None,
+        liveliness="manual_by_topic" if isinstance(liveliness, Policy.Liveliness.ManualByTopic) else "automatic",
+        lease_duration=_seconds(liveliness, "lease_duration"),
+    )
+
+
+def _policy(qos: DdsQos, policy: Any) -> Any:
+    if policy not in qos:
+        return None
+    return qos[policy]
+
+
+def _seconds(policy: Any, field: str) -> float | None:
+    found = getattr(policy, field, None)
+    return None if found is None or found >= _INFINITE else found / 1e9

@@ -1,0 +1,135 @@
+"""A way to reach a capability, made ready: paths parsed and checked, messages from values, values from messages."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.errors import RobotError
+from kg.robot.driving.arguments import missing
+from kg.robot.driving.fields import check, look, put, roots
+from kg.robot.driving.paths import parse
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kg.robot.capability import Capability, Way
+    from kg.robot.connection import Value
+    from kg.robot.driving.paths import Path
+    from kg.robot.messages import Types
+
+__all__ = ["Route", "route", "stamp"]
+
+_GIVEN: Final = {"topic": "", "service": "_Request", "action": "_Goal"}
+_TOLD: Final = {"topic": ("",), "service": ("_Response",), "action": ("_Feedback", "_Result")}
+
+
+@dataclass(frozen=True, slots=True)
+class Route:
+    """A way whose paths are known to fit.
+
+    `sends` is the type of the message that is sent, `stamped` whether it has a header to put the time in; `arguments`
+    are the paths of its fields by parameter, `constants` fields that are always the same. `answers` are the paths of
+    what is read, by parameter, in order.
+    """
+
+    capability: Capability
+    way: Way
+    sends: str
+    stamped: bool
+    arguments: Mapping[str, Path]
+    answers: Mapping[str, Path]
+    constants: tuple[tuple[Path, Any], ...]
+
+    @property
+    def moves(self) -> bool:
+        """Whether it is a movement: one that has to be renewed, and that a zero command ends."""
+        return self.way.kind == "topic" and self.way.rate > 0
+
+    def message(self, values: Mapping[str, Any], now: float) -> Value:
+        """Return the message that gives the parameters these values at a time in seconds.
+
+        Raises:
+            RobotError: KG823 for a parameter without a value, or one that this way has no field for.
+        """
+        known = {one.name: one for one in self.capability.parameters}
+        for name, value in values.items():
+            if name not in self.arguments and value != known[name].default:
+                raise RobotError("KG823", f"`{name}` cannot be given by {self.way.kind} `{self.way.name}`")
+        for name in self.arguments:
+            if name not in values:
+                raise missing(known[name])
+        return self._message({name: values[name] for name in self.arguments}, now)
+
+    def zero(self, now: float) -> Value:
+        """Return the message that ends a movement: all numbers zero."""
+        known = {one.name: one for one in self.capability.parameters}
+        still = {"number": 0.0, "integer": 0, "boolean": False}
+        values = {name: still.get(known[name].type, known[name].default) for name in self.arguments}
+        return self._message({name: value for name, value in values.items() if value is not None}, now)
+
+    def _message(self, values: Mapping[str, Any], now: float) -> Value:
+        message: Value = {}
+        for path, value in self.constants:
+            put(path, message, value)
+        for name, value in values.items():
+            put(self.arguments[name], message, value)
+        if self.stamped:
+            message.setdefault("header", {})
+        return self.restamped(message, now)
+
+    def restamped(self, message: Value, now: float) -> Value:
+        """Return a message of this way with the time in its header."""
+        return {**message, "header": {**message["header"], "stamp": stamp(now)}} if self.stamped else message
+
+    def values(self, message: Value) -> dict[str, Any]:
+        """Return what a message says, by parameter; None for what it does not say (NaN, an empty list's first)."""
+        return {name: look(path, message) for name, path in self.answers.items()}
+
+    def answer(self, message: Value) -> dict[str, Any]:
+        """Return what the response of a service, or feedback or result, says: by parameter, as it is if none is known.
+
+        Raises:
+            RobotError: KG808 for a response that says of itself that there was no `success`.
+        """
+        if self.way.kind == "service" and message.get("success") is False:
+            why = message.get("message") or message.get("status_message") or "it says no more"
+            raise RobotError("KG808", f"`{self.way.name}` did not succeed: {why}")
+        told = {name: path for name, path in self.answers.items() if set(roots(path)) <= message.keys()}
+        return {name: look(path, message) for name, path in told.items()} or message
+
+
+def stamp(now: float) -> Value:
+    """Return a time in seconds as messages have it."""
+    whole = int(now)
+    return {"sec": whole, "nanosec": int((now - whole) * 1e9)}
+
+
+def route(capability: Capability, way: Way, types: Types) -> Route:
+    """Make a way ready.
+
+    Raises:
+        RobotError: KG826 for paths that do not fit the message, KG804 when its type is not known.
+    """
+    sends = way.type + _GIVEN[way.kind]
+    told = [way.type + part for part in _TOLD[way.kind]]
+    ordered = [one.name for one in capability.parameters if one.name in way.fields]
+    paths = {name: parse(way.fields[name]) for name in ordered}
+    own = {one.name for one in types.fields(sends)}
+    if capability.modality == "write":
+        arguments = {name: path for name, path in paths.items() if way.kind == "topic" or set(roots(path)) <= own}
+    else:
+        arguments = {}
+    answers = {name: path for name, path in paths.items() if name not in arguments}
+    constants = tuple((parse(path), value) for path, value in way.constants.items())
+    for path in [*arguments.values(), *(path for path, _ in constants)]:
+        check(path, types, sends)
+    _check_answers(answers, types, told)
+    stamped = way.kind == "topic" and any(one.type == "std_msgs/Header" for one in types.fields(sends)[:1])
+    return Route(capability, way, sends, stamped, arguments, answers, constants)
+
+
+def _check_answers(answers: Mapping[str, Path], types: Types, kinds: list[str]) -> None:
+    for path in answers.values():
+        fitting = [kind for kind in kinds if set(roots(path)) <= {one.name for one in types.fields(kind)}]
+        check(path, types, (fitting or kinds)[0])

@@ -1,0 +1,10 @@
+"""Running systems as graphs: what their nodes can do, without a store and in step with one."""
+
+from __future__ import annotations
+
+from kg.robot.live.inference import infer, infer_system
+from kg.robot.live.looking import address_of, connected, inhabited, look
+from kg.robot.live.systems import name_of
+from kg.robot.live.watching import Event, Watching
+
+__all__ = ["Event", "Watching", "address_of", "connected", "infer", "infer_system", "inhabited", "look", "name_of"]

@@ -1,0 +1,110 @@
+"""The capabilities of a running system, a launch file or a package, and why each is there.
+
+with launched(settings, "rover.launch", {}, {}) as subject:
+    subject.capabilities
+    list(subject.why("drivingAtVelocity"))
+"""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from kg.graph.iris import Iris
+from kg.pipeline.launching import chosen
+from kg.pipeline.reasoning import explained_vocabulary, rules_in_force
+from kg.pipeline.systems import node_types
+from kg.robot.capabilities import capabilities_of, package_iri, read
+from kg.robot.capabilities.explaining import find, proofs
+from kg.robot.live.inference import knowledge, now, world_of
+from kg.robot.live.systems import Seen, name_of, system_of
+from kg.rules.explain.view import View
+from kg.store.opening import existing
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from kg.facts import System
+    from kg.robot.capabilities.definitions import Askable
+    from kg.robot.capability import Capabilities
+    from kg.robot.connection import ComputationGraph
+    from kg.rules.explain.proof import Proof
+    from kg.rules.form import Rule
+    from kg.settings import Settings
+    from kg.store.snapshot import EmbeddedSnapshot
+
+__all__ = ["Subject", "launched", "of_package", "running"]
+
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """What is asked about: its capabilities, and the graph that tells why it has them."""
+
+    capabilities: Capabilities
+    view: View
+    graph: Askable
+    iri: str
+    rules: tuple[Rule, ...]
+
+    def why(self, name: str) -> Iterator[Proof]:
+        """Yield for each node that has a capability why it does; RobotError KG818 when none has one of that name."""
+        return proofs(self.graph, self.view, self.rules, self.iri, find(self.capabilities, name))
+
+
+def running(
+    graph: ComputationGraph, settings: Settings, address: str, nodes: Mapping[str, str] | None = None
+) -> Subject:
+    """Return what is to be said of a running system; raises as `knowledge`.
+
+    `nodes` has the times (ISO 8601, UTC) since when nodes were seen, by their names; the others were seen just now.
+    """
+    return _in_memory(system_of(graph, Seen(address, name_of(address), now(), nodes=nodes or {})), settings, address)
+
+
+@contextmanager
+def launched(
+    settings: Settings, launch: str, arguments: Mapping[str, str], environment: Mapping[str, str]
+) -> Iterator[Subject]:
+    """Give what is to be said of a launch file of the store, evaluated anew where anything is given.
+
+    Raises as `kg.pipeline.launching.chosen`, and StoreError KG301 without a store.
+    """
+    store = existing(settings)
+    (system,) = chosen(settings, store, launch, arguments, environment)
+    own = system.configuration
+    with store.read() as snapshot:
+        if not arguments and not environment:
+            yield _stored(snapshot, settings, Iris(settings.base).configuration(own.repository, own.path), own.name)
+            return
+        packages = {one.package for item in system.instances for one in (item.type, *item.plugins) if one}
+        _, records = node_types(snapshot, packages)
+        yield _in_memory(system, settings, own.name, records)
+
+
+@contextmanager
+def of_package(settings: Settings, name: str) -> Iterator[Subject]:
+    """Give what is to be said of a package of the store, `name` or `repository:name`.
+
+    Raises:
+        StoreError: KG301 without a store.
+        UnknownNameError: KG001 when there is none of that name.
+        UsageError: KG003 when there are several.
+    """
+    with existing(settings).read() as snapshot:
+        yield _stored(snapshot, settings, package_iri(snapshot, name), name)
+
+
+def _stored(snapshot: EmbeddedSnapshot, settings: Settings, iri: str, of: str) -> Subject:
+    rules = rules_in_force(settings, []).rules
+    view = View(snapshot, explained_vocabulary(settings.base), rules)
+    return Subject(capabilities_of(snapshot, iri, of), view, snapshot, iri, rules)
+
+
+def _in_memory(system: System, settings: Settings, of: str, records: Mapping[Any, Any] | None = None) -> Subject:
+    own = system.configuration
+    known = knowledge(settings)
+    world = world_of(system, settings, known, records, whole=True)
+    iri = Iris(settings.base).configuration(own.repository, own.path)
+    view = View(world, explained_vocabulary(settings.base), known.rules.rules)
+    return Subject(read(world, iri, of, known.definitions), view, world, iri, known.rules.rules)

@@ -1,0 +1,202 @@
+"""What a system can do by its computation graph alone: ontologies and rules in memory, no store.
+
+    capabilities = infer(await connection.graph(), settings, address=connection.address)
+
+What does not depend on the graph (rules, ontologies, definitions of capabilities) is read once a process.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from functools import lru_cache
+from typing import TYPE_CHECKING, Final
+
+from pyoxigraph import NamedNode, RdfFormat, Store, parse
+
+from kg.graph import vocabulary as v
+from kg.graph.iris import Iris
+from kg.graph.ontology_files import default_ontologies, ontology_triples
+from kg.graph.systems import system_triples
+from kg.pipeline.inferring import digest
+from kg.pipeline.reasoning import rule_folders, schema_of
+from kg.robot.capabilities import definitions, read
+from kg.robot.live.systems import Seen, name_of, system_of
+from kg.robot.live.whole import Whole
+from kg.rules.columns import read_columns, union_of, wanted
+from kg.rules.engine.evaluate import Program, evaluate
+from kg.rules.engine.terms import Dictionary
+from kg.rules.folders import families_in_force
+from kg.rules.lines import lines, stored
+from kg.rules.patches import stated
+from kg.rules.reading import discover, packs
+from kg.rules.specialise import specialised
+from kg.store import bulk
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kg.facts import NodeReference, System
+    from kg.graph.reading import NodeRecord
+    from kg.robot.capabilities import Definition
+    from kg.robot.capability import Capabilities
+    from kg.robot.connection import ComputationGraph
+    from kg.rules.engine.facts import Facts
+    from kg.rules.files import RuleSet
+    from kg.settings import Settings
+
+__all__ = ["FAMILIES", "Knowledge", "infer", "infer_system", "knowledge", "now", "world_of"]
+
+FAMILIES: Final = ("capability", "communication")
+"""The families of rules that capabilities follow from, with rules of these names that users keep."""
+_LEFT_OUT: Final = ("function.ttl", "hardware.ttl", "architecture.ttl")
+"""Ontologies that these rules do not read."""
+
+_MODALITY: Final = v.ros("hasModality").encode()
+_LABEL: Final = v.LABEL.encode()
+
+
+@dataclass(frozen=True, slots=True)
+class Knowledge:
+    """What is known before any robot is seen: rules, and the ontologies as triples and as columns.
+
+    `told` are the triples of the ontologies as N-Triples, `short` the modalities and labels of capabilities alone.
+    """
+
+    program: Program
+    dictionary: Dictionary
+    ontology: Facts
+    told: bytes
+    short: bytes
+    definitions: Mapping[str, Definition]
+    rules: RuleSet
+    inferred: NamedNode
+    """The graph that holds what was inferred, as in a store."""
+
+    def world(self, content: bytes, *, whole: bool = False) -> Whole:
+        """Return some triples (N-Triples), and in a graph of its own what follows from these, to be asked.
+
+        The ontologies are among them as a `whole`, else as far as capabilities are read by them. Raises what
+        `kg.rules.engine.evaluate` raises.
+        """
+        store = Store()
+        store.bulk_load(content, RdfFormat.N_TRIPLES)
+        _, own = read_columns(_Tables(store), wanted(self.program.rules), [None], self.dictionary)
+        found = evaluate(self.program, self.dictionary, union_of([self.ontology, own])).inferred
+        shown = stored(found, self.dictionary)
+        written = b"".join(lines(shown, self.dictionary))
+        store.bulk_load(written, RdfFormat.N_TRIPLES, to_graph=self.inferred)
+        store.bulk_load(self.told if whole else self.short, RdfFormat.N_TRIPLES)
+        return Whole(store)
+
+
+class _Tables:
+    """A store in memory as columns are read from it."""
+
+    def __init__(self, store: Store) -> None:
+        self._store = store
+
+    def table(self, select: str, graph: NamedNode | None) -> bytes:
+        """Return the rows of a SELECT as TSV."""
+        return bulk.table(lambda: self._store, select, graph)
+
+    def graphs(self) -> list[NamedNode]:
+        """Return none: there is the default graph only."""
+        return []
+
+
+def knowledge(settings: Settings) -> Knowledge:
+    """Return what is known beforehand, read once for settings and rules that are the same.
+
+    Files of rules that cannot be used are left out. Raises as `kg.pipeline.inferring.digest`.
+    """
+    return _known(_Same(settings, f"{settings.base} {rule_folders(settings)} {digest(settings)}"))
+
+
+@dataclass(frozen=True, slots=True)
+class _Same:
+    """Settings that count as the same when `mark` is."""
+
+    settings: Settings
+    mark: str
+
+    def __hash__(self) -> int:
+        return hash(self.mark)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Same) and other.mark == self.mark
+
+
+@lru_cache(maxsize=2)
+def _known(same: _Same) -> Knowledge:
+    content = ontology_triples([path for path in default_ontologies() if path.name not in _LEFT_OUT])
+    store = Store()
+    store.bulk_load(content, RdfFormat.N_TRIPLES)
+    rules = discover(rule_folders(same.settings), packs(), _families(same.settings), [])
+    rules = specialised(rules, schema_of(store))
+    dictionary = Dictionary()
+    triples = [quad.triple for quad in parse(content, RdfFormat.N_TRIPLES)]
+    ontology = stated([*triples, *rules.data], dictionary)
+    told = [line for line in content.splitlines(keepends=True) if _MODALITY in line]
+    subjects = {line.partition(b" ")[0] for line in told}
+    told += [
+        line for line in content.splitlines(keepends=True) if _LABEL in line and line.split(b" ", 1)[0] in subjects
+    ]
+    program = Program(rules.rules)
+    inferred = NamedNode(Iris(same.settings.base).graph("inferred"))
+    return Knowledge(program, dictionary, ontology, content, b"".join(told), definitions(Whole(store)), rules, inferred)
+
+
+def _families(settings: Settings) -> tuple[str, ...]:
+    named = [one for one in families_in_force(settings) if not one.startswith("+")]
+    return tuple(one for one in FAMILIES if not named or one in named)
+
+
+def now() -> str:
+    """Return the time of the wall as facts have it (ISO 8601, UTC)."""
+    return datetime.now(UTC).isoformat(timespec="milliseconds")
+
+
+def infer(graph: ComputationGraph, settings: Settings, *, address: str = "", name: str = "") -> Capabilities:
+    """Return what a system can do by its graph.
+
+    Args:
+        graph: what runs and how it communicates.
+        settings: which rules are in force, and the base of IRIs.
+        address: of the robot, `of` of the answer, where it has no `name`.
+        name: what the system is called.
+
+    Raises as `knowledge`.
+    """
+    called = name or name_of(address) or "robot"
+    return infer_system(system_of(graph, Seen(address, called, now())), settings, of=name or address or called)
+
+
+def infer_system(
+    system: System,
+    settings: Settings,
+    *,
+    of: str,
+    records: Mapping[NodeReference, NodeRecord] | None = None,
+) -> Capabilities:
+    """Return what a system can do by the facts about it, whether it runs or a launch file would start it.
+
+    `records` are the node types that its instances are of. Raises as `knowledge`.
+    """
+    own = system.configuration
+    iri = Iris(settings.base).configuration(own.repository, own.path)
+    known = knowledge(settings)
+    return read(world_of(system, settings, known, records), iri, of, known.definitions)
+
+
+def world_of(
+    system: System,
+    settings: Settings,
+    known: Knowledge,
+    records: Mapping[NodeReference, NodeRecord] | None = None,
+    *,
+    whole: bool = False,
+) -> Whole:
+    """Return a system, and what follows from it, to be asked; `whole` as `Knowledge.world`."""
+    content = system_triples(system, records or {}, Iris(settings.base), whole=True)
+    return known.world(content, whole=whole)

@@ -1,0 +1,128 @@
+"""The graph of a running system in a store, kept in step with what is seen, with what rules infer from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final
+
+from pyoxigraph import NamedNode
+
+from kg.graph.iris import RUNNING, Iris
+from kg.graph.shared import SHARED
+from kg.pipeline.inferring import Inference, add_ontologies
+from kg.robot.capabilities import held
+from kg.robot.live.inference import now
+from kg.robot.live.parts import Parts
+from kg.robot.live.recognizing import Recognizer
+from kg.robot.live.systems import Instances, Seen, system_of
+from kg.wiring.near import near_misses
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kg.errors import RuleError
+    from kg.facts import System
+    from kg.robot.connection import ComputationGraph
+    from kg.robot.live.systems import Match
+    from kg.settings import Settings
+    from kg.store.embedded import EmbeddedStore
+    from kg.store.transaction import EmbeddedTransaction
+
+__all__ = ["Keeper", "Kept"]
+
+_NONE: Final = -1
+"""No generation: what the store holds has not been looked at."""
+
+
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """The state of the store after a change.
+
+    `generation` is None where nothing had to be written. `held` has the IRIs of what the system can do, with labels;
+    `matches` the node types of its nodes; `problems` are rules that could not run.
+    """
+
+    generation: int | None
+    held: Mapping[str, str]
+    matches: Mapping[str, Match] = field(default_factory=dict)
+    problems: tuple[RuleError, ...] = ()
+
+
+class Keeper:
+    """Keeps one running system in a store; each change is one transaction, in which the rules run too."""
+
+    def __init__(self, store: EmbeddedStore, settings: Settings, *, address: str, name: str) -> None:
+        """`name` is what the system is called: the last part of the name of its graph."""
+        self._store = store
+        self._settings = settings
+        self._iris = Iris(settings.base)
+        self._address = address
+        self._name = name
+        self._since = now()
+        self._nodes: dict[str, str] = {}
+        self._inference = Inference(store, settings)
+        self._recognizer = Recognizer(settings.base)
+        self._generation: int | None = _NONE
+        self._instances = Instances()
+        self._parts: Parts | None = None
+        """What the graph holds; None where that is not known."""
+
+    @property
+    def graph(self) -> NamedNode:
+        """The named graph of the system."""
+        return NamedNode(self._iris.robot_graph(self._name))
+
+    @property
+    def iri(self) -> str:
+        """The IRI of the system."""
+        return self._iris.configuration(RUNNING, self._name)
+
+    def keep(self, graph: ComputationGraph, *, until: str | None = None) -> Kept:
+        """Make the store say what is seen now; with `until` (ISO 8601, UTC) it was seen then for the last time.
+
+        Raises StoreError: KG302 while another process writes, KG304 when the disk is full; and as `Inference.run`.
+        """
+        with self._store.write("kg robot watch") as transaction:
+            if transaction.base != self._generation:
+                self._begin(transaction)
+            self._generation = _NONE  # until it is certain that what is written stays
+            matches = self._recognizer.matches(transaction, graph)
+            written = self._write(transaction, self._system(graph, matches, until))
+            problems = self._inference.run(transaction).problems if written else ()
+            found = held(transaction, self.iri)
+            if not written:
+                transaction.roll_back()
+            generation = transaction.commit()
+            self._generation = generation or transaction.base
+        if generation is not None:
+            self._inference.remember(generation, save=False)
+        return Kept(generation, found, matches, problems)
+
+    def _begin(self, transaction: EmbeddedTransaction) -> None:
+        """Learn what the store holds, where another process wrote it last."""
+        add_ontologies(transaction, self._settings)
+        self._recognizer.forget()
+        self._parts = None
+
+    def save(self) -> None:
+        """Leave to the next process what helps its rules to begin quickly."""
+        self._inference.save()
+
+    def _system(self, graph: ComputationGraph, matches: Mapping[str, Match], until: str | None) -> System:
+        moment = now()
+        self._nodes = {node.name: self._nodes.get(node.name, moment) for node in graph.nodes}
+        seen = Seen(self._address, self._name, self._since, until, self._nodes)
+        return system_of(graph, seen, matches, similar=near_misses, made=self._instances)
+
+    def _write(self, transaction: EmbeddedTransaction, system: System) -> bool:
+        """Write what differs; types that the store describes already are left to the graph that does."""
+        if self._parts is None:
+            content = transaction.content(NamedNode(self._iris.graph(SHARED)))
+            self._parts = Parts(self._iris, {line.partition(b" ")[0] for line in content.splitlines()})
+            _, new = self._parts.change(system, self._recognizer.records)
+            transaction.replace_small_graphs({self.graph: new})
+            return True
+        gone, new = self._parts.change(system, self._recognizer.records)
+        if gone or new:
+            transaction.patch_exactly(self.graph, gone, new)
+        return bool(gone or new)

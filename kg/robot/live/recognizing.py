@@ -1,0 +1,154 @@
+"""Which node type of a store a running node is of, told by its name and by its interface.
+
+A name alone says little (any robot has a `driver`), and an interface of one topic says little either. So a node type of
+the name is taken when it declares at least half of what the node does, and one of another name when it declares all of
+it, under the same names, and that is two ends or more. Of several that fit alike none is taken.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from typing import TYPE_CHECKING, Any, Final
+
+from pyoxigraph import Literal, NamedNode
+
+from kg.graph.iris import Iris
+from kg.graph.reading import node_records
+from kg.names import resolve
+from kg.query.prefixes import PREFIXES
+from kg.query.stored import internal
+from kg.robot.live.systems import Match, is_implicit
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+    from kg.facts import Interface, NodeReference
+    from kg.graph.reading import NodeRecord, Queryable
+    from kg.robot.connection import ComputationGraph, LiveEnd
+
+__all__ = ["Recognizer"]
+
+_ANONYMOUS: Final = re.compile(r"(_\d+)+$")
+"""What ROS puts behind the names of nodes that are started anonymously."""
+_FEW: Final = 2
+"""So many ends, all under the names of the code, tell a node type of another name."""
+_BLOCK: Final = re.compile(r"VALUES \?(\w+) \{ UNDEF \}")
+
+
+class Recognizer:
+    """Recognizes nodes of one system; what was found stays found while the store and the node are the same.
+
+    `records` are the node types that were found so far, by reference.
+    """
+
+    def __init__(self, base: str) -> None:
+        self.records: dict[NodeReference, NodeRecord] = {}
+        self._iris = Iris(base)
+        self._known: dict[tuple[str, tuple[LiveEnd, ...]], Match | None] = {}
+
+    def forget(self) -> None:
+        """Let go of what was found: the store has other node types now."""
+        self._known.clear()
+        self.records.clear()
+
+    def matches(self, store: Queryable, graph: ComputationGraph) -> dict[str, Match]:
+        """Return the node types of nodes by the names of these; nodes of none are left out."""
+        ends: defaultdict[str, list[LiveEnd]] = defaultdict(list)
+        for end in graph.ends:
+            if not is_implicit(end.role, end.name, end.node, graph.ros):
+                ends[end.node].append(end)
+        keys = {node.name: (node.name, tuple(ends[node.name])) for node in graph.nodes}
+        self._known = {key: self._known[key] for key in keys.values() if key in self._known}
+        self._recognize(store, [key for key in keys.values() if key not in self._known])
+        found = {name: self._known[key] for name, key in keys.items()}
+        return {name: match for name, match in found.items() if match is not None}
+
+    def _recognize(self, store: Queryable, fresh: Sequence[tuple[str, tuple[LiveEnd, ...]]]) -> None:
+        named = self._by_name(store, {_base(name) for name, _ in fresh})
+        wired = self._by_channel(store, [end for _, ends in fresh for end in ends])
+        wanted = {iri for iris in (*named.values(), *wired.values()) for iri in iris}
+        records = {one.iri: one for one in node_records(store, iris=wanted)} if wanted else {}
+        for name, ends in fresh:
+            alike = [records[iri] for iri in sorted(named.get(_base(name), ())) if iri in records]
+            sharing = {iri for end in ends for iri in wired.get(self._channel(end), ())}
+            others = [records[iri] for iri in sorted(sharing) if iri in records]
+            match = _best(name, ends, alike, _half) or _best(name, ends, others, _whole)
+            self._known[name, ends] = match
+            if match is not None:
+                self.records.update((one.reference, one) for one in (*alike, *others) if one.reference == match.type)
+
+    def _by_name(self, store: Queryable, names: Iterable[str]) -> dict[str, set[str]]:
+        return _asked(store, "node-types-by-name", [Literal(name) for name in sorted(names)])
+
+    def _by_channel(self, store: Queryable, ends: Iterable[LiveEnd]) -> dict[str, set[str]]:
+        channels = sorted({self._channel(end) for end in ends})
+        return _asked(store, "node-types-by-channel", [NamedNode(iri) for iri in channels])
+
+    def _channel(self, end: LiveEnd) -> str:
+        return self._iris.channel(end.role.channel, end.name)
+
+
+def _asked(store: Queryable, name: str, values: Sequence[Literal | NamedNode]) -> dict[str, set[str]]:
+    """Return the second column of a stored query by its first, for several values of its parameter."""
+    found: defaultdict[str, set[str]] = defaultdict(set)
+    if values:
+        text = _BLOCK.sub(lambda block: f"VALUES ?{block[1]} {{ {' '.join(map(str, values))} }}", internal(name))
+        rows: Any = store.query(text, prefixes=dict(PREFIXES))
+        for row in rows:
+            found[row[0].value].add(row[1].value)
+    return dict(found)
+
+
+def _base(name: str) -> str:
+    return _ANONYMOUS.sub("", name.rpartition("/")[2])
+
+
+def _half(exact: int, moved: int, total: int) -> bool:
+    return (exact + moved) * 2 >= total
+
+
+def _whole(exact: int, _moved: int, total: int) -> bool:
+    return exact == total >= _FEW
+
+
+def _best(name: str, ends: Sequence[LiveEnd], records: Iterable[NodeRecord], enough: Any) -> Match | None:
+    """Return the one of some node types that fits best; None when none fits, or several fit alike."""
+    found: list[tuple[tuple[int, int, int], Match]] = []
+    for record in records:
+        exact, moved = _paired(name, ends, record)
+        if enough(len(exact), len(moved), len(ends)):
+            declared = sum(not one.implicit for one in record.node.interfaces)
+            match = Match(record.reference, {**moved, **exact})
+            found.append(((len(exact), len(moved), -declared), match))
+    found.sort(key=lambda pair: pair[0], reverse=True)
+    if not found or (len(found) > 1 and found[0][0] == found[1][0]):
+        return None
+    return found[0][1]
+
+
+def _paired(
+    name: str, ends: Sequence[LiveEnd], record: NodeRecord
+) -> tuple[Mapping[LiveEnd, Interface], Mapping[LiveEnd, Interface]]:
+    """Return the interfaces of a node type that ends are: those of their name, and those that must be renamed."""
+    namespace, _, base = name.rpartition("/")
+    free = [one for one in record.node.interfaces if not one.implicit]
+    exact: dict[LiveEnd, Interface] = {}
+    moved: dict[LiveEnd, Interface] = {}
+    for end in ends:
+        names = ((one, one.name and resolve(one.name, base, namespace or "/")) for one in free)
+        fitting = next((one for one, full in names if full == end.name and _agrees(one, end)), None)
+        if fitting is not None:
+            exact[end] = fitting
+            free.remove(fitting)
+    for end in ends:
+        if end not in exact and end.type is not None:
+            fitting = next((one for one in free if one.type == end.type and one.role is end.role), None)
+            if fitting is not None:
+                moved[end] = fitting
+                free.remove(fitting)
+    return exact, moved
+
+
+def _agrees(declared: Interface, end: LiveEnd) -> bool:
+    return declared.role is end.role and (None in {declared.type, end.type} or declared.type == end.type)

@@ -1,0 +1,189 @@
+"""A computation graph that was seen becomes the facts of a system, with the terms of launch systems.
+
+What is known of the code behind a node is found elsewhere (`kg.robot.live.recognizing`) and given as records.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass, field
+from functools import cache
+from typing import TYPE_CHECKING, Final, TypeAlias
+from urllib.parse import urlsplit
+
+from kg.extract.implicit import load_table
+from kg.facts import (
+    InstanceInterface,
+    Interface,
+    LaunchConfiguration,
+    LaunchDialect,
+    LaunchProblem,
+    LaunchProblemKind,
+    Location,
+    MissingType,
+    NodeInstance,
+    NodeReference,
+    Resolution,
+    Sighting,
+    StartedNode,
+    StartKind,
+    System,
+)
+from kg.graph.iris import RUNNING
+from kg.resources import folder
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from kg.facts import Role
+    from kg.robot.connection import ComputationGraph, LiveEnd, LiveNode
+
+    Similar: TypeAlias = Callable[[tuple[NodeInstance, ...], int], tuple[tuple[str, str, str], ...]]
+
+__all__ = ["NOWHERE", "Instances", "Match", "Seen", "is_implicit", "name_of", "system_of"]
+
+NOWHERE: Final = NodeReference("", "", "")
+"""Stands for the node type of an end that no code of a store declares."""
+_UNKNOWN: Final = "no node type of the store has its name and its interface"
+
+
+@dataclass(frozen=True, slots=True)
+class Match:
+    """The node type that a running node is of, and which of its interfaces each of the node's ends is."""
+
+    type: NodeReference
+    ends: Mapping[LiveEnd, Interface] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """Where and when a graph was seen: the address, the name of the system, and since when (ISO 8601, UTC).
+
+    `nodes` has the time of each node that came later; `until` is set when it is not watched any more.
+    """
+
+    address: str
+    name: str
+    since: str
+    until: str | None = None
+    nodes: Mapping[str, str] = field(default_factory=dict)
+
+    def of(self, node: str) -> str:
+        """Return since when a node is seen."""
+        return self.nodes.get(node, self.since)
+
+
+def name_of(address: str) -> str:
+    """Return what a running system is called by its address: `localhost:11311`, `dds/0`, `memory/office`."""
+    parts = urlsplit(address)
+    place = (parts.netloc + parts.path).strip("/")
+    return place if parts.scheme == "ros1" else f"{parts.scheme}/{place}".rstrip("/")
+
+
+class Instances:
+    """The facts about nodes; a node of which the same is seen again has the facts that were made before (`is`)."""
+
+    def __init__(self) -> None:
+        self._known: dict[LiveNode, tuple[object, NodeInstance]] = {}
+
+    def of(self, graph: ComputationGraph, seen: Seen, matches: Mapping[str, Match]) -> tuple[NodeInstance, ...]:
+        """Return the facts about the nodes of a graph, in their order; parameters as `system_of`."""
+        ends: defaultdict[str, list[LiveEnd]] = defaultdict(list)
+        for end in graph.ends:
+            ends[end.node].append(end)
+        before, self._known = self._known, {}
+        found = []
+        for node in graph.nodes:
+            given = (ends[node.name], matches.get(node.name), graph.ros, seen.address, seen.of(node.name))
+            same = before.get(node)
+            if same is None or same[0] != given:
+                same = given, _instance(node, ends[node.name], graph.ros, seen, matches.get(node.name))
+            self._known[node] = same
+            found.append(same[1])
+        return tuple(found)
+
+
+def system_of(
+    graph: ComputationGraph,
+    seen: Seen,
+    matches: Mapping[str, Match] | None = None,
+    similar: Similar | None = None,
+    made: Instances | None = None,
+) -> System:
+    """Return the facts about a graph.
+
+    `matches` are the node types of running nodes, by the name of the node; `similar` finds names that are likely meant
+    to be one, as `kg.wiring.near.near_misses` does, where that is asked for; `made` has the facts of nodes that were
+    seen before.
+    """
+    instances = (made or Instances()).of(graph, seen, matches or {})
+    return System(
+        _configuration(graph, seen),
+        instances,
+        similar(instances, graph.ros) if similar else (),
+        sighting=Sighting(seen.address, seen.since, seen.until, graph.complete),
+    )
+
+
+def _configuration(graph: ComputationGraph, seen: Seen) -> LaunchConfiguration:
+    return LaunchConfiguration(
+        repository=RUNNING,
+        package=RUNNING,
+        path=seen.name,
+        ros=graph.ros,
+        dialect=LaunchDialect.RUNNING,
+        problems=tuple(
+            LaunchProblem(LaunchProblemKind.UNRESOLVED, one.message, Location(one.subject, 0), subject=one.subject)
+            for one in graph.problems
+        ),
+    )
+
+
+def _instance(node: LiveNode, ends: Sequence[LiveEnd], ros: int, seen: Seen, match: Match | None) -> NodeInstance:
+    namespace, _, base = node.name.rpartition("/")
+    peer = Location(f"{node.name} at {node.address or seen.address}", 0)
+    return NodeInstance(
+        name=node.name,
+        namespace=namespace or "/",
+        started=StartedNode(base, namespace or "/", StartKind.RUNNING, peer),
+        type=match.type if match else None,
+        reason=node.problem or (None if match else _UNKNOWN),
+        missing=None if match else MissingType.NOT_SAID,
+        interfaces=tuple(_interface(end, peer, ros, match) for end in ends),
+        complete=node.problem is None,
+        since=seen.of(node.name),
+    )
+
+
+def _interface(end: LiveEnd, peer: Location, ros: int, match: Match | None) -> InstanceInterface:
+    known = match.ends.get(end) if match else None
+    declared = known or Interface(
+        role=end.role,
+        name=end.name,
+        type=end.type,
+        resolution=Resolution.LITERAL,
+        location=peer,
+        implicit=is_implicit(end.role, end.name, end.node, ros),
+        qos=end.qos,
+    )
+    return InstanceInterface(
+        declared=declared,
+        owner=match.type if match and known else NOWHERE,
+        resolved=end.name,
+        resolution=Resolution.LITERAL,
+        qos=end.qos,
+    )
+
+
+def is_implicit(role: Role, name: str, node: str, ros: int) -> bool:
+    """Tell whether an end is one that ROS itself makes of every node, as `ontology/implicit.toml` says."""
+    own = f"{node}/"
+    return (role, f"~/{name.removeprefix(own)}" if name.startswith(own) else name) in _made_by_ros(ros)
+
+
+@cache
+def _made_by_ros(ros: int) -> frozenset[tuple[str, str]]:
+    table = load_table(folder("ontology") / "implicit.toml")
+    return frozenset(
+        (row["role"], row["name"]) for use in table if use.mark == f"ros{ros}.node" for row in use.interfaces
+    )

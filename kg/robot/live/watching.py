@@ -1,0 +1,209 @@
+"""Watching a running system: each change of its graph goes into the store, and what came and went is told.
+
+    async for event in watch(store, settings, address="ros1://localhost:11311"):
+        ...
+
+When the robot is lost, that is told and it is connected to again; when watching ends, the graph stays as it was seen
+last, with the time.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any, Final, Literal
+
+import msgspec
+
+from kg.errors import RobotError, StoreError
+from kg.facts import Role
+from kg.robot.clock import WallClock
+from kg.robot.connection import ComputationGraph
+from kg.robot.infrastructure import of_robot
+from kg.robot.live.inference import now
+from kg.robot.live.keeping import Keeper
+from kg.robot.live.looking import connected
+from kg.robot.live.systems import is_implicit, name_of
+from kg.robot.tasks import ended
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncGenerator, AsyncIterator, Iterator, Mapping
+
+    from kg.robot.connection import Connection
+    from kg.robot.live.keeping import Kept
+    from kg.settings import Settings
+    from kg.store.embedded import EmbeddedStore
+
+__all__ = ["Event", "Watching"]
+
+_AGAIN: Final = 1.0
+"""Seconds between two attempts to connect to a robot that was lost, or to write a store that another writes."""
+
+_VERBS: Final = {
+    Role.PUBLISHES: "publishes",
+    Role.SUBSCRIBES: "subscribes",
+    Role.SERVICES: "offers",
+    Role.CLIENTS: "calls",
+    Role.ACTION_SERVERS: "offers action",
+    Role.ACTION_CLIENTS: "calls action",
+}
+_Kind = Literal["watching", "node", "end", "capability", "problem", "lost", "back", "busy", "kept", "ended"]
+
+
+class Event(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """Something that happened.
+
+    `event` is `watching` (it began), `node`, `end` or `capability` (`change` tells whether it came or went), `problem`
+    (a peer, or a rule, does what it should not), `lost` and `back` (the robot), `busy` (another process writes the
+    store), `kept` (the store is in step: its `generation`, and the `seconds` that it took) or `ended`. `name` is what
+    it happened to, `detail` says more: the address or node type of a node, role and type of an end.
+    """
+
+    event: _Kind
+    at: str
+    change: Literal["came", "went"] | None = None
+    name: str = ""
+    detail: str = ""
+    generation: int | None = None
+    seconds: float | None = None
+
+
+class Watching:
+    """One running system that is kept in step with its graph in a store.
+
+    `name` is what the system is called in the store, by default by its address.
+    """
+
+    def __init__(self, store: EmbeddedStore, settings: Settings, *, address: str, name: str = "") -> None:
+        self.address = address
+        self.name = name or name_of(address)
+        self._keeper = Keeper(store, settings, address=address, name=self.name)
+        self._graph: ComputationGraph | None = None
+        self._kept: Kept | None = None
+        self._keeping: asyncio.Future[Kept] | None = None
+        self._clock = WallClock()
+
+    async def once(self) -> list[Event]:
+        """Take the graph as it is into the store and return what is there; raises as `events`."""
+        async with connected(self.address) as connection:
+            return [one async for one in self._step(of_robot(await connection.graph()))]
+
+    async def events(self) -> AsyncGenerator[Event, None]:
+        """Yield what happens, without end; who stops early has to call `end`.
+
+        Raises:
+            RobotError: KG801, KG802 where there is no robot to begin with.
+            StoreError: KG304 when the disk is full, KG303, KG305, KG306 for a store that cannot be written.
+        """
+        begun = False
+        while True:
+            why = ""
+            try:
+                async with connected(self.address) as connection:
+                    yield _event("back" if begun else "watching", name=self.name, detail=self.address)
+                    begun = True
+                    async for event in self._connected(connection):
+                        yield event
+                    why = await connection.wait_lost()
+            except RobotError as error:
+                if not begun:
+                    raise
+                why = "" if error.code == "KG802" else error.message
+            if why:
+                yield _event("lost", name=self.name, detail=why)
+            await self._clock.sleep(_AGAIN)
+
+    async def end(self) -> None:
+        """Mark the graph as last seen now, and leave to the next process what helps it."""
+        if self._keeping is not None:
+            await asyncio.wait((self._keeping,))
+        if self._graph is not None:
+            with suppress(StoreError):
+                await asyncio.to_thread(self._keeper.keep, self._graph, until=now())
+            await asyncio.to_thread(self._keeper.save)
+
+    async def _keep(self, graph: ComputationGraph) -> Kept:
+        """Take a graph into the store, to the end: who stops early ends the watching with what is written just now."""
+        kept = await asyncio.to_thread(self._keeper.keep, graph)
+        self._graph, self._kept = graph, kept
+        return kept
+
+    async def _connected(self, connection: Connection) -> AsyncIterator[Event]:
+        """Yield what happens until the robot is lost."""
+        changes = connection.changes().__aiter__()
+        gone = asyncio.ensure_future(connection.wait_lost())
+        try:
+            while True:
+                following = asyncio.ensure_future(changes.__anext__())
+                try:
+                    await asyncio.wait({following, gone}, return_when=asyncio.FIRST_COMPLETED)
+                finally:
+                    if not following.done():
+                        following.cancel()
+                if gone.done():
+                    await ended(following)
+                    return
+                try:
+                    graph = of_robot(following.result())
+                except StopAsyncIteration:
+                    return
+                async for event in self._step(graph):
+                    yield event
+        finally:
+            await ended(gone)
+
+    async def _step(self, graph: ComputationGraph) -> AsyncIterator[Event]:
+        """Take a graph into the store, and yield what came and went."""
+        began = self._clock.now()
+        before, known = self._graph or ComputationGraph(graph.ros), self._kept
+        busy = False
+        while True:
+            try:
+                self._keeping = asyncio.ensure_future(self._keep(graph))
+                kept = await asyncio.shield(self._keeping)
+                break
+            except StoreError as error:
+                if error.code != "KG302":
+                    raise
+                if not busy:
+                    yield _event("busy", detail=error.message)
+                busy = True
+                await self._clock.sleep(_AGAIN)
+        for event in _differences(before, graph, known, kept):
+            yield event
+        for problem in kept.problems if known is None else ():
+            yield _event("problem", name=problem.code, detail=problem.message)
+        if kept.generation is not None:
+            yield _event("kept", generation=kept.generation, seconds=round(self._clock.now() - began, 3))
+
+
+def _event(event: _Kind, **more: Any) -> Event:
+    return Event(event=event, at=now(), **more)
+
+
+def _differences(before: ComputationGraph, graph: ComputationGraph, known: Kept | None, kept: Kept) -> Iterator[Event]:
+    types = {name: str(match.type) for name, match in kept.matches.items()}
+    nodes = {one.name: types.get(one.name, one.problem or one.address or "") for one in graph.nodes}
+    yield from _changed("node", {one.name: "" for one in before.nodes}, nodes)
+    yield from _changed("end", _explicit(before), _explicit(graph))
+    yield from _changed("capability", _names(known.held if known else {}), _names(kept.held))
+    for problem in graph.problems:
+        if problem not in before.problems:
+            yield _event("problem", name=problem.subject, detail=f"{problem.code}: {problem.message}")
+
+
+def _changed(kind: _Kind, before: Mapping[str, str], after: Mapping[str, str]) -> Iterator[Event]:
+    for name in sorted(before.keys() - after.keys()):
+        yield _event(kind, change="went", name=name, detail=before[name])
+    for name in sorted(after.keys() - before.keys()):
+        yield _event(kind, change="came", name=name, detail=after[name])
+
+
+def _explicit(graph: ComputationGraph) -> dict[str, str]:
+    """Return the ends that ROS does not make by itself, as `/base subscribes /cmd_vel`, each with its type."""
+    ends = (end for end in graph.ends if not is_implicit(end.role, end.name, end.node, graph.ros))
+    return {f"{end.node} {_VERBS[end.role]} {end.name}": end.type or "" for end in ends}
+
+
+def _names(held: Mapping[str, str]) -> dict[str, str]:
+    return {iri.rpartition("#")[2]: label for iri, label in held.items()}

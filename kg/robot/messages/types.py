@@ -1,0 +1,250 @@
+"""The types of messages that are known, by `rosbags`: what fields they have, and values to bytes and back.
+
+Names are `package/Type`; the two messages of a service are `package/Type_Request` and `package/Type_Response`, those of
+an action `_Goal`, `_Result` and `_Feedback`.
+"""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+from hashlib import md5
+from typing import TYPE_CHECKING, Any, Final
+
+from rosbags.interfaces import Nodetype
+from rosbags.serde import SerdeError
+from rosbags.typesys import Stores, TypesysError, get_typestore
+
+from kg.errors import RobotError
+from kg.robot.messages import definitions
+from kg.robot.messages.library import derived, library, parts
+from kg.robot.messages.limits import check_size
+from kg.robot.messages.values import MEMBER_OF_NOTHING, plain, shaped
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from kg.robot.connection import Value
+    from kg.robot.messages.definitions import Definition
+
+__all__ = ["Field", "Types"]
+
+_STORES: Final = {1: Stores.ROS1_NOETIC, 2: Stores.ROS2_JAZZY}
+_ACTION_PARTS: Final = ("_Goal", "_Result", "_Feedback")
+_SERVICE_PARTS: Final = ("_Request", "_Response")
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """A field of a message.
+
+    `type` is a base type (`float64`, `string`, ...) or the name of a message; `length` is None for one value, the
+    number of elements of an array, 0 for an array of any length. `most` is the largest number of elements of such an
+    array, `bound` the largest number of characters of a text; 0 where there is no limit.
+    """
+
+    name: str
+    type: str
+    length: int | None = None
+    most: int = 0
+    bound: int = 0
+
+    @property
+    def is_message(self) -> bool:
+        """Whether its values have fields of their own."""
+        return "/" in self.type
+
+
+class Types:
+    """The types of one version of ROS: the common ones, and those that are defined while it runs."""
+
+    def __init__(self, ros: int) -> None:
+        self.ros = ros
+        self._store = get_typestore(_STORES[ros])
+        self._library, self._sorts = library(ros)
+        self._read: dict[str, Definition] = {}
+        self._told: set[str] = set()
+
+    def knows(self, name: str) -> bool:
+        """Tell whether a message type is known."""
+        found = self._message(name)
+        return _full(found) in self._store.fielddefs or found in self._library
+
+    def names(self) -> list[str]:
+        """Return the names of all message types that are known, sorted, with the parts of services and actions."""
+        return sorted({_short(name) for name in self._store.fielddefs} | self._library.keys())
+
+    def sort(self, name: str) -> str | None:
+        """Return `msg`, `srv` or `action`, or None when no such type is known."""
+        if self.knows(name):
+            return "msg"
+        for sort, suffixes in (("srv", _SERVICE_PARTS), ("action", _ACTION_PARTS)):
+            if all(self.knows(name + suffix) for suffix in suffixes):
+                return sort
+        return None
+
+    def interfaces(self, sort: str) -> list[str]:
+        """Return the names of the services (`srv`) or actions (`action`) that come with kg, sorted."""
+        return sorted(name for name, one in self._sorts.items() if one == sort)
+
+    def fields(self, name: str) -> tuple[Field, ...]:
+        """Return the fields of a type in order; RobotError KG804 when it is not known."""
+        known = self._store.fielddefs[self._known(name)][1]
+        return tuple(_field(one, kind) for one, kind in known if one != MEMBER_OF_NOTHING)
+
+    def define(self, name: str, text: str, sort: str = "msg") -> None:
+        """Learn a type by its definition, with those it uses behind lines of `=` (a connection header's text).
+
+        `sort` is `msg`, `srv` or `action`; the parts of the last two stand between lines of `---`. What is told so
+        counts more than what comes with kg, of which a robot may have another version.
+
+        Raises:
+            RobotError: KG810 for a text that is no definition, KG806 for another definition than the one that every
+                distribution has or that was told before.
+        """
+        try:
+            found = [
+                definitions.read(self._message(one), part)
+                for full, whole in definitions.split(name, text)
+                for one, part in parts(full, sort if full == name else "msg", whole, self.ros)
+            ]
+            self._learn(found, told=True)
+        except (TypesysError, ValueError) as error:
+            raise RobotError("KG810", f"the definition of `{name[:80]}` cannot be read: {error}") from None
+
+    def md5(self, name: str) -> str:
+        """Return the MD5 sum that ROS 1 peers compare, also of a service; RobotError KG804 for an unknown type."""
+        whole = "".join(self._sum_text(one) for one in self._of_service(name) or (name,))
+        return md5(whole.encode(), usedforsecurity=False).hexdigest()
+
+    def definition(self, name: str) -> str:
+        """Return the text of a definition with those of the types it uses; RobotError KG804 when it is not known."""
+        self._known(name)
+        used = self._used(self._message(name), {})
+        first, *others = used
+        return used[first] + "".join(f"{'=' * 80}\nMSG: {one}\n{used[one]}" for one in others)
+
+    def encode(self, name: str, value: Value) -> bytes:
+        """Return the bytes of a value; fields that it lacks have their defaults.
+
+        Raises:
+            RobotError: KG804 for a type that is not known, KG805 for a value that does not fit, with the field.
+        """
+        kind = self._known(name)
+        made = shaped(self._store, kind, value)
+        try:
+            written = self._store.serialize_ros1(made, kind) if self.ros == 1 else self._store.serialize_cdr(made, kind)
+        except (struct.error, UnicodeEncodeError, SerdeError, OverflowError) as error:
+            raise RobotError("KG805", f"the value is no {name}: {error}") from None
+        return bytes(written)
+
+    def decode(self, name: str, content: bytes) -> Value:
+        """Return the value that the bytes are of; RobotError KG810 for other bytes, KG804 for an unknown type."""
+        kind = self._known(name)
+        try:
+            read = self._store.deserialize_ros1 if self.ros == 1 else self._store.deserialize_cdr
+            return plain(self._store, kind, read(content, kind))
+        except Exception as error:  # noqa: BLE001 - the generated code of rosbags raises whatever the bytes lead it to
+            raise RobotError("KG810", f"{len(content)} bytes are no {name}: {error}") from None
+
+    def complete(self, name: str, value: Value) -> Value:
+        """Return the value with the defaults of what it lacks; errors as those of `encode`."""
+        kind = self._known(name)
+        return plain(self._store, kind, shaped(self._store, kind, value))
+
+    def _message(self, name: str) -> str:
+        """Return the name that ROS 1 gives to the parts of an action, where it is one: `TypeGoal` for `Type_Goal`."""
+        for suffix in _ACTION_PARTS:
+            if self.ros == 1 and name.endswith(suffix):
+                return name.removesuffix(suffix) + suffix[1:]
+        return name
+
+    def _known(self, name: str) -> str:
+        found = self._message(name)
+        full = _full(found)
+        if full not in self._store.fielddefs:
+            if found.rpartition("/")[2].startswith("wstring"):
+                told = "texts of 16-bit characters (`wstring`) are neither read nor written"
+                raise RobotError("KG804", told, hint="Leave such topics out; no library that kg uses has them.")
+            if found not in self._library:
+                raise RobotError("KG804", f"the message type `{name[:80]}` is not known")
+            self._learn([definitions.read(found, self._library[found])], told=False)
+        return full
+
+    def _learn(self, found: Iterable[Definition], *, told: bool) -> None:
+        new = {one.name: one for one in found}
+        for one in list(new.values()):
+            if not definitions.is_type(one.name):
+                raise ValueError(f"`{one.name[:80]}` is no name of a type")
+            if told and self._is_known_so(one):
+                del new[one.name]
+        self._derive(new)
+        check_size(self._store, new, self._known)
+        for full in [_full(name) for name in new if _full(name) in self._store.fielddefs]:
+            del self._store.fielddefs[full], self._store.types[full]
+            self._store.cache.clear()
+        self._store.register({_full(one.name): ([], [(f.name, f.kind) for f in one.fields]) for one in new.values()})
+        self._read |= new
+        self._told.update(new if told else ())
+
+    def _is_known_so(self, one: Definition) -> bool:
+        """Tell whether a type is known with the very definition that is told."""
+        if _full(one.name) not in self._store.fielddefs:
+            return False
+        known = [(name, kind) for name, kind in self._store.fielddefs[_full(one.name)][1] if name != MEMBER_OF_NOTHING]
+        same = known == [(field.name, field.kind) for field in one.fields]
+        if not same and (one.name not in self._library or one.name in self._told):
+            raise RobotError("KG806", f"`{one.name}` is told with other fields than the known ones")
+        return same and self._definition(one.name).constants == one.constants
+
+    def _derive(self, new: dict[str, Definition]) -> None:
+        """Add what the topics and services of an action carry, once its goal, result and feedback are known."""
+        suffixes = [part.removeprefix("_") if self.ros == 1 else part for part in _ACTION_PARTS]
+        for name in sorted({one.removesuffix(part) for one in new for part in suffixes if one.endswith(part)}):
+            if self.ros == 1 and name.endswith("Action"):
+                continue  # `TypeActionGoal` is what an action derives, not a part of one
+            if all(self._message(name + part) in new or self.knows(name + part) for part in _ACTION_PARTS):
+                for one, text in derived(name, self.ros):
+                    if not self.knows(one):
+                        new.setdefault(one, definitions.read(one, text))
+
+    def _of_service(self, name: str) -> tuple[str, ...]:
+        return tuple(name + part for part in _SERVICE_PARTS) if self.sort(name) == "srv" else ()
+
+    def _sum_text(self, name: str) -> str:
+        return definitions.sum_text(self._definition(name), self.md5)
+
+    def _definition(self, name: str) -> Definition:
+        full = self._known(name)
+        found = self._message(name)
+        if found not in self._read:
+            text = self._store.generate_msgdef(full, ros_version=self.ros)[0]
+            self._read[found] = definitions.read(found, text.partition("=" * 80)[0])
+        return self._read[found]
+
+    def _used(self, name: str, found: dict[str, str]) -> dict[str, str]:
+        one = self._definition(name)
+        found[one.name] = one.text
+        for field in one.fields:
+            told = self.ros == 1 and field.type.startswith("builtin_interfaces/")
+            if "/" in field.type and field.type not in found and not told:
+                self._used(field.type, found)
+        return found
+
+
+def _full(name: str) -> str:
+    package, _, kind = name.partition("/")
+    return f"{package}/msg/{kind}"
+
+
+def _short(name: str) -> str:
+    return name.replace("/msg/", "/")
+
+
+def _field(name: str, kind: Any) -> Field:
+    sort, inner = kind
+    if sort in {Nodetype.ARRAY, Nodetype.SEQUENCE}:
+        element = _field(name, inner[0])
+        length, most = (inner[1], 0) if sort is Nodetype.ARRAY else (0, inner[1])
+        return Field(name, element.type, length, most, element.bound)
+    return Field(name, inner[0], bound=inner[1]) if sort is Nodetype.BASE else Field(name, _short(inner))

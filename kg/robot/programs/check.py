@@ -1,0 +1,435 @@
+"""Whether a program can be run with certain capabilities: everything that can be told before."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
+
+import msgspec
+
+from kg.errors import RobotError
+from kg.robot.programs import kinds, values
+from kg.robot.programs.collisions import collisions
+from kg.robot.programs.kinds import ANY, BOOLEAN, PLACE, TIME, Kind, Kinds
+from kg.robot.programs.names import AT, Known, takes_place
+from kg.robot.programs.problems import Problem
+from kg.robot.programs.tree import (
+    Break,
+    Do,
+    For,
+    If,
+    OnEvent,
+    Parallel,
+    Repeat,
+    Set,
+    Stop,
+    Variable,
+    Wait,
+    WaitUntil,
+    While,
+    Written,
+)
+from kg.robot.programs.units import PLAIN
+from kg.robot.programs.walk import expressions_of, reads_of, sequences_of, statements, variables_of
+from kg.robot.programs.write import written
+from kg.similar import did_you_mean
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from kg.robot.capability import Capabilities, Capability, Parameter
+    from kg.robot.programs.tree import Expression, Program, Statement
+
+__all__ = ["check", "kinds_of"]
+
+_SLACK: Final = 1e-9
+
+
+def check(program: Program, capabilities: Capabilities, places: Iterable[str] = ()) -> list[Problem]:
+    """Return what is wrong with a program for a system, sorted by path; with an `error` it should not be run.
+
+    `places` are the names of those that stand in the program already; they are offered for names that are misspelt.
+    """
+    checker = _Checker(capabilities, places)
+    checker.program(program)
+    return sorted(checker.problems, key=lambda problem: _order(problem.path))
+
+
+def kinds_of(program: Program, capabilities: Capabilities) -> Kinds:
+    """Return what tells the kinds of a program's expressions, whose variables are known; nothing is reported."""
+    checker = _Checker(capabilities)
+    checker.program(program)
+    return checker.kinds
+
+
+def _order(path: str) -> list[tuple[int, str]]:
+    return [(int(part), "") if part.isdecimal() else (-1, part) for part in path.split("/")]
+
+
+@dataclass(slots=True)
+class _Loop:
+    """A loop; `left` is set by a `break` in it."""
+
+    left: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class _Flow:
+    """Where control is: variables that surely have a value, the loop around, whether something will end it there."""
+
+    known: frozenset[str] = frozenset()
+    loop: _Loop | None = None
+    ended: bool = False
+    """Whether a movement without end is cut off by what stands around it."""
+    over: bool = False
+    """Whether what follows is never reached."""
+
+
+class _Checker:
+    def __init__(self, capabilities: Capabilities, places: Iterable[str] = ()) -> None:
+        self._places = tuple(places)
+        self.problems: list[Problem] = []
+        self._known = Known(capabilities)
+        self._variables: dict[str, Kind] = {}
+        self.kinds = Kinds(self._known, self._variables, self.report)
+        self._ids: dict[str, str | None] = {}
+        self._met: set[str] = set()
+
+    def program(self, program: Program) -> None:
+        """Check a whole program."""
+        self._variables.update(dict.fromkeys(_given(program.body), ANY))
+        self.sequence(program.body, "/body", _Flow())
+        if program.seconds is not None and program.seconds <= 0:
+            self._wrong("/seconds", "the time for the program is not more than nothing", code="KG835")
+
+    def report(self, path: str, error: RobotError, severity: str = "error") -> None:
+        """Note a problem at a path, once; the statement it is in has been met before."""
+        above = path
+        while above and above not in self._ids:
+            above = above.rpartition("/")[0]
+        problem = Problem.of(error, path, self._ids.get(above))
+        if severity == "warning":
+            problem = msgspec.structs.replace(problem, severity="warning")
+        if problem not in self.problems:
+            self.problems.append(problem)
+
+    def _wrong(self, path: str, message: str, hint: str | None = None, code: str = "KG836") -> None:
+        self.report(path, RobotError(code, message, hint=hint))
+
+    def _warn(self, path: str, message: str, hint: str | None = None) -> None:
+        self.report(path, RobotError("KG836", message, hint=hint), "warning")
+
+    def sequence(self, body: tuple[Statement, ...], path: str, flow: _Flow) -> _Flow:
+        """Check statements one after the other; return where control is behind them."""
+        told = flow.over
+        for number, statement in enumerate(body):
+            here = f"{path}/{number}"
+            self._ids[here] = statement.id
+            if flow.over and not told:
+                self._warn(here, "this is never reached", "What stands before it ends or goes on without end.")
+                told = True
+            after = self._statement(statement, here, replace(flow, over=False))
+            flow = replace(after, over=flow.over or after.over)
+        return flow
+
+    def _statement(self, statement: Statement, path: str, flow: _Flow) -> _Flow:
+        self._set_before(statement, path, flow)
+        match statement:
+            case Do():
+                return self._do(statement, path, flow)
+            case Set():
+                self._gets(statement.variable, self.kinds.of(statement.value, f"{path}/value"), path)
+                return replace(flow, known=flow.known | {statement.variable})
+            case If():
+                return self._if(statement, path, flow)
+            case While() | Repeat() | For():
+                return self._loop(statement, path, flow)
+            case Break():
+                if flow.loop is None:
+                    self._wrong(path, "`break` stands outside a loop", "It leaves the innermost loop around it.")
+                else:
+                    flow.loop.left = True
+                return replace(flow, over=True)
+            case Stop():
+                return replace(flow, over=True)
+            case Wait():
+                self._time(statement.seconds, f"{path}/seconds", above_zero=True)
+            case WaitUntil():
+                return self._wait_until(statement, path, flow)
+            case Parallel():
+                return self._parallel(statement, path, flow)
+            case OnEvent():
+                return self._on_event(statement, path, flow)
+            case _:
+                self.kinds.of(statement.message, f"{path}/message")
+        return flow
+
+    def _set_before(self, statement: Statement, path: str, flow: _Flow) -> None:
+        """Tell of variables that have a value only if control came another way."""
+        for part, expression in expressions_of(statement):
+            for name in variables_of(expression):
+                if name not in self._variables or name in flow.known:
+                    continue
+                hint = f"Give it one on every way to here: `set {written(Variable(name=name))} to ...`."
+                if name in self._met:
+                    self._warn(f"{path}/{part}", f"the variable `{name}` may have no value here", hint)
+                else:
+                    self._wrong(f"{path}/{part}", f"the variable `{name}` has no value yet", hint)
+
+    def _gets(self, variable: str, kind: Kind, path: str) -> None:
+        self._met.add(variable)
+        before = self._variables.setdefault(variable, kind)
+        if before == ANY:
+            self._variables[variable] = kind
+        elif kind not in {before, ANY}:
+            self._wrong(path, f"`{variable}` is {before} elsewhere, and becomes {kind} here", code="KG833")
+
+    def _condition(self, expression: Expression, path: str) -> None:
+        kind = self.kinds.of(expression, path)
+        if kind not in {ANY, BOOLEAN}:
+            hint = "A condition compares: `nearest of laserScanning < 0.5 m`."
+            self._wrong(path, f"a condition is true or false, and this is {kind}", hint, "KG833")
+
+    def _time(self, expression: Expression | None, path: str, *, above_zero: bool = False) -> None:
+        if expression is None:
+            return
+        kind = self.kinds.of(expression, path)
+        if kind not in {ANY, TIME, Kind("number")}:
+            self._wrong(path, f"this should be a time, and is {kind}", "Write `2 s`, `500 ms` or `1 min`.", "KG833")
+            return
+        always = kinds.constant(expression)
+        if always is not None and (always.value < 0 or (above_zero and always.value == 0)):
+            self._wrong(path, f"a time is more than nothing, and this is {values.shown(always)}", code="KG835")
+
+    def _number(self, expression: Expression | None, path: str) -> Kind:
+        kind = ANY if expression is None else self.kinds.of(expression, path)
+        if kind.name not in {"any", "number"}:
+            self._wrong(path, f"this should be a number, and is {kind}", code="KG833")
+        return kind
+
+    def _do(self, statement: Do, path: str, flow: _Flow) -> _Flow:
+        self._time(statement.seconds, f"{path}/seconds", above_zero=True)
+        self._time(statement.within, f"{path}/within", above_zero=True)
+        try:
+            capability = self._known.write(statement.capability)
+        except RobotError as error:
+            self.report(path, error)
+            for name, value in statement.arguments.items():
+                self.kinds.of(value, f"{path}/arguments/{name}")
+            return flow
+        self._arguments(statement, capability, path)
+        return self._ending(statement, capability, path, flow)
+
+    def _ending(self, statement: Do, capability: Capability, path: str, flow: _Flow) -> _Flow:
+        """Tell of times that make no sense for what is done."""
+        if not capability.ways:
+            return flow
+        renewed = capability.ways[0].kind == "topic" and capability.ways[0].rate > 0
+        if statement.seconds is not None and not renewed:
+            hint = "Write `within 60 s` to give it up when it takes longer."
+            self._warn(f"{path}/seconds", f"`{capability.label}` ends by itself", hint)
+        if statement.within is not None and capability.ways[0].kind == "topic":
+            instead = "Write `for 2 s` to say how long it goes on." if renewed else None
+            self._warn(f"{path}/within", f"`{capability.label}` has no end that could come too late", instead)
+        if not renewed or statement.seconds is not None:
+            return flow
+        if not flow.ended:
+            hint = "Write `for 2 s` behind it, or put it into `as soon as ... during`."
+            self._warn(path, f"`{capability.label}` goes on until the program is ended", hint)
+        return replace(flow, over=True)
+
+    def _arguments(self, statement: Do, capability: Capability, path: str) -> None:
+        given: set[str] = set()
+        placed: set[str] = set()
+        for name, value in statement.arguments.items():
+            here = f"{path}/arguments/{name}"
+            if takes_place(capability, name) and isinstance(value, Variable) and value.name not in self._variables:
+                hint = (
+                    f"Say where it is: `set {written(value)} to (x: 2 m, y: 1.5 m)`, or in a file (`--places`), "
+                    "or name the robot that knows it (`--robot`)."
+                )
+                meant = did_you_mean(value.name, [*self._variables, *self._places])
+                self._wrong(here, f"no place is called `{value.name}`", meant or hint)
+                placed = {"x", "y"}
+                continue
+            kind = self.kinds.of(value, here)
+            if takes_place(capability, name):
+                if kind not in {ANY, PLACE}:
+                    hint = "A place is written `(x: 2 m, y: 1.5 m, heading: 90 deg)`, or has a name."
+                    self._wrong(here, f"`{name}` is a place, and this is {kind}", hint, "KG833")
+                placed = {"x", "y"}
+                self._place(capability, value, here)
+                continue
+            try:
+                parameter = self._known.parameter(capability, name)
+            except RobotError as error:
+                self.report(here, error)
+                continue
+            if parameter.name in given:
+                self._wrong(here, f"`{parameter.name}` is given twice", code="KG832")
+            given.add(parameter.name)
+            self._argument(parameter, kind, value, here)
+        for parameter in capability.parameters:
+            if parameter.name not in given | placed and parameter.default is None:
+                of_place = takes_place(capability, AT) and parameter.name in {"x", "y"}
+                hint = f"Write `{parameter.name}: ...` behind it{f', or `{AT}:` and a place' if of_place else ''}."
+                self._wrong(path, f"`{capability.label}` needs its `{parameter.name}`", hint, "KG832")
+
+    def _place(self, capability: Capability, value: Expression, path: str) -> None:
+        """Tell of limits that a place does not keep."""
+        always = kinds.constant(value)
+        said = values.of_place(always) if always is not None and isinstance(always.value, dict) else {}
+        for parameter in capability.parameters:
+            if parameter.name in said:
+                self._limits(parameter, values.for_parameter(parameter, said[parameter.name]), path)
+
+    def _argument(self, parameter: Parameter, kind: Kind, value: Expression, path: str) -> None:
+        wanted = kinds.of_parameter(parameter)
+        plain = kind == Kind("number", PLAIN) and wanted.name == "number"
+        if ANY not in {kind, wanted} and kind != wanted and not plain:
+            unit = f"It is in {parameter.unit}." if parameter.unit and kind.name == "number" else None
+            self._wrong(path, f"`{parameter.name}` is {wanted}, and this is {kind}", unit, "KG833")
+            return
+        always = kinds.constant(value)
+        if always is not None:
+            self._limits(parameter, values.for_parameter(parameter, always), path)
+
+    def _limits(self, parameter: Parameter, value: object, path: str) -> None:
+        unit = f" {parameter.unit}" if parameter.unit else ""
+        if parameter.choices and isinstance(value, str) and value not in parameter.choices:
+            hint = f"It is one of: {', '.join(parameter.choices)}."
+            self._wrong(path, f"`{value}` is no choice of `{parameter.name}`", hint, "KG835")
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            return
+        if parameter.type == "integer" and value != int(value):
+            self._wrong(path, f"`{parameter.name}` is a whole number, and {value:g} is none", code="KG835")
+        if parameter.minimum is not None and value < parameter.minimum - _SLACK:
+            least = f"{parameter.minimum:g}{unit}"
+            self._wrong(path, f"`{parameter.name}` is at least {least}, and this is {value:g}{unit}", code="KG835")
+        if parameter.maximum is not None and value > parameter.maximum + _SLACK:
+            most = f"{parameter.maximum:g}{unit}"
+            self._wrong(path, f"`{parameter.name}` is at most {most}, and this is {value:g}{unit}", code="KG835")
+
+    def _if(self, statement: If, path: str, flow: _Flow) -> _Flow:
+        self._condition(statement.condition, f"{path}/condition")
+        then = self.sequence(statement.then, f"{path}/then", flow)
+        otherwise = self.sequence(statement.otherwise, f"{path}/otherwise", flow)
+        known = {(False, False): then.known & otherwise.known, (True, False): otherwise.known}
+        both = known.get((then.over, otherwise.over), then.known)
+        return replace(flow, known=both, over=then.over and otherwise.over)
+
+    def _loop(self, statement: While | Repeat | For, path: str, flow: _Flow) -> _Flow:
+        loop = _Loop()
+        inside = replace(flow, loop=loop)
+        runs = False
+        forever = False
+        match statement:
+            case While():
+                self._condition(statement.condition, f"{path}/condition")
+                runs = forever = _always(statement.condition)
+                self._waits(statement, path)
+            case Repeat():
+                runs = self._times(statement, path)
+            case For():
+                self._for(statement, path)
+                inside = replace(inside, known=inside.known | {statement.variable})
+        self._met |= _given(statement.body)
+        after = self.sequence(statement.body, f"{path}/body", inside)
+        known = after.known if runs and not loop.left else flow.known
+        stuck = (forever and not loop.left) or (runs and after.over and not loop.left)
+        return replace(flow, known=known, over=stuck)
+
+    def _times(self, statement: Repeat, path: str) -> bool:
+        """Check how often a sequence is repeated; tell whether it surely is at all."""
+        kind = self._number(statement.times, f"{path}/times")
+        if kind.name == "number" and kind.dimension:
+            hint = "Use `wait`, or `for 2 s` behind a movement, for times."
+            self._wrong(f"{path}/times", f"how often is a plain number, and this is {kind}", hint, "KG833")
+        times = kinds.constant(statement.times)
+        if times is None or not times.number:
+            return False
+        if times.value < 0 or times.value != int(times.value):
+            self._wrong(f"{path}/times", f"nothing can be repeated {values.shown(times)} times", code="KG835")
+        elif times.value == 0:
+            self._warn(f"{path}/times", "this is repeated no times")
+        return bool(times.value >= 1)
+
+    def _for(self, statement: For, path: str) -> None:
+        if statement.of is not None:
+            kind = self.kinds.of(statement.of, f"{path}/of")
+            if kind.name not in {"any", "list"}:
+                self._wrong(f"{path}/of", f"this should be a list, and is {kind}", code="KG833")
+            self._gets(statement.variable, ANY, path)
+            return
+        first = self._number(statement.start, f"{path}/start")
+        for part, expression in (("end", statement.end), ("step", statement.step)):
+            kind = self._number(expression, f"{path}/{part}") if expression is not None else first
+            if "any" not in {first.name, kind.name} and kind != first:
+                self._wrong(f"{path}/{part}", f"this is {kind}, and the beginning is {first}", code="KG833")
+        step = kinds.constant(statement.step)
+        if step is not None and step.value == 0:
+            self._wrong(f"{path}/step", "with a step of nothing the end is never reached", code="KG835")
+        self._gets(statement.variable, first, path)
+
+    def _waits(self, statement: While, path: str) -> None:
+        """Tell of a loop that would spin: it neither waits nor does anything, nor brings its own end about."""
+        within = [inner for _, inner in statements(statement.body)]
+        if any(isinstance(inner, Do | Wait | WaitUntil) for inner in within):
+            return
+        given = {inner.variable for inner in within if isinstance(inner, Set)}
+        reads = next(reads_of(statement.condition), None)
+        left = any(isinstance(inner, Break | Stop) for inner in within)
+        if reads or not (left or given & set(variables_of(statement.condition))):
+            self._wrong(path, "this loop neither waits nor does anything", "Put `wait 0.1 s` into it.")
+
+    def _wait_until(self, statement: WaitUntil, path: str, flow: _Flow) -> _Flow:
+        self._condition(statement.condition, f"{path}/condition")
+        self._time(statement.seconds, f"{path}/seconds", above_zero=True)
+        if statement.otherwise is not None:
+            if statement.seconds is None:
+                hint = "Write `within 10 s` before `otherwise`."
+                self._warn(f"{path}/otherwise", "this is never done: the wait has no end", hint)
+            self.sequence(statement.otherwise, f"{path}/otherwise", flow)
+        if statement.seconds is None and not flow.ended and _never(statement.condition):
+            self._warn(path, "nothing can make this true while it waits")
+        return flow
+
+    def _parallel(self, statement: Parallel, path: str, flow: _Flow) -> _Flow:
+        self._met |= _given((statement,))
+        branches = []
+        for part, branch in sequences_of(statement):
+            branches.append(self.sequence(branch, f"{path}/{part}", replace(flow, loop=None)))
+        if len(statement.branches) <= 1:
+            self._warn(path, "there is nothing to be done at the same time", "Put `also` between what runs together.")
+        for where, message, surely in collisions(statement, path, self._known):
+            (self._wrong if surely else self._warn)(where, message, "A robot can follow one command at a time.")
+        known = flow.known.union(*(branch.known for branch in branches))
+        return replace(flow, known=known, over=any(branch.over for branch in branches))
+
+    def _on_event(self, statement: OnEvent, path: str, flow: _Flow) -> _Flow:
+        self._condition(statement.condition, f"{path}/condition")
+        around = replace(flow, loop=None)
+        self._met |= _given((statement,))
+        body = self.sequence(statement.body, f"{path}/body", replace(around, ended=flow.ended or statement.end))
+        then = self.sequence(statement.then, f"{path}/then", around)
+        if not statement.end:
+            for where, message, _ in collisions(statement, path, self._known):
+                self._warn(where, message, "Use `as soon as`, which ends the one before it does the other.")
+            return replace(flow, known=body.known, over=body.over)
+        return replace(flow, over=then.over and body.over)
+
+
+def _given(body: tuple[Statement, ...]) -> set[str]:
+    """Return the variables that statements give values to."""
+    return {statement.variable for _, statement in statements(body) if isinstance(statement, Set | For)}
+
+
+def _always(condition: Expression) -> bool:
+    return isinstance(condition, Written) and condition.value is True
+
+
+def _never(condition: Expression) -> bool:
+    """Tell whether a condition can only be what it is already."""
+    return isinstance(condition, Written | Variable) or (
+        next(reads_of(condition), None) is None and next(variables_of(condition), None) is None
+    )

@@ -1,0 +1,62 @@
+"""Programs as the code that an expert writes for them: a node for ROS 1 (rospy) or ROS 2 (rclpy), without kg."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal
+
+from kg.errors import RobotError
+from kg.robot.programs.check import check, kinds_of
+from kg.robot.programs.converting.dialects import Rclpy, Rospy
+from kg.robot.programs.converting.members import Members
+from kg.robot.programs.converting.names import Names
+from kg.robot.programs.converting.node import module
+from kg.robot.programs.converting.statements import Code
+from kg.robot.programs.names import Known
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kg.errors import Place
+    from kg.robot.capability import Capabilities
+    from kg.robot.programs.tree import Program
+
+__all__ = ["convert"]
+
+_METHODS = ("now", "check", "sleep", "until", "ends", "together", "as_soon_as", "whenever", "run", "connect", "halt")
+_OF_A_NODE = (
+    "local",
+    "deadline",
+    "handle",
+    "context",
+    "executor",
+    "clients",
+    "publishers",
+    "services",
+    "subscriptions",
+)
+_IN_METHODS = ("seconds", "within", "end", "request", "response", "sent", "result", "answer", "handle", "error", "math")
+
+
+def convert(
+    program: Program,
+    capabilities: Capabilities,
+    *,
+    to: Literal["rospy", "rclpy"] = "rospy",
+    place: Callable[[str], Place] | None = None,
+) -> str:
+    """Return a file in Python that does what a program does, through the ways of a robot's capabilities.
+
+    `place` tells where a part of the program stands in its file.
+
+    Raises:
+        RobotError: that of the first error of a program that is not sound; KG839 for what no code is made for.
+    """
+    for problem in check(program, capabilities):
+        if problem.severity == "error":
+            where = place(problem.path) if place else None
+            raise RobotError(problem.code, problem.message, place=where, hint=problem.hint)
+    names = Names(*_METHODS, *_OF_A_NODE, *_IN_METHODS)
+    members = Members(Rospy() if to == "rospy" else Rclpy(), names)
+    code = Code(members, Known(capabilities), kinds_of(program, capabilities), program, place)
+    run = code.sequence(program.body, "/body")
+    return module(program, members, code.used, run)

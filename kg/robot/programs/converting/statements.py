@@ -1,0 +1,255 @@
+"""Statements of programs as Python."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kg.errors import RobotError
+from kg.robot.programs import kinds
+from kg.robot.programs.converting.expressions import Expressions
+from kg.robot.programs.converting.members import indented
+from kg.robot.programs.names import takes_place
+from kg.robot.programs.tree import (
+    Break,
+    Do,
+    For,
+    If,
+    Log,
+    OnEvent,
+    Parallel,
+    Position,
+    Repeat,
+    Set,
+    Stop,
+    Wait,
+    WaitUntil,
+    While,
+    Written,
+)
+from kg.robot.programs.units import unit_of
+from kg.robot.programs.walk import expressions_of, parts_of, statements
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kg.errors import Place
+    from kg.robot.capability import Capability, Parameter
+    from kg.robot.programs.converting.members import Members
+    from kg.robot.programs.names import Known
+    from kg.robot.programs.tree import Expression, Program, Read, Statement
+
+__all__ = ["Code"]
+
+
+class Code:
+    """Writes statements; `used` are the methods beyond those of every node that they need."""
+
+    def __init__(
+        self,
+        members: Members,
+        known: Known,
+        told: kinds.Kinds,
+        program: Program,
+        place: Callable[[str], Place] | None,
+    ) -> None:
+        """Variables belong to the object where parts of the program run at the same time, else to the method."""
+        self.used: set[str] = set()
+        every = [statement for _, statement in statements(program.body)]
+        self._shared = any(isinstance(one, Parallel | OnEvent) for one in every)
+        self._members = members
+        self._known = known
+        self._names = members.names
+        self._place = place
+        self._kinds = told
+        self._said = _said(every)
+        self._given = _given(every, known, self._said)
+        self._expressions = Expressions(told, self._variable, self._read)
+
+    def sequence(self, body: tuple[Statement, ...], path: str) -> list[str]:
+        """Return the lines of statements; RobotError KG839 at the first that no code is made for."""
+        lines = []
+        for number, statement in enumerate(body):
+            here = f"{path}/{number}"
+            lines += [f"# {line}".rstrip() for line in statement.comment.split("\n") if statement.comment]
+            try:
+                lines += self._statement(statement, here)
+            except RobotError as error:
+                if error.place is not None or self._place is None:
+                    raise
+                raise RobotError(error.code, error.message, place=self._place(here), hint=error.hint) from error
+        return lines or ["pass"]
+
+    def _variable(self, name: str) -> str:
+        made = self._names.of("variable", name)
+        return f"self.{made}" if self._shared else made
+
+    def _read(self, read: Read) -> str:
+        capability = self._known.read(read.capability)
+        return self._members.read(capability, self._known.parameter(capability, read.parameter))
+
+    def _statement(self, statement: Statement, path: str) -> list[str]:
+        of = self._expressions.of
+        match statement:
+            case Do():
+                return [self._do(statement)]
+            case If():
+                return self._if(statement, path)
+            case While():
+                return [f"while {of(statement.condition)}:", *self._body(statement.body, f"{path}/body", loop=True)]
+            case Repeat():
+                return [f"for _ in range({self._times(statement)}):", *self._body(statement.body, f"{path}/body")]
+            case For():
+                return [self._for(statement), *self._body(statement.body, f"{path}/body")]
+            case Break():
+                return ["break"]
+            case Set():
+                return [f"{self._variable(statement.variable)} = {of(statement.value)}"]
+            case Wait():
+                return [f"self.sleep({of(statement.seconds)})"]
+            case WaitUntil():
+                return self._wait_until(statement, path)
+            case Parallel():
+                return self._parallel(statement, path)
+            case OnEvent():
+                return self._on_event(statement, path)
+            case Log():
+                text = self._expressions.text(statement.message)
+                return [self._members.dialect.log(text)]
+            case Stop():
+                return ['raise StoppedError("the program stopped itself")']
+
+    def _body(self, body: tuple[Statement, ...], path: str, *, loop: bool = False) -> list[str]:
+        lines = self.sequence(body, path)
+        lines = lines[1:] if not lines[0] else lines
+        return indented(["self.check()", *lines] if loop and lines != ["pass"] else lines)
+
+    def _if(self, statement: If, path: str) -> list[str]:
+        lines = [f"if {self._expressions.of(statement.condition)}:", *self._body(statement.then, f"{path}/then")]
+        match statement.otherwise:
+            case ():
+                return lines
+            case (If(comment="") as chained,):
+                first, *rest = self._if(chained, f"{path}/otherwise/0")
+                return [*lines, f"el{first}", *rest]
+            case otherwise:
+                return [*lines, "else:", *self._body(otherwise, f"{path}/otherwise")]
+
+    def _times(self, statement: Repeat) -> str:
+        always = kinds.constant(statement.times)
+        return str(int(always.value)) if always else f"round({self._expressions.of(statement.times)})"
+
+    def _for(self, statement: For) -> str:
+        variable = self._variable(statement.variable)
+        if statement.of is not None:
+            return f"for {variable} in {self._expressions.of(statement.of)}:"
+        parts = [one for one in (statement.start, statement.end, statement.step) if one is not None]
+        whole = [_whole(one) for one in parts]
+        if all(one is not None for one in whole):
+            start, end, step = [one or 0 for one in whole] + [1] * (3 - len(whole))
+            down = end < start
+            numbers = [str(start), str(end + (-1 if down else 1))]
+            step = -abs(step) if down else abs(step)
+            return f"for {variable} in range({', '.join(numbers)}{f', {step}' if step != 1 else ''}):"
+        self.used.add("counted")
+        return f"for {variable} in counted({', '.join(self._expressions.of(one) for one in parts)}):"
+
+    def _do(self, statement: Do) -> str:
+        capability = self._known.write(statement.capability)
+        given = self._arguments(capability, statement)
+        ordered = [one for one in capability.parameters if one.name in given]
+        method, how = self._members.do(capability, self._given[capability.name])
+        arguments = [f"{self._members.argument(one.name)}={given[one.name]}" for one in ordered]
+        if how == "move":
+            seconds = "math.inf" if statement.seconds is None else self._expressions.of(statement.seconds)
+            arguments.insert(0, seconds)
+        limit = statement.within or statement.seconds
+        if how == "reach" and limit is not None:
+            arguments.append(f"within={self._expressions.of(limit)}")
+        return f"self.{method}({', '.join(arguments)})"
+
+    def _arguments(self, capability: Capability, statement: Do) -> dict[str, str]:
+        """Return arguments by the names of parameters; those of their own names count before those of a place."""
+        found: dict[str, str] = {}
+        for name, value in statement.arguments.items():
+            if takes_place(capability, name):
+                found = {**self._of_place(capability, value), **found}
+            else:
+                parameter = self._known.parameter(capability, name)
+                found[parameter.name] = self._argument(parameter, value)
+        return found
+
+    def _of_place(self, capability: Capability, place: Expression) -> dict[str, str]:
+        known = {one.name: one for one in capability.parameters}
+        if isinstance(place, Position):
+            parts = place.parts().items()
+            return {name: self._argument(known[name], one) for name, one in parts if name in known}
+        shown = self._expressions.of(place)
+        return {name: f"{shown}.{name}" for name in self._said if name in known}
+
+    def _argument(self, parameter: Parameter, value: Expression) -> str:
+        """Return an argument in the unit of its parameter."""
+        unit = unit_of(parameter.unit)
+        shown = self._expressions.of(value)
+        plain = self._kinds.of(value, "").dimension != unit.dimension
+        if isinstance(value, Written) and parameter.type == "integer" and not isinstance(value.value, bool | str):
+            return str(round(value.value))
+        if parameter.type == "integer":
+            return f"round({shown})"
+        return shown if plain or unit.factor == 1 else f"{self._expressions.of(value, 5)} / {unit.factor!r}"
+
+    def _wait_until(self, statement: WaitUntil, path: str) -> list[str]:
+        condition = self._expressions.of(statement.condition)
+        limit = "" if statement.seconds is None else f", {self._expressions.of(statement.seconds)}"
+        wait = f"self.until(lambda: {condition}{limit})"
+        if statement.otherwise is None:
+            return [wait]
+        handling = self._body(statement.otherwise, f"{path}/otherwise")
+        return ["try:", f"    {wait}", "except TimeoutError:", *handling]
+
+    def _part(self, wanted: str, body: tuple[Statement, ...], path: str) -> tuple[str, list[str]]:
+        """Return the name of a function for a part of the program, and its lines."""
+        name = self._names.of("part", path, wanted)
+        return name, [f"def {name}() -> None:", *self._body(body, path), ""]
+
+    def _parallel(self, statement: Parallel, path: str) -> list[str]:
+        self.used.add("together")
+        made = [
+            self._part("part", branch, f"{path}/branches/{number}") for number, branch in enumerate(statement.branches)
+        ]
+        lines = [line for _, part in made for line in part]
+        return ["", *lines, f"self.together({', '.join(name for name, _ in made)})"]
+
+    def _on_event(self, statement: OnEvent, path: str) -> list[str]:
+        method = "as_soon_as" if statement.end else "whenever"
+        self.used.add(method)
+        then, reaction = self._part("react", statement.then, f"{path}/then")
+        body, work = self._part("work", statement.body, f"{path}/body")
+        condition = self._expressions.of(statement.condition)
+        return ["", *reaction, *work, f"self.{method}(lambda: {condition}, {then}, {body})"]
+
+
+def _said(every: list[Statement]) -> set[str]:
+    """Return what is said of any place."""
+    parts = (part for one in every for _, expression in expressions_of(one) for part in parts_of(expression))
+    return {name for part in parts if isinstance(part, Position) for name in part.parts()}
+
+
+def _given(every: list[Statement], known: Known, said: set[str]) -> dict[str, tuple[str, ...]]:
+    """Return the parameters that a program gives each capability anywhere, in their order."""
+    found: dict[str, set[str]] = {}
+    order: dict[str, tuple[Parameter, ...]] = {}
+    for statement in every:
+        if isinstance(statement, Do):
+            capability = known.write(statement.capability)
+            order[capability.name] = capability.parameters
+            given = found.setdefault(capability.name, set())
+            for name in statement.arguments:
+                given.update(said if takes_place(capability, name) else {known.parameter(capability, name).name})
+    return {name: tuple(one.name for one in order[name] if one.name in given) for name, given in found.items()}
+
+
+def _whole(expression: Expression) -> int | None:
+    """Return a plain whole number that is written as it is, None for anything else."""
+    if not isinstance(expression, Written) or isinstance(expression.value, bool | str) or expression.unit is not None:
+        return None
+    return int(expression.value) if expression.value == int(expression.value) else None

@@ -1,0 +1,120 @@
+"""What a program, or the expert's code for the same, takes: the columns of Table 2 of onto-ros (section 4.2).
+
+Code is counted in lines that are neither blank nor comment nor docstring; components are publishers, subscribers,
+service clients and action clients; message types are those that it imports from packages of interfaces.
+"""
+
+from __future__ import annotations
+
+import ast
+import io
+import re
+import tokenize
+from typing import TYPE_CHECKING, Final
+
+import msgspec
+
+from kg.robot.messages import Types
+from kg.robot.programs.names import named
+from kg.robot.programs.tree import Do
+from kg.robot.programs.walk import expressions_of, reads_of, statements
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kg.robot.capability import Capabilities
+    from kg.robot.programs.tree import Program
+
+__all__ = ["CodeMetrics", "ProgramMetrics", "code_metrics", "foreign_types", "metrics"]
+
+_COMPONENTS: Final = {
+    "Publisher": "publishers",
+    "create_publisher": "publishers",
+    "Subscriber": "subscribers",
+    "create_subscription": "subscribers",
+    "ServiceProxy": "clients",
+    "create_client": "clients",
+    "SimpleActionClient": "action_clients",
+    "ActionClient": "action_clients",
+}
+_LIBRARIES: Final = ("rospy", "rclpy")
+_INTERFACES: Final = ("msg", "srv", "action")
+_STATUS: Final = "GoalStatus"
+"""What action clients of either library are told of their goals by; it is exchanged by no node of the expert's."""
+_PART: Final = re.compile("(Action|Goal|Result|Feedback|Request|Response)$")
+"""What stands behind the name of an action or service for one of its messages."""
+
+
+class ProgramMetrics(msgspec.Struct, frozen=True, kw_only=True):
+    """How many blocks (statements) and capabilities (distinct, by name) a program has."""
+
+    blocks: int
+    capabilities: int
+
+
+class CodeMetrics(msgspec.Struct, frozen=True, kw_only=True):
+    """What code in Python with rospy or rclpy consists of."""
+
+    lines: int
+    publishers: int
+    subscribers: int
+    clients: int
+    action_clients: int
+    message_types: int
+
+    @property
+    def components(self) -> int:
+        """Publishers, subscribers and clients together."""
+        return self.publishers + self.subscribers + self.clients + self.action_clients
+
+
+def metrics(program: Program, capabilities: Capabilities | None = None) -> ProgramMetrics:
+    """Count what a program takes; with capabilities two names for one count once."""
+    program = program if capabilities is None else named(program, capabilities)
+    every = [statement for _, statement in statements(program.body)]
+    used = {statement.capability for statement in every if isinstance(statement, Do)}
+    for statement in every:
+        used |= {read.capability for _, one in expressions_of(statement) for read in reads_of(one)}
+    return ProgramMetrics(blocks=len(every), capabilities=len(used))
+
+
+def code_metrics(text: str) -> CodeMetrics:
+    """Count what code takes; SyntaxError when it is no Python."""
+    tree = ast.parse(text)
+    found = dict.fromkeys(_COMPONENTS.values(), 0)
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call):
+            name = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
+            if name in _COMPONENTS:
+                found[_COMPONENTS[name]] += 1
+    return CodeMetrics(lines=_lines(text, tree), message_types=len(set(_imported(tree))), **found)
+
+
+def foreign_types(text: str, ros: int) -> list[str]:
+    """Return the types of messages in code for a version of ROS that only the other version has, sorted."""
+    own, other = Types(ros), Types(3 - ros)
+    used = sorted({f"{package}/{name}" for package, name in _imported(ast.parse(text))})
+    return [name for name in used if own.sort(name) is None and other.sort(name) is not None]
+
+
+def _imported(tree: ast.Module) -> Iterator[tuple[str, str]]:
+    for node in ast.walk(tree):
+        package, _, part = (node.module or "").partition(".") if isinstance(node, ast.ImportFrom) else ("", "", "")
+        if isinstance(node, ast.ImportFrom) and part in _INTERFACES and package not in _LIBRARIES:
+            for name in node.names:
+                if name.name != _STATUS:
+                    yield package, _PART.sub("", name.name)
+
+
+def _lines(text: str, tree: ast.Module) -> int:
+    """Count the lines that hold code."""
+    blank = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
+    held: set[int] = set()
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type not in blank:
+            held.update(range(token.start[0], token.end[0] + 1))
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and ast.get_docstring(node) is not None:
+            first = node.body[0]
+            held.difference_update(range(first.lineno, (first.end_lineno or first.lineno) + 1))
+    return len(held)

@@ -1,0 +1,133 @@
+"""What programs call capabilities and parameters by: names as in the ontology, or labels."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+import msgspec
+
+from kg.errors import RobotError
+from kg.robot.driving.lookup import find
+from kg.robot.programs.tree import Program
+from kg.similar import did_you_mean
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kg.robot.capability import Capabilities, Capability, Parameter
+
+__all__ = ["AT", "Known", "labelled", "named", "takes_place"]
+
+AT: Final = "at"
+"""The argument that takes a place: for x, y and what else a capability has of it."""
+
+
+class Known:
+    """The capabilities that a program may use, found by the names that it uses."""
+
+    def __init__(self, capabilities: Capabilities) -> None:
+        """Nothing is looked up before it is asked for."""
+        self._capabilities = capabilities
+        self._found: dict[tuple[str, str], Capability] = {}
+
+    def read(self, name: str) -> Capability:
+        """Return what can be sensed or known; RobotError KG832 when it is not there, KG834 when it can only be done."""
+        return self._one(name, "read")
+
+    def write(self, name: str) -> Capability:
+        """Return what can be done; RobotError KG832 when it is not there, KG834 when it can only be sensed."""
+        return self._one(name, "write")
+
+    def _one(self, name: str, modality: str) -> Capability:
+        if (name, modality) not in self._found:
+            self._found[name, modality] = self._looked_up(name, modality)
+        return self._found[name, modality]
+
+    def _looked_up(self, name: str, modality: str) -> Capability:
+        try:
+            found = find(self._capabilities, name, "read" if modality == "read" else "write")
+        except RobotError as error:
+            if error.code != "KG821":
+                raise _other_way(name, modality, self._capabilities) from error
+            raise RobotError("KG832", error.message, hint=self._meant(name, modality)) from error
+        return found
+
+    def _meant(self, name: str, modality: str) -> str | None:
+        """Return the question for what was meant, among what can be reached if anything can."""
+        fitting = [one for one in self._capabilities.capabilities if one.modality == modality]
+        reached = [one for one in fitting if one.ways] or fitting
+        return did_you_mean(name, [word for one in reached for word in (one.name, one.label, *one.alternatives)])
+
+    @staticmethod
+    def parameter(capability: Capability, name: str) -> Parameter:
+        """Return a parameter by its name or label; RobotError KG832 when there is none."""
+        wanted = _folded(name)
+        for parameter in capability.parameters:
+            if wanted in {_folded(parameter.name), _folded(parameter.label)}:
+                return parameter
+        names = [parameter.name for parameter in capability.parameters]
+        verb = "is given" if capability.modality == "write" else "tells"
+        hint = did_you_mean(name, names) or f"`{capability.label}` {verb}: {', '.join(names) or 'nothing'}."
+        raise RobotError("KG832", f"`{capability.label}` has no `{name}`", hint=hint)
+
+
+def takes_place(capability: Capability, name: str) -> bool:
+    """Tell whether a name is that of the argument that takes a place, for a capability that has such."""
+    names = {one.name for one in capability.parameters}
+    return name == AT and AT not in names and {"x", "y"} <= names
+
+
+def _other_way(name: str, modality: str, capabilities: Capabilities) -> RobotError:
+    label = find(capabilities, name).label
+    if modality == "write":
+        hint = f"Use what it tells in a condition or a value: `... of {find(capabilities, name).name}`."
+        return RobotError("KG834", f"`{label}` is something to sense, not to do", hint=hint)
+    hint = f"Write `{label}` as a statement of its own."
+    return RobotError("KG834", f"`{label}` is something to do, it tells nothing", hint=hint)
+
+
+def _folded(name: str) -> str:
+    return "".join(sign for sign in name.casefold() if sign.isalnum())
+
+
+def named(program: Program, capabilities: Capabilities) -> Program:
+    """Return a program with the names of capabilities and parameters in place of labels; what is unknown stays."""
+    return _renamed(program, capabilities, lambda one: one.name)
+
+
+def labelled(program: Program, capabilities: Capabilities) -> Program:
+    """Return a program with the labels of capabilities, and the names of parameters; what is unknown stays."""
+    return _renamed(program, capabilities, lambda one: one.label)
+
+
+def _renamed(program: Program, capabilities: Capabilities, called: Callable[[Capability], str]) -> Program:
+    known = Known(capabilities)
+
+    def walk(part: Any) -> Any:
+        if isinstance(part, list | tuple):
+            return [walk(one) for one in part]
+        if not isinstance(part, dict):
+            return part
+        walked = {key: walk(value) for key, value in part.items()}
+        if "capability" in part:
+            try:
+                _rename(walked, known, called)
+            except RobotError:
+                return walked
+        return walked
+
+    return msgspec.convert(walk(msgspec.to_builtins(program)), Program)
+
+
+def _rename(part: dict[str, Any], known: Known, called: Callable[[Capability], str]) -> None:
+    if part.get("expression") == "read":
+        capability = known.read(part["capability"])
+        part["parameter"] = known.parameter(capability, part["parameter"]).name
+    else:
+        capability = known.write(part["capability"])
+        arguments = part.get("arguments", {})
+        part["arguments"] = {
+            name if takes_place(capability, name) else known.parameter(capability, name).name: value
+            for name, value in arguments.items()
+        }
+    part["capability"] = called(capability)

@@ -1,0 +1,378 @@
+"""The text form of programs, read: one statement a line, blocks until `end`; docs/programs.md has the grammar."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import msgspec
+
+from kg.robot.programs.cursor import Cursor
+from kg.robot.programs.expressions import expression
+from kg.robot.programs.tree import (
+    Break,
+    Do,
+    For,
+    If,
+    Log,
+    OnEvent,
+    Parallel,
+    Program,
+    Repeat,
+    Set,
+    Stop,
+    Wait,
+    WaitUntil,
+    While,
+    Written,
+)
+from kg.robot.programs.units import convert
+from kg.robot.programs.walk import BLOCKS_DEEP
+from kg.robot.programs.words import ENDINGS, FOREIGN
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kg.robot.programs.tree import Expression, Statement
+
+__all__ = ["Parsed", "parse", "parse_with_places"]
+
+
+class Parsed(NamedTuple):
+    """A program with the lines and columns, counted from one, of the parts of its tree by their paths."""
+
+    program: Program
+    places: dict[str, tuple[int, int]]
+
+
+def parse(text: str, path: str = "program") -> Program:
+    """Return the program that a text is; RobotError KG830 at the line and column where it cannot be read."""
+    return parse_with_places(text, path).program
+
+
+def parse_with_places(text: str, path: str = "program") -> Parsed:
+    """Return the program that a text is, with the places of its parts; RobotError KG830 as for `parse`."""
+    cursor = Cursor(text, path)
+    cursor.skip()
+    program = Program()
+    if cursor.word("program"):
+        program = _head(cursor)
+    body, rest = _sequence(cursor, "/body", 0)
+    if not cursor.kind("end of the program"):
+        raise cursor.expected("a statement", hint=f"There is no block left that {cursor.token} could belong to.")
+    comment = "\n".join(filter(None, (program.comment, rest)))
+    return Parsed(msgspec.structs.replace(program, body=body, comment=comment), cursor.places)
+
+
+def _head(cursor: Cursor) -> Program:
+    comment = cursor.told()
+    cursor.take()
+    if not cursor.kind("text", "name"):
+        raise cursor.expected("the name of the program in quotes")
+    name = cursor.take().value
+    seconds = _program_time(cursor) if cursor.phrase("within") else None
+    _line_end(cursor)
+    return Program(name=name, comment=comment, seconds=seconds)
+
+
+def _program_time(cursor: Cursor) -> float:
+    token = cursor.token
+    written = expression(cursor, "/seconds")
+    if isinstance(written, Written) and not isinstance(written.value, bool | str):
+        with suppress(ValueError):
+            return convert(written.value, written.unit or "s", "s")
+    raise cursor.refused(token, "the time for a program is a number with a unit of time", "Write `within 5 min`.")
+
+
+def _sequence(cursor: Cursor, path: str, depth: int) -> tuple[tuple[Statement, ...], str]:
+    """Read statements up to a word that ends them; comments behind the last one belong to it, or are returned."""
+    if depth > BLOCKS_DEEP:
+        raise cursor.refused(cursor.token, f"more than {BLOCKS_DEEP} blocks within each other")
+    body: list[Statement] = []
+    cursor.skip()
+    while not cursor.kind("end of the program") and not cursor.word(*ENDINGS):
+        body.append(_statement(cursor, f"{path}/{len(body)}", depth))
+        cursor.skip()
+    rest = cursor.told()
+    if body and rest:
+        body[-1] = _commented(body[-1], rest)
+        rest = ""
+    return tuple(body), rest
+
+
+def _commented(statement: Statement, *comments: str) -> Statement:
+    """Return a statement with more comments."""
+    comment = "\n".join(filter(None, (statement.comment, *comments)))
+    return msgspec.structs.replace(statement, comment=comment) if comment != statement.comment else statement
+
+
+def _statement(cursor: Cursor, path: str, depth: int) -> Statement:
+    comment = cursor.told()
+    cursor.note(path)
+    cursor.begun.append(cursor.token.line)
+    _own(cursor)
+    read = _KEYWORDS.get(cursor.token.value.lower()) if cursor.kind("word") else None
+    statement = (read and read(cursor, path, depth)) or _do(cursor, path)
+    cursor.begun.pop()
+    behind = cursor.told()
+    _line_end(cursor)
+    return _commented(msgspec.structs.replace(statement, comment=comment), statement.comment, behind, cursor.told())
+
+
+def _own(cursor: Cursor) -> None:
+    """Raise RobotError KG830 for a statement as other languages have it, with what is written here."""
+    token, after = cursor.token, cursor.ahead()
+    if token.kind != "word":
+        return
+    assigns = after.kind == "sign" and after.value == "="
+    hint = f"Write `set {token.value} to {cursor.ahead(2).value}`." if assigns else FOREIGN.get(token.value.lower())
+    if token.value.lower() in {"let", "var"} and after.kind == "word" and cursor.ahead(2).value == "=":
+        hint = f"Write `set {after.value} to {cursor.ahead(3).value}`."
+    if hint is not None:
+        raise cursor.refused(token, f"{token} begins no statement", hint)
+
+
+def _line_end(cursor: Cursor) -> None:
+    if cursor.kind("comment"):
+        cursor.comments.append(cursor.take().value)
+    if not cursor.kind("line", "end of the program") and not cursor.word(*ENDINGS):
+        hint = "A value has a name before it: `forward: 0.2 m/s`." if cursor.kind("number", "text") else None
+        raise cursor.expected("the end of the statement", hint=hint)
+
+
+def _id(cursor: Cursor) -> str | None:
+    return cursor.take().value if cursor.kind("id") else None
+
+
+def _end(cursor: Cursor, what: str) -> None:
+    if not cursor.word("end"):
+        hint = f"`{what}` of line {cursor.begun[-1]} has no `end`."
+        raise cursor.expected(f"`end` of `{what}`", hint=hint)
+    cursor.take()
+
+
+def _block(cursor: Cursor, path: str, what: str, depth: int) -> tuple[tuple[Statement, ...], str]:
+    body, rest = _sequence(cursor, path, depth + 1)
+    _end(cursor, what)
+    return body, rest
+
+
+def _if(cursor: Cursor, path: str, depth: int) -> If:
+    cursor.take()
+    condition = expression(cursor, f"{path}/condition")
+    cursor.phrase("then")
+    identifier = _id(cursor)
+    then, comment = _sequence(cursor, f"{path}/then", depth + 1)
+    otherwise: tuple[Statement, ...] = ()
+    if cursor.phrase("otherwise"):
+        if cursor.word("if"):
+            cursor.note(f"{path}/otherwise/0")
+            if depth > BLOCKS_DEEP:
+                raise cursor.refused(cursor.token, f"more than {BLOCKS_DEEP} blocks within each other")
+            otherwise = (_if(cursor, f"{path}/otherwise/0", depth + 1),)
+            return If(id=identifier, comment=comment, condition=condition, then=then, otherwise=otherwise)
+        otherwise, rest = _sequence(cursor, f"{path}/otherwise", depth + 1)
+        comment = "\n".join(filter(None, (comment, rest)))
+    _end(cursor, "if")
+    return If(id=identifier, comment=comment, condition=condition, then=then, otherwise=otherwise)
+
+
+def _while(cursor: Cursor, path: str, depth: int) -> While:
+    cursor.take()
+    condition = expression(cursor, f"{path}/condition")
+    cursor.phrase("do")
+    identifier = _id(cursor)
+    body, comment = _block(cursor, f"{path}/body", "while", depth)
+    return While(id=identifier, comment=comment, condition=condition, body=body)
+
+
+def _repeat(cursor: Cursor, path: str, depth: int) -> Repeat:
+    cursor.take()
+    times = expression(cursor, f"{path}/times")
+    cursor.phrase("times")
+    identifier = _id(cursor)
+    body, comment = _block(cursor, f"{path}/body", "repeat", depth)
+    return Repeat(id=identifier, comment=comment, times=times, body=body)
+
+
+def _variable(cursor: Cursor) -> str:
+    if not cursor.kind("word", "name"):
+        raise cursor.expected("the name of a variable")
+    return cursor.take().value
+
+
+def _for(cursor: Cursor, path: str, depth: int) -> For:
+    cursor.take()
+    each = cursor.word("each") and cursor.ahead().kind in {"word", "name"} and cursor.ahead().value != "from"
+    if each:
+        cursor.take()
+    variable = _variable(cursor)
+    start = end = step = of = None
+    if cursor.phrase("in"):
+        of = expression(cursor, f"{path}/of")
+    elif cursor.phrase("from"):
+        start = expression(cursor, f"{path}/start")
+        if not cursor.phrase("to"):
+            raise cursor.expected("`to`")
+        end = expression(cursor, f"{path}/end")
+        step = expression(cursor, f"{path}/step") if cursor.phrase("step") else None
+    else:
+        raise cursor.expected(
+            "`from` or `in`", hint="Write `for i from 1 to 5` or `for each tag in tags of recognizingTags`."
+        )
+    cursor.phrase("do")
+    identifier = _id(cursor)
+    body, comment = _block(cursor, f"{path}/body", "for", depth)
+    return For(id=identifier, comment=comment, variable=variable, start=start, end=end, step=step, of=of, body=body)
+
+
+def _break(cursor: Cursor, path: str, depth: int) -> Break:
+    del path, depth
+    cursor.take()
+    return Break(id=_id(cursor))
+
+
+def _set(cursor: Cursor, path: str, depth: int) -> Set | None:
+    del depth
+    if cursor.ahead().kind in {"word", "name"} and cursor.ahead(2).kind in {"number", "text"}:
+        cursor.take()
+        variable = cursor.take().value
+        raise cursor.expected("`to`", hint=f"Write `set {variable} to {cursor.token.value}`.")
+    if cursor.ahead().kind not in {"word", "name"} or cursor.ahead(2).value.lower() not in {"to", "="}:
+        return None
+    cursor.take()
+    variable = _variable(cursor)
+    cursor.take()
+    value = expression(cursor, f"{path}/value")
+    return Set(id=_id(cursor), variable=variable, value=value)
+
+
+def _wait(cursor: Cursor, path: str, depth: int) -> Wait | WaitUntil:
+    cursor.take()
+    if not cursor.phrase("until"):
+        cursor.phrase("for")
+        seconds = expression(cursor, f"{path}/seconds")
+        return Wait(id=_id(cursor), seconds=seconds)
+    condition = expression(cursor, f"{path}/condition")
+    limit = expression(cursor, f"{path}/seconds") if cursor.phrase("within") else None
+    if not cursor.phrase("otherwise"):
+        return WaitUntil(id=_id(cursor), condition=condition, seconds=limit)
+    identifier = _id(cursor)
+    body, comment = _block(cursor, f"{path}/otherwise", "wait until", depth)
+    return WaitUntil(id=identifier, comment=comment, condition=condition, seconds=limit, otherwise=body)
+
+
+def _parallel(cursor: Cursor, path: str, depth: int) -> Parallel | None:
+    if not cursor.phrase("at the same time"):
+        return None
+    identifier = _id(cursor)
+    branches: list[tuple[Statement, ...]] = []
+    comments: list[str] = []
+    while not branches or cursor.phrase("also"):
+        body, comment = _sequence(cursor, f"{path}/branches/{len(branches)}", depth + 1)
+        branches.append(body)
+        comments.append(comment)
+    _end(cursor, "at the same time")
+    kept = tuple(branches) if len(branches) > 1 or branches[0] else ()
+    return Parallel(id=identifier, comment="\n".join(filter(None, comments)), branches=kept)
+
+
+def _on_event(cursor: Cursor, path: str, depth: int) -> OnEvent | None:
+    end = cursor.phrase("as soon as")
+    if not end and not cursor.phrase("whenever"):
+        return None
+    condition = expression(cursor, f"{path}/condition")
+    cursor.phrase("do")
+    identifier = _id(cursor)
+    then, comment = _sequence(cursor, f"{path}/then", depth + 1)
+    if not cursor.phrase("during"):
+        raise cursor.expected("`during`", hint="Behind `during` stands what is done meanwhile.")
+    body, rest = _block(cursor, f"{path}/body", "as soon as" if end else "whenever", depth)
+    comment = "\n".join(filter(None, (comment, rest)))
+    return OnEvent(id=identifier, comment=comment, condition=condition, then=then, body=body, end=end)
+
+
+def _log(cursor: Cursor, path: str, depth: int) -> Log:
+    del depth
+    cursor.take()
+    message = expression(cursor, f"{path}/message")
+    return Log(id=_id(cursor), message=message)
+
+
+def _stop(cursor: Cursor, path: str, depth: int) -> Stop | None:
+    del path, depth
+    if cursor.ahead().kind == "word" and cursor.ahead().value.lower() not in ENDINGS:
+        return None
+    cursor.take()
+    return Stop(id=_id(cursor))
+
+
+def _do(cursor: Cursor, path: str) -> Do:
+    named = cursor.phrase("do")
+    quoted = cursor.kind("text", "name")
+    capability = cursor.take().value if quoted else _capability(cursor, named=named)
+    arguments = _arguments(cursor, path)
+    seconds = within = None
+    if cursor.word("for"):
+        cursor.take()
+        seconds = expression(cursor, f"{path}/seconds")
+    if cursor.word("within"):
+        cursor.take()
+        within = expression(cursor, f"{path}/within")
+    return Do(id=_id(cursor), capability=capability, arguments=arguments, seconds=seconds, within=within)
+
+
+def _capability(cursor: Cursor, *, named: bool) -> str:
+    """Read the words of a capability, up to the name of the first argument or a time."""
+    words: list[str] = []
+    while cursor.kind("word") and not cursor.word(*ENDINGS):
+        after = cursor.ahead()
+        if words and after.kind == "sign" and after.value in {":", "="}:
+            break
+        if words and cursor.word("for", "within") and (after.kind == "number" or after.value == "("):
+            break
+        words.append(cursor.take().value)
+    if not words:
+        raise cursor.expected("a capability of the robot" if named else "a statement")
+    return " ".join(words)
+
+
+def _arguments(cursor: Cursor, path: str) -> dict[str, Expression]:
+    arguments: dict[str, Expression] = {}
+    while cursor.kind("word", "name") and not cursor.word("for", "within", *ENDINGS):
+        first = cursor.token
+        name = _argument_name(cursor)
+        if name in arguments:
+            raise cursor.refused(first, f"`{name}` is given twice")
+        arguments[name] = expression(cursor, f"{path}/arguments/{name}")
+        if not cursor.sign(","):
+            break
+        cursor.take()
+        cursor.skip()
+    return arguments
+
+
+def _argument_name(cursor: Cursor) -> str:
+    words = [cursor.take().value]
+    while cursor.kind("word"):
+        words.append(cursor.take().value)
+    if not cursor.sign(":", "="):
+        raise cursor.expected(f"`:` behind the name `{' '.join(words)}`")
+    cursor.take()
+    return " ".join(words)
+
+
+_KEYWORDS: Final[dict[str, Callable[[Cursor, str, int], Statement | None]]] = {
+    "if": _if,
+    "while": _while,
+    "repeat": _repeat,
+    "for": _for,
+    "break": _break,
+    "set": _set,
+    "wait": _wait,
+    "at": _parallel,
+    "as": _on_event,
+    "whenever": _on_event,
+    "log": _log,
+    "stop": _stop,
+}

@@ -1,0 +1,151 @@
+"""Places with names: where they come from, and programs in which they stand for their coordinates.
+
+A file of places is TOML, a table for each place: `kitchen = { x = 3.2, y = 1.0, heading = 90 }`, in metres and degrees
+on the robot's map; z and heading may be missing.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
+
+import msgspec
+
+from kg.errors import RobotError, UsageError
+from kg.facts import Role
+from kg.robot.programs import values
+from kg.robot.programs.names import AT, takes_place
+from kg.robot.programs.tree import For, Position, Program, Set, Written
+from kg.robot.programs.walk import statements
+from kg.similar import did_you_mean
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kg.robot.capability import Capability
+    from kg.robot.connection import ComputationGraph, Connection
+
+__all__ = ["MOST", "TOPIC", "Places", "at_place", "offered", "offers", "placed", "places_of", "read_places"]
+
+Places: TypeAlias = "Mapping[str, Position]"
+"""Places by their names; what is said of each is a number with its unit."""
+TOPIC: Final = "/simulator/places"
+"""Where a simulated robot tells the places of its world, as the text of a file of places."""
+MOST: Final = 1 << 18
+"""How many bytes a file of places may have."""
+_KIND: Final = "std_msgs/String"
+_FIRST: Final = 3.0
+"""Seconds to wait for the places of a robot that offers some."""
+
+
+class _Told(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    x: float
+    y: float
+    z: float | None = None
+    heading: float | None = None
+
+
+def places_of(text: str | bytes) -> dict[str, Position]:
+    """Return the places that the text of a file says; ValueError with what is wrong with it."""
+    try:
+        found = msgspec.toml.decode(text, type=dict[str, Any])
+    except (msgspec.MsgspecError, UnicodeDecodeError) as error:
+        raise ValueError(str(error)) from None
+    return {name: _place(name, one) for name, one in found.items()}
+
+
+def _place(name: str, said: Any) -> Position:
+    try:
+        return _position(msgspec.convert(said, _Told))
+    except ValueError as error:
+        raise ValueError(f"`{name}`: {error}") from None
+
+
+def _position(told: _Told) -> Position:
+    def in_(unit: str, value: float | None) -> Written | None:
+        return None if value is None else Written(value=value, unit=unit)
+
+    return Position(
+        x=Written(value=told.x, unit="m"),
+        y=Written(value=told.y, unit="m"),
+        z=in_("m", told.z),
+        heading=in_("deg", told.heading),
+    )
+
+
+def read_places(path: str) -> dict[str, Position]:
+    """Return the places of a file, none for the empty path; UsageError KG003 for a file that is none of places."""
+    if not path:
+        return {}
+    try:
+        with Path(path).open("rb") as file:
+            return places_of(file.read(MOST))
+    except OSError as error:
+        raise UsageError("KG003", f"`{path}` cannot be read: {error.strerror}") from error
+    except ValueError as error:
+        hint = "A place is written `kitchen = { x = 3.2, y = 1.0, heading = 90 }`, in metres and degrees."
+        raise UsageError("KG003", f"`{path}` is no file of places: {error}", hint=hint) from error
+
+
+def offers(graph: ComputationGraph) -> bool:
+    """Tell whether a simulated robot tells places in a graph."""
+    return any(one.role is Role.PUBLISHES and (one.name, one.type) == (TOPIC, _KIND) for one in graph.ends)
+
+
+async def offered(connection: Connection, graph: ComputationGraph) -> dict[str, Position]:
+    """Return the places that a simulated robot tells, none of another; what it tells wrongly counts as none."""
+    if not offers(graph):
+        return {}
+    try:
+        async with asyncio.timeout(_FIRST):
+            subscription = await connection.subscribe(TOPIC, _KIND, queue=1)
+            try:
+                async for received in subscription:
+                    return places_of(received.value["data"][:MOST])
+            finally:
+                await subscription.aclose()
+    except (RobotError, TimeoutError, ValueError):
+        return {}
+    return {}
+
+
+def placed(program: Program, places: Places) -> Program:
+    """Return a program in which places stand in place of their names, but for names that it gives values to itself."""
+    own = {one.variable for _, one in statements(program.body) if isinstance(one, Set | For)}
+    known = {name: msgspec.to_builtins(place) for name, place in places.items() if name not in own}
+    if not known:
+        return program
+
+    def walk(part: Any) -> Any:
+        if isinstance(part, list | tuple):
+            return [walk(one) for one in part]
+        if not isinstance(part, dict):
+            return part
+        if part.get("expression") == "variable" and part["name"] in known:
+            return known[part["name"]]
+        return {key: walk(value) for key, value in part.items()}
+
+    return msgspec.convert(walk(msgspec.to_builtins(program)), Program)
+
+
+def at_place(capability: Capability, arguments: Mapping[str, Any], places: Places) -> dict[str, Any]:
+    """Return arguments in which the place that `at` names stands as the parameters that it says something of.
+
+    What is given by its own name counts before what the place says. Arguments of what takes no place stay as they are.
+
+    Raises:
+        RobotError: KG823 for a name that is of no place.
+    """
+    if AT not in arguments or not takes_place(capability, AT):
+        return dict(arguments)
+    name = str(arguments[AT])
+    if name not in places:
+        known = f"It is one of: {', '.join(places)}." if places else "Name a file that says where it is (`--places`)."
+        raise RobotError("KG823", f"no place is called `{name}`", hint=did_you_mean(name, places) or known)
+    said = {part: values.written(one) for part, one in places[name].parts().items() if isinstance(one, Written)}
+    of_place = values.of_place(values.place(said))
+    there = {
+        one.name: values.for_parameter(one, of_place[one.name]) for one in capability.parameters if one.name in of_place
+    }
+    return there | {given: value for given, value in arguments.items() if given != AT}

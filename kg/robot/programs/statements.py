@@ -1,0 +1,308 @@
+"""The statements of a program, carried out one by one."""
+
+from __future__ import annotations
+
+import asyncio
+from math import isfinite
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.errors import RobotError
+from kg.robot.programs import values
+from kg.robot.programs.names import takes_place
+from kg.robot.programs.pace import first, together
+from kg.robot.programs.problems import Problem
+from kg.robot.programs.tree import (
+    Break,
+    Do,
+    For,
+    If,
+    Log,
+    OnEvent,
+    Parallel,
+    Repeat,
+    Set,
+    Stop,
+    Wait,
+    WaitUntil,
+    While,
+)
+from kg.robot.tasks import ended
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from kg.robot.capability import Capability
+    from kg.robot.driving.driver import Driver
+    from kg.robot.driving.plans import Outcome
+    from kg.robot.programs.evaluate import Evaluation
+    from kg.robot.programs.events import Events
+    from kg.robot.programs.pace import Pace
+    from kg.robot.programs.tree import Expression, Statement
+
+__all__ = ["Failed", "Statements", "Stopped"]
+
+_REST: Final = 0.02
+"""Seconds of a movement that are not worth to begin again for."""
+_SLACK: Final = 1e-9
+
+
+class Failed(Exception):  # noqa: N818 - it says how the program ended
+    """A statement failed; the innermost one is named."""
+
+    def __init__(self, problem: Problem) -> None:
+        """Keep what went wrong where."""
+        super().__init__(problem.message)
+        self.problem = problem
+
+
+class Stopped(Exception):  # noqa: N818 - it says how the program ended
+    """The program ended itself."""
+
+
+class _Left(Exception):  # noqa: N818 - control, no error
+    """The innermost loop is left."""
+
+
+class Statements:
+    """Carries out statements with the variables, the pace and the events of one program."""
+
+    def __init__(self, driver: Driver, evaluation: Evaluation, pace: Pace, events: Events) -> None:
+        """Nothing is done yet."""
+        self.count = 0
+        self._driver = driver
+        self._evaluation = evaluation
+        self._pace = pace
+        self._events = events
+
+    async def program(self, body: Iterable[Statement]) -> None:
+        """Carry out a whole program; raises as `sequence`, and RobotError KG836 for a `break` outside a loop."""
+        try:
+            await self.sequence(body, "/body")
+        except _Left:
+            raise RobotError("KG836", "`break` stands outside a loop") from None
+
+    async def sequence(self, body: Iterable[Statement], path: str) -> None:
+        """Carry out statements one after the other; Failed at the first that fails, Stopped by `stop`."""
+        for number, statement in enumerate(body):
+            await self._statement(statement, f"{path}/{number}")
+
+    async def _statement(self, statement: Statement, path: str) -> None:
+        try:
+            await self._pace.step()
+            self.count += 1
+            self._events.tell("enter", path, statement)
+            await self._carry_out(statement, path)
+        except RobotError as error:
+            problem = Problem.of(error, path, statement.id)
+            self._events.tell("error", path, statement, code=error.code, message=error.message, hint=error.hint)
+            raise Failed(problem) from error
+        finally:
+            self._events.tell("leave", path, statement)
+
+    async def _carry_out(self, statement: Statement, path: str) -> None:
+        match statement:
+            case Do():
+                await self._do(statement, path)
+            case If():
+                holds = await self._evaluation.truth(statement.condition, path, statement)
+                part = "then" if holds else "otherwise"
+                await self.sequence(statement.then if holds else statement.otherwise, f"{path}/{part}")
+            case While() | Repeat() | For():
+                await self._loop(statement, path)
+            case Break():
+                raise _Left
+            case Set():
+                value = await self._evaluation.of(statement.value, path, statement)
+                self._give(statement, statement.variable, value, path)
+            case Wait():
+                await self._pace.sleep(await self._evaluation.seconds(statement.seconds, path, statement) or 0.0)
+            case WaitUntil():
+                await self._wait_until(statement, path)
+            case Parallel():
+                work = (self.sequence(one, f"{path}/branches/{n}") for n, one in enumerate(statement.branches))
+                await together(*work)
+            case OnEvent():
+                await self._on_event(statement, path)
+            case Log():
+                message = values.shown(await self._evaluation.of(statement.message, path, statement))
+                self._events.tell("log", path, statement, message=message)
+            case Stop():
+                raise Stopped
+
+    def _give(self, statement: Statement, name: str, value: values.Quantity, path: str) -> None:
+        self._evaluation.give(name, value)
+        self._events.variable(path, statement, name, value, values.shown(value))
+
+    async def _do(self, statement: Do, path: str) -> None:
+        known = self._evaluation.known
+        capability = known.write(statement.capability)
+        arguments = await self._arguments(capability, statement, path)
+        kept_up = await self._evaluation.seconds(statement.seconds, path, statement)
+        within = await self._evaluation.seconds(statement.within, path, statement)
+        plan = await self._driver.plan(capability.name, arguments)
+        moves = plan.rate > 0
+
+        def feedback(told: dict[str, Any]) -> None:
+            self._events.tell("feedback", path, statement, capability=capability.name, values=told)
+
+        def work(seconds: float | None) -> Any:
+            return self._driver.do(capability.name, arguments, seconds=seconds, on_feedback=feedback)
+
+        left = kept_up if moves or within is None else within
+        if moves or plan.kind == "action":
+            outcome = await self._with_pauses(work, left, moves=moves)
+            if outcome is not None:
+                self._came(outcome, path, statement)
+        else:
+            self._came(await work(left), path, statement)
+        self._pace.waited()
+
+    async def _arguments(self, capability: Capability, statement: Do, path: str) -> dict[str, Any]:
+        """Return the values of parameters; what is given by its own name counts before what a place says."""
+        known = self._evaluation.known
+        placed, given = {}, {}
+        for name, expression in statement.arguments.items():
+            value = await self._evaluation.of(expression, path, statement)
+            if takes_place(capability, name):
+                placed = values.of_place(value)
+            else:
+                given[known.parameter(capability, name).name] = value
+        found = {**placed, **given}
+        return {
+            one.name: values.for_parameter(one, found[one.name]) for one in capability.parameters if one.name in found
+        }
+
+    def _came(self, outcome: Outcome, path: str, statement: Statement) -> None:
+        """Tell what a dry run would have sent; RobotError KG838 when the robot was stopped by another."""
+        plan = outcome.plan
+        if outcome.ended == "stopped":
+            raise RobotError("KG838", f"`{plan.capability}` was stopped from outside")
+        if outcome.ended == "planned":
+            where = {"capability": plan.capability, "kind": plan.kind, "name": plan.name, "type": plan.type}
+            self._events.tell("planned", path, statement, **where, value=plan.message, seconds=plan.seconds)
+
+    async def _with_pauses(self, work: Any, left: float | None, *, moves: bool) -> Outcome | None:
+        """Do what takes a while; it is stopped at a pause, and begun again for the time that is left."""
+        clock = self._driver.connection.clock
+        while True:
+            await self._pace.going()
+            begun = clock.now()
+            done = await self._pace.until_paused(work(left))
+            if done is not None:
+                outcome: Outcome = done[0]
+                return outcome
+            if left is not None:
+                left = max(left - max(clock.now() - begun, 0.0), 0.0 if moves else _REST)
+                if moves and left <= _REST:
+                    return None
+
+    async def _loop(self, statement: While | Repeat | For, path: str) -> None:
+        try:
+            match statement:
+                case While():
+                    while await self._evaluation.truth(statement.condition, path, statement):
+                        await self._turn(statement, path)
+                case Repeat():
+                    for _ in range(await self._times(statement, path)):
+                        await self._turn(statement, path)
+                case For():
+                    await self._for(statement, path)
+        except _Left:
+            return
+
+    async def _turn(self, statement: While | Repeat | For, path: str) -> None:
+        await self._pace.step()
+        await self.sequence(statement.body, f"{path}/body")
+
+    async def _times(self, statement: Repeat, path: str) -> int:
+        times = await self._evaluation.of(statement.times, path, statement)
+        if not times.number or times.dimension or not 0 <= times.value < float("inf"):
+            raise RobotError("KG833", f"nothing can be repeated {values.shown(times)} times")
+        how_often: float = times.value
+        return round(how_often)
+
+    async def _for(self, statement: For, path: str) -> None:
+        async for value in self._values(statement, path):
+            self._give(statement, statement.variable, value, path)
+            await self._turn(statement, path)
+
+    async def _values(self, statement: For, path: str) -> Any:
+        async def number(expression: Expression) -> values.Quantity:
+            value = await self._evaluation.of(expression, path, statement)
+            return values.binary("-", value, values.Quantity(0.0))
+
+        if statement.of is not None:
+            elements = (await self._evaluation.of(statement.of, path, statement)).value
+            if not isinstance(elements, list | tuple):
+                raise RobotError("KG833", f"{elements} is no list")
+            for element in elements:
+                yield values.Quantity(element)
+        elif statement.start is not None and statement.end is not None:
+            start, end = await number(statement.start), await number(statement.end)
+            step = values.Quantity(1.0, start.dimension) if statement.step is None else await number(statement.step)
+            for number_of_step in range(_steps(start, end, step)):
+                way = abs(step.value) if end.value >= start.value else -abs(step.value)
+                yield values.Quantity(start.value + number_of_step * way, start.dimension)
+
+    async def _wait_until(self, statement: WaitUntil, path: str) -> None:
+        seconds = await self._evaluation.seconds(statement.seconds, path, statement)
+        waiting = self._until(statement.condition, path, statement)
+        if seconds is None:
+            await waiting
+        elif await first(waiting, self._pace.sleep(seconds)) is None:
+            if statement.otherwise is None:
+                shown = values.shown(values.Quantity(seconds, (("s", 1),)))
+                hint = "Write `otherwise` behind it for what to do then."
+                raise RobotError("KG837", f"this did not come true within {shown}", hint=hint)
+            await self.sequence(statement.otherwise, f"{path}/otherwise")
+
+    async def _until(self, condition: Expression, path: str, statement: Statement, *, holds: bool = True) -> None:
+        """Return when a condition holds, or does not; it is looked at whenever something in it has changed."""
+        async with self._evaluation.watching(condition) as news:
+            while True:
+                await self._pace.going()
+                news.clear()
+                if await self._evaluation.truth(condition, path, statement) == holds:
+                    return
+                await news.wait()
+                self._pace.waited()
+
+    async def _on_event(self, statement: OnEvent, path: str) -> None:
+        body = self.sequence(statement.body, f"{path}/body")
+        if statement.end:
+            if await first(body, self._until(statement.condition, path, statement)) is None:
+                self._events.tell("event", path, statement)
+                await self.sequence(statement.then, f"{path}/then")
+            return
+        handling = asyncio.Lock()
+        working = asyncio.ensure_future(body)
+        watching = asyncio.ensure_future(self._whenever(statement, path, handling))
+        try:
+            await asyncio.wait({working, watching}, return_when=asyncio.FIRST_COMPLETED)
+            if working.done():
+                working.result()
+                async with handling:  # what has begun is finished
+                    watching.cancel()
+        finally:
+            await ended(working, watching)
+        if not watching.cancelled():
+            watching.result()
+
+    async def _whenever(self, statement: OnEvent, path: str, handling: asyncio.Lock) -> None:
+        while True:
+            await self._until(statement.condition, path, statement)
+            async with handling:
+                self._events.tell("event", path, statement)
+                await self.sequence(statement.then, f"{path}/then")
+            await self._until(statement.condition, path, statement, holds=False)
+
+
+def _steps(start: values.Quantity, end: values.Quantity, step: values.Quantity) -> int:
+    values.binary("-", start, end)
+    values.binary("-", start, step)
+    if step.value == 0:
+        raise RobotError("KG838", "with a step of nothing the end is never reached")
+    steps = abs(end.value - start.value) / abs(step.value)
+    if not isfinite(steps):
+        raise RobotError("KG838", f"from {start.value:g} to {end.value:g} there are steps without end")
+    return int(steps + _SLACK) + 1

@@ -1,0 +1,204 @@
+"""Values while a program runs: numbers in base units with what they measure, texts, truth values, lists."""
+
+from __future__ import annotations
+
+import math
+import operator as operators
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.errors import RobotError
+from kg.robot.programs.units import PLAIN, Dimension, described, divided, multiplied, unit_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from kg.robot.capability import Parameter
+    from kg.robot.programs.tree import Written
+
+__all__ = [
+    "PLACES",
+    "Quantity",
+    "binary",
+    "for_parameter",
+    "of_parameter",
+    "of_place",
+    "place",
+    "seconds",
+    "shown",
+    "truth",
+    "unary",
+    "written",
+]
+
+PLACES: Final = MappingProxyType({"x": "m", "y": "m", "z": "m", "heading": "rad"})
+"""The units of what is said of a place."""
+_TIME: Final[Dimension] = (("s", 1),)
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """A value; a number is in base units (m, s, rad, kg, ...) and `dimension` says what it measures.
+
+    A place is a dict of numbers, in the units of `PLACES`.
+
+    None stands for what a robot does not tell, as the nearest tag where there is none: it equals nothing else, and no
+    other comparison with it holds.
+    """
+
+    value: Any
+    dimension: Dimension = PLAIN
+
+    @property
+    def number(self) -> bool:
+        """Whether it is a number."""
+        return isinstance(self.value, int | float) and not isinstance(self.value, bool)
+
+
+def written(value: Written) -> Quantity:
+    """Return what a value as written is."""
+    if isinstance(value.value, bool | str):
+        return Quantity(value.value)
+    unit = unit_of(value.unit)
+    return Quantity(value.value * unit.factor, unit.dimension)
+
+
+def place(said: Mapping[str, Quantity]) -> Quantity:
+    """Return a place of what is said of it, by name; RobotError KG833 for what is no length, or no angle."""
+    found = {}
+    for name, quantity in said.items():
+        wanted = unit_of(PLACES[name]).dimension
+        if not quantity.number or quantity.dimension not in {PLAIN, wanted}:
+            raise RobotError("KG833", f"the {name} of a place is in {described(wanted)}, and this is {shown(quantity)}")
+        found[name] = float(quantity.value)
+    return Quantity(found)
+
+
+def of_place(quantity: Quantity) -> dict[str, Quantity]:
+    """Return what a place says, by name; RobotError KG833 for what is none."""
+    if not isinstance(quantity.value, dict):
+        raise RobotError("KG833", f"{shown(quantity)} is no place")
+    return {name: Quantity(value, unit_of(PLACES[name]).dimension) for name, value in quantity.value.items()}
+
+
+def of_parameter(parameter: Parameter, value: Any) -> Quantity:
+    """Return what a robot says of a parameter, which is in the parameter's unit."""
+    unit = unit_of(parameter.unit)
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return Quantity(value * unit.factor, unit.dimension)
+    return Quantity(value)
+
+
+def for_parameter(parameter: Parameter, quantity: Quantity) -> Any:
+    """Return a value in the unit of the parameter that it is for; a plain number is taken to be in it already.
+
+    Raises:
+        RobotError: KG833 when it is of another kind or measures something else.
+    """
+    unit = unit_of(parameter.unit)
+    if parameter.type in {"number", "integer"} and not quantity.number:
+        raise RobotError("KG833", f"`{parameter.name}` is a number, and {shown(quantity)} is none")
+    if not quantity.number or quantity.dimension == PLAIN != unit.dimension:
+        return quantity.value
+    if quantity.dimension != unit.dimension:
+        wanted, given = described(unit.dimension), described(quantity.dimension)
+        raise RobotError("KG833", f"`{parameter.name}` is in {wanted}, and {shown(quantity)} is in {given}")
+    value = quantity.value / unit.factor
+    return round(value) if parameter.type == "integer" and value == round(value) else value
+
+
+def truth(quantity: Quantity) -> bool:
+    """Return whether a condition holds; RobotError KG833 when it is none."""
+    if not isinstance(quantity.value, bool):
+        raise RobotError("KG833", f"{shown(quantity)} is neither true nor false")
+    return quantity.value
+
+
+def seconds(quantity: Quantity) -> float:
+    """Return a time in seconds; RobotError KG833 when it is none, KG835 when it is negative."""
+    if not quantity.number or quantity.dimension not in {PLAIN, _TIME}:
+        raise RobotError("KG833", f"{shown(quantity)} is no time")
+    if not 0 <= quantity.value < math.inf:
+        raise RobotError("KG835", f"{shown(quantity)} is no time to wait")
+    return float(quantity.value)
+
+
+def shown(quantity: Quantity) -> str:
+    """Return a value as people read it."""
+    if quantity.value is None:
+        return "nothing"
+    if isinstance(quantity.value, dict):
+        return f"({', '.join(f'{name}: {_part(name, value)}' for name, value in quantity.value.items())})"
+    if isinstance(quantity.value, bool):
+        return "true" if quantity.value else "false"
+    if not quantity.number:
+        return str(quantity.value)
+    unit = f" {described(quantity.dimension)}" if quantity.dimension else ""
+    return f"{quantity.value:.6g}{unit}"
+
+
+def _part(name: str, value: float) -> str:
+    """Return what is said of a place as people read it: where it looks to in degrees."""
+    return f"{math.degrees(value):.6g} deg" if PLACES[name] == "rad" else f"{value:.6g} {PLACES[name]}"
+
+
+def unary(operator: str, of: Quantity) -> Quantity:
+    """Return what an operator or function of one value gives; RobotError KG833 when it has none."""
+    if operator == "not":
+        return Quantity(not truth(of))
+    if operator == "count":
+        if not isinstance(of.value, str | list | tuple):
+            raise RobotError("KG833", f"{shown(of)} has nothing to count")
+        return Quantity(float(len(of.value)))
+    if not of.number:
+        raise RobotError("KG833", f"{shown(of)} is no number")
+    return Quantity(_OF_ONE[operator](of.value), of.dimension)
+
+
+def _rounded(value: float) -> float:
+    return float(math.floor(value + 0.5)) if math.isfinite(value) else value
+
+
+_OF_ONE: Final[dict[str, Callable[[float], float]]] = {"-": operators.neg, "absolute": abs, "round": _rounded}
+_ORDER: Final = {"<": operators.lt, "<=": operators.le, ">": operators.gt, ">=": operators.ge}
+
+
+def binary(operator: str, left: Quantity, right: Quantity) -> Quantity:
+    """Return what an operator of two values gives, but `and` and `or`; RobotError KG833, KG838 when it has none."""
+    if operator in {"=", "!="}:
+        same = left.value == right.value and (left.dimension == right.dimension or _fitting(left, right))
+        return Quantity(same == (operator == "="))
+    if operator in {*_ORDER, "contains"} and any(one.value is None for one in (left, right)):
+        return Quantity(value=False)
+    if operator == "contains":
+        if not isinstance(left.value, str | list | tuple):
+            raise RobotError("KG833", f"{shown(left)} is no list")
+        return Quantity(shown(right) in left.value if isinstance(left.value, str) else right.value in left.value)
+    if operator == "+" and (isinstance(left.value, str) or isinstance(right.value, str)):
+        return Quantity(shown(left) + shown(right))
+    for one in (left, right):
+        if not one.number:
+            raise RobotError("KG833", f"{shown(one)} is no number, which `{operator}` needs")
+    return _of_numbers(operator, left, right)
+
+
+def _of_numbers(operator: str, left: Quantity, right: Quantity) -> Quantity:
+    if operator == "*":
+        return Quantity(left.value * right.value, multiplied(left.dimension, right.dimension))
+    if operator == "/":
+        if right.value == 0:
+            raise RobotError("KG838", f"{shown(left)} cannot be divided by zero")
+        return Quantity(left.value / right.value, divided(left.dimension, right.dimension))
+    if not _fitting(left, right):
+        units = f"{described(left.dimension)} and {described(right.dimension)}"
+        raise RobotError("KG833", f"`{operator}` does not go with {units}")
+    if operator in _ORDER:
+        return Quantity(_ORDER[operator](left.value, right.value))
+    dimension = left.dimension or right.dimension
+    return Quantity(left.value + right.value if operator == "+" else left.value - right.value, dimension)
+
+
+def _fitting(left: Quantity, right: Quantity) -> bool:
+    """Tell whether two numbers measure the same; zero is zero in every unit."""
+    return left.dimension == right.dimension or any(one == Quantity(0.0) for one in (left, right))

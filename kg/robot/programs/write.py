@@ -1,0 +1,244 @@
+"""The text form of programs, written: what is written is read again as the same tree."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from kg.robot.programs.expressions import LEVELS
+from kg.robot.programs.tokens import quoted, quoted_name
+from kg.robot.programs.tree import (
+    Binary,
+    Break,
+    Do,
+    Expression,
+    For,
+    If,
+    Log,
+    OnEvent,
+    Parallel,
+    Position,
+    Program,
+    Read,
+    Repeat,
+    Set,
+    Statement,
+    Stop,
+    Unary,
+    Variable,
+    Wait,
+    WaitUntil,
+    While,
+    Written,
+)
+from kg.robot.programs.words import FUNCTIONS, bare_name, bare_phrase
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+__all__ = ["headline", "write", "written"]
+
+_INDENT: Final = "  "
+_LEVEL: Final = {operator: level for level, operators in enumerate(LEVELS) for operator in operators}
+_NOT: Final = _LEVEL["not"]
+_COMPARISON: Final = _LEVEL["="]
+_SIGNED: Final = len(LEVELS)
+
+
+def write(program: Program, *, ids: bool = False) -> str:
+    """Return a program as text; with `ids` those of the statements stand behind `@`, which people seldom want."""
+    lines: list[str] = []
+    if program.comment or program.seconds is not None or program.name != Program().name or not program.body:
+        within = "" if program.seconds is None else f" within {_number(program.seconds)} s"
+        lines += [*_comment(program.comment), f"program {quoted(program.name)}{within}"]
+    lines += _Printer(ids=ids).sequence(program.body)
+    return "".join(f"{line}\n" for line in lines)
+
+
+def headline(statement: Statement) -> str:
+    """Return the first line of a statement as text."""
+    return next(_Printer(ids=False).lines(statement))
+
+
+def written(expression: Expression) -> str:
+    """Return an expression as text."""
+    return _expression(expression, 0)
+
+
+class _Printer:
+    """Statements as lines."""
+
+    def __init__(self, *, ids: bool) -> None:
+        self._ids = ids
+
+    def sequence(self, body: Iterable[Statement]) -> Iterator[str]:
+        """Yield the lines of statements, each with its comment above."""
+        for statement in body:
+            yield from _comment(statement.comment)
+            yield from self.lines(statement)
+
+    def _within(self, body: Iterable[Statement]) -> Iterator[str]:
+        return (_INDENT + line for line in self.sequence(body))
+
+    def _id(self, statement: Statement) -> str:
+        return f" @{quoted(statement.id)}" if self._ids and statement.id is not None else ""
+
+    def lines(self, statement: Statement) -> Iterator[str]:
+        """Yield the lines of one statement."""
+        match statement:
+            case Do() | Break() | Set() | Wait() | Log() | Stop():
+                return iter((_line(statement) + self._id(statement),))
+            case If():
+                return self._if(statement)
+            case While():
+                return self._loop(statement, f"while {written(statement.condition)}")
+            case Repeat():
+                return self._loop(statement, f"repeat {written(statement.times)} times")
+            case For():
+                return self._loop(statement, _for(statement))
+            case WaitUntil():
+                return self._wait_until(statement)
+            case Parallel():
+                return self._parallel(statement)
+            case OnEvent():
+                return self._on_event(statement)
+
+    def _if(self, statement: If) -> Iterator[str]:
+        yield f"if {written(statement.condition)} then{self._id(statement)}"
+        yield from self._within(statement.then)
+        match statement.otherwise:
+            case ():
+                yield "end"
+            case (If(comment="") as chained,):
+                first, *rest = self._if(chained)
+                yield f"otherwise {first}"
+                yield from rest
+            case otherwise:
+                yield "otherwise"
+                yield from self._within(otherwise)
+                yield "end"
+
+    def _loop(self, statement: While | Repeat | For, head: str) -> Iterator[str]:
+        yield head + self._id(statement)
+        yield from self._within(statement.body)
+        yield "end"
+
+    def _wait_until(self, statement: WaitUntil) -> Iterator[str]:
+        line = f"wait until {written(statement.condition)}"
+        if statement.seconds is not None:
+            line += f" within {written(statement.seconds)}"
+        if statement.otherwise is None:
+            yield line + self._id(statement)
+            return
+        yield f"{line} otherwise{self._id(statement)}"
+        yield from self._within(statement.otherwise)
+        yield "end"
+
+    def _parallel(self, statement: Parallel) -> Iterator[str]:
+        yield f"at the same time{self._id(statement)}"
+        for number, branch in enumerate(statement.branches):
+            if number:
+                yield "also"
+            yield from self._within(branch)
+        yield "end"
+
+    def _on_event(self, statement: OnEvent) -> Iterator[str]:
+        begin = "as soon as" if statement.end else "whenever"
+        yield f"{begin} {written(statement.condition)}{self._id(statement)}"
+        yield from self._within(statement.then)
+        yield "during"
+        yield from self._within(statement.body)
+        yield "end"
+
+
+def _comment(comment: str) -> Iterator[str]:
+    if comment:
+        yield from (f"# {line}" if line else "#" for line in comment.split("\n"))
+
+
+def _line(statement: Do | Break | Set | Wait | Log | Stop) -> str:
+    match statement:
+        case Do():
+            return _do(statement)
+        case Set():
+            return f"set {_name(statement.variable)} to {written(statement.value)}"
+        case Wait():
+            return f"wait {written(statement.seconds)}"
+        case Log():
+            return f"log {written(statement.message)}"
+        case Break():
+            return "break"
+        case Stop():
+            return "stop"
+
+
+def _do(statement: Do) -> str:
+    line = statement.capability if bare_phrase(statement.capability) else f"do {quoted(statement.capability)}"
+    arguments = [f"{_name(name)}: {written(value)}" for name, value in statement.arguments.items()]
+    if arguments:
+        line += f"  {', '.join(arguments)}"
+    for word, time in (("for", statement.seconds), ("within", statement.within)):
+        if time is not None:
+            shown = written(time)
+            line += f" {word} {shown if shown[0].isdigit() else f'({shown})'}"
+    return line
+
+
+def _for(statement: For) -> str:
+    if statement.of is not None:
+        return f"for each {_name(statement.variable)} in {written(statement.of)}"
+    parts = (("from", statement.start), ("to", statement.end), ("step", statement.step))
+    limits = "".join(f" {word} {written(part)}" for word, part in parts if part is not None)
+    return f"for {_name(statement.variable)}{limits}"
+
+
+def _name(name: str) -> str:
+    return name if bare_name(name) else quoted_name(name)
+
+
+def _number(value: float) -> str:
+    text = repr(float(value))
+    return text.removesuffix(".0")
+
+
+def _value(value: Written) -> str:
+    if isinstance(value.value, bool):
+        return "true" if value.value else "false"
+    if isinstance(value.value, str):
+        return quoted(value.value)
+    number = _number(value.value)
+    return f"{number} {value.unit}" if value.unit else number
+
+
+def _expression(expression: Expression, least: int) -> str:
+    """Return an expression as text, in parentheses when it binds less than `least`."""
+    match expression:
+        case Written():
+            return _value(expression)
+        case Variable():
+            return _name(expression.name)
+        case Read():
+            shown = expression.capability if bare_name(expression.capability) else quoted(expression.capability)
+            return f"{_name(expression.parameter)} of {shown}"
+        case Unary():
+            return _unary(expression, least)
+        case Binary():
+            return _binary(expression, least)
+        case Position():
+            return f"({', '.join(f'{name}: {written(one)}' for name, one in expression.parts().items())})"
+
+
+def _unary(expression: Unary, least: int) -> str:
+    if expression.operator in FUNCTIONS:
+        return f"{expression.operator}({written(expression.of)})"
+    if expression.operator == "not":
+        shown = f"not {_expression(expression.of, _NOT)}"
+        return f"({shown})" if least > _NOT else shown
+    number = isinstance(expression.of, Written)
+    return f"-({written(expression.of)})" if number else f"-{_expression(expression.of, _SIGNED)}"
+
+
+def _binary(expression: Binary, least: int) -> str:
+    level = _LEVEL[expression.operator]
+    left = _expression(expression.left, level + (level == _COMPARISON))
+    shown = f"{left} {expression.operator} {_expression(expression.right, level + 1)}"
+    return f"({shown})" if least > level else shown

@@ -1,0 +1,278 @@
+"""A connection to a system of ROS 1: our node, and everything that `kg.robot.connection.Connection` promises."""
+
+from __future__ import annotations
+
+import asyncio
+import secrets
+from typing import TYPE_CHECKING, Any, Final, TypeVar
+from urllib.parse import urlsplit
+
+from kg.errors import RobotError
+from kg.robot.clock import SimulatedClock, WallClock, within
+from kg.robot.messages import Types
+from kg.robot.ros1.action_client import ActionClient, Ros1Goal
+from kg.robot.ros1.action_server import ActionServer
+from kg.robot.ros1.graph import Analyzer
+from kg.robot.ros1.http import ask
+from kg.robot.ros1.names import absolute, netloc
+from kg.robot.ros1.node import Node
+from kg.robot.ros1.publishing import Ros1Publication
+from kg.robot.ros1.services import call_service, probe
+from kg.robot.ros1.state import system_state, topic_types
+from kg.robot.ros1.subscribing import Ros1Subscription, greet, learn, open_topic
+from kg.robot.tasks import ended
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine
+
+    from kg.robot.clock import Clock
+    from kg.robot.connection import Accepted, ComputationGraph, Serving, Value
+
+__all__ = ["Ros1Connection", "connect"]
+
+Result = TypeVar("Result")
+
+_PORT: Final = 11311
+_TICKING: Final = 2.0
+"""Seconds that the topic `/clock` is given to tell a time before the connection is used."""
+
+
+async def connect(address: str, name: str, types: Types | None) -> Ros1Connection:
+    """Become a node of the system whose master is at `ros1://HOST:PORT`; see `kg.robot.connecting.connect`.
+
+    A name that a living node has already gets an ending of its own. Where `/use_sim_time` is set the clock is that of
+    the topic `/clock`.
+    """
+    master = _master(address)
+    try:
+        await ask(master, "getPid", name)
+        wanted = await _free(master, absolute(name))
+        simulated = await _parameter(master, wanted, "/use_sim_time") is True
+    except RobotError as error:
+        if error.code == "KG812":
+            raise
+        raise RobotError("KG802", f"no master of ROS 1 answers at {address}: {error.message}") from None
+    node = Node(master, wanted, types or Types(1), SimulatedClock() if simulated else WallClock())
+    connection = Ros1Connection(node, address)
+    try:
+        await node.start()
+        await connection.advertise("/rosout", "rosgraph_msgs/Log")
+        if simulated:
+            await connection.follow_clock()
+    except (RobotError, OSError, asyncio.CancelledError):
+        await node.aclose()
+        raise
+    return connection
+
+
+def _master(address: str) -> str:
+    try:
+        found = urlsplit(address)
+        host, port = found.hostname, found.port or _PORT
+    except ValueError:
+        host, port = None, 0
+    if not host:
+        raise RobotError("KG801", f"`{address}` is no address of a master", hint="Write ros1://HOST:PORT.")
+    return f"http://{netloc(host, port)}/"
+
+
+async def _free(master: str, name: str) -> str:
+    """Return a name that no living node has; the master would end the node that has it."""
+    try:
+        await ask(await ask(master, "lookupNode", name, name), "getPid", name, seconds=1.0)
+    except RobotError:
+        return name
+    return f"{name}_{secrets.token_hex(4)}"
+
+
+async def _parameter(master: str, caller: str, name: str) -> Any:
+    try:
+        return await ask(master, "getParam", caller, name)
+    except RobotError as error:
+        if error.code != "KG813":
+            raise
+        return None
+
+
+class Ros1Connection:
+    """A node of ours in a system of ROS 1; every method is that of `kg.robot.connection.Connection`."""
+
+    def __init__(self, node: Node, address: str) -> None:
+        self.node = node
+        self._address = address
+        self._analyzer = Analyzer(node)
+        self._clients: dict[tuple[str, str], ActionClient] = {}
+        self._opening = asyncio.Lock()
+
+    @property
+    def ros(self) -> int:
+        """The version of ROS that is spoken."""
+        return 1
+
+    @property
+    def address(self) -> str:
+        """Where it is connected to."""
+        return self._address
+
+    @property
+    def name(self) -> str:
+        """The name of our node, absolute."""
+        return self.node.name
+
+    @property
+    def clock(self) -> Clock:
+        """The time of the robot."""
+        return self.node.clock
+
+    @property
+    def types(self) -> Types:
+        """The types of messages that are known; it learns those that peers tell."""
+        return self.node.types
+
+    async def graph(self) -> ComputationGraph:
+        """Return the computation graph without our own node; RobotError KG802 when the master does not answer."""
+        self.node.present()
+        try:
+            return await self._analyzer.read()
+        except RobotError as error:
+            raise RobotError("KG802", f"the master does not tell the graph: {error.message}") from None
+
+    def changes(self) -> AsyncIterator[ComputationGraph]:
+        """Yield the graph as it is, and again each time that it has changed."""
+        return Analyzer(self.node).changes()
+
+    async def subscribe(self, topic: str, kind: str | None = None, *, queue: int = 10) -> Ros1Subscription:
+        """Receive the messages of a topic; without `kind` its type is asked for."""
+        self.node.present()
+        topic = absolute(topic)
+        told = (await topic_types(self.node.master, self.name))[0].get(topic)
+        if kind is not None and told not in {None, kind}:
+            raise RobotError("KG806", f"`{topic}` has the type {told}, not {kind}")
+        kind = kind or told
+        if kind is None:
+            raise RobotError("KG804", f"nobody tells the type of `{topic}`", hint="Start the node that publishes it.")
+        if not self.types.knows(kind):
+            await self._learn(topic, kind)
+        subscription = Ros1Subscription(self.node, topic, kind, queue)
+        await self.node.join(subscription)
+        return subscription
+
+    async def advertise(self, topic: str, kind: str, *, latch: bool = False) -> Ros1Publication:
+        """Offer a topic; `latch` keeps the last message for those that come later."""
+        self.node.present()
+        offer = await self.node.offer(absolute(topic), kind)
+        offer.latch = offer.latch or latch
+        return Ros1Publication(self.node, offer)
+
+    async def call(self, service: str, kind: str | None, request: Value, *, seconds: float) -> Value:
+        """Call a service and return the response."""
+        self.node.present()
+        service = absolute(service)
+
+        async def work() -> Value:
+            try:
+                uri = await self.node.ask("lookupService", service)
+            except RobotError as error:
+                if error.code != "KG813":
+                    raise
+                raise RobotError("KG807", f"nobody serves `{service}`") from None
+            sort = kind or await probe(self.name, uri, service)
+            return await call_service(self.node, uri, service, sort, request)
+
+        return await self._in_time(work(), seconds, RobotError("KG803", f"`{service}` did not answer in {seconds:g} s"))
+
+    async def send_goal(self, action: str, kind: str, goal: Value, *, seconds: float) -> Ros1Goal:
+        """Give an action a goal."""
+        self.node.present()
+        action = absolute(action)
+        self.types.encode(f"{kind}_Goal", goal)
+        began = self.clock.now()
+        client = await self._client(action, kind)
+        nobody = RobotError("KG807", f"nobody carries out goals of `{action}`")
+        await self._in_time(client.ready(), seconds, nobody)
+        left = max(seconds - (self.clock.now() - began), 1.0)
+        silent = RobotError("KG803", f"`{action}` did not say within {seconds:g} s that it has the goal")
+        return await self._in_time(client.send(goal), left, silent)
+
+    async def _client(self, action: str, kind: str) -> ActionClient:
+        """Return our client of an action, of which there is one: two would give their goals the same identities."""
+        async with self._opening:
+            if (action, kind) not in self._clients:
+                client = ActionClient(self, action, kind)
+                await client.open()
+                self._clients[action, kind] = client
+            return self._clients[action, kind]
+
+    async def serve(self, service: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> Serving:
+        """Answer a service; an exception of `answer` is the failure that the client sees."""
+        self.node.present()
+        return await self.node.serve(absolute(service), kind, answer)
+
+    async def serve_action(self, action: str, kind: str, carry_out: Callable[[Accepted], Awaitable[Value]]) -> Serving:
+        """Carry out goals, one at a time."""
+        self.node.present()
+        server = ActionServer(self, absolute(action), kind, carry_out)
+        await server.open()
+        return server
+
+    async def parameter(self, name: str) -> Any:
+        """Return a parameter of the parameter server, or None when it is not set; RobotError as `http.ask`."""
+        return await _parameter(self.node.master, self.name, absolute(name))
+
+    async def set_parameter(self, name: str, value: Any) -> None:
+        """Set a parameter; RobotError KG805 for a value that XML-RPC cannot carry, and those of `http.ask`."""
+        await self.node.ask("setParam", absolute(name), value)
+
+    async def wait_lost(self) -> str:
+        """Return, when the connection is lost, why; never before."""
+        return await asyncio.shield(self.node.lost)
+
+    async def aclose(self) -> None:
+        """Leave the graph; everything that was opened is closed."""
+        await self.node.aclose()
+
+    async def follow_clock(self) -> None:
+        """Take the time of the topic `/clock`."""
+        clock = self.clock
+        subscription = await self.subscribe("/clock", "rosgraph_msgs/Clock", queue=1)
+
+        async def follow() -> None:
+            async for received in subscription:
+                now = received.value["clock"]
+                if isinstance(clock, SimulatedClock):
+                    clock.tell(now["sec"] + now["nanosec"] / 1e9)
+
+        self.node.spawn(follow(), "following /clock")
+        if isinstance(clock, SimulatedClock) and subscription.links:  # somebody tells it
+            await clock.begun(_TICKING)
+
+    async def _learn(self, topic: str, kind: str) -> None:
+        """Learn a type from one who publishes the topic; RobotError KG804 when nobody does."""
+        state = await system_state(self.node.master, self.name)
+        for (role, name), nodes in state.ends.items():
+            for one in nodes if (role.value, name) == ("publishes", topic) else ():
+                try:
+                    uri = await self.node.ask("lookupNode", one)
+                    reader, writer = await open_topic(self.name, uri, topic)
+                    try:
+                        learn(self.types, kind, await greet(self.name, topic, kind, reader, writer))
+                    finally:
+                        writer.close()
+                except (RobotError, OSError, TimeoutError) as error:
+                    self.node.note(getattr(error, "code", "KG803"), one, f"`{topic}`: {error}")
+                else:
+                    return
+        raise RobotError("KG804", f"the message type `{kind}` of `{topic}` is not known, and nobody tells it")
+
+    async def _in_time(self, work: Coroutine[Any, Any, Result], seconds: float, late: RobotError) -> Result:
+        """Return what work gives; the error, when so much time of the robot has passed, or its time stands still."""
+        task = asyncio.ensure_future(within(self.clock, seconds, work))
+        try:
+            await asyncio.wait((task, self.node.lost), return_when=asyncio.FIRST_COMPLETED)
+            if not task.done():
+                self.node.present()
+            return await task
+        except TimeoutError:
+            raise late from None
+        finally:
+            await ended(task)

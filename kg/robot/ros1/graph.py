@@ -1,0 +1,219 @@
+"""The computation graph of a system of ROS 1: what its master tells, and what its nodes say themselves."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.errors import RobotError
+from kg.facts import Role
+from kg.robot.connection import ComputationGraph, GraphProblem, LiveEnd, LiveNode
+from kg.robot.ros1.folding import fold
+from kg.robot.ros1.http import ask
+from kg.robot.ros1.names import shown
+from kg.robot.ros1.services import probe
+from kg.robot.ros1.state import StateReader, SystemState, multicall, topic_types
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Awaitable, Callable
+
+    from kg.robot.ros1.node import Node
+
+__all__ = ["Analyzer", "pause"]
+
+_AT_ONCE: Final = 64
+_AT_ONCE_BESIDE: Final = 8
+_PATIENCE: Final = 1.0
+_SHARE: Final = 9.0
+_SOONEST: Final = 0.05
+_LATEST: Final = 0.2
+_FRESH: Final = 3.0
+_ASKING: Final = "asking nodes whether they live"
+_OF_EVERY_NODE: Final = {"get_loggers": "roscpp/GetLoggers", "set_logger_level": "roscpp/SetLoggerLevel"}
+"""Services that the client libraries make in each node; there is no need to ask for their types."""
+
+
+@dataclass(slots=True)
+class _Known:
+    """What a node said when it was asked last."""
+
+    uri: str | None
+    problem: GraphProblem | None
+    at: float
+
+
+@dataclass(slots=True, eq=False)
+class _Picture:
+    """What the master told, with what nodes added to it."""
+
+    state: SystemState
+    names: set[str]
+    services: list[tuple[str, str]]
+    ends: tuple[LiveEnd, ...]
+    odd: tuple[GraphProblem, ...]
+
+
+class Analyzer:
+    """Reads the graph for our node, and remembers what does not change."""
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._reader = StateReader(node.master, node.name)
+        self._nodes: dict[str, _Known] = {}
+        self._types: dict[tuple[str, str], str | GraphProblem] = {}
+        self._asked = 0
+        self._took = 0.0
+
+    async def changes(self) -> AsyncIterator[ComputationGraph]:
+        """Yield the graph as it is, and again when it has changed; it ends when the master is lost.
+
+        Whether nodes still live is asked beside it, and more seldom than what the master tells. A master that answers
+        quickly is asked more often: as long as nothing changes, nine tenths of its time are left, where that does not
+        take longer than `_LATEST` seconds.
+        """
+        loop = asyncio.get_running_loop()
+        picture: _Picture | None = None
+        told: ComputationGraph | None = None
+        seen: object = None
+        asking = self._node.spawn(asyncio.sleep(0), _ASKING)
+        try:
+            while not self._node.lost.done():
+                began = loop.time()
+                took = _LATEST
+                try:
+                    state = await self._reader.read()
+                    took = loop.time() - began
+                    if picture is None or state is not picture.state:
+                        picture = await self._picture(state, fresh=math.inf)
+                except RobotError as error:
+                    self._node.note(error.code, self._node.master, error.message)
+                now = (picture, self._asked, len(self._node.problems))
+                if picture is not None and now != seen:
+                    seen, graph = now, self._graph(picture)
+                    if graph != told:
+                        told = graph
+                        yield graph
+                if picture is not None and asking.done():
+                    asking = self._node.spawn(self._ask_again(picture.names), _ASKING)
+                await asyncio.sleep(pause(took))
+        finally:
+            asking.cancel()
+
+    async def read(self) -> ComputationGraph:
+        """Return the graph without our own node; RobotError as `system_state` when the master does not answer."""
+        return self._graph(await self._picture(await self._reader.read(), fresh=_FRESH))
+
+    async def _picture(self, state: SystemState, fresh: float) -> _Picture:
+        """Return what a state means, when all that is new in it has been asked about itself."""
+        kinds, odd = await topic_types(self._node.master, self._node.name)
+        names = state.nodes - {self._node.name}
+        self._nodes = {name: known for name, known in self._nodes.items() if name in names}
+        self._types = {key: kind for key, kind in self._types.items() if key[0] in names}
+        await self._ask_nodes(names, fresh)
+        services = [
+            (node, name)
+            for (role, name), nodes in state.ends.items()
+            for node in nodes
+            if role is Role.SERVICES and node in names
+        ]
+        await self._ask_services(services)
+        ends = fold(
+            LiveEnd(node, role, name, self._type(node, name) if role is Role.SERVICES else kinds.get(name))
+            for (role, name), nodes in state.ends.items()
+            for node in nodes
+            if node in names
+        )
+        ordered = tuple(sorted(ends, key=lambda end: (end.name, end.role, end.node)))
+        return _Picture(state, names, services, ordered, odd)
+
+    def _graph(self, picture: _Picture) -> ComputationGraph:
+        known = {name: self._nodes[name] for name in picture.names if name in self._nodes}
+        of_nodes = [one.problem for one in known.values()]
+        of_services = [self._types.get(key) for key in picture.services]
+        own = [one for one in (*of_nodes, *of_services) if isinstance(one, GraphProblem)]
+        problems = {*picture.state.problems, *picture.odd, *self._node.problems, *own}
+        live = sorted(
+            LiveNode(name, one.uri, one.problem.message if one.problem else None) for name, one in known.items()
+        )
+        return ComputationGraph(1, tuple(live), picture.ends, tuple(sorted(problems)))
+
+    def _type(self, node: str, service: str) -> str | None:
+        found = self._types.get((node, service))
+        return found if isinstance(found, str) else None
+
+    async def _ask_nodes(self, names: set[str], fresh: float, at_once: int = _AT_ONCE) -> None:
+        """See who is there: those that have not been asked lately say whether they live."""
+        now = asyncio.get_running_loop().time()
+        stale = sorted(name for name in names if name not in self._nodes or now - self._nodes[name].at > fresh)
+        uris = await multicall(self._node.master, "lookupNode", self._node.name, stale)
+        await _bounded(lambda name: self._ask_node(name, uris.get(name)), stale, at_once)
+
+    async def _ask_again(self, names: set[str]) -> None:
+        """See after a while whether nodes still live, a few at once, so that a tenth of the time goes there at most."""
+        loop = asyncio.get_running_loop()
+        await asyncio.sleep(max(_FRESH, 10 * self._took))
+        began = loop.time()
+        try:
+            await self._ask_nodes(names, _FRESH, at_once=_AT_ONCE_BESIDE)
+        except RobotError as error:
+            self._node.note(error.code, self._node.master, error.message)
+        self._asked += 1
+        self._took = loop.time() - began
+
+    async def _ask_node(self, name: str, uri: Any) -> None:
+        problem: GraphProblem | None = None
+        if uri is None:
+            problem = GraphProblem("KG811", name, "the master does not know its address any more")
+        else:
+            try:
+                await ask(uri, "getPid", self._node.name, seconds=_PATIENCE)
+            except RobotError as error:
+                code = "KG811" if error.code == "KG803" else error.code
+                problem = GraphProblem(code, name, error.message)
+        known = self._nodes.get(name)
+        if known is not None and known.uri != uri:
+            self._types = {key: kind for key, kind in self._types.items() if key[0] != name}
+        address = shown(uri) if uri is not None else None
+        self._nodes[name] = _Known(address, problem, asyncio.get_running_loop().time())
+
+    async def _ask_services(self, services: list[tuple[str, str]]) -> None:
+        """Ask for the types of services that are new, of nodes that live; the port of a node is asked for once."""
+        for node, service in services:
+            own, _, last = service.rpartition("/")
+            if own == node and last in _OF_EVERY_NODE:
+                self._types[node, service] = _OF_EVERY_NODE[last]
+        new = [key for key in services if not isinstance(self._types.get(key), str) and self._lives(key[0])]
+        one_of = dict(new)
+        uris = await multicall(self._node.master, "lookupService", self._node.name, sorted(set(one_of.values())))
+        await _bounded(lambda key: self._ask_service(key, uris.get(one_of[key[0]])), new)
+
+    def _lives(self, node: str) -> bool:
+        known = self._nodes.get(node)
+        return known is not None and known.problem is None
+
+    async def _ask_service(self, key: tuple[str, str], uri: Any) -> None:
+        node, service = key
+        try:
+            if uri is None:
+                uri = await self._node.ask("lookupService", service)
+            self._types[key] = await probe(self._node.name, uri, service, seconds=_PATIENCE)
+        except RobotError as error:
+            self._types[key] = GraphProblem(error.code, node, f"`{service}`: {error.message}")
+
+
+def pause(took: float) -> float:
+    """Return how long to wait after an answer that took so long; both in seconds."""
+    return min(max(_SHARE * took, _SOONEST), _LATEST)
+
+
+async def _bounded(work: Callable[[Any], Awaitable[None]], items: list[Any], at_once: int = _AT_ONCE) -> None:
+    """Do some work for each item, so many at once that a machine can bear it."""
+    gate = asyncio.Semaphore(at_once)
+
+    async def one(item: Any) -> None:
+        async with gate:
+            await work(item)
+
+    await asyncio.gather(*map(one, items))

@@ -1,0 +1,319 @@
+"""A small master for simulations and tests where no ROS is installed: registrations, look-ups, parameters.
+
+It answers the Master and Parameter Server APIs of wiki.ros.org/ROS/Master_API and tells subscribers who publishes.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Final, Self
+
+from kg.errors import RobotError
+from kg.robot.ros1.http import XmlRpcServer, call
+from kg.robot.ros1.names import is_name, is_type, netloc, peer, shown
+from kg.robot.ros1.parameters import Parameters
+from kg.robot.tasks import Tasks
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+    from types import TracebackType
+
+__all__ = ["Master"]
+
+
+@dataclass
+class _Ends:
+    """Who is registered where: the addresses of nodes by the name of the topic or service, then by that of the node."""
+
+    by_name: dict[str, dict[str, str]] = field(default_factory=dict)
+
+    def add(self, name: str, node: str, uri: str) -> None:
+        self.by_name.setdefault(name, {})[node] = uri
+
+    def remove(self, name: str, node: str, uri: str | None = None) -> int:
+        """Take a node off, if it is registered with the address; return how many were."""
+        nodes = self.by_name.get(name, {})
+        if node not in nodes or (uri is not None and nodes[node] != uri):
+            return 0
+        del nodes[node]
+        if not nodes:
+            del self.by_name[name]
+        return 1
+
+    def rows(self) -> list[list[Any]]:
+        return [[name, list(nodes)] for name, nodes in self.by_name.items()]
+
+    def has(self, node: str) -> bool:
+        return any(node in nodes for nodes in self.by_name.values())
+
+
+class Master:
+    """A master that listens while it is entered: `async with Master() as master: ... master.address`."""
+
+    def __init__(self, host: str = "127.0.0.1", port: int = 0) -> None:
+        self.parameters = Parameters()
+        self._host = host
+        self._port = port
+        self._publishers = _Ends()
+        self._subscribers = _Ends()
+        self._services = _Ends()
+        self._watching = _Ends()
+        self._nodes: dict[str, str] = {}
+        self._kinds: dict[str, str] = {}
+        self._server = XmlRpcServer(self._handle)
+        self._telling = Tasks()
+        self._untold: dict[str, dict[tuple[str, Any], tuple[Any, ...]]] = {}
+
+    @property
+    def address(self) -> str:
+        """The address for `kg.robot.connecting.connect`."""
+        return f"ros1://{netloc(self._host, self._port)}"
+
+    @property
+    def uri(self) -> str:
+        """The address as `$ROS_MASTER_URI` has it."""
+        return f"http://{netloc(self._host, self._port)}/"
+
+    async def __aenter__(self) -> Self:
+        """Listen; RobotError KG814 when the address cannot be had."""
+        try:
+            self._port = await self._server.start(self._host, self._port)
+        except OSError as error:
+            hint = "Take another port: 0 is a free one." if error.errno == errno.EADDRINUSE else None
+            raise RobotError("KG814", f"no master can listen at {self.address}: {error}", hint=hint) from None
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        """Stop listening."""
+        self._telling.cancel()
+        await self._server.aclose()
+
+    async def _handle(self, method: str, arguments: list[Any]) -> Any:
+        if method == "system.multicall":
+            return [
+                self._one_of_many(one) for one in (arguments[0] if arguments and isinstance(arguments[0], list) else [])
+            ]
+        return self._answer(method, arguments)
+
+    def _one_of_many(self, wanted: Any) -> Any:
+        match wanted:
+            case {"methodName": str(method), "params": list(arguments)} if method in _CALLS:
+                return [self._answer(method, arguments)]
+            case _:
+                return {"faultCode": 1, "faultString": "it is no call"}
+
+    def _answer(self, method: str, arguments: list[Any]) -> list[Any]:
+        """Answer a call with code, words and value; a method that is not known is a KeyError."""
+        name, shape = _CALLS[method]
+        if len(arguments) != len(shape) + 1 or not _is_caller(arguments[0], registers="u" in shape):
+            return [-1, f"{method} needs a caller and {len(shape)} arguments", 0]
+        checked = [_CHECKS[sign](value) for sign, value in zip(shape, arguments[1:], strict=True)]
+        if not all(checked):
+            return [-1, f"{method}: `{shown(arguments[1 + checked.index(False)])}` does not fit", 0]
+        code, value = getattr(self, f"_on_{name}")(_slashed(arguments[0]), *arguments[1:])
+        return [code, "" if code == 1 else f"{method}: there is no {shown(arguments[1])}", value]
+
+    def _on_pid(self, _: str) -> tuple[int, int]:
+        return 1, os.getpid()
+
+    def _on_uri(self, _: str) -> tuple[int, str]:
+        return 1, self.uri
+
+    def _on_state(self, _: str) -> tuple[int, list[Any]]:
+        return 1, [self._publishers.rows(), self._subscribers.rows(), self._services.rows()]
+
+    def _on_types(self, _: str) -> tuple[int, list[Any]]:
+        return 1, [[topic, kind] for topic, kind in self._kinds.items()]
+
+    def _on_published(self, _: str, space: str) -> tuple[int, list[Any]]:
+        inside = space.rstrip("/") + "/"
+        return 1, [
+            [topic, self._kinds.get(topic, "*")] for topic in self._publishers.by_name if topic.startswith(inside)
+        ]
+
+    def _on_node(self, _: str, name: str) -> tuple[int, str]:
+        return (1, self._nodes[name]) if name in self._nodes else (-1, "")
+
+    def _on_service(self, _: str, name: str) -> tuple[int, str]:
+        nodes = self._services.by_name.get(name, {})
+        return (1, list(nodes.values())[-1]) if nodes else (-1, "")
+
+    def _on_publish(self, caller: str, topic: str, kind: str, uri: str) -> tuple[int, list[str]]:
+        self._welcome(caller, uri)
+        if kind != "*" and (self._kinds.get(topic, "*") == "*" or topic not in self._publishers.by_name):
+            self._kinds[topic] = kind
+        self._publishers.add(topic, caller, uri)
+        self._tell_publishers(topic)
+        return 1, list(self._subscribers.by_name.get(topic, {}).values())
+
+    def _on_unpublish(self, caller: str, topic: str, uri: str) -> tuple[int, int]:
+        count = self._publishers.remove(topic, caller, uri)
+        if count:
+            self._tell_publishers(topic)
+            self._forget([caller], topic)
+        return 1, count
+
+    def _on_subscribe(self, caller: str, topic: str, kind: str, uri: str) -> tuple[int, list[str]]:
+        self._welcome(caller, uri)
+        self._kinds.setdefault(topic, kind)
+        if self._kinds[topic] == "*":
+            self._kinds[topic] = kind
+        self._subscribers.add(topic, caller, uri)
+        return 1, list(self._publishers.by_name.get(topic, {}).values())
+
+    def _on_unsubscribe(self, caller: str, topic: str, uri: str) -> tuple[int, int]:
+        count = self._subscribers.remove(topic, caller, uri)
+        self._forget([caller], topic)
+        return 1, count
+
+    def _on_serve(self, caller: str, service: str, service_uri: str, uri: str) -> tuple[int, int]:
+        self._welcome(caller, uri)
+        self._services.by_name[service] = {caller: service_uri}
+        return 1, 1
+
+    def _on_unserve(self, caller: str, service: str, service_uri: str) -> tuple[int, int]:
+        count = self._services.remove(service, caller, service_uri)
+        self._forget([caller])
+        return 1, count
+
+    def _on_get(self, _: str, name: str) -> tuple[int, Any]:
+        try:
+            return 1, self.parameters.get(name)
+        except KeyError:
+            return -1, 0
+
+    def _on_set(self, caller: str, name: str, value: Any) -> tuple[int, int]:
+        self.parameters.set(name, value)
+        for watched, nodes in self._watching.by_name.items():
+            if f"{name}/".startswith(f"{watched}/"):
+                self._tell([uri for node, uri in nodes.items() if node != caller], "paramUpdate", name, value)
+        return 1, 0
+
+    def _on_delete(self, _: str, name: str) -> tuple[int, int]:
+        try:
+            self.parameters.delete(name)
+        except KeyError:
+            return -1, 0
+        return 1, 0
+
+    def _on_has(self, _: str, name: str) -> tuple[int, bool]:
+        return 1, self._on_get("/", name)[0] == 1
+
+    def _on_search(self, caller: str, name: str) -> tuple[int, str]:
+        try:
+            return 1, self.parameters.search(caller, name)
+        except KeyError:
+            return -1, ""
+
+    def _on_names(self, _: str) -> tuple[int, list[str]]:
+        return 1, self.parameters.names()
+
+    def _on_watch(self, caller: str, uri: str, name: str) -> tuple[int, Any]:
+        self._watching.add(name, caller, uri)
+        code, value = self._on_get(caller, name)
+        return 1, value if code == 1 else {}
+
+    def _on_unwatch(self, caller: str, uri: str, name: str) -> tuple[int, int]:
+        return 1, self._watching.remove(name, caller, uri)
+
+    def _welcome(self, caller: str, uri: str) -> None:
+        """Take a node; one that had its name before, at another address, is told to end and forgotten."""
+        before = self._nodes.get(caller)
+        if before is not None and before != uri:
+            self._tell([before], "shutdown", f"a new node registered as {caller}")
+            for ends in (self._publishers, self._subscribers, self._services, self._watching):
+                for name in [name for name, nodes in ends.by_name.items() if caller in nodes]:
+                    ends.remove(name, caller)
+        self._nodes[caller] = uri
+
+    def _forget(self, nodes: Iterable[str], topic: str | None = None) -> None:
+        """Forget nodes that have nothing any more, and the type of a topic without ends."""
+        ends = (self._publishers, self._subscribers, self._services)
+        for node in nodes:
+            if not any(one.has(node) for one in ends):
+                self._nodes.pop(node, None)
+        if topic is not None and not any(topic in one.by_name for one in ends[:2]):
+            self._kinds.pop(topic, None)
+
+    def _tell_publishers(self, topic: str) -> None:
+        publishers = list(self._publishers.by_name.get(topic, {}).values())
+        self._tell(self._subscribers.by_name.get(topic, {}).values(), "publisherUpdate", topic, publishers)
+
+    def _tell(self, uris: Iterable[str], method: str, *arguments: Any) -> None:
+        """Tell nodes something, without waiting for them: each in order, of a topic or parameter only the newest."""
+        for uri in uris:
+            if uri not in self._untold:
+                self._untold[uri] = {}
+                self._telling.spawn(self._tell_all(uri), f"telling {uri} of changes")
+            self._untold[uri].pop((method, arguments[0]), None)
+            self._untold[uri][method, arguments[0]] = arguments
+
+    async def _tell_all(self, uri: str) -> None:
+        untold = self._untold[uri]
+        try:
+            while untold:
+                method, about = next(iter(untold))
+                await _quietly(uri, method, untold.pop((method, about)))
+        finally:
+            del self._untold[uri]
+
+
+async def _quietly(uri: str, method: str, arguments: tuple[Any, ...]) -> None:
+    try:
+        await call(uri, method, "/master", *arguments)
+    except RobotError:
+        return  # a dead node need not know
+
+
+def _slashed(name: object) -> object:
+    return name if not isinstance(name, str) or name.startswith("/") else f"/{name}"
+
+
+def _is_caller(value: object, *, registers: bool) -> bool:
+    """Tell whether someone may call: tools that only ask have names that are none, as `/rosparam-1234`."""
+    return is_name(_slashed(value)) if registers else isinstance(value, str)
+
+
+def _is_uri(value: object) -> bool:
+    scheme = "rosrpc" if isinstance(value, str) and value.startswith("rosrpc") else "http"
+    try:
+        peer(value, scheme)
+    except RobotError:
+        return False
+    return True
+
+
+_CHECKS: Final[dict[str, Callable[[object], bool]]] = {
+    "n": lambda value: is_name(_slashed(value)),
+    "t": lambda value: value == "*" or is_type(value),
+    "u": _is_uri,
+    "s": lambda value: isinstance(value, str),
+    "v": lambda _: True,
+}
+_CALLS: Final[dict[str, tuple[str, str]]] = {
+    "getPid": ("pid", ""),
+    "getUri": ("uri", ""),
+    "getSystemState": ("state", ""),
+    "getTopicTypes": ("types", ""),
+    "getPublishedTopics": ("published", "s"),
+    "lookupNode": ("node", "n"),
+    "lookupService": ("service", "n"),
+    "registerPublisher": ("publish", "ntu"),
+    "unregisterPublisher": ("unpublish", "nu"),
+    "registerSubscriber": ("subscribe", "ntu"),
+    "unregisterSubscriber": ("unsubscribe", "nu"),
+    "registerService": ("serve", "nuu"),
+    "unregisterService": ("unserve", "nu"),
+    "getParam": ("get", "s"),
+    "setParam": ("set", "sv"),
+    "deleteParam": ("delete", "s"),
+    "hasParam": ("has", "s"),
+    "searchParam": ("search", "s"),
+    "getParamNames": ("names", ""),
+    "subscribeParam": ("watch", "us"),
+    "unsubscribeParam": ("unwatch", "us"),
+}

@@ -1,0 +1,104 @@
+"""Names and addresses of ROS 1, and what is none (wiki.ros.org/Names)."""
+
+from __future__ import annotations
+
+import os
+import re
+import socket
+from typing import Final
+from urllib.parse import urlsplit
+
+from kg.errors import RobotError
+
+__all__ = ["absolute", "is_name", "is_type", "listening", "netloc", "own_host", "peer", "shown"]
+
+_NAME: Final = re.compile(r"/(?:[A-Za-z][A-Za-z0-9_]*(?:/[A-Za-z0-9_]+)*)?")
+_TYPE: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*/[A-Za-z][A-Za-z0-9_]*")
+_HOST: Final = re.compile(r"[A-Za-z0-9_-]{1,63}(?:\.[A-Za-z0-9_-]{1,63})*\.?|[0-9A-Fa-f]*:[0-9A-Fa-f:.%]*")
+_MOST_CHARACTERS: Final = 255
+_LOOPBACK: Final = ("localhost", "127.", "::1")
+
+
+def is_name(value: object) -> bool:
+    """Tell whether something that a peer told is an absolute name of the graph."""
+    return isinstance(value, str) and len(value) <= _MOST_CHARACTERS and _NAME.fullmatch(value) is not None
+
+
+def is_type(value: object) -> bool:
+    """Tell whether something that a peer told is a type, `package/Type`."""
+    return isinstance(value, str) and len(value) <= _MOST_CHARACTERS and _TYPE.fullmatch(value) is not None
+
+
+def absolute(name: str) -> str:
+    """Return a name of ours as an absolute one; RobotError KG812 when it can be none."""
+    found = name if name.startswith("/") else f"/{name}"
+    if not is_name(found) or found == "/":
+        raise RobotError("KG812", f"`{shown(name)}` is no name of ROS", hint="Write letters, digits, `_` and `/`.")
+    return found
+
+
+def shown(value: object) -> str:
+    """Return what a peer told as it can be shown in a message: short, on one line."""
+    text = value if isinstance(value, str) else repr(value)
+    return "".join(sign if sign.isprintable() else "?" for sign in text[:80])
+
+
+def peer(uri: object, scheme: str = "http") -> tuple[str, int]:
+    """Return host and port of the address of a peer; RobotError KG812 for what is no such address."""
+    try:
+        found = urlsplit(_bracketed(uri) if isinstance(uri, str) and len(uri) <= _MOST_CHARACTERS else "")
+        host, port = found.hostname, found.port
+    except ValueError:
+        host, port = None, None
+    if host is None or not port or found.scheme != scheme or _HOST.fullmatch(host) is None:
+        raise RobotError("KG812", f"`{shown(uri)}` is no address of a node: {scheme}://HOST:PORT is one")
+    return host, port
+
+
+def _bracketed(uri: str) -> str:
+    """Return an address with an IPv6 address in brackets, which rospy leaves out: `http://::1:4711/`."""
+    scheme, sign, rest = uri.partition("://")
+    place, slash, path = rest.partition("/")
+    host, _, port = place.rpartition(":")
+    return f"{scheme}{sign}{netloc(host, port)}{slash}{path}" if ":" in host and not {"[", "]"} & {*host} else uri
+
+
+def netloc(host: str, port: int | str) -> str:
+    """Return host and port as an address has them: an IPv6 address in brackets."""
+    return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
+
+
+def listening(host: str) -> str:
+    """Return where a node listens that peers reach under a host: on this machine alone for a loopback address.
+
+    Where the host is an address of IPv6, or `$ROS_IPV6` is `on`, that is both protocols (`::`).
+    """
+    if host == "::1":
+        return host
+    if host.startswith(_LOOPBACK) and not _ipv6():
+        return "127.0.0.1"
+    return "::" if _ipv6() or ":" in host else "0.0.0.0"  # noqa: S104 - peers on other machines have to reach us
+
+
+def _ipv6() -> bool:
+    return os.environ.get("ROS_IPV6") == "on"
+
+
+def own_host(master: str, port: int) -> str:
+    """Return the name under which peers reach us: `$ROS_HOSTNAME`, `$ROS_IP`, or the address on the way to the master.
+
+    The order is that of wiki.ros.org/ROS/EnvironmentVariables.
+    """
+    for variable in ("ROS_HOSTNAME", "ROS_IP"):
+        if told := os.environ.get(variable):
+            return told
+    if master.startswith(_LOOPBACK):
+        return master
+    try:
+        ways = socket.getaddrinfo(master, port, type=socket.SOCK_DGRAM)
+        family, *_, address = min(ways, key=lambda way: (way[0] == socket.AF_INET6) != _ipv6())
+        with socket.socket(family, socket.SOCK_DGRAM) as probe:
+            probe.connect(address)
+            return str(probe.getsockname()[0])
+    except OSError:
+        return socket.gethostname()

@@ -1,0 +1,160 @@
+"""Topics that our node reads: a connection to each publisher, made again when it ends while the publisher is listed."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from kg.errors import RobotError
+from kg.robot.connection import Received
+from kg.robot.inbox import Inbox
+from kg.robot.ros1.header import pack, read_header, read_message
+from kg.robot.ros1.http import ask
+from kg.robot.ros1.names import is_type, shown
+from kg.robot.tasks import spawn
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Iterable, Mapping
+
+    from kg.robot.messages import Types
+    from kg.robot.ros1.node import Node
+
+__all__ = ["Ros1Subscription", "learn", "told_type"]
+
+_FIRST_PAUSE: Final = 0.1
+_LONGEST_PAUSE: Final = 2.0
+_SLOWEST: Final = 5.0
+
+
+class _Raw(NamedTuple):
+    content: bytes
+    at: float
+    node: str
+
+
+class Ros1Subscription:
+    """Messages of a topic as they come; the oldest are dropped when too many wait."""
+
+    def __init__(self, node: Node, topic: str, kind: str, queue: int) -> None:
+        self.topic = topic
+        self.kind = kind
+        self.links: dict[str, asyncio.Task[None]] = {}
+        self.connected: dict[str, str] = {}
+        self._node = node
+        self._closed = False
+        self._inbox: Inbox[_Raw] = Inbox(queue, self.end)
+
+    @property
+    def dropped(self) -> int:
+        """How many messages were dropped since they came faster than they were read."""
+        return self._inbox.dropped
+
+    def update(self, publishers: Iterable[str]) -> None:
+        """Read from these publishers and no others."""
+        wanted = set() if self._closed else set(publishers)
+        for uri in self.links.keys() - wanted:
+            self.links.pop(uri).cancel()
+        for uri in wanted - self.links.keys():
+            self.links[uri] = spawn(self._follow(uri), f"reading {self.topic}")
+
+    async def __aiter__(self) -> AsyncIterator[Received]:
+        async for raw in self._inbox:
+            try:
+                value = self._node.types.decode(self.kind, raw.content)
+            except RobotError as error:
+                self._node.note(error.code, raw.node or self.topic, error.message)
+            else:
+                yield Received(value, raw.at, raw.node)
+
+    async def aclose(self) -> None:
+        """Stop receiving."""
+        if not self._closed:
+            await self._inbox.aclose()
+            await self._node.leave(self)
+
+    def end(self) -> None:
+        """Let the iteration end after what waits, and every connection at once."""
+        self._closed = True
+        self.update(())
+        self._inbox.end()
+
+    async def _follow(self, uri: str) -> None:
+        pause = _FIRST_PAUSE
+        while True:
+            try:
+                await self._receive(uri)
+                pause = _FIRST_PAUSE
+            except (RobotError, OSError, TimeoutError) as error:
+                code, words = (error.code, error.message) if isinstance(error, RobotError) else ("KG803", str(error))
+                self._node.note(code, self.connected.get(uri, uri), f"`{self.topic}`: {words}")
+                if code in {"KG806", "KG812"}:
+                    return  # it will not be of another opinion as long as it is listed
+            finally:
+                self.connected.pop(uri, None)
+            await asyncio.sleep(pause)
+            pause = min(2 * pause, _LONGEST_PAUSE)
+
+    async def _receive(self, uri: str) -> None:
+        """Read from a publisher until it ends the connection."""
+        reader, writer = await open_topic(self._node.name, uri, self.topic)
+        try:
+            header = await greet(self._node.name, self.topic, self.kind, reader, writer)
+            learn(self._node.types, self.kind, header)
+            self.connected[uri] = sender = shown(header.get("callerid", uri))
+            while (content := await read_message(reader)) is not None:
+                self._inbox.put(_Raw(content, self._node.clock.now(), sender))
+        finally:
+            writer.close()
+
+
+async def open_topic(name: str, uri: str, topic: str) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
+    """Connect to a publisher of a topic; RobotError as `ask`, and KG810 when it offers no TCPROS."""
+    protocol = await ask(uri, "requestTopic", name, topic, [["TCPROS"]])
+    if not isinstance(protocol, list) or [type(one) for one in protocol] != [str, str, int]:
+        raise RobotError("KG810", f"{uri} offers `{topic}` by {shown(protocol)}, not by TCPROS")
+    _, host, port = protocol
+    async with asyncio.timeout(_SLOWEST):
+        try:
+            return await asyncio.open_connection(host, port)
+        except (ValueError, OverflowError):  # a host or port that can be none
+            raise RobotError("KG810", f"{uri} offers `{topic}` at {shown(host)}:{port}") from None
+
+
+async def greet(
+    name: str, topic: str, kind: str, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
+) -> dict[str, str]:
+    """Exchange headers with a publisher and return its own; the sums are compared by `learn`."""
+    ours = {"callerid": name, "topic": topic, "type": kind, "md5sum": "*", "tcp_nodelay": "1", "message_definition": ""}
+    writer.write(pack(ours))
+    header = await read_header(reader)
+    if "error" in header:
+        raise RobotError("KG806", f"the publisher refuses: {shown(header['error'])}")
+    return header
+
+
+def told_type(header: Mapping[str, str]) -> str:
+    """Return the type that a publisher tells; RobotError KG810 when it tells none."""
+    kind = header.get("type", "")
+    if not is_type(kind) or not header.get("md5sum"):
+        raise RobotError(
+            "KG810", f"a header has the type `{shown(kind)}` and the sum `{header.get('md5sum', '')[:40]}`"
+        )
+    return kind
+
+
+def learn(types: Types, kind: str, header: Mapping[str, str]) -> None:
+    """Compare a publisher's header with what is known of a type, which is learned from it when it was not known.
+
+    Raises:
+        RobotError: KG806 when type or sum differ, KG810 when the header or the definition in it is broken, KG804 when
+            it has none of a type that is not known.
+    """
+    told, known = told_type(header), types.knows(kind)
+    if told != kind:
+        raise RobotError("KG806", f"it is {told}, not {kind}")
+    if known and types.md5(kind) == header["md5sum"]:
+        return
+    if "message_definition" in header:
+        types.define(kind, header["message_definition"])
+    if types.md5(kind) != header["md5sum"]:
+        raise RobotError("KG806", f"{kind} has the sum {types.md5(kind)} here and {header['md5sum'][:40]} there")

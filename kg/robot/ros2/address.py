@@ -1,0 +1,74 @@
+"""Addresses of systems of ROS 2: `dds://DOMAIN` or `zenoh://HOST:PORT`, with options behind a question mark."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+from urllib.parse import parse_qsl, urlsplit
+
+from kg.errors import RobotError
+
+__all__ = ["SETTLE", "Address"]
+
+SETTLE: Final = 5.0
+"""Seconds until a graph that is found by discovery is called complete; the lease of a participant is 10 s, and those
+that run announce themselves at once to one that is new."""
+
+_OPTIONS: Final = {
+    "clock": "wall or simulated",
+    "settle": "seconds",
+    "domain": "the number of a ROS domain",
+    "distribution": "humble",
+}
+_MAXIMUM: Final = 232
+"""The largest number of a domain: the ports of a larger one would be none (DDSI-RTPS 2.5, 9.6.2)."""
+_NUMBERS: Final = f"A domain is a number from 0 to {_MAXIMUM}, as in dds://0; settle is one of seconds."
+
+
+@dataclass(frozen=True, slots=True)
+class Address:
+    """An address that was read.
+
+    `place` is what stands behind the scheme. `simulated` asks for the time of `/clock`; `settle` is how many seconds
+    the graph is watched before it is called complete. `humble` says that the system is of that distribution, or of one
+    before it, which writes identifiers of 24 bytes.
+    """
+
+    text: str
+    place: str
+    domain: int = 0
+    simulated: bool = False
+    settle: float = SETTLE
+    humble: bool = False
+
+    @classmethod
+    def read(cls, text: str) -> Address:
+        """Return what an address says; RobotError KG801 for an option or a value that there is not."""
+        try:
+            parts = urlsplit(text)
+        except ValueError as error:
+            raise RobotError("KG801", f"`{text}` is no address: {error}") from None
+        options = dict(parse_qsl(parts.query, keep_blank_values=True))
+        unknown = set(options) - set(_OPTIONS)
+        if unknown:
+            known = ", ".join(f"{name}= ({what})" for name, what in _OPTIONS.items())
+            raise RobotError("KG801", f"`{text}` has an option `{min(unknown)}`", hint=f"There are {known}.")
+        if options.get("distribution", "humble") != "humble":
+            told = f"`{text}` names the distribution `{options['distribution']}`"
+            raise RobotError("KG801", told, hint="Only humble has to be named; leave it out.")
+        if options.get("clock", "wall") not in {"wall", "simulated"}:
+            raise RobotError(
+                "KG801", f"`{text}` asks for a clock `{options['clock']}`", hint="Write clock=wall or clock=simulated."
+            )
+        place = parts.netloc + parts.path.rstrip("/")
+        domain = _number(text, options.get("domain") or (place if parts.scheme == "dds" else "0") or "0")
+        if domain > _MAXIMUM or domain != int(domain):
+            raise RobotError("KG801", f"`{text}`: there is no ROS domain {domain:g}", hint=f"They are 0 to {_MAXIMUM}.")
+        settle = _number(text, options.get("settle") or str(SETTLE))
+        return cls(text, place, int(domain), options.get("clock") == "simulated", settle, "distribution" in options)
+
+
+def _number(address: str, text: str) -> float:
+    if not text.replace(".", "", 1).isdecimal() or not text.isascii():
+        raise RobotError("KG801", f"`{address}`: `{text}` is no number", hint=_NUMBERS)
+    return float(text)

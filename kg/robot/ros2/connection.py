@@ -1,0 +1,236 @@
+"""A node of ours in a system of ROS 2, whichever middleware it is on."""
+
+from __future__ import annotations
+
+import asyncio
+from functools import partial
+from typing import TYPE_CHECKING, Protocol, Self
+
+from kg.errors import RobotError
+from kg.facts import Role
+from kg.robot.clock import SimulatedClock, WallClock, within
+from kg.robot.connection import GraphProblem
+from kg.robot.ros2.action_client import send_goal
+from kg.robot.ros2.action_server import ActionServer
+from kg.robot.ros2.middleware import LATCHED, OFFERED
+from kg.robot.ros2.services import Client, Service
+from kg.robot.ros2.topics import Ros2Publication, Ros2Subscription
+from kg.robot.ros2.watch import Watch
+from kg.robot.tasks import outcome, spawn
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Awaitable, Callable
+
+    from kg.robot.clock import Clock
+    from kg.robot.connection import Accepted, ComputationGraph, Goal, LiveEnd, Value
+    from kg.robot.messages import Types
+    from kg.robot.ros2.address import Address
+    from kg.robot.ros2.middleware import Middleware
+
+__all__ = ["Ros2Connection"]
+
+
+class _Open(Protocol):
+    def end(self) -> None: ...
+
+
+class Ros2Connection:
+    """A `Connection` over any middleware of ROS 2.
+
+    A robot of ROS 2 is no server that could be lost: `wait_lost` returns when all nodes that were there have been gone
+    for two seconds. What was opened stays open, for a node that starts anew is found again.
+    """
+
+    ros = 2
+
+    def __init__(self, wire: Middleware, watch: Watch, address: Address, name: str) -> None:
+        self.wire = wire
+        self.watch = watch
+        self.address = address.text
+        self._settle = address.settle
+        self.name = name
+        self.clock: Clock = SimulatedClock() if address.simulated else WallClock()
+        self._open: set[_Open] = set()
+        self._clients: dict[tuple[str, str], Client] = {}
+        self._suiting = spawn(self._suit(), "following what publishers offer")
+        self._ticking: asyncio.Task[None] | None = None
+
+    @classmethod
+    async def open(cls, wire: Middleware, address: Address, name: str) -> Self:
+        """Return the connection of a node that has just joined: it watches who is there, and the clock of the robot."""
+        watch = Watch(wire.neighbourhood, address.settle)
+        wire.begin(watch)
+        connection = cls(wire, watch, address, name)
+        await connection.follow_clock()
+        return connection
+
+    @property
+    def types(self) -> Types:
+        """The types of messages that are known."""
+        return self.wire.types
+
+    async def follow_clock(self) -> None:
+        """Take the time of the topic `/clock` where the address asks for it."""
+        if isinstance(self.clock, SimulatedClock):
+            ticks = await self.subscribe("/clock", "rosgraph_msgs/Clock", queue=1)
+            self._ticking = spawn(self._tick(self.clock, ticks), "following /clock")
+            await self.clock.begun(self._settle)
+
+    async def _tick(self, clock: SimulatedClock, ticks: Ros2Subscription) -> None:
+        async for tick in ticks:
+            time = tick.value["clock"]
+            clock.tell(time["sec"] + time["nanosec"] / 1e9)
+
+    async def _suit(self) -> None:
+        async def suited(one: Ros2Subscription, graph: ComputationGraph) -> None:
+            if one in self._open:
+                one.suit(graph)
+
+        async for graph in self.watch.changes():
+            for one in [one for one in self._open if isinstance(one, Ros2Subscription)]:
+                error = await outcome(suited(one, graph))
+                if isinstance(error, Exception):
+                    self.watch.report(GraphProblem("KG803", one.topic, f"it cannot be read any more: {error}"))
+
+    async def graph(self) -> ComputationGraph:
+        """Return the computation graph without our own node, when it was watched long enough to be complete."""
+        self._present("KG802")
+        return await self.watch.settled()
+
+    def changes(self) -> AsyncIterator[ComputationGraph]:
+        """Yield the graph as it is, complete or not, and again each time that it has changed."""
+        return self.watch.changes()
+
+    def ends(self, role: Role, name: str) -> list[LiveEnd]:
+        """Return the ends of others of that role and name that are known now."""
+        return [one for one in self.watch.now().ends if one.role is role and one.name == name]
+
+    async def subscribe(self, topic: str, kind: str | None = None, *, queue: int = 10) -> Ros2Subscription:
+        """Receive the messages of a topic; without `kind` its type is asked for.
+
+        Raises:
+            RobotError: KG804 when the type is not known and nobody tells it, KG806 when the topic has another type.
+        """
+        self._present()
+        if kind is None:
+            kind = await self._asked(topic)
+        found = {one.type for one in self.ends(Role.PUBLISHES, topic)} - {None}
+        if found and kind not in found:
+            raise RobotError("KG806", f"`{topic}` is of the type {min(map(str, found))}, not {kind}")
+        await self.known(kind, kind, topic)
+        subscription = Ros2Subscription(self, topic, kind, queue)
+        subscription.suit(self.watch.now())
+        self._open.add(subscription)
+        return subscription
+
+    async def _asked(self, topic: str) -> str:
+        """Return the type that publishers of a topic tell, or else subscribers."""
+
+        def told() -> list[str]:
+            ends = self.ends(Role.PUBLISHES, topic) or self.ends(Role.SUBSCRIBES, topic)
+            return sorted(one.type for one in ends if one.type)
+
+        await self.watch.until(lambda graph: bool(told()) or graph.complete)
+        if not told():
+            raise RobotError("KG804", f"nobody tells the type of `{topic}`")
+        return told()[0]
+
+    async def known(self, kind: str, message: str, name: str) -> None:
+        """See that a message type is known, from peers if need be; RobotError KG804 when it cannot be."""
+        if self.types.knows(message) or (await self.wire.learn(kind, name) and self.types.knows(message)):
+            return
+        package = kind.partition("/")[0]
+        hint = f"Read its definition with `kg build` of the package `{package}`."
+        raise RobotError("KG804", f"the message type `{message}` is not known", hint=hint)
+
+    async def advertise(self, topic: str, kind: str, *, latch: bool = False) -> Ros2Publication:
+        """Offer a topic; `latch` keeps the last message for those that come later (transient local)."""
+        self._present()
+        await self.known(kind, kind, topic)
+        writer = self.wire.writer(topic, kind, LATCHED if latch else OFFERED)
+        publication = Ros2Publication(topic, partial(self.types.encode, kind), writer)
+        self._open.add(publication)
+        return publication
+
+    async def call(self, service: str, kind: str | None, request: Value, *, seconds: float) -> Value:
+        """Call a service and return the response; RobotError KG803, KG807 or KG808 as every connection."""
+        self._present()
+        try:
+            return await within(self.clock, seconds, self._called(service, kind, request))
+        except TimeoutError:
+            self._serving(service, kind)
+            raise RobotError("KG803", f"`{service}` did not answer within {seconds:g} s") from None
+
+    async def _called(self, service: str, kind: str | None, request: Value) -> Value:
+        await self.watch.until(lambda graph: bool(self.ends(Role.SERVICES, service)) or graph.complete)
+        return await (await self.client(service, self._serving(service, kind))).call(request)
+
+    def _serving(self, service: str, kind: str | None) -> str:
+        """Return the type of a service; RobotError KG807 when nobody serves it, KG806 when it is another one."""
+        servers = self.ends(Role.SERVICES, service)
+        if not servers:
+            raise RobotError("KG807", f"nobody serves `{service}`")
+        told = {one.type for one in servers if one.type}
+        if told and kind is not None and kind not in told:
+            raise RobotError("KG806", f"`{service}` is of the type {min(told)}, not {kind}")
+        if kind is None and not told:
+            raise RobotError("KG804", f"nobody tells the type of `{service}`")
+        return kind or min(told)
+
+    async def client(self, service: str, kind: str) -> Client:
+        """Return our client of a service, which is kept, since it takes its time to be known to the server."""
+        found = self._clients.get((service, kind))
+        if found is None:
+            await self.known(kind, f"{kind}_Response", service)
+            found = self._clients[service, kind] = Client(self.types, kind, self.wire.caller(service, kind))
+            self._open.add(found)
+        return found
+
+    async def send_goal(self, action: str, kind: str, goal: Value, *, seconds: float) -> Goal:
+        """Give an action a goal; KG807 when nobody serves it within so many seconds, KG809 when it is rejected."""
+        self._present()
+        return await send_goal(self, action, kind, goal, seconds)
+
+    async def serve(self, service: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> Service:
+        """Answer a service; RobotError KG804 for a type that is not known."""
+        self._present()
+        await self.known(kind, f"{kind}_Request", service)
+        serving = Service(self, service, kind, answer)
+        self._open.add(serving)
+        return serving
+
+    async def serve_action(
+        self, action: str, kind: str, carry_out: Callable[[Accepted], Awaitable[Value]]
+    ) -> ActionServer:
+        """Carry out goals, one at a time: a new one cancels the one before; what `carry_out` returns is the result."""
+        self._present()
+        await self.known(kind, f"{kind}_Goal", action)
+        server = ActionServer(self, action, kind, carry_out)
+        self._open.add(server)
+        return server
+
+    def forget(self, one: _Open) -> None:
+        """Note that something is closed already."""
+        self._open.discard(one)
+
+    def _present(self, code: str = "KG803") -> None:
+        if self.watch.closed:
+            raise RobotError(code, f"the connection to {self.address} is closed")
+
+    async def wait_lost(self) -> str:
+        """Return, when all nodes of the robot have left, that they did; never before."""
+        return await asyncio.shield(self.watch.lost)
+
+    async def aclose(self) -> None:
+        """Leave the graph; everything that was opened is closed."""
+        if self.watch.closed:
+            return
+        self.watch.close()
+        for task in (self._suiting, self._ticking):
+            if task is not None:
+                task.cancel()
+        for one in list(self._open):
+            one.end()
+        self._open.clear()
+        self.wire.close()
+        await asyncio.sleep(0)

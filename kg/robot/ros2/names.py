@@ -1,0 +1,86 @@
+"""Names of ROS 2 and what they are on the wire of DDS, and of Zenoh, which takes the names of types from it.
+
+Source: design.ros2.org/articles/topic_and_service_names.html for the form of names and the prefixes `rt`, `rq`, `rr`;
+the types have `dds_` as their last module and an underscore behind them.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+from kg.errors import RobotError
+from kg.facts import Role
+
+__all__ = ["absolute", "dds_topic", "dds_type", "family", "is_name", "replies", "ros_end", "ros_type"]
+
+_NAME: Final = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
+_TYPE: Final = re.compile(r"([A-Za-z]\w*)::(?:msg|srv|action)::dds_::([A-Za-z]\w*)_", re.ASCII)
+_ACTION: Final = re.compile(
+    r"_(?:SendGoal|GetResult)(?:_(?:Request|Response|Event))?$|_(?:Goal|Result|Feedback|FeedbackMessage)$"
+)
+_SERVICE: Final = re.compile(r"_(?:Request|Response|Event)$")
+_LONGEST: Final = 255
+
+
+def is_name(name: str) -> bool:
+    """Tell whether a text is the absolute name of a node, topic or service."""
+    return len(name) <= _LONGEST and _NAME.fullmatch(name) is not None and "__" not in name
+
+
+def absolute(name: str) -> str:
+    """Return an absolute name for our own node; RobotError KG801 for one that is no name."""
+    made = name if name.startswith("/") else f"/{name}"
+    if not is_name(made):
+        hint = "Write letters, digits and underscores between slashes."
+        raise RobotError("KG801", f"`{name}` is no name of a node of ROS 2", hint=hint)
+    return made
+
+
+def family(kind: str, *, service: bool = False) -> str:
+    """Return in which folder of its package a type is defined: `msg`, `srv` or `action`.
+
+    The name alone tells it, since only parts of services and actions have an underscore in theirs; `service` says that
+    it is that of a service itself, which has none.
+    """
+    if _ACTION.search(kind):
+        return "action"
+    return "srv" if service or _SERVICE.search(kind) else "msg"
+
+
+def dds_type(kind: str, *, service: bool = False) -> str:
+    """Return what `package/Type` is called on the wire: `package::msg::dds_::Type_`."""
+    package, _, name = kind.partition("/")
+    return f"{package}::{family(kind, service=service)}::dds_::{name}_"
+
+
+def ros_type(mangled: str) -> str | None:
+    """Return `package/Type` for the name of a type on the wire, None when it is none of ROS."""
+    found = _TYPE.fullmatch(mangled)
+    return f"{found[1]}/{found[2]}" if found else None
+
+
+def dds_topic(name: str, role: Role) -> str:
+    """Return the DDS topic of a ROS name; for a service that of its requests."""
+    if role.channel == "service":
+        return f"rq{name}Request"
+    return f"rt{name}"
+
+
+def replies(service: str) -> str:
+    """Return the DDS topic of the responses of a service."""
+    return f"rr{service}Reply"
+
+
+def ros_end(topic: str, mangled: str, *, writer: bool) -> tuple[Role, str, str | None] | None:
+    """Return role, name and type of the ROS end that a DDS reader or writer is of; None when it is of none.
+
+    The replies of a service are left out: who reads its requests serves it, who writes them is a client.
+    """
+    kind = ros_type(mangled)
+    if topic.startswith("rt/"):
+        return (Role.PUBLISHES if writer else Role.SUBSCRIBES), topic[2:], kind
+    if topic.startswith("rq/") and topic.endswith("Request"):
+        service = kind.removesuffix("_Request") if kind else None
+        return (Role.CLIENTS if writer else Role.SERVICES), topic[2 : -len("Request")], service
+    return None

@@ -1,0 +1,129 @@
+"""Topics of ROS 2 above the wire: messages as values."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from kg.errors import RobotError
+from kg.facts import Role
+from kg.robot.connection import GraphProblem, Received
+from kg.robot.inbox import Inbox
+from kg.robot.ros2.middleware import OFFERED
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Callable
+
+    from kg.facts import Qos
+    from kg.robot.connection import ComputationGraph, Value
+    from kg.robot.ros2.connection import Ros2Connection
+    from kg.robot.ros2.middleware import Handle, Writer
+
+__all__ = ["Ros2Publication", "Ros2Subscription"]
+
+
+_DEPTH: Final = 100
+"""So many messages wait at least in the middleware, which counts none that it drops, before ours takes them."""
+
+
+class _Raw(NamedTuple):
+    content: bytes
+    at: float
+    node: str | None
+
+
+class Ros2Subscription:
+    """Messages of a topic as they come; what is dropped unread is not decoded either."""
+
+    def __init__(self, owner: Ros2Connection, topic: str, kind: str, queue: int) -> None:
+        self.kind = kind
+        self._owner = owner
+        self.topic = topic
+        self._queue = max(queue, 1)
+        self._inbox: Inbox[_Raw] = Inbox(queue, self._shut)
+        self._qos: Qos | None = None
+        self._handle: Handle | None = None
+
+    @property
+    def dropped(self) -> int:
+        """How many messages were dropped since they came faster than they were read."""
+        return self._inbox.dropped
+
+    def suit(self, graph: ComputationGraph) -> None:
+        """Ask for what all publishers that are known offer; the reader is opened anew when that is another thing."""
+        offers = [one.qos for one in graph.ends if one.name == self.topic and one.role is Role.PUBLISHES and one.qos]
+        reliable = all(one.reliability != "best_effort" for one in offers)
+        kept = bool(offers) and all(one.durability == "transient_local" for one in offers)
+        wanted = replace(
+            OFFERED,
+            reliability="reliable" if reliable else "best_effort",
+            durability="transient_local" if kept else "volatile",
+            depth=max(self._queue, _DEPTH),
+        )
+        if wanted != self._qos:
+            if self._handle is not None:
+                self._handle.close()
+            self._qos = self._handle = None  # until it is open: where that fails, the next graph tries again
+            self._handle = self._owner.wire.reader(self.topic, self.kind, wanted, self._take)
+            self._qos = wanted
+
+    def _take(self, content: bytes, node: str | None) -> None:
+        self._inbox.put(_Raw(content, self._owner.clock.now(), node))
+
+    async def __aiter__(self) -> AsyncIterator[Received]:
+        async for raw in self._inbox:
+            try:
+                value = self._owner.types.decode(self.kind, raw.content)
+            except RobotError as error:
+                told = f"a message on {self.topic} does not decode: {error.message}"
+                self._owner.watch.report(GraphProblem("KG816", raw.node or self.topic, told))
+                continue
+            yield Received(value, raw.at, raw.node)
+
+    async def aclose(self) -> None:
+        """Stop receiving."""
+        await self._inbox.aclose()
+
+    def _shut(self) -> None:
+        if self._handle is not None:
+            self._handle.close()
+        self._owner.forget(self)
+
+    def end(self) -> None:
+        """End the iteration, as when the connection is closed."""
+        self._inbox.end()
+        if self._handle is not None:
+            self._handle.close()
+
+
+class Ros2Publication:
+    """A topic that our node writes to."""
+
+    def __init__(self, topic: str, encode: Callable[[Value], bytes], writer: Writer) -> None:
+        self._topic = topic
+        self._encode = encode
+        self._writer = writer
+        self._closed = False
+
+    @property
+    def peers(self) -> int:
+        """How many subscribers are connected."""
+        return 0 if self._closed else self._writer.peers
+
+    async def publish(self, value: Value) -> None:
+        """Send a message; RobotError KG805 when the value does not fit the type, KG803 when the topic is closed."""
+        content = self._encode(value)
+        if self._closed:
+            raise RobotError("KG803", f"`{self._topic}` is not offered any more")
+        self._writer.write(content)
+        await asyncio.sleep(0)
+
+    def end(self) -> None:
+        """Stop offering the topic."""
+        self._closed = True
+        self._writer.close()
+
+    async def aclose(self) -> None:
+        """Stop offering the topic."""
+        self.end()

@@ -1,0 +1,129 @@
+"""Plans of worlds: rooms, walls, things and tags with their positions, in metres, as `worlds/*.toml` say."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Final, Literal
+
+import msgspec
+
+__all__ = ["PLANS", "Place", "Plan", "Room", "TagPlace", "Thing", "Wall", "read_plan"]
+
+PLANS: Final = ("office", "drone")
+"""The names of the worlds that there are."""
+
+_FOLDER: Final = Path(__file__).parent / "worlds"
+_DOOR: Final = 1.1
+"""How wide doors are, in metres: a base of 0.2 m radius with its margin passes."""
+
+
+class Place(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A place on the floor with a heading, which plans write in degrees."""
+
+    x: float
+    y: float
+    heading: float = 0.0
+
+    @property
+    def angle(self) -> float:
+        """The heading in radians."""
+        return math.radians(self.heading)
+
+
+class Room(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A rectangle of the floor with a name; `place` is where a robot goes that is sent there."""
+
+    name: str
+    x: float
+    y: float
+    width: float
+    depth: float
+    place: Place
+
+    def holds(self, x: float, y: float) -> bool:
+        """Tell whether a point lies in the room."""
+        return self.x <= x <= self.x + self.width and self.y <= y <= self.y + self.depth
+
+
+class Wall(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A straight wall along an axis; `doors` are the middles of openings, measured from its beginning."""
+
+    x: float
+    y: float
+    to_x: float
+    to_y: float
+    doors: tuple[float, ...] = ()
+
+    def pieces(self) -> list[tuple[float, float, float, float]]:
+        """Return what stands between the doors, each as x, y, to x, to y."""
+        length = math.hypot(self.to_x - self.x, self.to_y - self.y)
+        edges = [0.0, *(at + side for at in sorted(self.doors) for side in (-_DOOR / 2, _DOOR / 2)), length]
+        return [
+            (*self._at(begin / length), *self._at(end / length))
+            for begin, end in zip(edges[::2], edges[1::2], strict=True)
+        ]
+
+    def _at(self, share: float) -> tuple[float, float]:
+        return self.x + share * (self.to_x - self.x), self.y + share * (self.to_y - self.y)
+
+
+class Thing(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A piece of furniture that stands on the floor; a cylinder has a radius in place of width and depth."""
+
+    name: str
+    shape: Literal["box", "cylinder"]
+    x: float
+    y: float
+    height: float
+    color: str
+    width: float = 0.0
+    depth: float = 0.0
+    radius: float = 0.0
+
+
+class TagPlace(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Where the middle of a tag is, and the heading in degrees that it looks to; None for one that lies face up."""
+
+    id: int
+    x: float
+    y: float
+    z: float
+    heading: float | None = None
+
+
+class Plan(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A world: its size from the origin on, and what stands in it; `height` is that of the walls."""
+
+    name: str
+    robot: Literal["wheeled", "drone"]
+    width: float
+    depth: float
+    height: float
+    start: Place
+    rooms: tuple[Room, ...]
+    walls: tuple[Wall, ...]
+    things: tuple[Thing, ...]
+    tags: tuple[TagPlace, ...]
+
+    def room(self, name: str) -> Room:
+        """Return the room of a name; `KeyError` for another."""
+        return {one.name: one for one in self.rooms}[name]
+
+    def places(self) -> str:
+        """Return the places of the rooms as the text of a file of places (docs/programs.md)."""
+        return "".join(
+            f"{json.dumps(one.name)} = {{ x = {one.place.x}, y = {one.place.y}, heading = {one.place.heading} }}\n"
+            for one in self.rooms
+        )
+
+    def room_at(self, x: float, y: float) -> str | None:
+        """Return the name of the smallest room that a point lies in."""
+        inside = [one for one in self.rooms if one.holds(x, y)]
+        return min(inside, key=lambda one: one.width * one.depth).name if inside else None
+
+
+def read_plan(name: str) -> Plan:
+    """Return the plan of a world by its name, one of `PLANS`."""
+    return msgspec.toml.decode((_FOLDER / f"{name}.toml").read_bytes(), type=Plan)

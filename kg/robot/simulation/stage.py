@@ -1,0 +1,150 @@
+"""What the nodes of a simulated robot share: the world, joining the graph, work that is due again and again."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import time
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from kg.errors import RobotError
+from kg.robot.simulation.pose import Pose, quaternion_of
+from kg.robot.tasks import ended, outcome, report, spawn
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
+    from kg.robot.connection import Connection, Publication, Value
+    from kg.robot.simulation.world import World
+
+    Join: TypeAlias = Callable[[str], Awaitable[Connection]]
+
+__all__ = ["Join", "Node", "Stage", "point", "posed", "stamped"]
+
+
+@dataclass(slots=True)
+class _Work:
+    every: float
+    job: Callable[[], Awaitable[None]]
+    next: float
+
+
+class Stage:
+    """The nodes of a robot in a world.
+
+    Args:
+        world: where the robot is.
+        join: how a node of a name becomes part of the graph.
+        ros: the version of ROS that is spoken.
+        simulated: whether messages are stamped with the time of the world rather than that of the wall.
+    """
+
+    def __init__(self, world: World, join: Join, *, ros: int, simulated: bool) -> None:
+        self.world = world
+        self.ros = ros
+        self.simulated = simulated
+        self._join = join
+        self._work: list[_Work] = []
+        self._nodes: list[Node] = []
+
+    async def node(self, name: str) -> Node:
+        """Let a node of a name join the graph."""
+        node = Node(self, await self._join(name))
+        self._nodes.append(node)
+        return node
+
+    def every(self, seconds: float, job: Callable[[], Awaitable[None]]) -> None:
+        """Do something again and again by the time of the world; jobs do not all come in the same step."""
+        self._work.append(_Work(seconds, job, len(self._work) * self.world.step))
+
+    async def work(self) -> None:
+        """Do what is due."""
+        for one in self._work:
+            if one.next <= self.world.time:
+                one.next += one.every
+                await one.job()
+
+    def stamp(self) -> dict[str, int]:
+        """Return the time as a message has it."""
+        return stamped(self.world.time if self.simulated else time.time())
+
+    def header(self, frame: str) -> Value:
+        """Return a `std_msgs/Header` of now."""
+        return {"stamp": self.stamp(), "frame_id": frame}
+
+    async def wait_lost(self) -> str:
+        """Return, when the first node has lost the robot's system, why."""
+        return await self._nodes[0].connection.wait_lost()
+
+    async def aclose(self) -> None:
+        """Let all nodes leave the graph."""
+        for node in self._nodes:
+            await node.aclose()
+        self._nodes.clear()
+
+
+class Node:
+    """A node of the simulated robot: its connection, and what it does with what it hears."""
+
+    def __init__(self, stage: Stage, connection: Connection) -> None:
+        self.stage = stage
+        self.connection = connection
+        self._hearing: list[asyncio.Task[None]] = []
+
+    async def hear(self, topic: str, kind: str, heard: Callable[[Value], Any], *, queue: int = 10) -> None:
+        """Call something with each message of a topic; what it returns is awaited if it can be.
+
+        A message that it fails on is reported, and the next is heard all the same.
+        """
+        subscription = await self.connection.subscribe(topic, kind, queue=queue)
+
+        async def take(value: Value) -> None:
+            answer = heard(value)
+            if asyncio.iscoroutine(answer):
+                await answer
+
+        async def listen() -> None:
+            async for received in subscription:
+                error = await outcome(take(received.value))
+                if isinstance(error, Exception):
+                    report(f"hearing {topic}", error)
+
+        self._hearing.append(spawn(listen(), f"hearing {topic}"))
+
+    async def tell(self, topic: str, kind: str, *, latch: bool = False) -> Publication:
+        """Offer a topic."""
+        return await self.connection.advertise(topic, kind, latch=latch)
+
+    async def tells(self, topic: str, kind: str, every: float, message: Callable[[], Value]) -> None:
+        """Publish on a topic again and again, by the time of the world; nothing is made where nobody listens."""
+        publication = await self.tell(topic, kind)
+
+        async def publish() -> None:
+            if publication.peers:
+                with suppress(RobotError):  # one that is lost now is told by the connection
+                    await publication.publish(message())
+
+        self.stage.every(every, publish)
+
+    async def aclose(self) -> None:
+        """Leave the graph."""
+        await ended(*self._hearing)
+        await self.connection.aclose()
+
+
+def stamped(seconds: float) -> dict[str, int]:
+    """Return seconds as `{"sec": ..., "nanosec": ...}`."""
+    whole = math.floor(seconds)
+    return {"sec": whole, "nanosec": min(999_999_999, round((seconds - whole) * 1e9))}
+
+
+def point(x: float, y: float, z: float = 0.0) -> Value:
+    """Return a `geometry_msgs/Point`, or a `Vector3`."""
+    return {"x": float(x), "y": float(y), "z": float(z)}
+
+
+def posed(pose: Pose) -> Value:
+    """Return a `geometry_msgs/Pose`."""
+    return {"position": point(pose.x, pose.y, pose.z), "orientation": quaternion_of(pose.heading)}

@@ -1,0 +1,110 @@
+"""The world from above, as SVG: rooms with their names, walls, things, tags, the robot and where it was."""
+
+from __future__ import annotations
+
+import math
+from html import escape
+from typing import TYPE_CHECKING, Final
+
+from kg.robot.simulation.drone import Drone
+from kg.robot.simulation.wheeled import RADIUS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kg.robot.simulation.plan import Plan, Thing
+    from kg.robot.simulation.world import World
+
+__all__ = ["TopView"]
+
+_SCALE: Final = 50
+"""Units of the picture in a metre: letters have sizes that all viewers draw."""
+
+_MARGIN: Final = 0.3
+_BELOW: Final = 28
+"""Units below the world for the line of words."""
+_NAME: Final = 0.76
+"""How far up in a room its name stands, above the tag on a pad."""
+
+_SHOWN: Final = 400
+"""So many points of the trail are drawn: 40 m."""
+
+_STYLE: Final = """
+.floor{fill:#fbfaf7}.wall{stroke:#57534e;stroke-width:5;stroke-linecap:square}.room{fill:none;stroke:#d6d3d1;
+stroke-dasharray:4 4}.name{fill:#57534e;font:20px sans-serif;text-anchor:middle}.thing{stroke:#78716c}
+.tag{fill:#111;stroke:#fff}.number{fill:#fff;font:bold 16px sans-serif;text-anchor:middle}
+.trail{fill:none;stroke:#2563eb;stroke-width:2;opacity:.6}.robot{fill:#2563eb;stroke:#fff;stroke-width:2}
+.ahead{stroke:#fff;stroke-width:3;stroke-linecap:round}.state{fill:#1c1917;font:19px sans-serif}
+@media(prefers-color-scheme:dark){.floor{fill:#1c1b1a}.wall{stroke:#a8a29e}.room{stroke:#44403c}.name{fill:#d6d3d1}
+.thing{opacity:.7}.tag{stroke:#d6d3d1}.trail,.ahead{stroke:#93c5fd}.robot{fill:#3b82f6}.state{fill:#e7e5e4}}
+"""
+
+
+class TopView:
+    """Draws a world; what does not move is drawn once."""
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+        self._plan = world.plan
+        self._still = "".join(self._drawn(world.plan))
+
+    def svg(self) -> str:
+        """Return the picture of now, a document of SVG of some kilobytes."""
+        return f"{self._still}{self._trail()}{self._robot()}{self._state()}</svg>"
+
+    def _x(self, x: float) -> str:
+        return f"{(x + _MARGIN) * _SCALE:.0f}"
+
+    def _y(self, y: float) -> str:
+        return f"{(self._plan.depth - y + _MARGIN) * _SCALE:.0f}"
+
+    def _drawn(self, plan: Plan) -> Iterator[str]:
+        width = round((plan.width + 2 * _MARGIN) * _SCALE)
+        height = round((plan.depth + 2 * _MARGIN) * _SCALE) + _BELOW
+        scale = f'data-left="{-_MARGIN}" data-top="{plan.depth + _MARGIN}" data-scale="{_SCALE}"'
+        yield f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" {scale} role="img">'
+        yield f"<title>The {plan.name} from above</title><style>{_STYLE}</style>"
+        yield f'<rect class="floor" width="{width}" height="{height}"/>'
+        for room in plan.rooms:
+            size = f'width="{room.width * _SCALE:.0f}" height="{room.depth * _SCALE:.0f}"'
+            yield f'<rect class="room" x="{self._x(room.x)}" y="{self._y(room.y + room.depth)}" {size}/>'
+            middle = f'x="{self._x(room.x + room.width / 2)}" y="{self._y(room.y + _NAME * room.depth)}"'
+            yield f'<text class="name" {middle}>{escape(room.name)}</text>'
+        yield from (self._thing(one) for one in plan.things)
+        for wall in plan.walls:
+            for x, y, to_x, to_y in wall.pieces():
+                ends = f'x1="{self._x(x)}" y1="{self._y(y)}" x2="{self._x(to_x)}" y2="{self._y(to_y)}"'
+                yield f'<line class="wall" {ends}/>'
+        for tag in plan.tags:
+            x, y = (tag.x + _MARGIN) * _SCALE, (plan.depth - tag.y + _MARGIN) * _SCALE
+            yield f'<rect class="tag" x="{x - 12:.0f}" y="{y - 11:.0f}" width="24" height="22" rx="2"/>'
+            yield f'<text class="number" x="{x:.0f}" y="{y + 6:.0f}">{tag.id}</text>'
+
+    def _thing(self, thing: Thing) -> str:
+        look = f'class="thing" fill="{thing.color}"><title>{escape(thing.name)}</title>'
+        if thing.shape == "cylinder":
+            at = f'cx="{self._x(thing.x)}" cy="{self._y(thing.y)}" r="{thing.radius * _SCALE:.0f}"'
+            return f"<circle {at} {look}</circle>"
+        at = f'x="{self._x(thing.x - thing.width / 2)}" y="{self._y(thing.y + thing.depth / 2)}"'
+        return f'<rect {at} width="{thing.width * _SCALE:.0f}" height="{thing.depth * _SCALE:.0f}" {look}</rect>'
+
+    def _trail(self) -> str:
+        points = " ".join(f"{self._x(x)},{self._y(y)}" for x, y in self._world.trail.points[-_SHOWN:])
+        return f'<polyline class="trail" points="{points}"/>'
+
+    def _robot(self) -> str:
+        pose = self._world.robot.pose
+        length = RADIUS * 1.4
+        ends = (pose.x + length * math.cos(pose.heading), pose.y + length * math.sin(pose.heading))
+        at = f'cx="{self._x(pose.x)}" cy="{self._y(pose.y)}" r="{RADIUS * 1.4 * _SCALE:.0f}"'
+        line = f'x1="{self._x(pose.x)}" y1="{self._y(pose.y)}" x2="{self._x(ends[0])}" y2="{self._y(ends[1])}"'
+        return f'<circle class="robot" {at}/><line class="ahead" {line}/>'
+
+    def _state(self) -> str:
+        robot = self._world.robot
+        room = self._plan.room_at(robot.pose.x, robot.pose.y)
+        parts = [f"{self._world.time:.1f} s", f"battery {robot.battery.charge:.0%}", *([room] if room else [])]
+        if isinstance(robot, Drone):
+            parts += [robot.state.name.lower().replace("_", " "), f"altitude {robot.altitude:.1f} m"]
+        below = f"{(self._plan.depth + 2 * _MARGIN) * _SCALE + _BELOW - 8:.0f}"
+        return f'<text class="state" x="10" y="{below}">{escape(" · ".join(parts))}</text>'

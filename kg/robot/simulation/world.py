@@ -1,0 +1,81 @@
+"""A world with its robot and its time, which goes on in fixed steps; the truth that tests compare with."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from kg.robot.clock import SimulatedClock
+from kg.robot.simulation.drone import Drone
+from kg.robot.simulation.plan import Plan, read_plan
+from kg.robot.simulation.robots import Trail
+from kg.robot.simulation.scene import Scene
+from kg.robot.simulation.wheeled import Wheeled
+
+if TYPE_CHECKING:
+    from types import TracebackType
+    from typing import Self
+
+__all__ = ["World"]
+
+_STEPS: Final = {"wheeled": 0.02, "drone": 0.01}
+_LASTING: Final = 1.0
+
+
+class World:
+    """A world by the name of its plan; the same seed makes the same noise.
+
+    `visited` has the names of rooms in the order in which the robot was in them for a second, and `clock` tells the
+    time of the world to what runs inside of it.
+    """
+
+    def __init__(self, name: str, *, seed: int = 0) -> None:
+        """Raise RobotError KG840 when pybullet or OpenCV is not installed."""
+        self.plan: Plan = read_plan(name)
+        self.step = _STEPS[self.plan.robot]
+        self.clock = SimulatedClock()
+        self.trail = Trail()
+        self.visited: list[str] = []
+        self._entered: tuple[str | None, float] = (None, 0.0)
+        self._steps = 0
+        self._scene = Scene(self.plan, self.step, gravity=self.plan.robot == "drone")
+        chance = np.random.default_rng(seed)
+        self.robot: Wheeled | Drone = (
+            Drone(self._scene, self.plan.start, chance)
+            if self.plan.robot == "drone"
+            else Wheeled(self._scene, self.plan.start, chance)
+        )
+
+    @property
+    def time(self) -> float:
+        """The time of the world in seconds, from 0 on."""
+        return round(self._steps * self.step, 6)
+
+    def advance(self) -> None:
+        """Go on by one step."""
+        self._steps += 1
+        self.robot.step(self.step, self.time)
+        pose = self.robot.pose
+        self.trail.add(pose)
+        self._note(self.plan.room_at(pose.x, pose.y))
+        self.clock.tell(self.time)
+
+    def _note(self, room: str | None) -> None:
+        before, since = self._entered
+        if room != before:
+            self._entered = (room, self.time)
+        elif room and self.time - since >= _LASTING and self.visited[-1:] != [room]:
+            self.visited.append(room)
+
+    def close(self) -> None:
+        """End the physics."""
+        self._scene.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()

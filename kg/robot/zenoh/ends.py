@@ -1,0 +1,208 @@
+"""Ends of topics and services over Zenoh; what its threads tell is passed on to the event loop."""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+import time
+from typing import TYPE_CHECKING, Any, Final
+
+import zenoh
+from zenoh import CongestionControl, ConsolidationMode, QueryTarget
+
+from kg.errors import RobotError
+from kg.robot.tasks import Tasks, outcome
+from kg.robot.zenoh.attachments import Attachment
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
+    from zenoh import Query, Reply, Session
+
+__all__ = ["End", "ZenohCaller", "ZenohReader", "ZenohServer", "ZenohWriter", "passing"]
+
+_EVER: Final = 30 * 24 * 3600.0
+"""Seconds that a request may take: the caller has a deadline of its own, and the result of an action takes its time."""
+_GID: Final = 16
+
+
+def passing(loop: asyncio.AbstractEventLoop, call: Callable[[Any], None]) -> Callable[[Any], None]:
+    """Return a callback for a thread of the library that has `call` called in the loop."""
+
+    def told(what: object) -> None:
+        try:
+            loop.call_soon_threadsafe(call, what)
+        except RuntimeError:
+            return  # the loop was closed without closing the connection
+
+    return told
+
+
+class End:
+    """What all ends have: a token that tells others of it, and who is at the other side.
+
+    Args:
+        token: the token that was declared; it is taken back when the end is closed.
+        others: counts the ends at the other side that are known now.
+    """
+
+    def __init__(self, token: Any, others: Callable[[], int]) -> None:
+        self._token = token
+        self._others = others
+        self._closed = False
+        self._declared: list[Any] = []
+
+    @property
+    def peers(self) -> int:
+        """How many ends of others are known."""
+        return 0 if self._closed else self._others()
+
+    async def ready(self) -> None:
+        """Return at once: who tells of an end has declared it before."""
+
+    def close(self) -> None:
+        """Undeclare it."""
+        if not self._closed:
+            self._closed = True
+            self._token.undeclare()
+            for one in self._declared:
+                one.undeclare()
+
+
+class _Sender:
+    """Numbers what an end sends."""
+
+    def __init__(self, key: str) -> None:
+        self.identity = hashlib.blake2b(key.encode(), digest_size=_GID).digest()
+        self._number = 0
+
+    def attachment(self) -> bytes:
+        """Return the attachment of the next message; the time is that of the wall, as ROS 2 has it there."""
+        self._number += 1
+        return Attachment(self._number, time.time_ns(), self.identity).write()
+
+
+class ZenohReader(End):
+    """A subscriber."""
+
+    def attach(self, subscriber: Any) -> None:
+        """Take the subscriber that it is."""
+        self._declared.append(subscriber)
+
+
+class ZenohWriter(End):
+    """A publisher."""
+
+    def attach(self, publisher: Any, key: str) -> None:
+        """Take the publisher that it is."""
+        self._publisher = publisher
+        self._sender = _Sender(key)
+        self._declared.append(publisher)
+
+    def write(self, content: bytes) -> None:
+        """Send a message; RobotError KG803 when the session is closed."""
+        try:
+            self._publisher.put(content, attachment=self._sender.attachment())
+        except zenoh.ZError as error:
+            raise RobotError("KG803", f"a message was not sent: {error}") from None
+
+
+class ZenohCaller(End):
+    """A client of a service."""
+
+    def attach(self, session: Session, key: Callable[[], str]) -> None:
+        """Take the session, and what tells the key of the service."""
+        self._session = session
+        self._key = key
+        self._sender = _Sender(str(id(self)))
+        self._waiting: set[asyncio.Future[bytes]] = set()
+
+    async def call(self, content: bytes) -> bytes:
+        """Return the first response; RobotError KG807 when no server has the request, KG808 when it failed."""
+        loop = asyncio.get_running_loop()
+        answered: asyncio.Future[bytes] = loop.create_future()
+        self._waiting.add(answered)
+        cancellation = zenoh.CancellationToken()
+        self._session.get(
+            self._key(),
+            zenoh.handlers.Callback(
+                passing(loop, lambda reply: _answer(answered, reply)),
+                lambda: passing(loop, lambda _: _unanswered(answered))(None),
+            ),
+            target=QueryTarget.ALL_COMPLETE,
+            consolidation=ConsolidationMode.NONE,
+            timeout=_EVER,
+            congestion_control=CongestionControl.BLOCK,
+            payload=content,
+            attachment=self._sender.attachment(),
+            cancellation_token=cancellation,
+        )
+        try:
+            return await answered
+        except asyncio.CancelledError:
+            cancellation.cancel()  # type: ignore[no-untyped-call]  # untyped in the library
+            raise
+        finally:
+            self._waiting.discard(answered)
+
+    def close(self) -> None:
+        """Stop being a client; who waits learns that it is lost."""
+        for answered in self._waiting:
+            if not answered.done():
+                answered.set_exception(RobotError("KG803", "the connection was closed before the service answered"))
+        super().close()
+
+
+def _answer(answered: asyncio.Future[bytes], reply: Reply) -> None:
+    if answered.done():
+        return
+    if reply.ok is not None:
+        answered.set_result(reply.ok.payload.to_bytes())
+    elif reply.err is not None:
+        message = reply.err.payload.to_bytes().decode("utf-8", "replace")
+        answered.set_exception(RobotError("KG808", f"the service failed: {message[:500]}"))
+
+
+def _unanswered(answered: asyncio.Future[bytes]) -> None:
+    if not answered.done():
+        answered.set_exception(RobotError("KG803", "the server has gone without an answer"))
+
+
+class ZenohServer(End):
+    """A service that is answered; a failure is told to the client as an error of Zenoh."""
+
+    def attach(self, session: Session, key: str, answer: Callable[[bytes], Awaitable[bytes]]) -> None:
+        """Begin to answer."""
+        self._key = key
+        self._answer = answer
+        self._sender = _Sender(key)
+        self._running = Tasks()
+        told = passing(asyncio.get_running_loop(), self._take)
+        self._declared.append(session.declare_queryable(key, told, complete=True))
+
+    def _take(self, query: Query) -> None:
+        self._running.spawn(self._respond(query), f"answering {self._key}")
+
+    async def _respond(self, query: Query) -> None:
+        with query:
+            content = query.payload.to_bytes() if query.payload is not None else b""
+            response = await outcome(self._answer(content))
+            if isinstance(response, RobotError):
+                query.reply_err(response.message)
+            elif isinstance(response, BaseException):
+                query.reply_err(str(response))
+            else:
+                query.reply(self._key, response, attachment=self._attached(query))
+
+    def _attached(self, query: Query) -> bytes:
+        """Return the number and the sender of the request, with the time of now."""
+        try:
+            request = Attachment.read(query.attachment.to_bytes() if query.attachment is not None else b"")
+        except ValueError:
+            return self._sender.attachment()
+        return request._replace(time=time.time_ns()).write()
+
+    def close(self) -> None:
+        """Stop answering."""
+        self._running.cancel()
+        super().close()

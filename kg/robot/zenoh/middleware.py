@@ -1,0 +1,202 @@
+"""ROS 2 over Zenoh: a session that speaks as rmw_zenoh_cpp does."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from itertools import count
+from typing import TYPE_CHECKING, Any, Final
+
+import zenoh
+from zenoh import CongestionControl, SampleKind
+
+from kg.errors import RobotError
+from kg.facts import Qos, Role
+from kg.robot.connection import GraphProblem, LiveEnd, LiveNode
+from kg.robot.ros2.hashes import type_hash
+from kg.robot.ros2.middleware import ANSWERS, Neighbourhood
+from kg.robot.zenoh.ends import ZenohCaller, ZenohReader, ZenohServer, ZenohWriter, passing
+from kg.robot.zenoh.tokens import NO_HASH, Token, data_key, pattern
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
+    from zenoh import Sample, Session
+
+    from kg.robot.messages import Types
+    from kg.robot.ros2.middleware import Deliver
+    from kg.robot.ros2.watch import Watch
+
+__all__ = ["ZenohMiddleware", "configuration"]
+
+_PORT: Final = 7447
+_OPENING: Final = 3000
+"""Milliseconds in which what the address names has to answer."""
+_MOST: Final = 100_000
+
+
+def configuration(place: str) -> zenoh.Config:
+    """Return the settings of a session that connects to `HOST:PORT`: as rmw_zenoh_cpp has them for a node."""
+    host, _, port = place.rpartition(":") if ":" in place.rpartition("]")[2] else (place, "", "")
+    if not (port or str(_PORT)).isdecimal():
+        raise RobotError(
+            "KG801", f"`{place}` has no port that is a number", hint="Write HOST:PORT, as in localhost:7447."
+        )
+    config = zenoh.Config()
+    settings: dict[str, Any] = {
+        "mode": "peer",
+        "connect/endpoints": [f"tcp/{host or 'localhost'}:{port or _PORT}"],
+        "connect/timeout_ms": _OPENING,
+        "connect/exit_on_failure": True,
+        "listen/endpoints": ["tcp/localhost:0"],
+        "scouting/multicast/enabled": False,
+        "scouting/gossip/enabled": True,
+        "timestamping/enabled": True,
+    }
+    for key, value in settings.items():
+        config.insert_json5(key, json.dumps(value))
+    return config
+
+
+class ZenohMiddleware:
+    """Our session, with one node."""
+
+    def __init__(self, session: Session, domain: int, name: str, types: Types) -> None:
+        self.types = types
+        self._session = session
+        self._domain = domain
+        self._name = name
+        self._own = str(session.zid())
+        self._tokens: dict[str, Token] = {}
+        self._broken: dict[str, GraphProblem] = {}
+        self._hashes: dict[tuple[str, bool], str] = {}
+        self._numbers = count(1)
+
+    def begin(self, watch: Watch) -> None:
+        """Watch the tokens of others, and declare that of our node."""
+        self._watch = watch
+        liveliness = self._session.liveliness()
+        heard = passing(asyncio.get_running_loop(), self._hear)
+        self._listening = liveliness.declare_subscriber(pattern(self._domain), heard, history=True)
+        self._node = liveliness.declare_token(Token(self._domain, self._own, self._name).key)
+
+    def _hear(self, sample: Sample) -> None:
+        key = str(sample.key_expr)
+        if sample.kind == SampleKind.DELETE:
+            self._tokens.pop(key, None)
+            self._broken.pop(key, None)
+        elif len(self._tokens) + len(self._broken) < _MOST:
+            try:
+                self._tokens[key] = Token.read(key)
+            except ValueError as error:
+                self._broken[key] = GraphProblem("KG816", key[:80], f"a token of liveliness is broken: {error}")
+        self._watch.changed()
+
+    def neighbourhood(self) -> Neighbourhood:
+        """Return the nodes and ends of other sessions."""
+        others = [token for token in self._tokens.values() if token.session != self._own]
+        nodes = {(token.node, token.session) for token in others}
+        ends = [LiveEnd(one.node, one.role, one.name, one.kind, one.qos) for one in others if one.role is not None]
+        problems = [*self._broken.values(), *filter(None, map(self._differing, others))]
+        return Neighbourhood(
+            tuple(LiveNode(name, f"session {session}") for name, session in sorted(nodes)), tuple(ends), tuple(problems)
+        )
+
+    def _differing(self, token: Token) -> GraphProblem | None:
+        """Return the problem that an end has another definition of a type than we have."""
+        if token.role is None or token.kind is None or token.hash == NO_HASH:
+            return None
+        service = token.role.channel == "service"
+        try:
+            ours = self._hash(token.kind, service=service)
+        except RobotError:
+            return None
+        if token.hash == ours:
+            return None
+        return GraphProblem("KG806", token.name, f"{token.node} has another definition of {token.kind} ({token.hash})")
+
+    def _hash(self, kind: str, *, service: bool = False) -> str:
+        if (kind, service) not in self._hashes:
+            self._hashes[kind, service] = type_hash(self.types, kind, service=service)
+        return self._hashes[kind, service]
+
+    def _found(self, role: Role, name: str) -> list[Token]:
+        return [one for one in self._tokens.values() if one.role is role and one.name == name]
+
+    def _token(self, role: Role, name: str, kind: str, qos: Qos) -> tuple[Any, Callable[[], int]]:
+        digest = self._hash(kind, service=role.channel == "service")
+        token = Token(self._domain, self._own, self._name, role, name, kind, digest, qos, next(self._numbers))
+        declared = self._session.liveliness().declare_token(token.key)
+        return declared, lambda: len(self._found(role.opposite, name))
+
+    def _key(self, name: str, kind: str, *, service: bool = False) -> str:
+        return data_key(self._domain, name, kind, self._hash(kind, service=service), service=service)
+
+    def reader(self, topic: str, kind: str, qos: Qos, deliver: Deliver) -> ZenohReader:
+        """Read a topic; of a type with another hash nothing comes, and the graph says so."""
+        key = data_key(self._domain, topic, kind, "*")
+        known = {self._hash(kind), NO_HASH}
+
+        def take(sample: Sample) -> None:
+            if str(sample.key_expr).rpartition("/")[2] in known:
+                deliver(sample.payload.to_bytes(), None)
+
+        told = passing(asyncio.get_running_loop(), take)
+        if qos.durability == "transient_local":
+            kept = zenoh.ext.HistoryConfig(detect_late_publishers=True, max_samples=max(qos.depth or 1, 1))
+            subscriber: Any = zenoh.ext.declare_advanced_subscriber(self._session, key, told, history=kept)
+        else:
+            subscriber = self._session.declare_subscriber(key, told)
+        reader = ZenohReader(*self._token(Role.SUBSCRIBES, topic, kind, qos))
+        reader.attach(subscriber)
+        return reader
+
+    def writer(self, topic: str, kind: str, qos: Qos) -> ZenohWriter:
+        """Write to a topic."""
+        key = self._key(topic, kind)
+        control = CongestionControl.DROP if qos.reliability == "best_effort" else CongestionControl.BLOCK
+        if qos.durability == "transient_local":
+            publisher: Any = zenoh.ext.declare_advanced_publisher(
+                self._session,
+                key,
+                congestion_control=control,
+                cache=zenoh.ext.CacheConfig(max_samples=max(qos.depth or 1, 1)),
+                publisher_detection=True,
+            )
+        else:
+            publisher = self._session.declare_publisher(key, congestion_control=control)
+        writer = ZenohWriter(*self._token(Role.PUBLISHES, topic, kind, qos))
+        writer.attach(publisher, f"{self._own} {key}")
+        return writer
+
+    def caller(self, service: str, kind: str) -> ZenohCaller:
+        """Become a client of a service; its server says under which hash it is."""
+
+        def key() -> str:
+            digests = [one.hash for one in self._found(Role.SERVICES, service)]
+            ours = self._hash(kind, service=True)
+            digest = ours if ours in digests or not digests else digests[0]
+            if digest not in {ours, NO_HASH}:
+                raise RobotError("KG806", f"the server of `{service}` has another definition of {kind} ({digest})")
+            return data_key(self._domain, service, kind, digest, service=True)
+
+        caller = ZenohCaller(*self._token(Role.CLIENTS, service, kind, ANSWERS))
+        caller.attach(self._session, key)
+        return caller
+
+    def server(self, service: str, kind: str, answer: Callable[[bytes], Awaitable[bytes]]) -> ZenohServer:
+        """Serve a service."""
+        key = self._key(service, kind, service=True)
+        server = ZenohServer(*self._token(Role.SERVICES, service, kind, ANSWERS))
+        server.attach(self._session, key, answer)
+        return server
+
+    async def learn(self, kind: str, name: str) -> bool:
+        """Tell whether a type is known: over Zenoh nobody tells more of it than its hash."""
+        del name
+        return self.types.knows(kind)
+
+    def close(self) -> None:
+        """Leave; the session takes all that it declared with it."""
+        if not self._session.is_closed():
+            self._session.close()  # type: ignore[no-untyped-call]  # untyped in the library

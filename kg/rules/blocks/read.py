@@ -1,0 +1,204 @@
+"""From the text of a `.rq` to blocks."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from textwrap import dedent
+from typing import TYPE_CHECKING, Final
+
+import msgspec
+from pyoxigraph import Literal, NamedNode
+
+from kg.errors import RuleError
+from kg.query.lexer import normalise
+from kg.query.prefixes import PREFIXES
+from kg.rules.blocks.expressions import formula, test_of, value_of
+from kg.rules.blocks.tree import (
+    Absent,
+    Either,
+    Fact,
+    Is,
+    Let,
+    Name,
+    Number,
+    Only,
+    Other,
+    Perhaps,
+    Present,
+    Rule,
+    Says,
+    Text,
+    Thing,
+    Truth,
+)
+from kg.rules.blocks.write import SECTIONS, inferred, name_of, namespace, renamed
+from kg.rules.form import Variable
+from kg.rules.header import parse_header
+from kg.rules.syntax import tree
+from kg.rules.syntax.lexer import Kind, tokens_of
+from kg.rules.syntax.units import parse_rq
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from kg.rules.blocks.tree import Conclusion, Condition, Term
+
+__all__ = ["read"]
+
+_XSD: Final = PREFIXES["xsd"]
+_TYPE: Final = NamedNode(PREFIXES["rdf"] + "type")
+_NUMBERS: Final = {
+    _XSD + "integer": r"[+-]?[0-9]+",
+    _XSD + "decimal": r"[+-]?[0-9]*\.[0-9]+",
+    _XSD + "double": r"[+-]?([0-9]+|[0-9]*\.[0-9]+)[eE][+-]?[0-9]+",
+}
+"""How SPARQL writes numbers of a datatype (SPARQL 1.1 Query Language, section 4.1.2)."""
+
+
+def read(text: str, name: str, path: str = "") -> Rule:
+    """Return the blocks of a rule's text; `name` is `family/name`, `path` what errors name.
+
+    What has no block stays SPARQL inside one; comments inside the rule are left out. Raises RuleError: KG201 and KG209
+    as `parse_rq`, KG206 for the header, and KG209 for what blocks have not: blank nodes and triple terms in the head,
+    and names beyond letters, digits and `_`.
+    """
+    text = normalise(text)
+    header = parse_header(text, path)
+    parse_rq(text, path)  # so that errors have their place in the text as it is
+    text = _unmarked(text)
+    unit = parse_rq(text, path)
+    (rule,) = unit.rules
+    blank = Rule(name=name)
+    own = {"my": namespace(blank), **PREFIXES}
+    prefixes = {prefix: iri for prefix, iri in unit.prefixes.items() if own.get(prefix) != iri}
+    reader = _Reader(text, path, {**own, **prefixes})
+    sections = header.sections or {}
+    said = {member: sections.get(heading, "") for member, heading in SECTIONS.items()}
+    found = Rule(
+        name=name,
+        title=header.title,
+        since=header.since or "0.1",
+        severity=header.severity,
+        prefixes=prefixes,
+        when=reader.conditions(rule.group.nodes),
+        then=tuple(reader.conclusion(one) for one in rule.template),
+    )
+    if said["infers"] == inferred(found):
+        said["infers"] = ""  # what is written for authors who say nothing
+    try:
+        return msgspec.convert(msgspec.to_builtins(msgspec.structs.replace(found, **said)), Rule)
+    except msgspec.ValidationError as error:
+        message = f"blocks cannot show this rule: {error}"
+        raise RuleError("KG209", message, hint="It can be changed as text.") from error
+
+
+def _unmarked(text: str) -> str:
+    """Return a text in which the names that stand there once do not begin with `_`: `write` marks them so."""
+    names = Counter(token.text[1:] for token in tokens_of(text) if token.kind is Kind.VARIABLE)
+    marked = (name for name, uses in names.items() if uses == 1 and re.match(r"_[^\W\d]", name))
+    return renamed(text, {name: name[1:] for name in marked if name[1:] not in names})
+
+
+class _Reader:
+    """Knows the text and its prefixes."""
+
+    def __init__(self, text: str, path: str, prefixes: Mapping[str, str]) -> None:
+        self._text = text
+        self._path = path
+        self._prefixes = prefixes
+        self._named: dict[str, str] = {}
+
+    def conditions(self, nodes: Iterable[tree.Node]) -> tuple[Condition, ...]:
+        """Return the blocks of the parts of a group."""
+        return tuple(self._condition(node) for node in nodes)
+
+    def conclusion(self, pattern: tree.TriplePattern) -> Conclusion:
+        """Return the block of a triple of a head."""
+        if any(not isinstance(one, Variable | NamedNode | Literal) for one in (pattern.subject, pattern.object)):
+            hint = "It can be changed as text; its file is not touched."
+            raise RuleError("KG209", "blocks cannot make new things without a name", hint=hint)
+        return self._fact(pattern)
+
+    def _condition(self, node: tree.Node) -> Condition:
+        if isinstance(node, tree.TriplePattern) and self._is_plain(node):
+            return self._fact(node)
+        if isinstance(node, tree.Filter):
+            text = self._source(node.expression.span)
+            return Only(test=test_of(text) or Says(text=formula(text)))
+        if isinstance(node, tree.Bind):
+            return Let(name=self._name(node.variable), value=value_of(self._source(node.expression.span)))
+        if isinstance(node, tree.Exists):
+            return (Absent if node.negated else Present)(when=self.conditions(node.group.nodes))
+        if isinstance(node, tree.Optional):
+            return Perhaps(when=self.conditions(node.group.nodes))
+        if isinstance(node, tree.Union) and len(node.groups) > 1:
+            return Either(branches=tuple(self.conditions(group.nodes) for group in node.groups))
+        text = self._source(node.span)
+        return Other(text=f"{{ {text} }}" if isinstance(node, tree.SubSelect) and text[0] != "{" else text)
+
+    def _is_plain(self, node: tree.TriplePattern) -> bool:
+        return all(isinstance(one, Variable | NamedNode | Literal) for one in (node.subject, node.object))
+
+    def _source(self, span: tree.Span) -> str:
+        """Return a part of the text without the indentation of its place."""
+        line = self._text.rfind("\n", 0, span.start) + 1
+        return dedent(" " * (span.start - line) + self._text[span.start : span.end]).strip()
+
+    def _fact(self, node: tree.TriplePattern) -> Fact | Is:
+        subject = self._term(node.subject)
+        if node.predicate == _TYPE and isinstance(node.object, NamedNode):
+            return Is(subject=subject, kind=name_of(node.object, self._prefixes))
+        return Fact(subject=subject, property=self._path_of(node.predicate), object=self._term(node.object))
+
+    def _path_of(self, path: tree.Path) -> str:
+        if isinstance(path, Variable):
+            return f"?{self._name(path)}"
+        if isinstance(path, NamedNode):
+            return name_of(path, self._prefixes)
+        if isinstance(path, tree.Inverse):
+            return f"^{self._inner(path.path)}"
+        if isinstance(path, tree.Sequence):
+            return "/".join(map(self._inner, path.parts))
+        if isinstance(path, tree.Alternative):
+            return "|".join(map(self._inner, path.parts))
+        if isinstance(path, tree.Repeat):
+            sign = ("+" if path.least else "*") if path.many else "?"
+            return f"{self._inner(path.path)}{sign}"
+        parts = [*map(self._path_of, path.forward), *(f"^{self._path_of(one)}" for one in path.backward)]
+        return f"!({'|'.join(parts)})"
+
+    def _inner(self, path: tree.Path) -> str:
+        text = self._path_of(path)
+        return text if isinstance(path, NamedNode | Variable | tree.Negated) else f"({text})"
+
+    def _term(self, term: object) -> Term:
+        if isinstance(term, Variable):
+            return Thing(name=self._name(term))
+        if isinstance(term, NamedNode):
+            return Name(name=name_of(term, self._prefixes))
+        assert isinstance(term, Literal)  # noqa: S101 - callers let nothing else through
+        return self._literal(term)
+
+    def _literal(self, literal: Literal) -> Term:
+        kind = literal.datatype.value
+        if literal.language:
+            return Text(value=literal.value, language=literal.language)
+        if kind == _XSD + "string":
+            return Text(value=literal.value)
+        if kind == _XSD + "boolean" and literal.value in {"true", "false"}:
+            return Truth(value=literal.value == "true")
+        if kind in _NUMBERS and re.fullmatch(_NUMBERS[kind], literal.value):
+            return Number(value=literal.value)
+        return Text(value=literal.value, datatype=name_of(literal.datatype, self._prefixes))
+
+    def _name(self, variable: Variable) -> str:
+        """Return the name of a variable; what `[ ]` stands for gets one that the text does not have."""
+        if not variable.name.startswith("."):
+            return variable.name
+        if variable.name not in self._named:
+            number = len(self._named) + 1
+            while re.search(rf"[?$]_{number}\b", self._text):
+                number += len(self._named) + 1
+            self._named[variable.name] = f"_{number}"
+        return self._named[variable.name]

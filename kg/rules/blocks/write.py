@@ -1,0 +1,269 @@
+"""From blocks to the text of a `.rq`, with the line that each block begins with."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final
+
+from pyoxigraph import Literal, NamedNode
+
+from kg.query.prefixes import PREFIXES
+from kg.rules.blocks.tree import (
+    Absent,
+    Compare,
+    Either,
+    Fact,
+    Is,
+    Join,
+    Known,
+    Let,
+    Logic,
+    Match,
+    Name,
+    Not,
+    Number,
+    Of,
+    Only,
+    Other,
+    Perhaps,
+    Present,
+    Reckon,
+    Text,
+    Thing,
+    Truth,
+)
+from kg.rules.files import HEADINGS
+from kg.rules.syntax.lexer import Kind, tokens_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+
+    from kg.rules.blocks.tree import Condition, Rule, Test, Value
+
+__all__ = ["SECTIONS", "Written", "inferred", "known_prefixes", "name_of", "namespace", "renamed", "write"]
+
+SECTIONS: Final = dict(zip(("infers", "why", "mend", "limits", "references"), HEADINGS, strict=True))
+"""The member of a rule to the heading of its documentation."""
+
+OPENING: Final = {Absent: "FILTER NOT EXISTS", Present: "FILTER EXISTS", Perhaps: "OPTIONAL"}
+
+
+@dataclass(frozen=True, slots=True)
+class Written:
+    """The text of a rule; `lines` has for a line, counted from one, the identity of the block that it belongs to."""
+
+    text: str
+    lines: Mapping[int, str]
+
+
+@dataclass(slots=True)
+class _Writer:
+    lines: list[str] = field(default_factory=list)
+    owners: dict[int, str] = field(default_factory=dict)
+
+    def line(self, text: str, depth: int = 0, owner: str = "") -> None:
+        """Add a line, or more of them where a text has some."""
+        for each in text.split("\n"):
+            self.lines.append("  " * depth + each if each else "")
+            if owner:
+                self.owners[len(self.lines)] = owner
+
+    def conditions(self, conditions: Iterable[Condition], depth: int) -> None:
+        """Add conditions, one a line."""
+        for one in conditions:
+            self.condition(one, depth)
+
+    def condition(self, one: Condition, depth: int) -> None:
+        """Add a condition with what is inside it."""
+        if isinstance(one, Absent | Present | Perhaps):
+            self.line(f"{OPENING[type(one)]} {{", depth, one.id)
+            self.conditions(one.when, depth + 1)
+            self.line("}", depth, one.id)
+        elif isinstance(one, Either):
+            for index, branch in enumerate(one.branches):
+                self.line("} UNION {" if index else "{", depth, one.id)
+                self.conditions(branch, depth + 1)
+            self.line("}", depth, one.id)
+        else:
+            self.line(_plain(one), depth, one.id)
+
+
+def write(rule: Rule) -> Written:
+    """Return the text of a rule, documented as `kg rules new` documents one."""
+    writer = _Writer()
+    for line in _header(rule):
+        writer.line(f"# {line}".rstrip())
+    writer.line("")
+    body = _Writer()
+    _body(rule, body)
+    body.lines = _marked("\n".join(body.lines)).split("\n")
+    declared = _declarations(rule, "\n".join(body.lines))
+    for line in declared:
+        writer.line(line)
+    if declared:
+        writer.line("")
+    start = len(writer.lines)
+    writer.lines += body.lines
+    writer.owners |= {number + start: owner for number, owner in body.owners.items()}
+    return Written("\n".join(writer.lines) + "\n", writer.owners)
+
+
+def _header(rule: Rule) -> Iterator[str]:
+    if title := " ".join(rule.title.split()):
+        yield title.lstrip("#").strip() or "-"
+        yield ""
+    sections = {heading: getattr(rule, member) for member, heading in SECTIONS.items()}
+    sections[SECTIONS["infers"]] = rule.infers.strip() or inferred(rule)
+    for heading, text in sections.items():
+        if text.strip():
+            yield f"## {heading}"
+            yield ""
+            yield from _prose(text)
+            yield ""
+    if rule.severity:
+        yield f"severity: {rule.severity}"
+    yield f"since: {rule.since}"
+
+
+_MARKUP: Final = re.compile(r"## |(since|severity):")
+
+
+def _prose(text: str) -> Iterator[str]:
+    """Yield lines of documentation; one that would be a heading or a key is moved to the right."""
+    for line in text.strip().splitlines():
+        yield f" {line}" if _MARKUP.match(line) else line
+
+
+def inferred(rule: Rule) -> str:
+    """Return what a rule infers in a sentence, for one whose author says nothing."""
+    facts = [f"`{_plain(one).removesuffix(' .')}`" for one in rule.then]
+    return f"{' and '.join(facts)}, for all that the pattern below finds." if facts else ""
+
+
+def _body(rule: Rule, writer: _Writer) -> None:
+    if len(rule.then) == 1:
+        (fact,) = rule.then
+        writer.line(f"CONSTRUCT {{ {_plain(fact).removesuffix(' .')} }}", 0, fact.id)
+    else:
+        writer.line("CONSTRUCT {")
+        writer.conditions(rule.then, 1)
+        writer.line("}")
+    writer.line("WHERE {")
+    writer.conditions(rule.when, 1)
+    writer.line("}")
+
+
+def _marked(body: str) -> str:
+    """Return a body in which the names that stand there once begin with `_`, which says that this is meant."""
+    names = Counter(token.text[1:] for token in tokens_of(body) if token.kind is Kind.VARIABLE)
+    once = {
+        name: f"_{name}" for name, uses in names.items() if uses == 1 and name[0] != "_" and f"_{name}" not in names
+    }
+    return renamed(body, once)
+
+
+def renamed(text: str, names: Mapping[str, str]) -> str:
+    """Return a text of SPARQL with other names for some variables."""
+    pieces, end = [], 0
+    for token in tokens_of(text):
+        if token.kind is Kind.VARIABLE and token.text[1:] in names:
+            pieces += [text[end : token.start], "?", names[token.text[1:]]]
+            end = token.end
+    return "".join(pieces) + text[end:]
+
+
+def namespace(rule: Rule) -> str:
+    """Return what `my:` stands for: the terms of the rule's family, as `kg rules new` names them."""
+    return f"https://example.org/{rule.name.rpartition('/')[0]}#"
+
+
+def known_prefixes(rule: Rule) -> dict[str, str]:
+    """Return the prefixes that names in the rule may have."""
+    return {**PREFIXES, "my": namespace(rule), **rule.prefixes}
+
+
+def _declarations(rule: Rule, body: str) -> list[str]:
+    used = {token.text.partition(":")[0] for token in tokens_of(body) if token.kind is Kind.NAME}
+    return [
+        f"PREFIX {prefix}: <{iri}>" for prefix, iri in sorted(known_prefixes(rule).items()) if prefix in used - {"_"}
+    ]
+
+
+def _plain(one: Condition) -> str:
+    """Return a condition that has no others in it."""
+    if isinstance(one, Fact):
+        return f"{value(one.subject)} {one.property} {value(one.object)} ."
+    if isinstance(one, Is):
+        return f"{value(one.subject)} a {one.kind} ."
+    if isinstance(one, Only):
+        return f"FILTER({_bare(test(one.test))})"
+    if isinstance(one, Let):
+        return f"BIND({_bare(value(one.value))} AS ?{one.name})"
+    assert isinstance(one, Other)  # noqa: S101 - what has others in it is written by its caller
+    return one.text
+
+
+def _bare(text: str) -> str:
+    """Return an expression without the brackets around all of it."""
+    return text[1:-1] if text.startswith("(") and text.endswith(")") else text
+
+
+def value(one: Value) -> str:
+    """Return a value as SPARQL writes it, in brackets where it is made of others."""
+    if isinstance(one, Thing):
+        return f"?{one.name}"
+    if isinstance(one, Name):
+        return one.name
+    if isinstance(one, Number):
+        return one.value
+    if isinstance(one, Truth):
+        return "true" if one.value else "false"
+    if isinstance(one, Text):
+        return _text(one)
+    if isinstance(one, Join):
+        return f"CONCAT({', '.join(map(value, one.parts))})"
+    if isinstance(one, Of):
+        return f"{one.function}({value(one.of)})"
+    if isinstance(one, Reckon):
+        return f"({value(one.left)} {one.operator} {value(one.right)})"
+    return f"({one.text})"
+
+
+def _text(one: Text) -> str:
+    plain = str(Literal(one.value))
+    if one.language:
+        return f"{plain}@{one.language}"
+    return f"{plain}^^{one.datatype}" if one.datatype else plain
+
+
+_OPERATORS: Final = {"and": "&&", "or": "||"}
+
+
+def test(one: Test) -> str:
+    """Return a test as SPARQL writes it, in brackets where it is made of others."""
+    if isinstance(one, Compare):
+        return f"({value(one.left)} {one.operator} {value(one.right)})"
+    if isinstance(one, Match):
+        return f"{one.how}({value(one.value)}, {value(one.text)})"
+    if isinstance(one, Known):
+        return f"BOUND(?{one.name})"
+    if isinstance(one, Logic):
+        return f"({test(one.left)} {_OPERATORS[one.operator]} {test(one.right)})"
+    if isinstance(one, Not):
+        return f"!{test(one.of)}"
+    return f"({one.text})"
+
+
+def name_of(node: NamedNode, prefixes: Mapping[str, str]) -> str:
+    """Return an IRI by the prefix whose namespace fits it best, else in brackets."""
+    best = max(
+        (one for one in prefixes.items() if _fits(node.value, one[1])), key=lambda one: len(one[1]), default=None
+    )
+    return f"{best[0]}:{node.value.removeprefix(best[1])}" if best else str(node)
+
+
+def _fits(iri: str, start: str) -> bool:
+    local = iri.removeprefix(start)
+    return local != iri and re.fullmatch(r"[A-Za-z0-9_][A-Za-z0-9_-]*", local) is not None

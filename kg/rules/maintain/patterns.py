@@ -1,0 +1,54 @@
+"""Which rules a change can reach: the patterns of triples that rules read and derive, and those that a change has.
+
+A pattern is `predicate << 32 | object`, where 0 stands for any object; `ANY` is that of all triples. Of some hundred
+strata a small change reaches few: the others are told by sets of patterns that share nothing, without a join.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from kg.rules.engine.facts import distinct
+from kg.rules.engine.tables import among
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from kg.rules.engine.facts import Facts
+
+__all__ = ["ANY", "Patterns", "pattern"]
+
+ANY: Final = 0
+_LOW: Final = 0xFFFFFFFF
+
+
+def pattern(predicate: object, value: object) -> int:
+    """Return the pattern of an atom; what is no identifier of a term may be any."""
+    if not isinstance(predicate, int):
+        return ANY
+    return predicate << 32 | (value if isinstance(value, int) else 0)
+
+
+class Patterns:
+    """The patterns of some rules."""
+
+    def __init__(self, patterns: Iterable[int]) -> None:
+        objects: defaultdict[int, set[int]] = defaultdict(set)
+        for one in patterns:
+            if one & _LOW:
+                objects[one >> 32].add(one & _LOW)
+        self._objects = {predicate: np.array(sorted(named), np.int64) for predicate, named in objects.items()}
+
+    def of(self, facts: Facts) -> set[int]:
+        """Return the patterns that any of the triples have, as far as rules tell objects apart."""
+        found: set[int] = set()
+        for predicate, keys in facts:
+            found.update((ANY, predicate << 32))
+            named = self._objects.get(predicate)
+            if named is not None:
+                there = named[among(named, distinct(keys & _LOW))]
+                found.update(((predicate << 32) | there).tolist())
+        return found

@@ -1,0 +1,40 @@
+"""What a search tells about words: what they were taken for, and which name was meant where nothing was found."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from kg.similar import did_you_mean
+
+if TYPE_CHECKING:
+    from kg.search.needs import Need, Wish
+    from kg.search.searching import Search
+
+__all__ = ["near", "understood"]
+
+_VERBS: Final = {"uses": "subscribes or publishes", "services": "offers", "clients": "calls"}
+"""How kinds of wishes are said; the others go by their names."""
+_LABELLED: Final = {"hardware", "function", "capability"}
+_LONGEST_NAME: Final = 80
+
+
+def understood(need: Need) -> tuple[list[str], list[str]]:
+    """Return what words were taken for: wishes that must hold, and those that had better hold."""
+    strict = dict.fromkeys(_said(wish) for wish in need.wishes if wish.strict)
+    rather = dict.fromkeys(_said(wish) for wish in need.wishes if not wish.strict)
+    return list(strict), list(rather)
+
+
+def near(words: str, search: Search) -> str | None:
+    """Return the question whether one of the names that are like a single word was meant."""
+    if len(words.split()) != 1 or len(words) > _LONGEST_NAME:
+        return None
+    return did_you_mean(words, sorted({search.index.nodes[place].name for place in range(search.index.size)}))
+
+
+def _said(wish: Wish) -> str:
+    """Return a wish in words: types as they were typed, hardware and the like by their labels."""
+    label = wish.features[0].partition(":")[2]
+    if wish.kind == "ros":
+        return f"ROS {label}"
+    return f"{_VERBS.get(wish.kind, wish.kind)} {label if wish.kind in _LABELLED else wish.said}"

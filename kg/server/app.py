@@ -1,0 +1,80 @@
+"""The application: routes, what they share, and what begins and ends with it.
+
+A module of routes has `ROUTES`. The middlewares stand in `kg.server.safety`, errors become answers in
+`kg.server.errors`.
+"""
+
+from __future__ import annotations
+
+from contextlib import AsyncExitStack, asynccontextmanager
+from typing import TYPE_CHECKING
+
+from starlette.applications import Starlette
+from starlette.middleware import Middleware
+
+from kg.pipeline.updating.writer import Writer
+from kg.query.readers.pool import Readers
+from kg.server import (
+    assets,
+    graph_store,
+    jobs,
+    methods,
+    operations,
+    pages,
+    protocol,
+    protocol_update,
+    safety,
+    views,
+)
+from kg.server.compression import Compressed
+from kg.server.errors import HANDLERS
+from kg.server.robot import routes as robot
+from kg.server.robot.session import Session
+from kg.server.state import State
+from kg.store.opening import layout_of
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+    from starlette.routing import BaseRoute
+
+    from kg.server.options import Options
+    from kg.settings import Settings
+
+__all__ = ["create_app"]
+
+
+def create_app(settings: Settings, options: Options) -> Starlette:
+    """Return the application that serves the store of the settings; StoreError KG301 when there is none."""
+    layout = layout_of(settings)
+
+    @asynccontextmanager
+    async def lifespan(app: Starlette) -> AsyncIterator[None]:
+        readers = Readers(
+            layout,
+            processes=options.readers,
+            queue=options.queue,
+            memory=options.memory,
+            cache=options.cache,
+            calls="kg.views.calls",
+            prepare="prepare",
+            settings=settings.chosen(),
+        )
+        async with readers, AsyncExitStack() as stack:
+            writer = await stack.enter_async_context(Writer(layout, settings)) if options.write else None
+            session = await stack.enter_async_context(Session(options.robot, settings)) if options.robot else None
+            app.state.server = State(settings, options, readers, writer, session)
+            yield
+
+    return Starlette(
+        routes=_routes(),
+        middleware=[*safety.middleware(options), Middleware(Compressed)],
+        exception_handlers={**HANDLERS, 405: methods.not_allowed},
+        lifespan=lifespan,
+    )
+
+
+def _routes() -> list[BaseRoute]:
+    """Return all routes; those that programs ask most stand first, for they are tried in this order."""
+    parts = (protocol, protocol_update, graph_store, jobs, operations, robot, views, assets, pages)
+    return [route for part in parts for route in part.ROUTES]

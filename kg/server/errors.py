@@ -1,0 +1,252 @@
+"""Errors as HTTP answers of one shape, whatever the route: RFC 9457 for programs, text for curl, a page for browsers.
+
+The members are those of `KgError` (`code`, `message`, `hint`, the place) and `docs`, where the code is explained,
+beside `type`, `title` and `status` of RFC 9457. Routes raise; nothing else writes errors.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from html import escape
+from typing import TYPE_CHECKING, Any, Final
+
+from starlette.exceptions import HTTPException
+from starlette.responses import Response
+from starlette.routing import Route
+
+from kg.errors import CATALOGUE, KgError, QueryError
+from kg.render.marking import marked
+from kg.server.leaving import GONE, ClientLeftError
+from kg.server.prose import inline
+from kg.server.records import record
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Mapping
+
+    from starlette.requests import HTTPConnection, Request
+
+    from kg.errors import Place
+
+__all__ = ["HANDLERS", "PROBLEM", "ROUTES", "STATUS", "DefectError", "RequestError", "answer", "as_error", "problem"]
+
+STATUS: Final[Mapping[str, int]] = {
+    "KG001": 404,
+    "KG226": 404,
+    "KG301": 503,
+    "KG302": 503,
+    "KG303": 503,
+    "KG304": 507,
+    "KG305": 503,
+    "KG306": 503,
+    "KG422": 404,
+    "KG502": 403,
+    "KG503": 503,
+    "KG504": 406,
+    "KG507": 503,
+    "KG508": 503,
+    "KG509": 503,
+    "KG510": 503,
+    "KG512": 409,
+    "KG521": 404,
+    "KG522": 405,
+    "KG523": 406,
+    "KG524": 415,
+    "KG525": 413,
+    "KG526": 414,
+    "KG527": 421,
+    "KG528": 403,
+    "KG529": 401,
+    "KG530": 403,
+    "KG531": 429,
+    "KG532": 408,
+    "KG533": 503,
+    "KG534": 403,
+    "KG535": 431,
+    "KG536": 412,
+    "KG560": 409,
+    "KG561": 403,
+    "KG563": 415,
+    "KG564": 404,
+    "KG568": 503,
+    "KG802": 503,
+    "KG803": 503,
+    "KG845": 404,
+    "KG846": 503,
+    "KG847": 409,
+    "KG849": 409,
+    "KG900": 500,
+}
+"""Code to HTTP status; those that are not here are the fault of the request: 400."""
+
+_NUMBER: Final = {"type": ["integer", "null"], "minimum": 1}
+_SHORT: Final = {"type": "string"}
+PROBLEM: Final[Mapping[str, Any]] = {
+    "type": "object",
+    "properties": {
+        **dict.fromkeys(("type", "title", "code", "message", "hint", "docs"), _SHORT),
+        "status": {"type": "integer", "minimum": 400, "maximum": 599},
+        **dict.fromkeys(("line", "column", "endLine", "endColumn"), _NUMBER),
+    },
+}
+"""What an error looks like, as JSON Schema; all members are always there."""
+
+_OF_STATUS: Final = {status: code for code, status in STATUS.items() if "KG520" <= code <= "KG533"} | {403: "KG530"}
+_PASSING: Final = ("KG302", "KG503", "KG507", "KG508", "KG509", "KG531", "KG533", "KG568", "KG803", "KG846")
+"""What may be over when the same is asked again; a deadline counts waiting too."""
+_HEADERS: Final = {
+    **{code: {"Retry-After": "1"} for code in _PASSING},
+    "KG529": {"WWW-Authenticate": 'Bearer realm="kg"'},
+}
+_JSON: Final = re.compile(r"json|application/\*", re.IGNORECASE)
+
+
+class RequestError(KgError):
+    """A request that is refused; `headers` go with the answer."""
+
+    def __init__(
+        self, code: str, message: str, *, hint: str | None = None, headers: Mapping[str, str] | None = None
+    ) -> None:
+        """Raise `LookupError` for a code that the catalogue does not have."""
+        super().__init__(code, message, hint=hint)
+        self.headers = dict(headers or {})
+
+
+class DefectError(Exception):
+    """A defect of ours, named by the identity that the client was told; its cause is what happened."""
+
+
+def problem(error: KgError) -> dict[str, Any]:
+    """Return the members of the problem (RFC 9457, section 3.1); those that do not apply are null."""
+    entry = CATALOGUE[error.code]
+    line, column, end_line, end_column = _span(error)
+    return {
+        "type": f"/errors/{error.code}",
+        "title": entry.title,
+        "status": STATUS.get(error.code, 400),
+        "code": error.code,
+        "message": error.message,
+        "hint": error.hint or entry.way_out,
+        "line": line,
+        "column": column,
+        "endLine": end_line,
+        "endColumn": end_column,
+        "docs": f"/errors/{error.code}",
+    }
+
+
+def _span(error: KgError) -> tuple[int | None, int | None, int | None, int | None]:
+    """Return the line and the column of what is wrong and those behind it, counted from one in code points."""
+    place = error.place if isinstance(error, QueryError) else None
+    return (place.span() if place else None) or (None, None, None, None)
+
+
+def answer(request: HTTPConnection, error: KgError) -> Response:
+    """Return the answer that tells an error to the client of a request, in the form that it asks for."""
+    members = problem(error)
+    record(request).outcome = error.code
+    headers = {**_HEADERS.get(error.code, {}), **getattr(error, "headers", {}), "Cache-Control": "no-store"}
+    headers["Vary"] = "Accept"
+    kind = _form(request)
+    if kind == "html":
+        return Response(_page(members), members["status"], headers, media_type="text/html; charset=utf-8")
+    if kind == "text":
+        return Response(_text(members, error.place), members["status"], headers, media_type="text/plain; charset=utf-8")
+    return Response(json.dumps(members), members["status"], headers, media_type="application/problem+json")
+
+
+def _form(request: HTTPConnection) -> str:
+    """Return `html` for browsers, `text` for those who read in a terminal, `json` for all others."""
+    accept = request.headers.get("accept", "*/*")
+    if request.url.path.startswith("/api/") or _JSON.search(accept):
+        return "json"
+    if "text/html" in accept:
+        return "html"
+    terminal = request.headers.get("user-agent", "").lower().startswith(("curl/", "wget/"))
+    return "text" if terminal or "text/plain" in accept else "json"
+
+
+def _text(members: Mapping[str, Any], place: Place | None = None) -> str:
+    """Return an error for a terminal, with the line underlined that it is in, where the request had it."""
+    where = f"line {members['line']}, column {members['column']}: " if members["line"] else ""
+    lines = [f"{members['code']}: {where}{members['message']}"]
+    if where and place and place.excerpt:
+        lines += (f"    {line}" for line in marked(place, place.excerpt))
+    return "\n".join([*lines, members["hint"], ""])
+
+
+_BAR: Final = (
+    '<header class="bar"><a class="brand" href="/">kg</a><nav aria-label="Pages"><ul>'
+    + "".join(
+        f'<li><a href="/{name.lower()}">{name}</a></li>' for name in ("Search", "Systems", "Query", "Rules", "Robot")
+    )
+    + "</ul></nav></header>"
+)
+
+
+def _page(members: Mapping[str, Any]) -> str:
+    """Return a page that needs no template: errors must be told when templates fail too."""
+    title = f"{members['code']}: {members['title']}"
+    place = f"<p>Line {members['line']}, column {members['column']}</p>" if members["line"] else ""
+    return (
+        f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{escape(title)}</title>'
+        '<meta name="viewport" content="width=device-width"><script src="/static/theme.js"></script>'
+        '<link rel="icon" href="/static/kg.svg" type="image/svg+xml"><link rel="stylesheet" href="/static/kg.css">'
+        '<link rel="stylesheet" href="/static/error.css">'
+        f"{_BAR}<main><h1>{escape(title)}</h1><p>{inline(members['message'])}</p>{place}<p>{inline(members['hint'])}</p>"
+        f'<p><a href="{escape(members["docs"])}">What {escape(members["code"])} means</a> · <a href="/">Start</a></p>'
+        "</main></html>"
+    )
+
+
+def as_error(request: HTTPConnection, error: HTTPException) -> KgError:
+    """Return the error of `kg` that says what Starlette raised about a request."""
+    code = _OF_STATUS.get(error.status_code, "KG520")
+    said = {
+        "KG521": f"there is nothing at {request.url.path}",
+        "KG522": f"{request.scope['method']} is not allowed at {request.url.path}",
+    }
+    return RequestError(code, said.get(code, error.detail), headers=error.headers)
+
+
+async def _of_kg(request: Request, error: Exception) -> Response:
+    assert isinstance(error, KgError)  # noqa: S101 - the key below
+    return answer(request, error)
+
+
+async def _of_http(request: Request, error: Exception) -> Response:
+    assert isinstance(error, HTTPException)  # noqa: S101 - the key below
+    return answer(request, as_error(request, error))
+
+
+async def _of_nobody(_request: Request, _error: Exception) -> Response:
+    return Response(status_code=GONE)
+
+
+HANDLERS: Final[dict[type[Exception], Callable[[Request, Exception], Awaitable[Response]]]] = {
+    KgError: _of_kg,
+    HTTPException: _of_http,
+    ClientLeftError: _of_nobody,
+}
+"""Kind of exception to what answers it, as Starlette takes them."""
+
+
+async def _explained(request: Request) -> Response:
+    entry = CATALOGUE.get(request.path_params["code"])
+    if entry is None:
+        raise RequestError("KG521", f"there is no error {request.path_params['code']}")
+    members = {
+        "code": request.path_params["code"],
+        "title": entry.title,
+        "message": entry.explanation,
+        "hint": entry.way_out,
+        "line": None,
+        "docs": "/errors/" + request.path_params["code"],
+    }
+    if _form(request) == "html":
+        return Response(_page(members), media_type="text/html; charset=utf-8")
+    return Response(_text(members), media_type="text/plain; charset=utf-8")
+
+
+ROUTES: Final = [Route("/errors/{code}", _explained)]
+"""Where the codes are explained."""

@@ -1,0 +1,205 @@
+"""`/store`: graphs as resources (SPARQL 1.1 Graph Store HTTP Protocol).
+
+A graph is named by `?graph=IRI`, or it is the unnamed one (`?default`), or it is what stands below `/store/`: then its
+name is the address of the request.
+"""
+
+from __future__ import annotations
+
+import secrets
+from functools import partial
+from typing import TYPE_CHECKING, Final
+
+from pyoxigraph import NamedNode, RdfFormat
+from starlette.datastructures import UploadFile
+from starlette.responses import Response
+
+from kg.query.readers.messages import Question
+from kg.server.errors import RequestError
+from kg.server.methods import route
+from kg.server.negotiation import GRAPH, choose
+from kg.server.parameters import Parameters, in_utf8, media_type
+from kg.server.preconditions import on_condition
+from kg.server.protocol_answer import answer
+from kg.server.protocol_question import Asked, digest
+from kg.server.protocol_update import counted, patience, writer
+from kg.server.state import state
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
+    from starlette.requests import Request
+
+    from kg.pipeline.updating.changes import Updated
+
+__all__ = ["ROUTES"]
+
+_ROOT: Final = "/store"
+_MULTIPART: Final = "multipart/form-data"
+_ALL: Final = "CONSTRUCT { ?s ?p ?o } WHERE { ?s ?p ?o }"
+
+
+def _graph(request: Request, parameters: Parameters) -> NamedNode | None:
+    """Return the graph that a request is about; None for the unnamed one.
+
+    Raises:
+        RequestError: KG520 for none, more than one, or what is no IRI.
+    """
+    path = _raw_path(request)
+    below = path.partition(_ROOT)[2] not in {"", "/"}
+    if below + ("graph" in parameters) + ("default" in parameters) != 1:
+        raise RequestError(
+            "KG520", "the request names no graph, or more than one", hint="Add `?graph=IRI` or `?default`."
+        )
+    if "default" in parameters:
+        return None
+    name = f"{_origin(request)}{path}" if below else parameters.one("graph") or ""
+    try:
+        return NamedNode(name)
+    except ValueError as error:
+        raise RequestError("KG520", f"`{name}` is no IRI: {error}") from error
+
+
+def _origin(request: Request) -> str:
+    return str(request.url.replace(path="", query="", fragment=""))
+
+
+def _raw_path(request: Request) -> str:
+    """Return the path as it was sent, for `%2F` and `/` are two names."""
+    raw: bytes = request.scope.get("raw_path") or request.scope["path"].encode()
+    return raw.partition(b"?")[0].decode("ascii", "replace")
+
+
+async def _get(request: Request) -> Response:
+    parameters = Parameters(request.scope["query_string"])
+    graph = _graph(request, parameters)
+    choices = choose(request.headers.get("accept"), parameters.one("format") or parameters.one("output"))
+    if "graph" not in choices:
+        types = ", ".join(dict.fromkeys(media_type for media_type, _ in GRAPH))
+        raise RequestError("KG523", "graphs are written in other formats", hint=f"Accept one of {types}.")
+    if graph is not None and not await _exists(request, graph):
+        raise _missing(graph)
+    text = _ALL if graph is None else f"CONSTRUCT {{ ?s ?p ?o }} WHERE {{ GRAPH {graph} {{ ?s ?p ?o }} }}"
+    question = Question(
+        text=text,
+        formats={"graph": choices["graph"].format},
+        union=False,
+        rows=parameters.whole("limit"),
+        offset=parameters.whole("offset") or 0,
+        snapshot=parameters.one("snapshot"),
+    )
+    seconds = state(request).options.seconds
+    stream = parameters.flag("stream") and request.scope["http_version"] != "1.0"
+    chosen = {"graph": choices["graph"]}
+    return await answer(request, Asked(question, chosen, seconds, None, stream, digest(question, chosen)))
+
+
+async def _exists(request: Request, graph: NamedNode) -> bool:
+    """Tell whether a graph is there, if without triples."""
+    shared = state(request)
+    question = Question(text=f"ASK {{ GRAPH {graph} {{ }} }}", formats={"boolean": "csv"}, union=False)
+    async with shared.readers.ask(question, seconds=shared.options.seconds) as found:
+        return b"true" in b"".join([part async for part in found.parts()])
+
+
+def _missing(graph: NamedNode) -> RequestError:
+    return RequestError("KG521", f"there is no graph {graph}", hint="The service description at /sparql names all.")
+
+
+async def _put(request: Request) -> Response:
+    changing = writer(request)
+    parameters = Parameters(request.scope["query_string"])
+    graph = _graph(request, parameters)
+    put = partial(
+        changing.put_graph,
+        graph and graph.value,
+        await _parts(request),
+        base=_base(request, graph),
+        seconds=patience(request, parameters),
+    )
+    return _done(await _on_condition(request, parameters, graph, put))
+
+
+async def _post(request: Request) -> Response:
+    changing = writer(request)
+    parameters = Parameters(request.scope["query_string"])
+    is_new = _raw_path(request).rstrip("/") == _ROOT and "graph" not in parameters and "default" not in parameters
+    graph = _new(request) if is_new else _graph(request, parameters)
+    post = partial(
+        changing.post_graph,
+        graph and graph.value,
+        await _parts(request),
+        base=_base(request, graph),
+        seconds=patience(request, parameters),
+    )
+    updated = await _on_condition(request, parameters, None if is_new else graph, post)
+    return _done(updated, graph.value if is_new and graph else None)
+
+
+async def _delete(request: Request) -> Response:
+    changing = writer(request)
+    parameters = Parameters(request.scope["query_string"])
+    graph = _graph(request, parameters)
+    delete = partial(changing.delete_graph, graph and graph.value, seconds=patience(request, parameters))
+    return _done(await _on_condition(request, parameters, graph, delete))
+
+
+async def _on_condition(
+    request: Request, parameters: Parameters, graph: NamedNode | None, change: Callable[..., Awaitable[Updated]]
+) -> Updated:
+    """Make a change if its condition holds; the unnamed graph and the store, which are None, are always there."""
+    exists = partial(_exists, request, graph) if graph else None
+    return await on_condition(request, parameters, lambda snapshot: change(snapshot=snapshot), exists)
+
+
+def _new(request: Request) -> NamedNode:
+    """Return a name below the store that no graph has."""
+    return NamedNode(f"{_origin(request)}{_ROOT}/{secrets.token_hex(8)}")
+
+
+def _base(request: Request, graph: NamedNode | None) -> str:
+    """Return what the relative IRIs of the content are relative to (section 4.1 of the protocol)."""
+    return graph.value if graph else str(request.url.replace(query="", fragment=""))
+
+
+def _done(updated: Updated, created: str | None = None) -> Response:
+    headers = counted(updated) | ({"Location": created} if created else {})
+    return Response(status_code=201 if updated.created or created else 204, headers=headers)
+
+
+async def _parts(request: Request) -> list[tuple[bytes, str]]:
+    """Return the RDF of a request, each part with its media type.
+
+    Raises:
+        RequestError: KG524 for a type or an encoding that is not read, KG520 for a form without files.
+    """
+    in_utf8(request)
+    kind = media_type(request)
+    if kind != _MULTIPART:
+        return [(await request.body(), _known(kind))]
+    parts = []
+    async with request.form() as form:
+        for name, file in form.multi_items():
+            if not isinstance(file, UploadFile):
+                raise RequestError("KG520", f"the field `{name}` of the form is no file")
+            told = (file.content_type or "").partition(";")[0].strip().lower()
+            parts.append((await file.read(), _known(told or _by_name(file.filename or ""))))
+    if not parts:
+        raise RequestError("KG520", "the form has no file")
+    return parts
+
+
+def _by_name(name: str) -> str:
+    found = RdfFormat.from_extension(name.rpartition(".")[2])
+    return found.media_type if found else ""
+
+
+def _known(kind: str) -> str:
+    if not kind or RdfFormat.from_media_type(kind) is None:
+        told = f"`{kind}`" if kind else "no media type"
+        raise RequestError("KG524", f"the content has {told}", hint="Send text/turtle or another format of RDF.")
+    return kind
+
+
+_METHODS: Final = {"GET": _get, "PUT": _put, "POST": _post, "DELETE": _delete}
+ROUTES = [route(_ROOT, **_METHODS), route(_ROOT + "/{path:path}", **_METHODS)]

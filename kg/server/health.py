@@ -1,0 +1,43 @@
+"""Whether the server lives and can read its store: `/health`, which asks no reader and so answers under any load."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, Final
+
+from starlette.responses import JSONResponse
+from starlette.routing import Route
+
+from kg.errors import StoreError
+from kg.server.state import state
+
+if TYPE_CHECKING:
+    from starlette.requests import Request
+    from starlette.responses import Response
+
+__all__ = ["ROUTES"]
+
+
+async def _health(request: Request) -> Response:
+    """Answer 200 with the snapshot in force, its age in seconds and the readers; 503 when there is no store."""
+    shared = state(request)
+    layout = shared.readers.layout
+    generation = layout.in_force()
+    if generation is None:
+        raise StoreError("KG301", "the data of the store is gone")
+    jobs = len(shared.readers.jobs)
+    return JSONResponse(
+        {
+            "status": "ok",
+            "snapshot": str(generation),
+            "age": round(time.time() - layout.pointer.stat().st_mtime, 3),
+            "readers": shared.options.readers,
+            "running": min(jobs, shared.options.readers),
+            "waiting": max(0, jobs - shared.options.readers),
+        },
+        headers={"Cache-Control": "no-store"},
+    )
+
+
+ROUTES: Final = [Route("/health", _health)]
+"""Where who watches the server asks."""

@@ -1,0 +1,62 @@
+"""The libraries that pages load in the browser: which are there, under what licence, and how they are named.
+
+`frontend/build.py` puts them into `kg/server/vendor`. Without them pages show tables instead of pictures, and a plain
+field instead of the editor.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+from functools import cache
+from pathlib import Path
+from typing import Final
+
+import msgspec
+
+__all__ = ["HELP", "Library", "import_map", "import_map_source", "libraries"]
+
+HELP: Final = "Install Node.js with npm, then run `python frontend/build.py` in a checkout, or install kg from a wheel."
+_VENDOR: Final = Path(__file__).parent / "vendor"
+
+
+class Library(msgspec.Struct, frozen=True):
+    """One package: `notice` is the file with the text of its licence, beside `file`, the module."""
+
+    name: str
+    version: str
+    licence: str
+    file: str
+    notice: str
+
+
+class _Manifest(msgspec.Struct):
+    libraries: tuple[Library, ...] = ()
+    imports: dict[str, str] = msgspec.field(default_factory=dict)
+
+
+@cache
+def _manifest() -> _Manifest:
+    try:
+        return msgspec.json.decode((_VENDOR / "manifest.json").read_bytes(), type=_Manifest)
+    except (OSError, msgspec.MsgspecError):
+        return _Manifest()
+
+
+def libraries() -> tuple[Library, ...]:
+    """Return the libraries that are there, by name; none when they were not built."""
+    return _manifest().libraries
+
+
+@cache
+def import_map() -> str:
+    """Return the text of the pages' import map: from the name of a library to its address on this server."""
+    return json.dumps({"imports": _manifest().imports}, sort_keys=True)
+
+
+@cache
+def import_map_source() -> str:
+    """Return the source expression of a Content-Security-Policy that allows the import map: `'sha256-...'`."""
+    digest = hashlib.sha256(import_map().encode()).digest()
+    return f"'sha256-{base64.b64encode(digest).decode()}'"

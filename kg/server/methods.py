@@ -1,0 +1,47 @@
+"""Routes that answer each HTTP method in a way of its own, OPTIONS on all, and 405 with Allow for the rest.
+
+Source: RFC 9110, sections 9.3.7 and 15.5.6.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from starlette.exceptions import HTTPException
+from starlette.responses import Response
+from starlette.routing import Route
+
+from kg.server.errors import HANDLERS
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
+    from starlette.requests import Request
+
+    Endpoint = Callable[[Request], Awaitable[Response]]
+
+__all__ = ["not_allowed", "route"]
+
+
+def route(path: str, **endpoints: Endpoint) -> Route:
+    """Return the route of `path`: `GET=...` answers GET and HEAD, `PUT=...` answers PUT, and so on."""
+    if "GET" in endpoints:
+        endpoints.setdefault("HEAD", endpoints["GET"])
+
+    async def dispatch(request: Request) -> Response:
+        return await endpoints[request.method](request)
+
+    return Route(path, dispatch, methods=list(endpoints), name=path)
+
+
+async def not_allowed(request: Request, error: Exception) -> Response:
+    """Answer a method that a route does not have: OPTIONS by what it has, any other by 405."""
+    allowed = ", ".join(sorted({*_allowed(error), "OPTIONS"}))
+    if request.method == "OPTIONS":
+        return Response(status_code=204, headers={"Allow": allowed})
+    return await HANDLERS[HTTPException](request, HTTPException(405, headers={"Allow": allowed}))
+
+
+def _allowed(error: Exception) -> list[str]:
+    headers = error.headers if isinstance(error, HTTPException) else None
+    return [method.strip() for method in (headers or {}).get("Allow", "").split(",") if method.strip()]

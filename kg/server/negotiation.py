@@ -1,0 +1,220 @@
+"""Which format an answer is written in: the header Accept (RFC 9110, section 12.5.1), or a name in a link.
+
+What kind of answer a query has is known only when it runs, so that one format is chosen for each kind.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Final
+
+from kg.server.errors import RequestError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+__all__ = ["GRAPH", "RESULTS", "Choice", "Range", "best", "choose", "prefers_pages", "ranges"]
+
+_RESULTS_JSON: Final = "application/sparql-results+json"
+_RESULTS_XML: Final = "application/sparql-results+xml"
+
+RESULTS: Final[Sequence[tuple[str, str]]] = (
+    (_RESULTS_JSON, "json"),
+    ("application/json", "json"),
+    (_RESULTS_XML, "xml"),
+    ("application/xml", "xml"),
+    ("text/csv", "csv"),
+    ("text/tab-separated-values", "tsv"),
+    ("text/xml", "xml"),
+    ("application/x-ndjson", "jsonl"),
+    ("text/markdown", "markdown"),
+    ("application/vnd.apache.parquet", "parquet"),
+)
+"""Media type and format of rows and of yes or no, the one that is preferred first."""
+
+GRAPH: Final[Sequence[tuple[str, str]]] = (
+    ("text/turtle", "turtle"),
+    ("application/n-triples", "ntriples"),
+    ("application/ld+json", "jsonld"),
+    ("application/rdf+xml", "rdfxml"),
+    ("application/trig", "trig"),
+    ("application/n-quads", "nquads"),
+    ("application/x-turtle", "turtle"),
+    ("text/plain", "ntriples"),
+    ("application/json", "jsonld"),
+    ("application/xml", "rdfxml"),
+    ("text/xml", "rdfxml"),
+)
+"""Media type and format of graphs, the one that is preferred first."""
+
+_KINDS: Final = {"rows": RESULTS, "boolean": RESULTS, "graph": GRAPH}
+
+_NAMES: Final = {
+    "ttl": "turtle",
+    "nt": "ntriples",
+    "n-triples": "ntriples",
+    "nq": "nquads",
+    "n-quads": "nquads",
+    "json-ld": "jsonld",
+    "rdf": "rdfxml",
+    "rdf/xml": "rdfxml",
+    "srj": "json",
+    "srx": "xml",
+    "md": "markdown",
+    "ndjson": "jsonl",
+}
+"""Other names of formats."""
+_AS_GRAPH: Final = {"json": "jsonld", "xml": "rdfxml", "jsonld": "json", "rdfxml": "xml"}
+"""The format of the other kinds of answers that a name stands for as well."""
+
+_WORD: Final = r"[!#$%&'*+.^_`|~0-9A-Za-z-]+"
+_QUOTED: Final = r'"(?:[^"\\]|\\.)*"'
+_ELEMENT: Final = re.compile(rf"(?:{_QUOTED}|[^,\"])*")
+_RANGE: Final = re.compile(rf"\s*({_WORD})/({_WORD})\s*((?:;(?:{_QUOTED}|[^\"])*)?)")
+_PARAMETER: Final = re.compile(rf";\s*(?:({_WORD})\s*=\s*({_WORD}|{_QUOTED}))?\s*")
+_NAMED: Final = 3
+_QUALITY: Final = re.compile(r"0(?:\.[0-9]{0,3})?|1(?:\.0{0,3})?")
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """A format and the media type that it is sent as."""
+
+    format: str
+    media_type: str
+
+    @property
+    def content_type(self) -> str:
+        """The header Content-Type."""
+        return f"{self.media_type}; charset=utf-8" if self.media_type.startswith("text/") else self.media_type
+
+
+@dataclass(frozen=True, slots=True)
+class Range:
+    """A range of media types with its quality; `*` stands for any type or subtype."""
+
+    type: str
+    subtype: str
+    quality: float = 1.0
+    charset: str | None = None
+
+    def precision(self, media_type: str) -> int:
+        """Return how closely the range names a media type: 3 itself, 2 its type, 1 anything, 0 not at all."""
+        if self.charset not in {None, "utf-8", "utf8", "*"}:
+            return 0
+        kind, _, subtype = media_type.partition("/")
+        if (self.type, self.subtype) == (kind, subtype):
+            return _NAMED
+        return 0 if self.subtype != "*" else 2 if self.type == kind else self.type == "*"
+
+
+def ranges(accept: str) -> list[Range]:
+    """Return the media ranges of a header Accept, as it has them; elements that are none are left out."""
+    return [found for element in _elements(accept) if (found := _range(element))]
+
+
+def _elements(accept: str) -> Iterator[str]:
+    start = 0
+    while start <= len(accept):
+        match = _ELEMENT.match(accept, start)
+        end = match.end() if match else start
+        if end < len(accept) and accept[end] != ",":
+            return  # a quotation that does not end
+        yield accept[start:end]
+        start = end + 1
+
+
+def _range(element: str) -> Range | None:
+    match = _RANGE.fullmatch(element)
+    if match is None or (match[1] == "*" and match[2] != "*"):
+        return None
+    parameters = _parameters(match[3].rstrip())
+    if parameters is None or not _QUALITY.fullmatch(parameters.get("q", "1")):
+        return None
+    charset = parameters.get("charset")
+    return Range(match[1].lower(), match[2].lower(), float(parameters.get("q", "1")), charset and charset.lower())
+
+
+def _parameters(text: str) -> dict[str, str] | None:
+    """Return what stands behind a media range by name; None for what are no parameters."""
+    found: dict[str, str] = {}
+    position = 0
+    while position < len(text):
+        match = _PARAMETER.match(text, position)
+        if match is None:
+            return None
+        if match[1]:
+            value = match[2]
+            found.setdefault(match[1].lower(), value[1:-1].replace("\\", "") if value[0] == '"' else value)
+        position = match.end()
+    return found
+
+
+def best(accept: Sequence[Range], offered: Iterable[tuple[str, str]]) -> Choice | None:
+    """Return what fits the ranges, of which there is one at least, best; None when nothing does.
+
+    Of each media type, the closest range counts. Of types with the same quality, those named come first, and of
+    these the first named; what is offered first decides the rest.
+    """
+    leading = (0.0, 0, 0)
+    found = None
+    for media_type, name in offered:
+        precision, order = max((one.precision(media_type), -index) for index, one in enumerate(accept))
+        rank = (accept[-order].quality if precision else 0.0, precision, order * (precision == _NAMED))
+        if rank[0] and rank > leading:
+            leading, found = rank, Choice(name, media_type)
+    return found
+
+
+@lru_cache(maxsize=1024)
+def choose(accept: str | None, named: str | None = None) -> Mapping[str, Choice]:
+    """Return the format of each kind of answer (`rows`, `boolean`, `graph`) that the client takes.
+
+    `accept` is the header; `named` is a format by name or media type, and wins over it.
+
+    Raises:
+        RequestError: KG523 when there is no format for any kind.
+    """
+    if named:
+        found = _named(named.strip().lower())
+        if not found:
+            names = sorted({name for _, name in (*RESULTS, *GRAPH)})
+            raise RequestError("KG523", f"there is no format `{named}`", hint=f"Use one of {', '.join(names)}.")
+        return found
+    wanted = ranges(accept) if accept else []
+    if not wanted:
+        return {kind: Choice(offered[0][1], offered[0][0]) for kind, offered in _KINDS.items()}
+    found = _accepted(wanted)
+    if not found:
+        types = ", ".join(dict.fromkeys(media_type for media_type, _ in (*RESULTS, *GRAPH)))
+        raise RequestError("KG523", f"no answer can be written as `{accept}`", hint=f"Accept one of {types}.")
+    return found
+
+
+def _accepted(wanted: Sequence[Range]) -> dict[str, Choice]:
+    found = {kind: best(wanted, offered) for kind, offered in _KINDS.items()} if wanted else {}
+    return {kind: choice for kind, choice in found.items() if choice}
+
+
+def _named(name: str) -> dict[str, Choice]:
+    if "/" in name and name not in _NAMES:
+        return _accepted(ranges(name))
+    name = _NAMES.get(name, name)
+    names = {name, _AS_GRAPH.get(name, name)}
+    return {
+        kind: Choice(name, media_type)
+        for kind, offered in _KINDS.items()
+        for media_type, name in reversed(offered)
+        if name in names
+    }
+
+
+def prefers_pages(accept: str | None) -> bool:
+    """Tell whether the client would have a page before anything else, as browsers do when a link is followed."""
+    if not accept or "text/html" not in accept:
+        return False
+    wanted = ranges(accept)
+    chosen = best(wanted, [("text/html", "html"), *RESULTS, *GRAPH]) if wanted else None
+    return chosen is not None and chosen.format == "html"

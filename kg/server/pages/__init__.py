@@ -1,0 +1,26 @@
+"""The pages: one module each, with its `ROUTES`; templates stand in `kg/server/templates`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from kg.server.pages import node, query, resource, robot, rule_blocks, rules, search, start, system, why
+
+if TYPE_CHECKING:
+    from starlette.routing import BaseRoute
+
+__all__ = ["ROUTES"]
+
+ROUTES: Final[list[BaseRoute]] = [
+    *start.ROUTES,
+    *search.ROUTES,
+    *node.ROUTES,
+    *system.ROUTES,
+    *resource.ROUTES,
+    *rules.ROUTES,
+    *rule_blocks.ROUTES,
+    *query.ROUTES,
+    *robot.ROUTES,
+    *why.ROUTES,
+]
+"""The routes of all pages."""

@@ -1,0 +1,45 @@
+"""What a page says when there is nothing of the name asked for, or several things: what may have been meant."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Final
+
+from kg.server.rendering import page, url
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from starlette.requests import Request
+    from starlette.responses import Response
+
+    from kg.errors import KgError
+
+__all__ = ["ABSENT", "SEVERAL", "missing"]
+
+ABSENT: Final = frozenset({"KG001", "KG226", "KG422"})
+"""Codes of errors about what is not there."""
+SEVERAL: Final = "KG003"
+_NAMED: Final = re.compile(r"`(?:kg node )?([^`]+)`(?:  \(([^)\n]*)\))?")
+_NOT_FOUND: Final = 404
+_CHOICES: Final = 300
+
+
+def missing(request: Request, error: KgError, title: str, text: str, address: Callable[[str], str]) -> Response:
+    """Return the page for an error about a name: 404 where there is none, 300 where there are several.
+
+    `text` is what the search is offered for; `address` makes that of the page of a name that may have been meant.
+    """
+    named = [(name, about, address(name)) for name, about in _NAMED.findall(error.hint or "")]
+    several = error.code == SEVERAL
+    return page(
+        request,
+        "missing.html",
+        title=title,
+        status=_CHOICES if several else _NOT_FOUND,
+        problem=error,
+        named=[one for one in named if not one[0].startswith(("/search", "kg "))],
+        several=several,
+        search=url("/search", q=text),
+        text=text,
+    )

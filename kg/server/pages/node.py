@@ -1,0 +1,111 @@
+"""`/node?iri=`: all of one node with the line behind each fact."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+from starlette.responses import RedirectResponse
+from starlette.routing import Route
+
+from kg.errors import KgError
+from kg.server.pages.missing import ABSENT, SEVERAL, missing
+from kg.server.rendering import page, url, view
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from starlette.requests import Request
+    from starlette.responses import Response
+
+__all__ = ["ROUTES"]
+
+_TAGS: Final = {
+    "publishes": "publisher",
+    "subscribes": "subscriber",
+    "services": "service",
+    "clients": "client",
+    "action_servers": "action",
+    "action_clients": "action",
+}
+_MANY: Final = 14
+"""With more channels than that the picture has fewer neighbours of each."""
+_NEAR: Final = (6, 2)
+_SEE_OTHER: Final = 303
+
+
+async def _node(request: Request) -> Response:
+    asked = {key: request.query_params.get(key, "") for key in ("iri", "name", "package")}
+    if not (asked["iri"] or asked["name"]):
+        return RedirectResponse("/search", _SEE_OTHER)
+    try:
+        found = await view(request, "node", **asked)
+    except KgError as error:
+        if error.code == "KG001" and asked["iri"]:
+            return RedirectResponse(url("/resource", iri=asked["iri"]), _SEE_OTHER)
+        if error.code not in {*ABSENT, SEVERAL}:
+            raise
+        name = asked["name"] or asked["iri"]
+        return missing(request, error, f"Node {name}", name, lambda other: url("/node", name=other))
+    explicit = [one for one in found["interfaces"] if not one["implicit"]]
+    return page(
+        request,
+        "node.html",
+        title=found["name"],
+        twin=url("/api/node", iri=found["iri"]),
+        node=found,
+        explicit=explicit,
+        implicit=[one for one in found["interfaces"] if one["implicit"]],
+        parameters=[one for one in found["parameters"] if not one["implicit"]],
+        more_parameters=[one for one in found["parameters"] if one["implicit"]],
+        tags=_TAGS,
+        picture=_picture(found, explicit),
+    )
+
+
+def _picture(found: Mapping[str, Any], explicit: list[dict[str, Any]]) -> dict[str, Any]:
+    """Return the node, its channels and its neighbours as graph.js takes them."""
+    own = {"id": found["iri"], "label": found["name"], "kind": "node", "detail": "this node"}
+    channels = {_channel(one): one for one in explicit if one["resolved"]}
+    nodes = {own["id"]: own} | {key: _drawn(key, one) for key, one in channels.items()}
+    edges = [_edge(found["iri"], _channel(one), one) for one in explicit if one["resolved"]]
+    most = _NEAR[len(channels) > _MANY]
+    for near in found["neighbours"]:
+        for other, edge in _near(near, most):
+            nodes.setdefault(other["id"], other)
+            edges.append(edge)
+    return {"nodes": list(nodes.values()), "edges": edges, "groups": []}
+
+
+def _channel(one: Mapping[str, Any]) -> str:
+    return f"{one['kind']} {one['resolved']}"
+
+
+def _drawn(key: str, one: Mapping[str, Any]) -> dict[str, Any]:
+    href = url("/resource", iri=one["channel_iri"]) if one["channel_iri"] else None
+    return {"id": key, "label": one["resolved"], "kind": one["kind"], "detail": one["type"] or "", "href": href}
+
+
+def _edge(node: str, channel: str, one: Mapping[str, Any]) -> dict[str, Any]:
+    source, target = (node, channel) if one["outward"] else (channel, node)
+    return {"source": source, "target": target, "kind": one["kind"]}
+
+
+def _near(near: Mapping[str, Any], most: int) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
+    """Yield some neighbours of a channel with their edges, and one thing that stands for all others."""
+    channel = f"{near['kind']} {near['channel']}"
+    drawn = [
+        {"id": one["iri"], "label": one["name"], "kind": "node", "detail": one["package"],
+         "href": url("/node", iri=one["iri"])}
+        for one in near["nodes"][:most]
+    ]  # fmt: skip
+    rest = near["count"] - len(drawn)
+    if rest:
+        href = url("/resource", iri=near["channel_iri"])
+        side = "out" if near["outward"] else "in"
+        drawn.append({"id": f"{channel} more {side}", "label": f"{rest:,} more", "kind": "resource", "href": href})
+    for one in drawn:
+        source, target = (channel, one["id"]) if near["outward"] else (one["id"], channel)
+        yield one, {"source": source, "target": target, "kind": near["kind"]}
+
+
+ROUTES = [Route("/node", _node)]

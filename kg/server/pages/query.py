@@ -1,0 +1,68 @@
+"""`/query`: the page that queries are written on; the endpoint and the views that its script asks do the rest.
+
+`query` is a text, or `name` the name of a stored one, for whose parameters the other parameters of the address are
+values. `snapshot` is the data that a shared link is about. With any of them the query runs at once.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+import msgspec
+from starlette.routing import Route
+
+from kg.query.writing import parquet
+from kg.server.rendering import page, view
+from kg.server.state import state
+
+if TYPE_CHECKING:
+    from starlette.requests import Request
+    from starlette.responses import Response
+
+__all__ = ["ROUTES"]
+
+_OWN: Final = frozenset({"query", "name", "snapshot", "limit", "timeout"})
+_ROWS: Final = {"json": "JSON", "csv": "CSV", "tsv": "TSV", "xml": "XML", "markdown": "Markdown"}
+"""Format of the endpoint for rows to its name."""
+_GRAPHS: Final = {"turtle": "Turtle", "ntriples": "N-Triples", "jsonld": "JSON-LD", "rdfxml": "RDF/XML"}
+_LIMIT: Final = 1000
+"""How many rows the page asks for unless told otherwise."""
+
+
+async def _query(request: Request) -> Response:
+    given = request.query_params
+    name = given.get("name", "")
+    values = {key: value for key, value in given.items() if key not in _OWN and value}
+    chosen = await view(request, "stored", name=name, values=msgspec.json.encode(values).decode()) if name else None
+    options = state(request).options
+    data = {
+        "text": given.get("query", "") or (chosen["bound"] if chosen else ""),
+        "run": bool(given.get("query") or chosen),
+        "stored": chosen["query"] if chosen else "",
+        "values": values if chosen else {},
+        "wanted": given.get("snapshot", ""),
+        "snapshot": state(request).readers.layout.current(),
+        "prefixes": await view(request, "prefixes"),
+        "base": state(request).settings.base,
+        "limit": min(_LIMIT, options.rows),
+        "rows": options.rows,
+        "seconds": options.seconds,
+    }
+    return page(
+        request,
+        "query.html",
+        title=chosen["title"] if chosen else "Query",
+        twin="/api/stored",
+        text=data["text"],
+        data=_embedded(data),
+        rows=(_ROWS | ({parquet.NAME: "Parquet"} if parquet.is_installed() else {})).items(),
+        graphs=_GRAPHS.items(),
+    )
+
+
+def _embedded(data: dict[str, Any]) -> str:
+    """Return data as the value of an attribute, which the template escapes."""
+    return msgspec.json.encode(data).decode()
+
+
+ROUTES = [Route("/query", _query)]

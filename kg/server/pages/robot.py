@@ -1,0 +1,65 @@
+"""`/robot`: what a robot can do, tried by hand and composed to programs (onto-ros, figure 4).
+
+The page shows; `kg.server.robot` knows the robot and the language.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+from starlette.routing import Route
+
+from kg.errors import RobotError
+from kg.resources import folder
+from kg.robot.programs.parse import parse
+from kg.robot.programs.units import UNITS, described
+from kg.server.rendering import page
+from kg.server.safety.tokens import is_trusted
+from kg.server.state import state
+
+if TYPE_CHECKING:
+    from starlette.requests import Request
+    from starlette.responses import Response
+
+__all__ = ["ROUTES"]
+
+
+async def _robot(request: Request) -> Response:
+    server = state(request)
+    address = server.robot.address if server.robot else ""
+    data = {"address": address, "units": _units(), "examples": _examples()}
+    return page(
+        request,
+        "robot.html",
+        title="Robot",
+        twin="/api/robot",
+        data=msgspec.json.encode(data).decode(),
+        address=address,
+        said=f"Connecting to {address} …" if address else "No robot is connected.",
+        may_move=is_trusted(request),
+        has_token=server.options.token is not None or server.options.token_file is not None,
+    )
+
+
+def _units() -> list[dict[str, str]]:
+    """Return the units with what they measure."""
+    return [{"unit": symbol, "dimension": described(unit.dimension)} for symbol, unit in UNITS.items()]
+
+
+@cache
+def _examples() -> list[dict[str, Any]]:
+    """Return the programs that come with kg, by name."""
+    found = []
+    for path in sorted((folder("examples") / "programs").glob("**/*.kgp")):
+        text = path.read_text("utf-8")
+        try:
+            program = parse(text)
+        except RobotError:
+            continue
+        found.append({"name": program.name, "comment": program.comment, "text": text})
+    return found
+
+
+ROUTES = [Route("/robot", _robot)]

@@ -1,0 +1,40 @@
+"""`/rules`, `/rule?name=`: rules by family with their documentation, who feeds whom, what the last run did."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from starlette.responses import RedirectResponse
+from starlette.routing import Route
+
+from kg.errors import KgError
+from kg.server.pages.missing import ABSENT, missing
+from kg.server.rendering import page, url, view
+
+if TYPE_CHECKING:
+    from starlette.requests import Request
+    from starlette.responses import Response
+
+__all__ = ["ROUTES"]
+
+_SEE_OTHER: Final = 303
+
+
+async def _rules(request: Request) -> Response:
+    return page(request, "rules.html", title="Rules", twin="/api/rules", rules=await view(request, "rules"))
+
+
+async def _rule(request: Request) -> Response:
+    name = request.query_params.get("name", "")
+    if not name:
+        return RedirectResponse("/rules", _SEE_OTHER)
+    try:
+        rule = await view(request, "rule", name=name)
+    except KgError as error:
+        if error.code not in ABSENT:
+            raise
+        return missing(request, error, f"Rule {name}", name, lambda known: url("/rule", name=known))
+    return page(request, "rule.html", title=f"Rule {rule['rule']}", twin=url("/api/rule", name=rule["rule"]), rule=rule)
+
+
+ROUTES = [Route("/rules", _rules), Route("/rule", _rule)]

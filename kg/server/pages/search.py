@@ -1,0 +1,70 @@
+"""`/search?q=`: nodes by what they do, need and are wired to, each with its reasons and the lines that show them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from starlette.routing import Route
+
+from kg.errors import KgError
+from kg.server.errors import STATUS
+from kg.server.rendering import page, url, view
+
+if TYPE_CHECKING:
+    from starlette.requests import Request
+    from starlette.responses import Response
+
+__all__ = ["ROUTES"]
+
+_FILTERS: Final = {
+    "subscribes": "Subscribes to",
+    "publishes": "Publishes",
+    "services": "Offers service or action",
+    "calls": "Calls service or action",
+    "hardware": "Works with hardware",
+    "function": "Is for",
+    "capability": "Lets a robot",
+    "package": "In package",
+    "ros": "ROS version",
+    "kind": "Kind",
+    "license": "Licence",
+}
+_EXAMPLES: Final = (
+    "merge the scans of two lasers into one",
+    "drive to a goal and avoid obstacles",
+    "subscribes LaserScan and publishes Odometry",
+    "camera driver for ROS 2",
+)
+
+
+async def _search(request: Request) -> Response:
+    text = request.query_params.get("q", "")
+    filters = {name: value for name in _FILTERS if (value := request.query_params.get(name, "").strip())}
+    limit = request.query_params.get("limit", "20")
+    twin = url("/api/find", text=text, limit=limit, **filters) if text.strip() or filters else ""
+    found, problem, status = None, None, 200
+    if twin:
+        try:
+            found = await view(request, "find", text=text, limit=limit, **filters)
+        except KgError as error:
+            if STATUS.get(error.code, 400) != 400:  # noqa: PLR2004 - what is wrong with the words is told beside them
+                raise
+            problem, status = error, 400
+    return page(
+        request,
+        "search.html",
+        title=f"Search: {text}" if text else "Search",
+        twin=twin,
+        status=status,
+        text=text,
+        given=filters,
+        limit=limit,
+        filters=_FILTERS,
+        choices=await view(request, "choices"),
+        examples=_EXAMPLES,
+        found=found,
+        problem=problem,
+    )
+
+
+ROUTES = [Route("/search", _search)]

@@ -1,0 +1,121 @@
+"""`/systems`, `/system?name=`: what launch files start, wired, and what is wrong in it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+from starlette.responses import RedirectResponse
+from starlette.routing import Route
+
+from kg.errors import KgError
+from kg.render.text import count
+from kg.server.pages.missing import ABSENT, SEVERAL, missing
+from kg.server.rendering import page, url, view
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from starlette.requests import Request
+    from starlette.responses import Response
+
+__all__ = ["ROUTES"]
+
+_SEE_OTHER: Final = 303
+_PAGE: Final = 100
+_LONG: Final = 100
+"""A table of more rows has a page of its own, which that of the system loads where somebody opens it."""
+_TAGS: Final = {
+    "publishes": "publisher",
+    "subscribes": "subscriber",
+    "services": "service",
+    "clients": "client",
+    "action_servers": "action",
+    "action_clients": "action",
+}
+
+
+async def _systems(request: Request) -> Response:
+    text, offset = (request.query_params.get(key, "") for key in ("q", "offset"))
+    found = await view(request, "systems", text=text, offset=offset, limit=str(_PAGE))
+    start, shown = found["offset"], len(found["systems"])
+    return page(
+        request,
+        "systems.html",
+        title="Systems",
+        twin=url("/api/systems", text=text, offset=offset),
+        found=found,
+        text=text,
+        before=url("/systems", q=text, offset=max(0, start - _PAGE) or "") if start else "",
+        after=url("/systems", q=text, offset=start + shown) if start + shown < found["total"] else "",
+    )
+
+
+async def _system(request: Request) -> Response:
+    asked = {key: value for key in ("name", "repository", "every") if (value := request.query_params.get(key, ""))}
+    name, chosen = asked.setdefault("name", ""), request.query_params.get("part", "")
+    if not name:
+        return RedirectResponse("/systems", _SEE_OTHER)
+    try:
+        found = await view(request, "system", **asked)
+    except KgError as error:
+        if error.code not in {*ABSENT, SEVERAL}:
+            raise
+        return missing(request, error, "No such system", name, lambda other: url("/system", name=other))
+    shared = {"twin": url("/api/system", **asked), "system": found, "tags": _TAGS}
+    parts = _parts(found)
+    if part := next((one for one in parts if one["name"] == chosen), None):
+        title = f"{part['title']} of {found['name']}"
+        return page(request, "system_part.html", title=title, part=part, whole=url("/system", **asked), **shared)
+    return page(
+        request,
+        "system.html",
+        title=found["name"],
+        picture=_picture(found),
+        parts=[{**one, "address": _address(one, asked)} for one in parts],
+        left_out=sum(one["left_out"] for one in found["instances"]),
+        every=url("/system", **asked, every="all") if "every" not in asked else "",
+        **shared,
+    )
+
+
+def _parts(found: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return the tables below that of the nodes which have rows, by name, with the words for how many these are."""
+    rows: dict[str, list[Any]] = {
+        name: [(one["key"], each) for one in found["instances"] for each in one[key]]
+        for name, key in (("connections", "ends"), ("remappings", "remaps"), ("parameters", "parameters"))
+    }
+    rows["arguments"] = found["arguments"]
+    return [
+        {"name": name, "rows": listed, "title": count(len(listed), name.removesuffix("s"))}
+        for name, listed in rows.items()
+        if listed
+    ]
+
+
+def _address(part: Mapping[str, Any], asked: Mapping[str, str]) -> str:
+    """Return the page of a part that is too long for that of the system; empty for others."""
+    return url("/system", **asked, part=part["name"]) if len(part["rows"]) > _LONG else ""
+
+
+def _picture(found: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the graph as graph.js takes it: nodes lead to their pages, and what findings are about is marked.
+
+    What a node does not have is left out, for there are many.
+    """
+    nodes = [_drawn(one) for one in found["picture"]["nodes"]]
+    marked = [f"{one.get('group', '')}/" for one in nodes if "marked" in one]
+    groups = [
+        {**one, "marked": any(space.startswith(f"{one['id']}/") for space in marked)}
+        for one in found["picture"]["groups"]
+    ]
+    return {**found["picture"], "nodes": nodes, "groups": groups}
+
+
+def _drawn(one: Mapping[str, Any]) -> dict[str, Any]:
+    node = {key: value for key, value in one.items() if value and key not in {"iri", "names"}}
+    if one["iri"]:
+        node["href"] = url("/node", iri=one["iri"])
+    return {**node, "marked": True} if one["findings"] else node
+
+
+ROUTES = [Route("/systems", _systems), Route("/system", _system)]

@@ -1,0 +1,81 @@
+"""`/why?subject=&predicate=&object=`: what a fact rests on; `/why?query=&row=`: what a row of an answer rests on.
+
+`row` is a JSON object of the variables of the row with their terms, as N-Triples writes them. Queries may be too long
+for an address, so that the parameters may also be a form that is posted.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from starlette.routing import Route
+
+from kg.errors import KgError, RuleError, UsageError
+from kg.server.errors import STATUS
+from kg.server.pages.missing import ABSENT, SEVERAL, missing
+from kg.server.parameters import FORM, Parameters, media_type
+from kg.server.rendering import page, url, view
+from kg.server.safety.bodies import ADDRESS_BYTES
+
+if TYPE_CHECKING:
+    from starlette.requests import Request
+    from starlette.responses import Response
+
+__all__ = ["ROUTES"]
+
+
+async def _why(request: Request) -> Response:
+    form = await request.body() if media_type(request) == FORM else b""
+    given = Parameters(request.scope["query_string"], form)
+    if "query" in given:
+        return await _of_row(request, query=given.one("query") or "", row=given.one("row") or "{}")
+    asked = {key: given.one(key) or "" for key in ("subject", "predicate", "object")}
+    return await _of_fact(request, asked, given.one("every") or "")
+
+
+async def _of_fact(request: Request, asked: dict[str, str], every: str) -> Response:
+    told: dict[str, Any] = {"why": None, "lacking": None}
+    if not all(asked.values()):
+        hint = "For example `/why?subject=patrol&predicate=subscribes&object=scan_filtered`."
+        raise UsageError("KG003", "a fact is a subject, a predicate and an object", hint=hint)
+    try:
+        told["why"] = await view(request, "why", **asked, every=every)
+    except KgError as error:
+        if error.code != "KG226":
+            if error.code not in {*ABSENT, SEVERAL}:
+                raise
+            return missing(request, error, "Why", asked["subject"], lambda other: url("/search", q=other))
+        told["lacking"] = await view(request, "why_not", **asked)
+    name = "why" if told["why"] else "why_not"
+    twin = url(f"/api/{name}", **asked, every=every if told["why"] else "")
+    fact = told["why"]["proofs"][0] if told["why"] else told["lacking"]["fact"]
+    return page(
+        request,
+        "why.html",
+        title=f"{'Why' if told['why'] else 'Why not'}: {fact['text']}",
+        twin=twin,
+        every=url("/why", **asked, every="all") if told["why"] and not every else "",
+        **told,
+    )
+
+
+async def _of_row(request: Request, **asked: str) -> Response:
+    """Return the page about a row; with the reason, and the status of that, where it cannot be traced back to facts."""
+    found, problem = None, None
+    try:
+        found = await view(request, "why_row", **asked)
+    except RuleError as error:
+        problem = error
+    return page(
+        request,
+        "why_row.html",
+        title="Why this row",
+        status=STATUS.get(problem.code, 400) if problem else 200,
+        twin=url("/api/why_row", **asked),
+        found=found,
+        problem=problem,
+        query=address if len(address := url("/query", query=asked["query"])) < ADDRESS_BYTES else "",
+    )
+
+
+ROUTES = [Route("/why", _why, methods=["GET", "POST"])]

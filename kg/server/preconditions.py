@@ -1,0 +1,84 @@
+"""Changes on a condition: the headers `If-Match` and `If-None-Match` (RFC 9110, section 13.1), and `snapshot`."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Final
+
+from kg.errors import QueryError
+from kg.server.errors import RequestError
+from kg.server.state import state
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
+    from starlette.requests import Request
+
+    from kg.pipeline.updating.changes import Updated
+    from kg.server.parameters import Parameters
+
+__all__ = ["on_condition"]
+
+_TAG: Final = r'(W/)?"([\x21\x23-\x7e\x80-\xff]*)"'
+_ELEMENT: Final = rf"[ \t]*(?:{_TAG}[ \t]*)?"
+_LIST: Final = re.compile(f"(?:{_ELEMENT},)*{_ELEMENT}")
+"""Tags with commas between, which they may also have within; elements may be empty (RFC 9110, section 5.6.1.2)."""
+_ANY: Final = "*"
+_MATCH: Final = "If-Match"
+_NONE_MATCH: Final = "If-None-Match"
+
+
+async def on_condition(
+    request: Request,
+    parameters: Parameters,
+    change: Callable[[str | None], Awaitable[Updated]],
+    exists: Callable[[], Awaitable[bool]] | None = None,
+) -> Updated:
+    """Make a change if the request has no condition, or its condition holds.
+
+    `change` is given the identity of the only data that it may change, None for any; `exists` tells whether what is to
+    be changed is there, by default always. A tag matches when it is one of the data in force, whatever was read of it:
+    tags of answers begin with the identity of their data, which may also stand alone.
+
+    Raises:
+        RequestError: KG536 when the condition does not hold, KG520 when it is malformed.
+        KgError: as `change`; KG512 when the data is not that of `snapshot`.
+    """
+    named = parameters.one("snapshot")
+    match, none_match = (", ".join(request.headers.getlist(name)).strip() for name in (_MATCH, _NONE_MATCH))
+    if match == _ANY and exists is None:
+        match = ""
+    if not match and not none_match:
+        return await change(named)
+    current = str(state(request).readers.layout.current() or 0)
+
+    async def matches(name: str, value: str) -> bool:
+        if value == _ANY:
+            return await exists() if exists else True
+        return current in _snapshots(name, value)
+
+    if match and not await matches(_MATCH, match):
+        raise _failed(f"`If-Match` does not hold: the data is snapshot {current}")
+    if none_match and await matches(_NONE_MATCH, none_match):
+        raise _failed(f"`If-None-Match` does not hold: it is there, and the data is snapshot {current}")
+    try:
+        return await change(named or current)
+    except QueryError as error:
+        if error.code != "KG512" or named:
+            raise
+        raise _failed(f"the condition does not hold any more: {error.message}") from error
+
+
+def _snapshots(name: str, value: str) -> set[str]:
+    """Return the identities of the data that the tags of a list are of; weak ones never match where a match is wanted.
+
+    Source: RFC 9110, sections 13.1.1 and 13.1.2.
+    """
+    tags = re.findall(_TAG, value) if _LIST.fullmatch(value) else []
+    if not tags:
+        raise RequestError("KG520", f"`{name}` is no list of entity tags", hint='Send `*`, or tags such as "7".')
+    return {tag.partition("-")[0] for weak, tag in tags if not weak or name == _NONE_MATCH}
+
+
+def _failed(message: str) -> RequestError:
+    return RequestError("KG536", message)

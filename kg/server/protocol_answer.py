@@ -1,0 +1,225 @@
+"""The answer to a query, sent so that whatever comes with status 200 is whole.
+
+An answer is held until its end is known: in memory, and once that is much in a temporary file. Status and headers are
+then true, and what fails on the way is an error with a status of its own. With `stream=true` it is sent while it is
+found; a failure then ends the connection before the end of the body, which HTTP clients report.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from contextlib import AsyncExitStack, suppress
+from typing import TYPE_CHECKING, Final
+
+from starlette.responses import Response
+
+from kg.errors import KgError, QueryError
+from kg.server.errors import RequestError
+from kg.server.leaving import ClientLeftError, while_connected
+from kg.server.records import record
+from kg.server.state import state
+from kg.store.failure import translated
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+    from typing import IO
+
+    from starlette.requests import Request
+    from starlette.types import Receive, Scope, Send
+
+    from kg.query.readers.pool import Answer
+    from kg.server.protocol_question import Asked
+
+__all__ = ["Held", "answer"]
+
+_IN_MEMORY: Final = 8 << 20
+_PIECE: Final = 256 << 10
+
+
+class Held:
+    """Bytes that are held until all of them are there: in memory up to 8 MB, else in a file that has no name."""
+
+    def __init__(self, most: int) -> None:
+        self.size = 0
+        self._most = most
+        self._parts: list[bytes] = []
+        self._file: IO[bytes] | None = None
+
+    def add(self, part: bytes) -> None:
+        """Hold a further part.
+
+        Raises:
+            QueryError: KG511 when that makes more than there may be.
+            StoreError: KG304 when the disk is full.
+        """
+        self.size += len(part)
+        if self.size > self._most:
+            message = f"the answer has more than the {self._most} bytes that this server sends at once"
+            raise QueryError("KG511", message, hint="Ask for fewer rows, or add `stream=true`.")
+        self._parts.append(part)
+        if self.size > _IN_MEMORY:
+            with translated(tempfile.gettempdir()):
+                self._file = self._file or tempfile.TemporaryFile()  # noqa: SIM115 - closed by `close`
+                self._file.writelines(self._parts)
+            self._parts.clear()
+
+    def pieces(self) -> list[bytes] | IO[bytes]:
+        """Return all that is held: as a list of parts, or as a file at its beginning; raises as `add`."""
+        if self._file is None:
+            return self._parts
+        with translated(tempfile.gettempdir()):
+            self._file.seek(0)
+        return self._file
+
+    def close(self) -> None:
+        """Let go of what is held."""
+        self._parts = []
+        if self._file:
+            self._file.close()
+
+
+class _HeldResponse(Response):
+    """What was held, which has a length."""
+
+    def __init__(self, held: Held, headers: dict[str, str]) -> None:
+        super().__init__(None, 200, {**headers, "Content-Length": str(held.size)})
+        self._held = held
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:  # noqa: ARG002 - ASGI's signature
+        try:
+            pieces = self._held.pieces()
+            await send({"type": "http.response.start", "status": self.status_code, "headers": self.raw_headers})
+            if isinstance(pieces, list):
+                await send({"type": "http.response.body", "body": b"".join(pieces)})
+                return
+            while piece := pieces.read(_PIECE):
+                await send({"type": "http.response.body", "body": piece, "more_body": True})
+            await send({"type": "http.response.body", "body": b""})
+        finally:
+            self._held.close()
+
+
+async def answer(request: Request, asked: Asked) -> Response:
+    """Return the answer to a query; raises KgError for what fails before anything was sent, and ClientLeftError."""
+    record(request).query = asked.question.text
+    readers = state(request).readers
+    if _unchanged(request, asked):
+        current = str(readers.layout.current())
+        return Response(status_code=304, headers={"ETag": asked.tag(current), "Vary": "Accept"})
+    if asked.job is not None and asked.job in readers.jobs:
+        raise RequestError("KG520", "the job of this identity still runs", hint="Choose another `job`.")
+    if asked.stream:
+        return await _streamed(request, asked)
+    if (known := readers.known(asked.question)) is not None:
+        record(request).cached = True
+        body = b"".join([part async for part in known.parts()])
+        return Response(body, headers={**_headers(asked, known), **_counted(request, asked, known)})
+    return await while_connected(request.receive, _whole(request, asked))
+
+
+def _unchanged(request: Request, asked: Asked) -> bool:
+    """Tell whether the client has the answer; only those that are the same each time got a tag to ask with."""
+    tags = request.headers.get("if-none-match")
+    if tags is None:
+        return False
+    current = str(state(request).readers.layout.current())
+    given = {tag.strip().removeprefix("W/") for tag in tags.split(",")}
+    return asked.question.snapshot in {None, current} and asked.tag(current) in given
+
+
+async def _whole(request: Request, asked: Asked) -> Response:
+    options = state(request).options
+    held = Held(options.answer_bytes)
+    try:
+        async with state(request).readers.ask(asked.question, seconds=asked.seconds, job=asked.job) as found:
+            async for part in found.parts():
+                held.add(part)
+    except QueryError as error:
+        held.close()
+        raise _changed(request, asked, error) from error
+    except BaseException:
+        held.close()
+        raise
+    return _HeldResponse(held, {**_headers(asked, found), **_counted(request, asked, found)})
+
+
+def _changed(request: Request, asked: Asked, error: QueryError) -> KgError:
+    """Return the error as it is, or with a link where it says that the data wanted is no longer there."""
+    if error.code != "KG512":
+        return error
+    link = f'<{asked.link(request, snapshot=None)}>; rel="latest-version"'
+    return RequestError(error.code, error.message, hint=error.hint, headers={"Link": link})
+
+
+def _headers(asked: Asked, found: Answer) -> dict[str, str]:
+    """Return the headers that are known when an answer begins."""
+    headers = {
+        "Content-Type": asked.choices[found.head.kind].content_type,
+        "Vary": "Accept",
+        "X-Kg-Snapshot": found.head.snapshot,
+    }
+    if found.head.repeatable:
+        headers |= {"ETag": asked.tag(found.head.snapshot), "Cache-Control": "no-cache"}
+    else:
+        headers["Cache-Control"] = "no-store"
+    return headers
+
+
+def _counted(request: Request, asked: Asked, found: Answer) -> dict[str, str]:
+    """Return the headers that are known when an answer ends."""
+    assert found.end is not None  # noqa: S101 - all its parts were read
+    record(request).rows = found.end.rows
+    headers = {"X-Kg-Rows": str(found.end.rows), "Server-Timing": f"query;dur={found.end.seconds * 1000:.1f}"}
+    if found.end.more:
+        behind = asked.question.offset + found.end.rows
+        following = asked.link(request, offset=str(behind), snapshot=found.head.snapshot)
+        headers |= {"X-Kg-Truncated": "true", "Link": f'<{following}>; rel="next"'}
+    return headers
+
+
+async def _streamed(request: Request, asked: Asked) -> Response:
+    """Return a response of which the first part is there, so that what fails before it is an error as any other."""
+    stack = AsyncExitStack()
+    try:
+        found, parts, first = await while_connected(request.receive, _begun(request, asked, stack))
+    except BaseException as error:
+        await stack.aclose()
+        if isinstance(error, QueryError):
+            raise _changed(request, asked, error) from error
+        raise
+    headers = {**_headers(asked, found), "X-Kg-Job": found.job.identity}
+    return _StreamedResponse(first, parts, stack, headers)
+
+
+async def _begun(request: Request, asked: Asked, running: AsyncExitStack) -> tuple[Answer, AsyncIterator[bytes], bytes]:
+    """Return an answer that `running` ends, its parts but the first, and the first."""
+    asking = state(request).readers.ask(asked.question, seconds=asked.seconds, job=asked.job)
+    found = await running.enter_async_context(asking)
+    parts = found.parts()
+    return found, parts, await anext(parts, b"")
+
+
+class _StreamedResponse(Response):
+    """What is sent while it is found; where that fails it stops before the end of the body."""
+
+    def __init__(
+        self, first: bytes, parts: AsyncIterator[bytes], running: AsyncExitStack, headers: dict[str, str]
+    ) -> None:
+        super().__init__(None, 200, headers)
+        del self.headers["content-length"]
+        self._first = first
+        self._parts = parts
+        self._running = running
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:  # noqa: ARG002 - ASGI's signature
+        async with self._running:
+            # What goes wrong from here on ends the connection before the body has an end, which clients notice.
+            await send({"type": "http.response.start", "status": self.status_code, "headers": self.raw_headers})
+            with suppress(KgError, ClientLeftError):
+                await while_connected(receive, self._send(send))
+
+    async def _send(self, send: Send) -> None:
+        await send({"type": "http.response.body", "body": self._first, "more_body": True})
+        async for part in self._parts:
+            await send({"type": "http.response.body", "body": part, "more_body": True})
+        await send({"type": "http.response.body", "body": b""})

@@ -1,0 +1,172 @@
+"""A request for a query, read: SPARQL 1.1 Protocol, section 2.1, and the parameters that are ours.
+
+`format`, `timeout`, `limit`, `offset`, `snapshot`, `stream`, `job` and `$variable` are described in docs/endpoint.md.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+from urllib.parse import urlencode
+
+import msgspec
+
+from kg.query.readers.messages import Question
+from kg.server.errors import RequestError
+from kg.server.negotiation import choose
+from kg.server.parameters import FORM, Parameters, body_text, in_utf8, media_type
+from kg.server.safety.tokens import is_trusted
+from kg.server.state import state
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from starlette.requests import Request
+
+    from kg.server.negotiation import Choice
+
+__all__ = ["QUERY", "Asked", "asked", "digest"]
+
+QUERY: Final = "application/sparql-query"
+"""The media type of a query."""
+
+_REMEMBERED: Final = 512
+"""How many requests are known as they are written, so that they need not be read again."""
+_JOB: Final = re.compile(r"[A-Za-z0-9_-]{16,128}")
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """A query as it was asked: what readers get, and how the answer goes back.
+
+    `choices` has the format of each kind of answer, `seconds` is the deadline, `job` the identity that the client
+    chose. With `stream` the answer is sent while it is found.
+    """
+
+    question: Question
+    choices: Mapping[str, Choice]
+    seconds: float
+    job: str | None
+    stream: bool
+    digest: str
+
+    def tag(self, snapshot: str) -> str:
+        """Return the entity tag of the answer that the data of an identity has (RFC 9110, section 8.8.3)."""
+        return f'"{snapshot}-{self.digest}"'
+
+    def link(self, request: Request, **changed: str | None) -> str:
+        """Return the address of the same request with some parameters changed, or without those that are None."""
+        pairs = [
+            (name, value) for name, value in Parameters(request.scope["query_string"]).pairs() if name not in changed
+        ]
+        pairs += [(name, value) for name, value in changed.items() if value is not None]
+        return f"{request.url.path}?{urlencode(pairs)}"
+
+
+def digest(question: Question, choices: Mapping[str, Choice]) -> str:
+    """Return what tells requests apart whose answers are not the same bytes."""
+    sent = sorted((kind, choice.content_type) for kind, choice in choices.items())
+    return hashlib.sha256(repr((msgspec.structs.astuple(question), sent)).encode("utf-8", "replace")).hexdigest()[:24]
+
+
+async def asked(request: Request) -> Asked | None:
+    """Return the query of a request; None for a GET without one, which asks for the service description.
+
+    Raises:
+        RequestError: KG520 a parameter, KG523 no format is acceptable, KG524 the type of the body, KG534 above a limit.
+    """
+    scope = request.scope
+    if request.method not in {"GET", "HEAD"}:
+        return await _asked(request)
+    headers = request.headers
+    said = (scope["path"], scope["query_string"], headers.get("accept"), headers.get("host"), scope["http_version"])
+    known = state(request).asked
+    key = (*said, scope["scheme"], is_trusted(request))
+    if key not in known:
+        if len(known) >= _REMEMBERED:
+            known.clear()
+        known[key] = await _asked(request)
+    return known[key]
+
+
+async def _asked(request: Request) -> Asked | None:
+    parameters, text = await _said(request)
+    if "update" in parameters:
+        raise RequestError(
+            "KG520", "updates go to /update, by POST", hint="Send it as `update=` in the body of a POST."
+        )
+    if text is None:
+        if request.method in {"GET", "HEAD"}:
+            return None
+        raise RequestError("KG520", "the parameter `query` is missing")
+    job = parameters.one("job")
+    if job is not None and not _JOB.fullmatch(job):
+        raise RequestError("KG520", "`job` takes 16 to 128 letters, digits, _ and -, which nobody can guess")
+    choices = choose(request.headers.get("accept"), parameters.one("format") or parameters.one("output"))
+    question = _question(request, parameters, text, choices)
+    return Asked(
+        question=question,
+        choices=choices,
+        seconds=_seconds(request, parameters),
+        job=job,
+        stream=parameters.flag("stream") and request.scope["http_version"] != "1.0",
+        digest=digest(question, choices),
+    )
+
+
+async def _said(request: Request) -> tuple[Parameters, str | None]:
+    """Return the parameters of a request and the text of its query."""
+    address = request.scope["query_string"]
+    if request.method in {"GET", "HEAD"}:
+        parameters = Parameters(address)
+        return parameters, parameters.one("query")
+    kind = media_type(request)
+    if kind == QUERY:
+        parameters = Parameters(address)
+        if "query" in parameters:
+            raise RequestError("KG520", "there is a query in the address and another in the body")
+        return parameters, await body_text(request)
+    if kind == FORM:
+        in_utf8(request)
+        parameters = Parameters(address, await request.body())
+        return parameters, parameters.one("query")
+    told = f"`{kind}`" if kind else "no media type"
+    raise RequestError("KG524", f"the body has {told}", hint=f"Send {QUERY} or {FORM} in Content-Type.")
+
+
+def _question(request: Request, parameters: Parameters, text: str, choices: Mapping[str, Choice]) -> Question:
+    options = state(request).options
+    default_graphs, named_graphs = parameters.all("default-graph-uri"), parameters.all("named-graph-uri")
+    given = default_graphs or named_graphs
+    return Question(
+        text=text,
+        formats={kind: choice.format for kind, choice in choices.items()},
+        parameters=parameters.starting("$"),
+        default_graphs=default_graphs if given else None,
+        named_graphs=named_graphs if given else None,
+        union=options.union,
+        rows=_rows(request, parameters),
+        offset=parameters.whole("offset") or 0,
+        snapshot=parameters.one("snapshot"),
+        size=options.answer_bytes,
+        base=str(request.url.replace(query="", fragment="")),
+    )
+
+
+def _seconds(request: Request, parameters: Parameters) -> float:
+    most = state(request).options.seconds
+    wanted = parameters.number("timeout", least=0.001)
+    if wanted is not None and wanted > most and not is_trusted(request):
+        raise RequestError("KG534", f"`timeout={wanted:g}` is above the {most:g} s of this server")
+    return most if wanted is None else wanted
+
+
+def _rows(request: Request, parameters: Parameters) -> int | None:
+    """Return the cap of rows; an answer that is streamed has none but that which the client asks for."""
+    most = state(request).options.rows
+    wanted = parameters.whole("limit")
+    if wanted is not None and wanted > most and not is_trusted(request) and not parameters.flag("stream"):
+        raise RequestError("KG534", f"`limit={wanted}` is above the {most} rows of this server")
+    return wanted if wanted is not None or parameters.flag("stream") else most

@@ -1,0 +1,85 @@
+"""`/update`: changes by SPARQL (SPARQL 1.1 Protocol, section 2.2)."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, Final
+
+import msgspec
+from starlette.responses import Response
+
+from kg.server.errors import RequestError
+from kg.server.methods import route
+from kg.server.parameters import FORM, Parameters, body_text, in_utf8, media_type
+from kg.server.preconditions import on_condition
+from kg.server.state import state
+
+if TYPE_CHECKING:
+    from starlette.requests import Request
+
+    from kg.pipeline.updating.changes import Updated
+    from kg.pipeline.updating.writer import Writer
+
+__all__ = ["ROUTES", "counted", "patience", "writer"]
+
+_UPDATE: Final = "application/sparql-update"
+
+
+def writer(request: Request) -> Writer:
+    """Return what changes the store; RequestError KG530 where the server reads only."""
+    found = state(request).writer
+    if found is None:
+        raise RequestError("KG530", "this server reads only")
+    return found
+
+
+def patience(request: Request, parameters: Parameters) -> float:
+    """Return how many seconds a change may take; whoever may change the store may raise it."""
+    return parameters.number("timeout", least=0.001) or state(request).options.update_seconds
+
+
+def counted(updated: Updated) -> dict[str, str]:
+    """Return the headers that say what a change did."""
+    return {
+        "X-Kg-Snapshot": updated.snapshot,
+        "X-Kg-Added": str(updated.added),
+        "X-Kg-Removed": str(updated.removed),
+        "Server-Timing": f"update;dur={updated.seconds * 1000:.1f}",
+        "Cache-Control": "no-store",
+    }
+
+
+async def _update(request: Request) -> Response:
+    changing = writer(request)
+    parameters, text = await _said(request)
+    if text is None:
+        raise RequestError("KG520", "the parameter `update` is missing")
+    update = partial(
+        changing.update,
+        text,
+        parameters.all("using-graph-uri"),
+        parameters.all("using-named-graph-uri"),
+        base=str(request.url.replace(query="", fragment="")),
+        seconds=patience(request, parameters),
+    )
+    updated = await on_condition(request, parameters, lambda snapshot: update(snapshot=snapshot))
+    return Response(msgspec.json.encode(updated), headers=counted(updated), media_type="application/json")
+
+
+async def _said(request: Request) -> tuple[Parameters, str | None]:
+    """Return the parameters of a request and the text of its update."""
+    address = request.scope["query_string"]
+    kind = media_type(request)
+    if "update" in Parameters(address):
+        raise RequestError("KG520", "an update stands in the body of a request, not in its address")
+    if kind == _UPDATE:
+        return Parameters(address), await body_text(request)
+    if kind == FORM:
+        in_utf8(request)
+        parameters = Parameters(address, await request.body())
+        return parameters, parameters.one("update")
+    told = f"`{kind}`" if kind else "no media type"
+    raise RequestError("KG524", f"the body has {told}", hint=f"Send {_UPDATE} or {FORM} in Content-Type.")
+
+
+ROUTES = [route(path, POST=_update) for path in ("/update", "/update/")]

@@ -1,0 +1,105 @@
+"""Pages from templates: what all of them share, and what templates can call.
+
+    async def start(request):
+        found = await view(request, "overview")
+        return page(request, "start.html", title="Start", twin="/api/overview", overview=found)
+
+Everything that comes from data is escaped by the templates; `href` makes links of addresses of the web alone.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+from urllib.parse import urlencode, urlsplit
+
+import msgspec
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from starlette.responses import HTMLResponse
+
+from kg.server import libraries
+from kg.server.prose import breakable, inline, prose, source
+from kg.server.safety.headers import policy
+from kg.server.safety.tokens import is_trusted
+from kg.server.state import state
+from kg.server.views import answer
+
+if TYPE_CHECKING:
+    from starlette.requests import Request
+
+__all__ = ["environment", "page", "url", "view"]
+
+_NAVIGATION: Final = (
+    ("/", "Start"),
+    ("/systems", "Systems"),
+    ("/query", "Query"),
+    ("/rules", "Rules"),
+    ("/robot", "Robot"),
+)
+_WEB: Final = {"http", "https", "vscode"}
+
+
+async def view(request: Request, name: str, /, **arguments: str) -> Any:
+    """Return what the view `name` answers, decoded; raises as `Readers.call`."""
+    return msgspec.json.decode(await answer(request, name, **arguments))
+
+
+def page(
+    request: Request, template: str, *, title: str, twin: str = "", status: int = 200, **context: Any
+) -> HTMLResponse:
+    """Return a page: `title` is its name, `twin` the address of the same as JSON, the rest what the template takes."""
+    server = state(request)
+    shared = {
+        "title": title,
+        "twin": twin,
+        "path": request.url.path,
+        "navigation": _NAVIGATION,
+        "search_text": request.query_params.get("q", "") if request.url.path == "/search" else "",
+        "snapshot": server.readers.layout.current(),
+        "writable": server.options.write,
+        "logged_in": is_trusted(request),
+        "import_map": libraries.import_map(),
+        "libraries": libraries.libraries(),
+        "libraries_help": libraries.HELP,
+    }
+    text = environment().get_template(template).render(shared | context)
+    headers = {"Cache-Control": "no-cache", "Content-Security-Policy": policy(libraries.import_map_source())}
+    return HTMLResponse(text, status, headers=headers)
+
+
+@cache
+def environment() -> Environment:
+    """Return the templates, with what they call: `url`, and filters: those of this module and of kg.server.prose."""
+    found = Environment(
+        loader=FileSystemLoader(Path(__file__).parent / "templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    found.globals["url"] = url
+    found.filters |= {"number": _number, "href": _href, "moment": _moment}
+    found.filters |= {"breakable": breakable, "inline": inline, "prose": prose, "source": source}
+    return found
+
+
+def url(path: str, **parameters: Any) -> str:
+    """Return a path of this server with parameters; those that are None or empty are left out."""
+    given = {name: value for name, value in parameters.items() if value not in (None, "")}
+    return f"{path}?{urlencode(given)}" if given else path
+
+
+def _number(value: float) -> str:
+    """Return a number with its thousands apart."""
+    return f"{value:,}"
+
+
+def _href(address: str | None) -> str:
+    """Return an address that may stand in a link; empty for others, such as `javascript:`."""
+    return address if address and urlsplit(address).scheme in _WEB else ""
+
+
+def _moment(read: str | None) -> str:
+    """Return a moment in ISO 8601 to the minute, as people read it."""
+    return f"{read[:10]} {read[11:16]}" if read else ""

@@ -1,0 +1,130 @@
+"""Programs as the page writes them: from blocks to text and back, with what is wrong and where."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import msgspec
+
+from kg.errors import CATALOGUE, RobotError
+from kg.robot.programs.check import check
+from kg.robot.programs.doubts import doubts
+from kg.robot.programs.parse import parse_with_places
+from kg.robot.programs.places import placed
+from kg.robot.programs.problems import place_at
+from kg.robot.programs.tree import Program
+from kg.robot.programs.write import write
+from kg.server.errors import RequestError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kg.robot.capability import Capabilities
+    from kg.robot.connection import ComputationGraph
+    from kg.robot.programs.places import Places
+    from kg.robot.programs.problems import Problem
+
+__all__ = ["LONGEST", "Robot", "identified", "judged", "told"]
+
+LONGEST: Final = 1 << 18
+"""How many bytes a program may have, as text or as JSON."""
+
+
+class Robot(NamedTuple):
+    """What programs are judged by: `places` stand for their names, and the graph tells who is there."""
+
+    capabilities: Capabilities
+    places: Places
+    graph: ComputationGraph
+
+
+def judged(program: Program | None, text: str | None, robot: Robot | None) -> dict[str, Any]:
+    """Return a program as tree and as text, its problems, and the lines of its statements by their identities.
+
+    Without a robot it is only read. A text that cannot be read gives no program, and one problem with its place.
+
+    Raises:
+        RequestError: KG520 when both or neither are given, or the tree is too deep for the machine.
+        RobotError: KG830 when it is too deep for a text.
+    """
+    if (program is None) == (text is None):
+        raise RequestError("KG520", "the body needs either `program` or `text`")
+    try:
+        return _judged(program, text or "", robot)
+    except RecursionError as error:
+        raise RequestError("KG520", "the program is nested too deeply") from error
+
+
+def _judged(program: Program | None, text: str, robot: Robot | None) -> dict[str, Any]:
+    written = program is None
+    if program is None:
+        try:
+            program = parse_with_places(text).program
+        except RobotError as error:
+            return {"program": None, "text": text, "lines": {}, "problems": [_unreadable(error)]}
+    program, identities = identified(program)
+    shown = text if written else write(program)
+    places = parse_with_places(shown).places
+    found: list[Problem] = []
+    if robot is not None:
+        meant = placed(program, robot.places)
+        found = [*check(meant, robot.capabilities, robot.places), *doubts(meant, robot.capabilities, robot.graph)]
+    return {
+        "program": msgspec.to_builtins(program),
+        "text": shown,
+        "lines": {identity: places[path][0] for path, identity in identities.items() if path in places},
+        "problems": [{**told(one), "line": place_at("", shown, places, one.path).line} for one in found],
+    }
+
+
+def told(problem: Problem) -> dict[str, Any]:
+    """Return a problem as pages show it."""
+    return {
+        "id": problem.id,
+        "code": problem.code,
+        "docs": f"/errors/{problem.code}",
+        "severity": problem.severity,
+        "message": problem.message,
+        "hint": problem.hint or CATALOGUE[problem.code].way_out,
+    }
+
+
+def identified(program: Program) -> tuple[Program, dict[str, str]]:
+    """Return a program whose statements all have identities, no two the same, and these by their paths."""
+    tree = msgspec.to_builtins(program)
+    identities: dict[str, str] = {}
+    taken: set[str] = set()
+    for path, statement in _statements(tree, ""):
+        identity = statement.get("id") or ""
+        if not identity or identity in taken:
+            identity = f"at {path}"
+            statement["id"] = identity
+        taken.add(identity)
+        identities[path] = identity
+    return msgspec.convert(tree, Program), identities
+
+
+def _statements(part: Any, path: str) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Yield the statements of a tree with their paths."""
+    if isinstance(part, dict):
+        if "block" in part:
+            yield path, part
+        for key, value in part.items():
+            yield from _statements(value, f"{path}/{key}")
+    elif isinstance(part, list | tuple):
+        for index, value in enumerate(part):
+            yield from _statements(value, f"{path}/{index}")
+
+
+def _unreadable(error: RobotError) -> dict[str, Any]:
+    place = error.place
+    return {
+        "id": None,
+        "code": error.code,
+        "docs": f"/errors/{error.code}",
+        "severity": "error",
+        "message": error.message,
+        "hint": error.hint or CATALOGUE[error.code].way_out,
+        "line": place.line if place else None,
+        "column": place.column if place else None,
+    }

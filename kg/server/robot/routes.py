@@ -1,0 +1,226 @@
+"""`/api/robot`, `/robot/...`: what pages ask of the robot. Whatever moves it needs the token (`kg.server.safety`).
+
+Stopping needs none: who may look on may stop.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from typing import TYPE_CHECKING, Any, Final, Literal, TypeVar
+
+import msgspec
+from starlette.responses import Response, StreamingResponse
+
+from kg.errors import RobotError
+from kg.robot.programs.converting import convert
+from kg.robot.programs.places import placed
+from kg.robot.programs.tree import Program  # noqa: TC001 - read when the classes are made
+from kg.server.errors import RequestError
+from kg.server.methods import route
+from kg.server.parameters import media_type
+from kg.server.robot.judging import LONGEST, judged
+from kg.server.safety.tokens import is_trusted
+from kg.server.state import state
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Awaitable, Callable
+
+    from starlette.requests import Request
+    from starlette.types import Receive, Scope, Send
+
+    from kg.server.robot.listeners import Listener
+    from kg.server.robot.session import Session
+
+__all__ = ["ROUTES"]
+
+_Body = TypeVar("_Body")
+_PICTURE: Final = "default-src 'none'; style-src 'unsafe-inline'; sandbox; frame-ancestors 'none'"
+"""The policy of a picture that comes from the robot: it may have colours, and do nothing."""
+
+
+class _Check(msgspec.Struct, forbid_unknown_fields=True):
+    program: Program | None = None
+    text: str | None = None
+
+
+class _Convert(msgspec.Struct, forbid_unknown_fields=True):
+    program: Program
+    to: Literal["text", "rospy", "rclpy"] = "text"
+
+
+class _Run(msgspec.Struct, forbid_unknown_fields=True):
+    program: Program
+
+
+class _Here(msgspec.Struct, forbid_unknown_fields=True):
+    listener: str
+
+
+class _Read(msgspec.Struct, forbid_unknown_fields=True):
+    listener: str
+    capabilities: list[str]
+
+
+class _Do(msgspec.Struct, forbid_unknown_fields=True):
+    listener: str
+    capability: str
+    arguments: dict[str, bool | float | str] = {}
+    seconds: float | None = None
+
+
+async def _read(request: Request, kind: type[_Body]) -> _Body:
+    """Return the body of a request; KG520 for what is not of that kind, KG524 for another type than JSON."""
+    if media_type(request) != "application/json":
+        raise RequestError("KG524", "the body is not application/json")
+    body = await request.body()
+    if len(body) > LONGEST:
+        raise RequestError("KG525", f"the body is longer than {LONGEST} bytes")
+    try:
+        return msgspec.json.decode(body, type=kind)
+    except msgspec.MsgspecError as error:
+        raise RequestError("KG520", f"the body is not what is wanted here: {error}") from error
+    except RecursionError as error:
+        raise RequestError("KG520", "the program is nested too deeply") from error
+
+
+def _session(request: Request) -> Session:
+    found = state(request).robot
+    if found is None:
+        raise RobotError("KG845", "this server has no robot")
+    return found
+
+
+def _json(content: object) -> Response:
+    body = msgspec.json.encode(content)
+    return Response(body, media_type="application/json", headers={"Cache-Control": "no-store"})
+
+
+async def _robot(request: Request) -> Response:
+    """Return the robot: whether it is connected, what it can do, what runs."""
+    session = state(request).robot
+    if session is None:
+        return _json({"address": None, "state": "none", "may_move": False, "capabilities": []})
+    return _json({**session.told(), "may_move": is_trusted(request)})
+
+
+async def _events(request: Request) -> Response:
+    session = _session(request)
+    return _Events(session, session.listen())
+
+
+class _Events(StreamingResponse):
+    """The events of a page, which is forgotten when it goes away, also before it was told anything."""
+
+    def __init__(self, session: Session, listener: Listener) -> None:
+        super().__init__(_stream(listener), media_type="text/event-stream", headers={"Cache-Control": "no-store"})
+        self._session = session
+        self._listener = listener
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Tell events until there are no more, or nobody reads them."""
+        try:
+            await super().__call__(scope, receive, send)
+        finally:
+            await self._session.gone(self._listener)
+
+
+async def _stream(listener: Listener) -> AsyncIterator[bytes]:
+    """Yield server-sent events (HTML Standard, section 9.2)."""
+    async for event in listener.events():
+        yield b": still here\n\n" if event is None else b"data: " + json.dumps(event).encode() + b"\n\n"
+
+
+async def _view(request: Request) -> Response:
+    """Return the robot from above: drawn by whoever publishes it, and therefore with a policy of its own."""
+    picture = await _session(request).view()
+    headers = {"Cache-Control": "no-store", "Content-Security-Policy": _PICTURE}
+    return Response(picture, media_type="image/svg+xml", headers=headers)
+
+
+async def _judged(session: Session | None, program: Program | None, text: str | None = None) -> dict[str, Any]:
+    """Judge a program for a robot, beside the loop, which may be renewing a movement meanwhile."""
+    return await asyncio.to_thread(judged, program, text, session.robot if session else None)
+
+
+async def _why(request: Request) -> Response:
+    session = _session(request)
+    name = request.query_params.get("capability", "")
+    if not name:
+        raise RequestError("KG520", "the parameter `capability` is missing")
+    return _json(await session.why(name))
+
+
+async def _check(request: Request) -> Response:
+    asked = await _read(request, _Check)
+    return _json(await _judged(state(request).robot, asked.program, asked.text))
+
+
+async def _convert(request: Request) -> Response:
+    asked = await _read(request, _Convert)
+    found = await _judged(None, asked.program)
+    if asked.to == "text":
+        return _json({"text": found["text"]})
+    robot = _session(request).robot
+    if robot is None:
+        raise RobotError("KG846", "what the robot can do is not known while it is not connected")
+    return _json(
+        {"text": await asyncio.to_thread(convert, placed(asked.program, robot.places), robot.capabilities, to=asked.to)}
+    )
+
+
+async def _run(request: Request) -> Response:
+    session = _session(request)
+    asked = await _read(request, _Run)
+    for problem in (await _judged(session, asked.program))["problems"]:
+        if problem["severity"] == "error":
+            raise RobotError(problem["code"], problem["message"], hint=problem["hint"])
+    await session.run(asked.program)
+    return Response(status_code=204)
+
+
+async def _do(request: Request) -> Response:
+    session = _session(request)
+    asked = await _read(request, _Do)
+    session.do(asked.listener, asked.capability, asked.arguments, asked.seconds)
+    return Response(status_code=204)
+
+
+async def _follow(request: Request) -> Response:
+    session = _session(request)
+    asked = await _read(request, _Read)
+    session.follow(asked.listener, asked.capabilities)
+    return Response(status_code=204)
+
+
+async def _here(request: Request) -> Response:
+    session = _session(request)
+    session.here((await _read(request, _Here)).listener)
+    return Response(status_code=204)
+
+
+def _simply(act: Callable[[Session], Awaitable[Any]]) -> Callable[[Request], Awaitable[Response]]:
+    """Return the endpoint of what needs no more than being asked."""
+
+    async def endpoint(request: Request) -> Response:
+        await act(_session(request))
+        return Response(status_code=204)
+
+    return endpoint
+
+
+ROUTES = [
+    route("/api/robot", GET=_robot),
+    route("/robot/events", GET=_events),
+    route("/robot/view", GET=_view),
+    route("/robot/why", GET=_why),
+    route("/robot/check", POST=_check),
+    route("/robot/convert", POST=_convert),
+    route("/robot/run", POST=_run),
+    route("/robot/pause", POST=_simply(lambda session: session.pause())),
+    route("/robot/resume", POST=_simply(lambda session: session.resume())),
+    route("/robot/stop", POST=_simply(lambda session: session.stop())),
+    route("/robot/do", POST=_do),
+    route("/robot/read", POST=_follow),
+    route("/robot/here", POST=_here),
+]

@@ -1,0 +1,204 @@
+"""The session of a server with its robot: what is told of it, driven by hand, and run as a program.
+
+Whoever drives by hand has to look on: when their page has gone, or says nothing any more, the robot stops. A program
+goes on without pages, for it was started to. `stop` ends both, and so does the end of the server.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any, Final, Self
+
+import msgspec
+
+from kg.errors import KgError, RobotError
+from kg.robot.driving.lookup import find
+from kg.robot.programs.places import placed
+from kg.robot.tasks import ended, spawn
+from kg.server.errors import problem
+from kg.server.robot.hands import Hands
+from kg.server.robot.judging import Robot
+from kg.server.robot.link import Link
+from kg.server.robot.listeners import MOST, Listeners
+from kg.server.robot.readings import Readings
+from kg.server.robot.reasons import described
+from kg.server.robot.running import Running
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+    from types import TracebackType
+
+    from kg.robot.capability import Capabilities
+    from kg.robot.programs.tree import Program
+    from kg.server.robot.listeners import Listener
+    from kg.settings import Settings
+
+__all__ = ["Session"]
+
+_FRAME: Final = 0.25
+"""Seconds between two pictures from above."""
+_LAST: Final = 3.0
+"""Seconds that stopping the robot may take before the server ends all the same."""
+
+
+class Session:
+    """One robot, for all who look on; `async with` connects and, at the end, stops the robot."""
+
+    def __init__(self, address: str, settings: Settings) -> None:
+        self.listeners = Listeners()
+        self._link = Link(address, settings, self._changed, self._still)
+        self._hands = Hands(self.listeners)
+        self._readings = Readings(self.listeners)
+        self._running = Running(self.listeners)
+        self._tasks: list[asyncio.Task[None]] = []
+
+    async def __aenter__(self) -> Self:
+        """Begin to connect; that it takes a while, or does not succeed, keeps nobody waiting."""
+        self._tasks = [
+            spawn(self._link.keep(), "staying connected to the robot"),
+            spawn(self._hands.watch(), "watching who drives by hand"),
+            spawn(self._show(), "showing the robot from above"),
+        ]
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Stop the robot and leave it."""
+        await self.leave()
+        await ended(*self._tasks)
+
+    @property
+    def address(self) -> str:
+        """Where the robot is."""
+        return self._link.address
+
+    @property
+    def capabilities(self) -> Capabilities | None:
+        """What the robot can do; None while that is not known."""
+        return self._link.capabilities if self._link.state == "connected" else None
+
+    @property
+    def robot(self) -> Robot | None:
+        """What programs are judged by; None while it is not known."""
+        capabilities, graph = self.capabilities, self._link.graph
+        return None if capabilities is None or graph is None else Robot(capabilities, self._link.places, graph)
+
+    def told(self) -> dict[str, Any]:
+        """Return what pages show of the robot."""
+        link = self._link
+        return {
+            "address": link.address,
+            "state": link.state,
+            "problem": problem(link.problem) if link.problem else None,
+            "capabilities": [described(one) for one in link.capabilities.capabilities],
+            "places": msgspec.to_builtins(link.places),
+            "doubts": [f"{one.subject}: {one.message}" for one in link.graph.problems] if link.graph else [],
+            "program": self._running.told(),
+            "view": "/robot/view" if link.picture else None,
+        }
+
+    async def view(self) -> str:
+        """Return the robot from above as SVG; RobotError KG846 where no simulation shows itself."""
+        if self._link.picture is None:
+            raise RobotError("KG846", "no simulation shows itself", hint="Only `kg robot simulate` does.")
+        return await self._link.picture.newest()
+
+    async def why(self, name: str) -> dict[str, Any]:
+        """Return the proofs of a capability; see `kg.server.robot.proving.Proofs.why`."""
+        return await self._link.proofs.why(name)
+
+    async def run(self, program: Program) -> None:
+        """Run a program; RobotError KG846 without a robot, KG847 while something is done."""
+        driver = self._link.needed()
+        self._idle()
+        self._running.start(driver, placed(program, self._link.places))
+
+    async def pause(self) -> None:
+        """Let the program pause, if one runs."""
+        self._running.pause()
+
+    async def resume(self) -> None:
+        """Let the program go on, if one pauses."""
+        self._running.resume()
+
+    def do(self, identity: str, name: str, arguments: Mapping[str, Any], seconds: float | None) -> None:
+        """Do something by hand, for an open page.
+
+        Raises:
+            RobotError: KG821 and KG822 for what the robot cannot do, KG846 without a robot, KG847 while a program
+                runs, KG848 for a time that is too long, KG849 for a page that is not open.
+        """
+        listener, driver = self.listener(identity), self._link.needed()
+        if self._running.active:
+            raise RobotError("KG847", "a program runs", hint="Stop it first.")
+        self._hands.do(driver, listener, find(self._link.capabilities, name, "write"), arguments, seconds)
+
+    def here(self, identity: str) -> None:
+        """Note that somebody is at a page; RobotError KG849 for one that is not open."""
+        self.listener(identity).heard = asyncio.get_running_loop().time()
+
+    def follow(self, identity: str, names: Iterable[str]) -> None:
+        """Let a page follow values; RobotError KG821 for what cannot be read, KG849 for a page that is not open."""
+        listener = self.listener(identity)
+        listener.reads = frozenset(find(self._link.capabilities, name, "read").name for name in names)
+        self._readings.follow(self._link.needed())
+
+    async def stop(self) -> None:
+        """Stop whatever moves, whoever began it."""
+        await self._still()
+        if self._link.driver is not None:
+            await self._link.driver.stop()
+
+    def listen(self) -> Listener:
+        """Return a page that looks on from now; RobotError KG847 when there are too many."""
+        if len(self.listeners) >= MOST:
+            raise RobotError("KG847", f"{MOST} pages look on already", hint="Close one of them.")
+        return self.listeners.add()
+
+    async def gone(self, listener: Listener) -> None:
+        """Forget a page; what it did by hand ends."""
+        self.listeners.remove(listener)
+        self._readings.follow(self._link.driver)
+        await self._hands.stop({listener})
+
+    def listener(self, identity: str) -> Listener:
+        """Return an open page; RobotError KG849 for one that is not."""
+        found = self.listeners.get(identity)
+        if found is None:
+            raise RobotError("KG849", "the page that asks this is not listening to the robot")
+        return found
+
+    async def leave(self) -> None:
+        """Stop the robot and end the streams of pages, in any case within a few seconds."""
+        self.listeners.close()
+        with suppress(TimeoutError):  # what is left of stopping goes on while the connection is closed
+            async with asyncio.timeout(_LAST):
+                await self.stop()
+                await self._readings.aclose()
+
+    async def _show(self) -> None:
+        """Tell pages how the robot looks from above, as often as that changes and people see it."""
+        while True:
+            await asyncio.sleep(_FRAME)
+            if not self.listeners or self._link.picture is None:
+                continue
+            with suppress(KgError):
+                self.listeners.show(await self._link.picture.newest())
+
+    def _idle(self) -> None:
+        """Raise RobotError KG847 while something moves."""
+        if self._running.active:
+            raise RobotError("KG847", "a program runs already", hint="Stop it, or wait until it has ended.")
+        if self._hands.busy:
+            raise RobotError("KG847", "the robot is driven by hand", hint="Stop that, or wait until it has ended.")
+
+    def _changed(self) -> None:
+        self._readings.follow(self._link.driver)
+        self.listeners.tell({"event": "robot"})
+
+    async def _still(self) -> None:
+        """End what moves."""
+        await self._running.stop()
+        await self._hands.stop()

@@ -1,0 +1,65 @@
+"""Running the server until it is told to stop."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+import uvicorn
+
+from kg.server import logs
+from kg.server.app import create_app
+from kg.server.safety import starting
+from kg.server.safety.connections import guarded
+from kg.server.stopping import Server
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from starlette.applications import Starlette
+
+    from kg.server.options import Options
+    from kg.settings import Settings
+
+__all__ = ["serve"]
+
+
+def serve(settings: Settings, options: Options, announce: Callable[[str], None] = lambda _address: None) -> None:
+    """Serve the store of the settings until a signal ends it; `announce` is told the address.
+
+    Raises:
+        StoreError: KG301 there is no store.
+        UsageError: KG540 others would get in, KG541 the token cannot be used, KG542 the address is taken.
+    """
+    starting.check(options)
+    app = create_app(settings, options)
+    listening = starting.listen(options)
+    logs.configure()
+    config = uvicorn.Config(
+        app,
+        http=guarded(options.connections),
+        ws="none",
+        log_level="warning",
+        access_log=False,
+        server_header=False,
+        proxy_headers=False,
+    )
+    host = f"[{options.host}]" if ":" in options.host else options.host
+    ready = partial(announce, f"http://{host}:{listening.getsockname()[1]}/")
+    Server(config, grace=options.grace, ready=ready, leave=partial(_leave, app), end=partial(_end, app)).run(
+        sockets=[listening]
+    )
+
+
+async def _leave(app: Starlette) -> None:
+    """Stop the robot before anything else."""
+    if hasattr(app.state, "server") and app.state.server.robot is not None:
+        await app.state.server.robot.leave()
+
+
+def _end(app: Starlette) -> None:
+    """End all that runs."""
+    if hasattr(app.state, "server"):
+        readers = app.state.server.readers
+        for identity in tuple(readers.jobs):
+            readers.cancel(identity)

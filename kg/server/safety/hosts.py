@@ -1,0 +1,62 @@
+"""The check of `Host`: a name that leads here by a trick of DNS (DNS rebinding) is not one that we answer for."""
+
+from __future__ import annotations
+
+import re
+from ipaddress import ip_address
+from typing import TYPE_CHECKING, Final
+
+from kg.server.errors import RequestError
+
+if TYPE_CHECKING:
+    from starlette.requests import HTTPConnection
+
+    from kg.server.options import Options
+
+__all__ = ["LOOPBACK", "Hosts", "is_loopback"]
+
+LOOPBACK: Final = frozenset({"localhost", "127.0.0.1", "::1"})
+"""Names of this machine for itself."""
+_HOST: Final = re.compile(r"(?:\[(?P<six>[0-9a-fA-F:.]+)\]|(?P<name>[\w.-]+))(?::\d{1,5})?", re.ASCII)
+
+
+def is_loopback(host: str) -> bool:
+    """Tell whether a host to listen at can be reached from this machine only."""
+    try:
+        return ip_address(host.strip("[]")).is_loopback
+    except ValueError:
+        return host.lower() == "localhost"
+
+
+class Hosts:
+    """Refuse requests for other hosts than loopback, the one listened at, and those allowed: KG527.
+
+    Those that name no host, more than one, or what is none, are malformed (RFC 9112, section 3.2): KG520.
+    """
+
+    def __init__(self, options: Options) -> None:
+        listened = () if options.host in {"", "0.0.0.0", "::"} else (options.host,)  # noqa: S104 - compared, not bound
+        self._named = LOOPBACK | {name.lower().strip("[]") for name in (*listened, *options.hosts)}
+        self._any_address = not is_loopback(options.host)
+
+    def __call__(self, request: HTTPConnection) -> RequestError | None:
+        """Return the error for a request that is not for this server."""
+        named = [value.decode("latin-1") for name, value in request.scope["headers"] if name == b"host"]
+        if len(named) != 1:
+            return RequestError("KG520", f"the request has {len(named)} headers Host", hint="Send one.")
+        found = _HOST.fullmatch(named[0])
+        if found is None:
+            return RequestError("KG520", f"the header Host names no host: {named[0]!r}")
+        name = (found["six"] or found["name"]).lower().removesuffix(".")
+        if name in self._named or (self._any_address and _is_address(name)):
+            return None
+        return RequestError("KG527", f"this server does not answer for the host {named[0]!r}")
+
+
+def _is_address(name: str) -> bool:
+    """Tell whether a host is written as an address, which no trick of DNS can lead elsewhere."""
+    try:
+        ip_address(name)
+    except ValueError:
+        return False
+    return True

@@ -1,0 +1,81 @@
+"""Logging in with the token: a small page for browsers, which cannot send `Authorization` by themselves."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+from html import escape
+from typing import TYPE_CHECKING, Final
+
+from starlette.responses import HTMLResponse, RedirectResponse
+from starlette.routing import Route
+
+from kg.server.errors import RequestError
+from kg.server.safety.tokens import Tokens, cookie_name
+
+if TYPE_CHECKING:
+    from starlette.requests import Request
+    from starlette.responses import Response
+
+__all__ = ["ROUTES"]
+
+_LOCAL: Final = re.compile(r"/(?![/\\])[^\x00-\x20\\]*")
+"""A path on this server: nothing that a browser could take for another host."""
+_PAUSE: Final = 0.3
+"""Seconds that a wrong token costs who tries it."""
+
+
+def _page(following: str, *, wrong: bool = False) -> str:
+    said = '<p role="alert">This is not the token of the server.</p>' if wrong else ""
+    return (
+        '<!doctype html><html lang="en"><meta charset="utf-8"><title>Log in</title>'
+        '<meta name="viewport" content="width=device-width"><link rel="icon" href="/static/kg.svg">'
+        '<link rel="stylesheet" href="/static/error.css">'
+        f'<main><h1>Log in</h1>{said}<form method="post" action="/login"><label>Token of the server '
+        '<input type="password" name="token" required autofocus autocomplete="current-password"></label>'
+        f'<input type="hidden" name="next" value="{escape(following)}"><button>Log in</button></form>'
+        "<p>Who started the server has it: it is in <code>KG_TOKEN</code> or the file of <code>--token-file</code>.</p>"
+        "</main></html>"
+    )
+
+
+def _following(value: object) -> str:
+    return value if isinstance(value, str) and _LOCAL.fullmatch(value) else "/"
+
+
+async def _login(request: Request) -> Response:
+    if request.method != "POST":
+        return HTMLResponse(_page(_following(request.query_params.get("next"))), headers={"Cache-Control": "no-store"})
+    tokens = request.scope["kg.tokens"]
+    assert isinstance(tokens, Tokens)  # noqa: S101 - `Doors` put it there
+    async with request.form(max_files=0, max_fields=4, max_part_size=8192) as form:
+        token, following = form.get("token"), _following(form.get("next"))
+    if not isinstance(token, str):
+        raise RequestError("KG520", "the form has no field `token`")
+    proof = tokens.proof
+    if proof is None or not tokens.matches(token):
+        await asyncio.sleep(_PAUSE)
+        return HTMLResponse(_page(following, wrong=True), 401, headers={"Cache-Control": "no-store"})
+    return _session(RedirectResponse(following, 303), request, proof)
+
+
+async def _logout(request: Request) -> Response:
+    return _session(RedirectResponse("/login", 303), request, "")
+
+
+def _session(response: Response, request: Request, proof: str) -> Response:
+    """Set the cookie, or end it."""
+    response.set_cookie(
+        cookie_name(request),
+        proof,
+        max_age=None if proof else 0,
+        httponly=True,
+        samesite="strict",
+        secure=request.url.scheme == "https",
+    )
+    response.headers["Cache-Control"] = "no-store"
+    return response
+
+
+ROUTES: Final = [Route("/login", _login, methods=["GET", "POST"]), Route("/logout", _logout, methods=["POST"])]
+"""Logging in and out."""

@@ -1,0 +1,102 @@
+"""Requests that pages of other sites send: refused unless the site is listed (`--cors`), however it is asked.
+
+Browsers say where a request comes from: `Sec-Fetch-Site` (Fetch Metadata), or `Origin` in older ones. Programs send
+neither and pass; so does `Authorization: Bearer` without a cookie, which no page of another site can send unasked.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from starlette.responses import Response
+
+from kg.server.errors import RequestError
+
+if TYPE_CHECKING:
+    from starlette.requests import HTTPConnection
+    from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+__all__ = ["READING", "SAFE", "CrossOrigin", "Sites"]
+
+SAFE: Final = frozenset({"GET", "HEAD", "OPTIONS", "QUERY"})
+"""Methods that change nothing (RFC 9110, section 9.2.1, and the method QUERY)."""
+READING: Final = frozenset({"/sparql", "/sparql/"})
+"""The addresses at which POST changes nothing."""
+_ALLOWED: Final = "GET, HEAD, POST, QUERY, OPTIONS"
+_ASKED: Final = "Accept, Authorization, Content-Type, If-None-Match"
+_SHOWN: Final = "ETag, Link, Location, Retry-After, X-Kg-Truncated"
+
+
+class Sites:
+    """Refuse what a page of another site sent: KG528."""
+
+    def __init__(self, origins: tuple[str, ...] = ()) -> None:
+        self._origins = frozenset(origins)
+
+    def __call__(self, request: HTTPConnection) -> RequestError | None:
+        """Return the error for a request of another site that is not listed or would change something."""
+        if self._passes(request):
+            return None
+        return RequestError("KG528", "a page of another site sent this request")
+
+    def _passes(self, request: HTTPConnection) -> bool:
+        headers, scope = request.headers, request.scope
+        safe = scope["method"] in SAFE
+        if headers.get("authorization", "").lower().startswith("bearer ") and "cookie" not in headers:
+            return True
+        origin = headers.get("origin")
+        if origin in self._origins and (safe or scope["path"] in READING):
+            return True
+        site = headers.get("sec-fetch-site")
+        if safe:
+            return site not in {"cross-site", "same-site"} or headers.get("sec-fetch-mode") == "navigate"
+        if site:
+            return site in {"same-origin", "none"}
+        return origin is None or origin == f"{scope['scheme']}://{headers.get('host')}"
+
+
+class CrossOrigin:
+    """Let pages of the listed origins read (CORS, Fetch Standard): never `*`, never with cookies, never changes."""
+
+    def __init__(self, app: ASGIApp, origins: tuple[str, ...]) -> None:
+        self._app = app
+        self._origins = frozenset(origins)
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer preflights of listed origins, and name the origin in answers to it."""
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
+        headers = dict(scope["headers"])
+        origin = headers.get(b"origin", b"").decode("latin-1")
+        listed = origin in self._origins
+        if listed and scope["method"] == "OPTIONS" and b"access-control-request-method" in headers:
+            await self._preflight(origin)(scope, receive, send)
+            return
+
+        async def sending(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                added = [(b"vary", b"Origin")]
+                if listed:
+                    added += [
+                        (b"access-control-allow-origin", origin.encode("latin-1")),
+                        (b"access-control-expose-headers", _SHOWN.encode()),
+                        (b"cross-origin-resource-policy", b"cross-origin"),
+                    ]
+                message = {**message, "headers": [*message["headers"], *added]}
+            await send(message)
+
+        await self._app(scope, receive, sending)
+
+    @staticmethod
+    def _preflight(origin: str) -> Response:
+        return Response(
+            status_code=204,
+            headers={
+                "Access-Control-Allow-Origin": origin,
+                "Access-Control-Allow-Methods": _ALLOWED,
+                "Access-Control-Allow-Headers": _ASKED,
+                "Access-Control-Max-Age": "600",
+                "Vary": "Origin, Access-Control-Request-Method, Access-Control-Request-Headers",
+            },
+        )

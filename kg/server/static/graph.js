@@ -1,0 +1,314 @@
+// Pictures of graphs, for every page that has one.
+//
+//   import { draw } from "/static/graph.js";
+//   const picture = await draw(host, data, { name: "bringup", direction: "LR" });
+//
+// `host` is an empty element; it gets the tools, the picture and a list that says the same. `data` is
+//
+//   { nodes:  [{ id, label, kind, href?, group?, detail?, inferred?, marked? }],
+//     edges:  [{ source, target, kind?, label?, inferred?, marked? }],
+//     groups: [{ id, label, group? }] }
+//
+// `kind` gives the colour and shape: node, topic, service, action, parameter, package, hardware, rule, predicate,
+// literal, resource. `group` is the id of a group (a namespace, a package); groups may lie in groups. `href` is where the
+// node's page is, `detail` a line more about it. `inferred` is drawn dashed, `marked` (a finding) in the colour of errors.
+//
+// Options: `direction` is "LR" or "TB"; `collapsed` lists groups that are closed at first (or is true: all of them);
+// `name` names exported files; `height` is a length of CSS; `onSelect(node or null)` is told of what is selected.
+//
+// The returned picture has fit(), zoom(factor), select(id or null), collapse(ids), replace(data), save(kind) with kind
+// "png", "svg" or "json", and `cy`, the cytoscape instance: null where the libraries are not installed; the list is then
+// all there is. Positions depend on the data alone: the same graph always looks the same.
+
+import { saveFile, svg } from "./graph-export.js";
+import { listed } from "./graph-list.js";
+import { densest, loose, ordered, visible } from "./graph-model.js";
+import { palette, sized, styled } from "./graph-style.js";
+import { element } from "./table.js";
+
+const STEP = 60;
+const ZOOM = 1.25;
+const LARGEST = 1.2;
+const LEGIBLE = 0.45; // below that names cannot be read
+const READ = 0.6;
+const MARGIN = 24;
+const drawn = new Set();
+
+/** Return cytoscape with its layout, or null where the libraries are not installed. */
+async function library() {
+  try {
+    const [core, dagre] = await Promise.all([import("cytoscape"), import("cytoscape-dagre")]);
+    if (!core.default.kgReady) {
+      core.default.use(dagre.default);
+      core.default.kgReady = true;
+    }
+    return core.default;
+  } catch {
+    return null;
+  }
+}
+
+/** Draw a graph into an empty element; what it takes and returns stands at the head of this file. */
+export async function draw(host, data, options = {}) {
+  host.setAttribute("aria-busy", "true");
+  const picture = new Picture(host, data, options);
+  const cytoscape = await library();
+  for (const other of drawn) if (!other.host.isConnected) other.leave();
+  picture.begin(cytoscape);
+  host.setAttribute("aria-busy", "false");
+  return picture;
+}
+
+class Picture {
+  constructor(host, data, options) {
+    this.host = host;
+    this.options = { direction: "LR", name: "graph", collapsed: [], height: "", onSelect: () => {}, ...options };
+    this.take(data);
+    this.cy = null;
+    this.size = {};
+    this.moved = false; // by somebody, since all was laid out
+    this.left = new AbortController();
+  }
+
+  take(data) {
+    this.data = ordered(data);
+    const { collapsed } = this.options;
+    this.collapsed = new Set(collapsed === true ? this.data.groups.map((group) => group.id) : collapsed || []);
+  }
+
+  begin(cytoscape) {
+    this.host.classList.add("graph");
+    this.canvas = element("div", { className: "graph-canvas", tabIndex: 0 });
+    this.canvas.setAttribute("role", "group");
+    if (this.options.height) this.canvas.style.height = this.options.height;
+    this.words = element("p", { className: "graph-words" });
+    this.words.setAttribute("role", "status");
+    this.list = element("div");
+    if (!cytoscape) {
+      this.words.textContent = "There is no picture: the libraries of the pages are not installed. The list says the same.";
+      this.host.replaceChildren(this.words, this.list);
+      this.list.replaceChildren(listed(this.data, { open: true, onSelect: () => {} }));
+      return;
+    }
+    this.host.replaceChildren(this.tools(), this.canvas, this.words, this.list);
+    this.cy = cytoscape({
+      container: this.canvas,
+      minZoom: 0.05,
+      maxZoom: 3,
+      boxSelectionEnabled: false,
+      style: styled(palette(this.host)),
+    });
+    this.listen();
+    this.show();
+  }
+
+  /** Draw what is visible now and lay it out. */
+  show() {
+    const shown = visible(this.data, this.collapsed);
+    const font = getComputedStyle(this.host).fontFamily;
+    this.cy.elements().remove();
+    this.cy.add(shown.groups.map((group) => ({ group: "nodes", data: { ...group, parent: group.group }, classes: "group" })));
+    this.cy.add(shown.nodes.map((node) => ({
+      group: "nodes",
+      data: { ...node, parent: node.group, ...sized(node, font) },
+      classes: classes(node),
+    })));
+    this.cy.add(shown.edges.map((edge, index) => ({ group: "edges", data: { id: `edge ${index}`, ...edge }, classes: classes(edge) })));
+    this.place(shown);
+    const nodes = shown.nodes.length;
+    this.canvas.setAttribute("aria-label", `Picture of ${nodes} things and ${shown.edges.length} connections; the list after it says the same`);
+    this.list.replaceChildren(listed(this.data, { open: false, onSelect: (id) => this.select(id) }));
+    this.tell(null);
+  }
+
+  /** Lay out what is shown, and look at it. */
+  place(shown) {
+    // Rows of what is joined to nothing, by edges that hold them together while they are laid out.
+    const rows = this.cy.add(loose(shown, this.options.direction).map(([source, target]) => ({ group: "edges", data: { source, target } })));
+    this.cy.layout({
+      name: "dagre", rankDir: this.options.direction, nodeSep: 14, rankSep: shown.edges.some((edge) => edge.label) ? 130 : 56, edgeSep: 8,
+      fit: false, animate: false,
+    }).run();
+    rows.remove();
+    this.look();
+  }
+
+  /** Look at all that is shown; where that is too much to be read, at the part that has most of what is connected. */
+  look() {
+    this.moved = false;
+    this.near(this.cy.elements());
+    if (this.cy.zoom() > LEGIBLE) return;
+    const nodes = this.cy.nodes().filter((node) => node.degree() > 0);
+    if (nodes.empty()) return void this.cy.zoom(READ).center(this.cy.nodes()[0]);
+    const boxes = nodes.map((node) => ({ id: node.id(), ...node.boundingBox() }));
+    const edges = this.cy.edges().map((edge) => edge.data());
+    const seen = (length) => (length - 2 * MARGIN) / READ;
+    const found = densest(boxes, edges, seen(this.cy.width()), seen(this.cy.height()));
+    this.near(nodes.filter((node) => found.has(node.id())));
+  }
+
+  /** Look at elements as large as they fit, and not larger than is of use. */
+  near(elements) {
+    this.cy.fit(elements, MARGIN);
+    if (this.cy.zoom() > LARGEST) this.cy.zoom(LARGEST).center(elements);
+  }
+
+  listen() {
+    this.cy.on("tap", (event) => {
+      if (event.target === this.cy) this.select(null);
+      else if (event.target.isNode() && !event.target.hasClass("group")) this.select(event.target.id());
+    });
+    this.cy.on("dbltap", "node", (event) => this.open(event.target));
+    this.canvas.addEventListener("keydown", (event) => this.key(event));
+    const repaint = () => this.cy.style(styled(palette(this.host)));
+    const { signal } = this.left;
+    document.addEventListener("kg:theme", repaint, { signal });
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", repaint, { signal });
+    this.cy.on("dragpan pinchzoom scrollzoom", () => { this.moved = true; });
+    const sizes = new ResizeObserver(() => this.resized());
+    sizes.observe(this.canvas);
+    signal.addEventListener("abort", () => sizes.disconnect());
+    drawn.add(this);
+  }
+
+  /** Hold nothing of the page any more, which has taken the picture away. */
+  leave() {
+    drawn.delete(this);
+    this.left.abort();
+    this.cy.destroy();
+  }
+
+  /** Take the size that the element has now; who has moved the picture keeps looking at the same. */
+  resized() {
+    const { width, height } = this.size;
+    this.size = { width: this.canvas.clientWidth, height: this.canvas.clientHeight };
+    this.cy.resize();
+    const other = width !== this.size.width || height !== this.size.height;
+    if (other && !this.moved) this.look();
+  }
+
+  /** Follow a node to its page, or open and close a group. */
+  open(node) {
+    const { id, href, closed } = node.data();
+    if (closed) this.collapsed.delete(id);
+    else if (node.hasClass("group")) this.collapsed.add(id);
+    else if (href) return void location.assign(href);
+    else return;
+    this.show();
+  }
+
+  key(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const moves = { ArrowLeft: [STEP, 0], ArrowRight: [-STEP, 0], ArrowUp: [0, STEP], ArrowDown: [0, -STEP] };
+    if (moves[event.key]) this.pan(...moves[event.key]);
+    else if (event.key === "+" || event.key === "=") this.zoom(ZOOM);
+    else if (event.key === "-") this.zoom(1 / ZOOM);
+    else if (event.key === "0") this.fit();
+    else if (event.key === "Escape") this.select(null);
+    else return;
+    event.preventDefault();
+  }
+
+  fit() {
+    this.moved = true;
+    this.cy?.fit(undefined, MARGIN);
+  }
+
+  pan(x, y) {
+    this.moved = true;
+    this.cy.panBy({ x, y });
+  }
+
+  zoom(factor) {
+    this.moved = true;
+    this.cy?.zoom({ level: this.cy.zoom() * factor, renderedPosition: { x: this.cy.width() / 2, y: this.cy.height() / 2 } });
+  }
+
+  /** Mark a node and what it is joined to; null marks nothing. */
+  select(id) {
+    if (!this.cy) return;
+    this.cy.elements().removeClass("faded chosen");
+    const node = id === null ? this.cy.collection() : this.cy.getElementById(this.within(id));
+    if (node.nonempty()) {
+      this.moved = true;
+      const near = node.closedNeighborhood();
+      this.cy.elements().not(near).not(near.ancestors()).not(node.descendants()).addClass("faded");
+      node.addClass("chosen");
+      const box = node.renderedBoundingBox();
+      if (box.x1 < 0 || box.y1 < 0 || box.x2 > this.cy.width() || box.y2 > this.cy.height()) this.cy.center(node);
+    }
+    this.tell(node.nonempty() ? node.data() : null);
+  }
+
+  /** Return the id of a node, or of the closed group that it is drawn within. */
+  within(id) {
+    return visible(this.data, this.collapsed).within(id);
+  }
+
+  tell(node) {
+    this.words.replaceChildren();
+    if (node) {
+      const degree = this.cy.getElementById(node.id).degree();
+      this.words.append(element("strong", {}, node.label), ` ${node.kind ?? ""}${node.detail ? `, ${node.detail}` : ""}, ${degree} connections. `);
+      if (node.href) this.words.append(element("a", { href: node.href }, "Open its page"));
+      if (node.closed) {
+        const button = element("button", { type: "button", className: "link" }, "Open the group");
+        button.addEventListener("click", () => { this.collapsed.delete(node.id); this.show(); });
+        this.words.append(button);
+      }
+    }
+    this.options.onSelect(node);
+  }
+
+  collapse(ids) {
+    this.collapsed = new Set(ids);
+    if (this.cy) this.show();
+  }
+
+  replace(data) {
+    this.take(data);
+    if (this.cy) this.show();
+    else this.list.replaceChildren(listed(this.data, { open: true, onSelect: () => {} }));
+  }
+
+  save(kind) {
+    const { name } = this.options;
+    if (kind === "json") {
+      saveFile(`${name}.json`, new Blob([JSON.stringify(this.data, null, 2)], { type: "application/json" }));
+    } else if (kind === "svg") {
+      saveFile(`${name}.svg`, new Blob([svg(this.cy, palette(this.host))], { type: "image/svg+xml" }));
+    } else {
+      const back = palette(this.host).surface;
+      saveFile(`${name}.png`, this.cy.png({ output: "blob", full: true, scale: 2, bg: back }));
+    }
+  }
+
+  tools() {
+    const button = (text, label, work) => {
+      const made = element("button", { type: "button", title: label }, text);
+      if (text.length < 2) made.setAttribute("aria-label", label);
+      made.addEventListener("click", work);
+      return made;
+    };
+    const turn = () => {
+      this.options.direction = this.options.direction === "LR" ? "TB" : "LR";
+      this.show();
+    };
+    const groups = this.data.groups.length ? [
+      button("Close groups", "Close all groups", () => this.collapse(this.data.groups.map((group) => group.id))),
+      button("Open groups", "Open all groups", () => this.collapse([])),
+    ] : [];
+    return element("div", { className: "graph-tools" },
+      button("+", "Zoom in", () => this.zoom(ZOOM)),
+      button("−", "Zoom out", () => this.zoom(1 / ZOOM)),
+      button("Fit", "Show all of it", () => this.fit()),
+      button("Turn", "Turn the direction of the picture", turn),
+      ...groups,
+      element("span", { className: "graph-gap" }),
+      ...["png", "svg", "json"].map((kind) => button(kind.toUpperCase(), `Save the picture as ${kind.toUpperCase()}`, () => this.save(kind))));
+  }
+}
+
+function classes(item) {
+  return [item.kind, item.inferred && "inferred", item.marked && "marked", item.closed && "closed"].filter(Boolean).join(" ");
+}

@@ -1,0 +1,87 @@
+// The picture of an answer that is a graph. What the answer does not call by a name is called as the store calls it, and
+// what lies in namespaces of ROS is grouped by them.
+
+import { draw } from "../graph.js";
+import { element } from "../table.js";
+import { view } from "./services.js";
+import { written } from "./terms.js";
+
+const MOST = 500;
+const FEW = 40;
+const TYPE = "http://www.w3.org/1999/02/22-rdf-syntax-ns#type";
+const LABEL = "http://www.w3.org/2000/01/rdf-schema#label";
+const KINDS = { node: /Node(Type|Instance)?$/, topic: /Topic$/, service: /Service(Server)?$/, action: /Action(Server)?$/, package: /Package$/, parameter: /Parameter$/, hardware: /Hardware$|Device$/ };
+const SPACED = new Set(["node", "topic", "service", "action"]);
+
+/** Return the picture of triples: literals that name a thing are its label, its class tells its colour. */
+export function picture(rows, shorten) {
+  const host = element("div", { className: "query-picture" });
+  const shown = rows.slice(0, MOST);
+  const cut = rows.length > MOST ? element("p", { className: "notice" }, `The picture has the first ${MOST} of ${rows.length.toLocaleString("en")} triples; the table has all.`) : null;
+  fill(host, shown, shorten);
+  return element("div", {}, cut, host);
+}
+
+async function fill(host, rows, shorten) {
+  const iris = [...new Set(rows.flatMap(([subject, , object]) => [subject, object]).filter((term) => term?.type === "uri").map((term) => term.value))];
+  const found = await view("cells", { things: iris }).catch(() => null);
+  const known = new Map(found ? iris.map((iri, index) => [iri, found.things[index]]) : []);
+  // The picture measures its element, which stands in the page by now unless something else was asked for.
+  if (host.isConnected) draw(host, spaced(asGraph(rows, shorten, known)), { name: "answer", height: "32rem" });
+}
+
+function asGraph(rows, shorten, known) {
+  const nodes = new Map();
+  const thing = (term) => {
+    const id = written(term);
+    if (!nodes.has(id)) nodes.set(id, term.type === "uri" ? resource(id, term.value, shorten, known.get(term.value)) : { id, kind: "literal", label: short(String(term.value)) });
+    return nodes.get(id);
+  };
+  const edges = [];
+  const predicates = new Set(rows.map((row) => row[1]?.value).filter((iri) => iri !== LABEL && iri !== TYPE));
+  const names = predicates.size > 1 || rows.length < FEW;
+  for (const [subject, predicate, object] of rows) {
+    if (!subject || !predicate || !object) continue;
+    const node = thing(subject);
+    if (predicate.value === LABEL) node.label = object.value;
+    else if (predicate.value === TYPE) node.kind = kind([object.value], node.kind);
+    else edges.push({ source: node.id, target: thing(object).id, label: names ? shorten(predicate.value) : undefined });
+  }
+  return { nodes: [...nodes.values()], edges };
+}
+
+function resource(id, iri, shorten, known) {
+  return {
+    id, kind: kind(known?.types ?? [], "resource"), label: known?.label ?? shorten(iri), detail: iri,
+    href: `/resource?iri=${encodeURIComponent(iri)}`,
+  };
+}
+
+function kind(types, otherwise) {
+  return Object.entries(KINDS).find(([, pattern]) => types.some((iri) => pattern.test(iri)))?.[0] ?? otherwise;
+}
+
+/** Return a graph with those namespaces as groups that more than one node of ROS lies in. */
+function spaced({ nodes, edges }) {
+  const above = (name) => name.slice(0, name.lastIndexOf("/"));
+  const inside = new Map();
+  for (const node of nodes) {
+    if (node.kind !== "node" || !node.label.startsWith("/")) continue;
+    for (let space = above(node.label); space; space = above(space)) inside.set(space, (inside.get(space) ?? 0) + 1);
+  }
+  const spaces = new Set([...inside].filter(([, number]) => number > 1).map(([space]) => space));
+  const within = (name) => {
+    let space = above(name);
+    while (space && !spaces.has(space)) space = above(space);
+    return space || undefined;
+  };
+  const placed = (node) => {
+    const group = SPACED.has(node.kind) && node.label.startsWith("/") ? within(node.label) : undefined;
+    return group ? { ...node, group, label: node.label.slice(group.length + 1) } : node;
+  };
+  return { nodes: nodes.map(placed), edges, groups: [...spaces].map((space) => ({ id: space, label: space.slice((within(space) ?? "").length), group: within(space) })) };
+}
+
+function short(text) {
+  return text.length > 40 ? `${text.slice(0, 39)}…` : text;
+}

@@ -1,0 +1,81 @@
+// What the page asks of the server it came from; nothing is asked of any other.
+
+/** An error of the server: the members of its problem (RFC 9457), or those made from what the browser says. */
+export class Problem extends Error {
+  constructor(members) {
+    super(members.message);
+    this.members = members;
+  }
+}
+
+async function problem(response) {
+  try {
+    const members = await response.json();
+    if (members.message) return new Problem(members);
+  } catch {
+    // Not one of ours; told by its status.
+  }
+  return new Problem({ code: "", message: `The server answered ${response.status} ${response.statusText}`, hint: "" });
+}
+
+/** Return what `take` makes of the answer to a request, be it an error or not; where none comes, or half of one, that is a problem. */
+export async function answered(take, ...request) {
+  let response;
+  try {
+    response = await fetch(...request);
+  } catch {
+    throw new Problem({ code: "", message: "The server cannot be reached", hint: "Is `kg serve` still running?" });
+  }
+  try {
+    return await take(response);
+  } catch (error) {
+    if (error instanceof Problem) throw error;
+    throw new Problem({ code: "", message: "The answer of the server ended before it was whole", hint: "Ask again." });
+  }
+}
+
+const sent = (take, ...request) => answered(async (response) => {
+  if (!response.ok) throw await problem(response);
+  return take(response);
+}, ...request);
+
+/** Return what a view answers; `values` are its arguments. */
+export async function view(name, values = {}) {
+  const headers = { "Content-Type": "application/json" };
+  return sent((response) => response.json(), `/api/${name}`, { method: "POST", headers, body: JSON.stringify(values) });
+}
+
+const ACCEPT = "application/sparql-results+json, application/n-triples;q=0.9";
+
+/** Run a query; returns the text of the answer, its type, and what the headers say. */
+export async function ask({ query, limit, offset = 0, seconds, snapshot, job }) {
+  const form = new URLSearchParams({ query, limit, timeout: seconds, job });
+  if (offset) form.set("offset", offset);
+  if (snapshot) form.set("snapshot", snapshot);
+  return sent(async (response) => ({
+    type: response.headers.get("Content-Type").split(";")[0],
+    text: await response.text(),
+    snapshot: response.headers.get("X-Kg-Snapshot"),
+    more: response.headers.get("X-Kg-Truncated") === "true",
+  }), "/sparql", { method: "POST", headers: { Accept: ACCEPT }, body: form });
+}
+
+/** Return how far a job is, or null when it has ended. */
+export async function job(identity) {
+  return answered((response) => (response.ok ? response.json() : null), `/jobs/${identity}`).catch(() => null);
+}
+
+/** End a job. */
+export async function cancel(identity) {
+  await fetch(`/jobs/${identity}`, { method: "DELETE" }).catch(() => null);
+}
+
+/** Return an identity that nobody can guess. */
+export function identity() {
+  return [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16).padStart(2, "0")).join("");
+}
+
+/** Return the address of the answer to a query in a format. */
+export function address(query, format) {
+  return `/sparql?${new URLSearchParams({ query, format })}`;
+}

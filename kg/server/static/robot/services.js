@@ -1,0 +1,39 @@
+// What the page asks of the server it came from; nothing is asked of any other.
+
+/** An error of the server: the members of its problem (RFC 9457), or those made from what the browser says. */
+export class Problem extends Error {
+  constructor(members) {
+    super(members.message);
+    this.members = members;
+  }
+}
+
+/** Ask the server; with a body by POST. Returns the answer as JSON, null for none. */
+export async function ask(path, body) {
+  const request = body === undefined ? {} : { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) };
+  let response;
+  try {
+    response = await fetch(path, request);
+  } catch {
+    throw new Problem({ code: "", message: "The server cannot be reached.", hint: "Is `kg serve` still running?" });
+  }
+  if (response.ok) return response.status === 204 ? null : response.json();
+  let members = null;
+  try {
+    members = await response.json();
+  } catch {
+    // Not one of ours; told by its status.
+  }
+  throw new Problem(members?.message ? members : { code: "", message: `The server answered ${response.status}.`, hint: "" });
+}
+
+/** Listen to what happens on the robot: `heard` is given each event, `silent` is called while the server is gone. */
+export function listen(heard, silent) {
+  const source = new EventSource("/robot/events");
+  source.addEventListener("message", ({ data }) => heard(JSON.parse(data)));
+  source.addEventListener("error", () => {
+    silent();
+    // A browser gives up for good when the answer was no stream, as while the server starts again.
+    if (source.readyState === EventSource.CLOSED) setTimeout(() => listen(heard, silent), 3000);
+  });
+}

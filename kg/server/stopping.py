@@ -1,0 +1,116 @@
+"""A server that stops gracefully, and tells who started it when it is ready and when it stops.
+
+The first SIGTERM or Ctrl-C: nothing new is taken, and what runs has its grace; then its readers are killed, so that it
+is answered with an error. The second: now. A terminal that is closed (SIGHUP) counts as the first, unless the process
+was started to outlive it (nohup). Either way the process ends as one that did what it was told: exit code 0.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import signal
+import socket
+import threading
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Final
+
+import uvicorn
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Iterator
+    from types import FrameType
+
+__all__ = ["Server", "notify"]
+
+_LAST_WORDS: Final = 2.0
+"""Seconds to tell clients whose work was ended."""
+
+
+def notify(message: str) -> bool:
+    """Tell systemd a state (`sd_notify(3)`); False where nobody asked for it."""
+    address = os.environ.get("NOTIFY_SOCKET", "")
+    if not address.startswith(("/", "@")):
+        return False
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as told:
+        try:
+            told.connect("\0" + address[1:] if address.startswith("@") else address)
+            told.sendall(message.encode())
+        except OSError:
+            return False
+    return True
+
+
+class Server(uvicorn.Server):
+    """Uvicorn's server; `ready` is called when it answers, `leave` awaited when it is told to stop.
+
+    `end` ends work that has outlived `grace` seconds.
+    """
+
+    def __init__(
+        self,
+        config: uvicorn.Config,
+        *,
+        grace: float,
+        ready: Callable[[], None],
+        leave: Callable[[], Awaitable[None]],
+        end: Callable[[], None],
+    ) -> None:
+        config.timeout_graceful_shutdown = int(grace + _LAST_WORDS + 1)
+        super().__init__(config)
+        self._grace = grace
+        self._ready = ready
+        self._leave = leave
+        self._end = end
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Begin to listen, and say so."""
+        await super().startup(sockets)
+        notify("READY=1")
+        self._ready()
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """End what runs when its grace is over."""
+        notify("STOPPING=1")
+        leaving = asyncio.ensure_future(self._leave())
+        waiting = asyncio.get_running_loop().call_later(self._grace, self._end)
+        hurrying = asyncio.create_task(self._hurry())
+        try:
+            await super().shutdown(sockets)
+        finally:
+            waiting.cancel()
+            hurrying.cancel()
+            self._end()
+            await leaving
+
+    async def _hurry(self) -> None:
+        """End everything as soon as we are told to for the second time."""
+        while not self.force_exit:  # noqa: ASYNC110 - a handler of signals may set no event of a loop
+            await asyncio.sleep(0.1)
+        self._end()
+        for connection in tuple(self.server_state.connections):
+            connection.transport.abort()
+
+    @contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        """Handle, while the server runs, what uvicorn handles and SIGHUP, which it leaves to end the process."""
+        mine = threading.current_thread() is threading.main_thread()
+        if not mine or signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
+            with super().capture_signals():
+                yield
+            return
+        earlier = signal.signal(signal.SIGHUP, self._hang_up)
+        try:
+            with super().capture_signals():
+                yield
+        finally:
+            signal.signal(signal.SIGHUP, earlier)
+
+    def _hang_up(self, sig: int, frame: FrameType | None) -> None:  # noqa: ARG002 - the signature of a handler
+        """Stop gracefully; the kernel and the shell both tell of a closed terminal, so that twice is no hurry."""
+        self.should_exit = True
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:  # noqa: ARG002 - the signature of a handler
+        """Stop gracefully when told for the first time, at once when told again."""
+        self.force_exit = self.should_exit
+        self.should_exit = True

@@ -1,0 +1,57 @@
+"""`/api/NAME?...`: each view (`kg.views`) as JSON, the twin of the page that shows it.
+
+Arguments stand in the address, or in the body of a POST as a JSON object: texts may be long, and values lists.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+from starlette.responses import Response
+
+from kg.server.errors import RequestError
+from kg.server.methods import route
+from kg.server.parameters import media_type
+from kg.server.state import state
+from kg.views.calls import CALLS
+
+if TYPE_CHECKING:
+    from starlette.requests import Request
+
+__all__ = ["ROUTES", "answer"]
+
+
+async def answer(request: Request, name: str, /, **arguments: Any) -> bytes:
+    """Return the JSON of the view `name`, run in a reader; raises as `Readers.call`.
+
+    It goes on when the client leaves: its work is bounded, and a reader that ended would take with it what it knows.
+    """
+    return await state(request).readers.call(name, arguments, seconds=state(request).options.seconds)
+
+
+async def _view(request: Request) -> Response:
+    name = request.path_params["name"]
+    if name not in CALLS:
+        raise RequestError("KG521", f"there is no view `{name}`", hint=f"There are {', '.join(sorted(CALLS))}.")
+    posted = await _posted(request) if request.method == "POST" else {}
+    body = await answer(request, name, **{**request.query_params, **posted})
+    return Response(body, media_type="application/json")
+
+
+async def _posted(request: Request) -> dict[str, Any]:
+    """Return the arguments in the body of a request; KG520 when it is no JSON object, KG524 for another type."""
+    if media_type(request) != "application/json":
+        raise RequestError("KG524", "the body is not application/json")
+    try:
+        found = json.loads(await request.body())
+        msgspec.msgpack.encode(found)
+    except (ValueError, RecursionError, OverflowError):  # no JSON, too deep, or a number that no reader could be told
+        found = None
+    if not isinstance(found, dict):
+        raise RequestError("KG520", "the body is no JSON object of arguments")
+    return found
+
+
+ROUTES = [route("/api/{name}", GET=_view, POST=_view)]

@@ -1,0 +1,191 @@
+"""The application: one link to the store, screens above each other, actions of the registry."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, Final
+
+from textual.app import App, SuspendNotSupported, SystemCommand
+from textual.command import CommandPalette
+from textual.filter import NoColor
+
+from kg.errors import KgError, UsageError
+from kg.render.text import printable
+from kg.shell.actions import ACTIONS, bindings, key_words
+from kg.shell.link import Link
+from kg.shell.opening import command_for
+from kg.shell.screens.main import MainScreen
+from kg.shell.state import State, state_folder
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from textual.binding import Binding, BindingType
+    from textual.filter import LineFilter
+    from textual.screen import Screen
+
+    from kg.settings import Settings
+    from kg.shell.actions import Action
+    from kg.store.layout import Layout
+
+__all__ = ["Shell"]
+
+_THEME: Final = "textual-dark"
+
+
+class Shell(App[None]):
+    """The shell of one store; `state` defaults to the user's own; `actions` have the keys of the person."""
+
+    TITLE = "kg shell"
+    CSS_PATH = "shell.tcss"
+    BINDINGS: ClassVar[list[BindingType]] = bindings("everywhere")
+    COMMAND_PALETTE_BINDING = "ctrl+p"
+    ENABLE_COMMAND_PALETTE = True
+
+    def __init__(
+        self, settings: Settings, layout: Layout, state: State | None = None, actions: tuple[Action, ...] = ACTIONS
+    ) -> None:
+        colourless = _colourless(settings)
+        super().__init__()
+        self.no_color = colourless
+        self.settings = settings
+        self.actions = actions
+        self.link = Link(settings, layout)
+        self.state = state or State(state_folder(), str(layout.root))
+        self._opened = False
+
+    def get_default_screen(self) -> MainScreen:
+        """Return the main screen."""
+        return MainScreen(self.link, self.state)
+
+    def get_line_filters(self) -> Sequence[LineFilter]:
+        """Return what lines go through on their way to the terminal: where no colour is wanted there is none."""
+        filters = super().get_line_filters()
+        return [*filters, NoColor()] if self.no_color else filters
+
+    def get_key_display(self, binding: Binding) -> str:
+        """Return a key as people read it."""
+        return key_words(binding.key)
+
+    async def on_mount(self) -> None:
+        """Take the theme that was chosen before, and start the readers."""
+        theme = self.state.choice("theme", _THEME)
+        self.theme = theme if theme in self.available_themes else _THEME
+        self.set_keymap({one.identity: ",".join(one.keys) for one in self.actions if one not in ACTIONS})
+        self.theme_changed_signal.subscribe(self, lambda chosen: self.state.keep_choice("theme", chosen.name))
+        await self.link.open()
+        self._opened = True
+
+    async def on_unmount(self) -> None:
+        """End the readers."""
+        if self._opened:
+            await self.link.close()
+
+    @property
+    def main(self) -> MainScreen:
+        """The screen below all others."""
+        screen = self.screen_stack[0]
+        assert isinstance(screen, MainScreen)  # noqa: S101 - it is the default screen
+        return screen
+
+    def report(self, error: KgError) -> None:
+        """Say an error above whatever is on the screen."""
+        words = f"{error.message}\n{error.hint}" if error.hint else error.message
+        self.notify(words, title=error.code, severity="error", timeout=10, markup=False)
+
+    def edit(self, place: Mapping[str, Any] | None) -> None:
+        """Open the place of a view in the editor, with this application suspended."""
+        if not place or not (place.get("file") or place.get("path")):
+            self.notify("There is no line of code here.", severity="warning")
+            return
+        try:
+            command = command_for(Path(place.get("file") or place["path"]), place.get("line"))
+            self._start(command)
+        except UsageError as error:
+            self.report(error)
+
+    def _start(self, command: list[str]) -> None:
+        try:
+            with self.suspend():
+                subprocess.run(command, check=False)  # noqa: S603 - the person's own editor
+        except SuspendNotSupported as error:
+            raise UsageError("KG551", "this terminal cannot be given to an editor", hint="Open it yourself.") from error
+        except OSError as error:
+            raise UsageError("KG551", f"{command[0]} cannot be started: {error.strerror}") from error
+        self.refresh()
+
+    def copy(self, text: str, what: str) -> None:
+        """Give text to the terminal's clipboard and say so."""
+        self.copy_to_clipboard(text)
+        self.notify(f"Copied {printable(what)}.", markup=False, timeout=2)
+
+    def get_system_commands(self, screen: Screen[Any]) -> Iterator[SystemCommand]:
+        """Yield the actions of the registry that this screen has, for the palette."""
+        contexts = {"everywhere", *getattr(screen, "CONTEXTS", ())}
+        for action in self.actions:
+            if action.context in contexts and action.name != "command_palette":
+                keys = ", ".join(key_words(key) for key in action.keys)
+                yield SystemCommand(action.title, f"{action.help} ({keys})", _runner(self, screen, action.target))
+
+    async def action_quit(self) -> None:
+        """Leave; the main screen has kept its buffers."""
+        self.main.keep()
+        self.exit()
+
+    def action_interrupt(self) -> None:
+        """Stop what runs; else copy what is selected."""
+        if self.main.stop():
+            return
+        focused = self.focused
+        chosen = getattr(focused, "selected_text", "") or self.screen.get_selected_text()
+        if chosen:
+            self.copy(chosen, "the selection")
+        else:
+            self.notify("Nothing runs. Ctrl+Q leaves the shell.", timeout=3)
+
+    def action_help(self) -> None:
+        """Show every key."""
+        from kg.shell.screens.help import HelpScreen  # noqa: PLC0415 - start-up time
+
+        if not isinstance(self.screen, HelpScreen | CommandPalette):
+            self.push_screen(HelpScreen())
+
+    def action_find(self) -> None:
+        """Search for nodes by what they do."""
+        from kg.shell.screens.find import FindScreen  # noqa: PLC0415 - start-up time
+
+        self._above(FindScreen)
+
+    def action_rules(self) -> None:
+        """Show the rules."""
+        from kg.shell.screens.rules import RulesScreen  # noqa: PLC0415 - start-up time
+
+        self._above(RulesScreen)
+
+    def action_systems(self) -> None:
+        """Show launch configurations and findings."""
+        from kg.shell.screens.systems import SystemsScreen  # noqa: PLC0415 - start-up time
+
+        self._above(SystemsScreen)
+
+    def _above(self, kind: Any) -> None:
+        """Open a screen, in the place of another one above the main screen."""
+        if isinstance(self.screen, kind | CommandPalette):
+            return
+        while len(self.screen_stack) > 1:
+            self.pop_screen()
+        self.push_screen(kind())
+
+
+def _runner(app: Shell, screen: Screen[Any], target: str) -> Any:
+    async def run() -> None:
+        await app.run_action(target, screen.focused or screen)
+
+    return run
+
+
+def _colourless(settings: Settings) -> bool:
+    """Tell whether no colour is wanted, by the setting or by NO_COLOR (https://no-color.org)."""
+    return settings.color == "never" or (settings.color == "auto" and bool(os.environ.get("NO_COLOR")))

@@ -1,0 +1,166 @@
+"""The tabs: each a query, a line about what is wrong in it, and its answer."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Final
+
+from textual.css.query import NoMatches
+from textual.widgets import Static, TabbedContent, TabPane
+
+from kg.query.lexer import normalise
+from kg.render.text import count, printable
+from kg.shell.editor import Problem, QueryEditor
+from kg.shell.results import ResultView
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from textual.app import ComposeResult
+
+__all__ = ["Buffer", "Buffers"]
+
+_TITLE: Final = 18
+"""Characters of a tab."""
+
+
+class Buffer(TabPane):
+    """One query with its answer; `job` names the run that goes on, `asked` is the text that the answer is of."""
+
+    def __init__(self, number: int, text: str) -> None:
+        super().__init__(_title(number, text), id=f"buffer-{number}")
+        self.number = number
+        self.job: str | None = None
+        self.asked = ""
+        self._first_text = text
+
+    def compose(self) -> ComposeResult:
+        """Yield editor, remark and answer."""
+        yield QueryEditor(self._first_text)
+        yield Static("", classes="problem", markup=False)
+        yield ResultView()
+
+    @property
+    def editor(self) -> QueryEditor:
+        """The query."""
+        return self.query_one(QueryEditor)
+
+    @property
+    def results(self) -> ResultView:
+        """The answer."""
+        return self.query_one(ResultView)
+
+    @property
+    def text(self) -> str:
+        """The query as it stands, its lines ended by line feeds."""
+        return normalise(self.editor.text) if self.is_mounted and self.is_attached else self._first_text
+
+    @property
+    def title(self) -> str:
+        """What the tab is called."""
+        return _title(self.number, self.text)
+
+    def mark(self, problems: list[Problem]) -> None:
+        """Mark problems in the query and say the one under the cursor."""
+        self.editor.mark(problems)
+        self.say_problem()
+
+    def say_problem(self) -> None:
+        """Say the problem under the cursor, or how many there are elsewhere."""
+        editor, line = self.editor, self.query_one(".problem", Static)
+        problem = editor.problem_at_cursor()
+        others = len(editor.problems)
+        words = f"{count(others, 'problem')} marked (Ctrl+G goes there)"
+        if problem:
+            fix = f" (Ctrl+F: {problem.fix})" if problem.fix else ""
+            words = f"{problem.severity}: {problem.message}{fix}"
+        line.update(printable(words) if editor.problems else "")
+        line.display = bool(editor.problems)
+
+
+class Buffers(TabbedContent):
+    """All buffers, at least one."""
+
+    def __init__(self, texts: Sequence[str]) -> None:
+        super().__init__()
+        self._texts = list(texts) or [""]
+        self._number = 0
+
+    def compose(self) -> ComposeResult:
+        """Yield the tabs with the buffers that were kept."""
+        for text in self._texts:
+            self._tab_content.append(self._made(text))
+        yield from super().compose()
+
+    def _made(self, text: str) -> Buffer:
+        self._number += 1
+        return Buffer(self._number, text)
+
+    @property
+    def all(self) -> list[Buffer]:
+        """The buffers from left to right."""
+        return list(self.query(Buffer))
+
+    @property
+    def current(self) -> Buffer | None:
+        """The buffer on the screen; None while tabs come and go."""
+        try:
+            pane = self.active_pane
+        except NoMatches:
+            return None
+        return pane if isinstance(pane, Buffer) else None
+
+    @property
+    def texts(self) -> list[str]:
+        """The queries, without empty buffers."""
+        return [text for one in self.all if (text := one.text).strip()]
+
+    async def open(self, text: str) -> Buffer:
+        """Open a buffer and go there; an empty one on the screen is taken."""
+        current = self.current
+        if current is not None and not current.text.strip() and current.job is None:
+            current.editor.text = text
+            current.editor.focus()
+            return current
+        made = self._made(text)
+        await self.add_pane(made)
+        self.active = str(made.id)
+        made.editor.focus()
+        return made
+
+    async def close_current(self) -> None:
+        """Close the buffer on the screen; the last one is emptied."""
+        current = self.current
+        if current is None:
+            return
+        if len(self.all) == 1:
+            current.editor.text = ""
+            return
+        self.step(1)
+        await self.remove_pane(str(current.id))
+        if self.current:
+            self.current.editor.focus()
+
+    def step(self, by: int) -> None:
+        """Go to the buffer that many tabs to the right, around the end."""
+        found = self.all
+        current = self.current
+        if current in found:
+            aim = found[(found.index(current) + by) % len(found)]
+            self.active = str(aim.id)
+            aim.editor.focus()
+
+    def name_tab(self, buffer: Buffer) -> None:
+        """Give the tab of a buffer its title."""
+        tab = self.get_tab(buffer)
+        if str(tab.label) != buffer.title:
+            tab.label = buffer.title
+
+
+def _title(number: int, text: str) -> str:
+    """Return the title of a buffer: its first comment, or what it selects."""
+    lines = [line.strip() for line in text.splitlines() if line.strip("# \t")]
+    first = next((line for line in lines if not line.lower().startswith(("prefix ", "base "))), "")
+    words = printable(re.sub(r"\s+", " ", first.lstrip("# ")))
+    words = re.sub(r"[\[\]]", "", words)
+    return f"{number} {words if len(words) <= _TITLE else words[: _TITLE - 1] + '…'}".strip()

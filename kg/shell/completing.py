@@ -1,0 +1,109 @@
+"""The list of completions under the cursor."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+from rich.text import Text
+from textual.geometry import Offset
+from textual.widgets import OptionList
+from textual.widgets.option_list import Option
+
+from kg.query.statements import segment_at
+from kg.render.text import printable
+
+if TYPE_CHECKING:
+    from kg.shell.editor import QueryEditor
+    from kg.shell.link import Link
+
+__all__ = ["Completions", "begins_word"]
+
+_MOST: Final = 100
+_WORD_BEGINS: Final = "?$:_"
+
+
+def begins_word(text: str) -> bool:
+    """Tell whether what was typed is part of a word, so that completions may be offered unasked."""
+    return bool(text) and (text[-1].isalnum() or text[-1] in _WORD_BEGINS)
+
+
+class Completions(OptionList):
+    """What can stand where the cursor of `editor` is; shown only while there is something to choose."""
+
+    can_focus = False
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._items: list[dict[str, Any]] = []
+        self._editor: QueryEditor | None = None
+        self._text = ""
+        """What the list is about; when more was typed, a newer list is under way."""
+        self._base = 0
+        self._range = (0, 0)
+
+    async def offer(self, editor: QueryEditor, link: Link) -> None:
+        """Ask the store what fits and show it, unless the text has changed meanwhile."""
+        text, offset = editor.text, editor.offset_of_cursor
+        part = segment_at(text, offset)
+        answer = await link.call("complete", text=part.text, position=offset - part.start)
+        if (editor.text, editor.offset_of_cursor) != (text, offset) or not editor.has_focus:
+            return
+        self._editor, self._text = editor, text
+        self._items = answer["items"][:_MOST]
+        self._base = part.start
+        self._range = (part.start + answer["range"]["start"], part.start + answer["range"]["end"])
+        typed = text[slice(*self._range)]
+        if not self._items or [item["insert"] for item in self._items] == [typed]:
+            self.close()
+            return
+        self._fill(editor)
+
+    def _fill(self, editor: QueryEditor) -> None:
+        self.clear_options()
+        wide = max(len(item["label"]) for item in self._items)
+        self.add_options([Option(_line(item, wide)) for item in self._items])
+        self.highlighted = 0
+        self.absolute_offset = editor.cursor_screen_offset + Offset(0, 1)
+        self.display = True
+        editor.completing = True
+
+    def close(self) -> None:
+        """Hide the list."""
+        self.display = False
+        if self._editor is not None:
+            self._editor.completing = False
+
+    def press(self, key: str) -> None:
+        """Take a key from the editor: move in the list, choose, or close it."""
+        moves = {"up": "cursor_up", "down": "cursor_down", "pageup": "page_up", "pagedown": "page_down"}
+        if key in moves:
+            getattr(self, f"action_{moves[key]}")()
+        elif key == "escape" or self.highlighted is None:
+            self.close()
+        elif self._editor is not None and self._editor.text != self._text:
+            self.close()
+            if key == "enter":
+                self._editor.insert("\n")
+        else:
+            self.insert(self.highlighted)
+
+    def insert(self, number: int) -> None:
+        """Put a completion in the place of what was typed of it, with what it changes elsewhere."""
+        editor = self._editor
+        self.close()
+        if editor is None or number >= len(self._items):
+            return
+        item = self._items[number]
+        begin, end = self._range
+        changes = [(self._base + one["start"], self._base + one["end"], one["text"]) for one in item["edits"]]
+        for start, stop, text in sorted([*changes, (begin, end, item["insert"])], reverse=True):
+            editor.replace(text, editor.location_at(start), editor.location_at(stop), maintain_selection_offset=False)
+        before = sum(len(text) - (stop - start) for start, stop, text in changes if start < begin)
+        behind = item["holes"][0] if item["holes"] else len(item["insert"])
+        editor.move_cursor(editor.location_at(begin + before + behind))
+
+
+def _line(item: dict[str, Any], wide: int) -> Text:
+    """Return a completion with what is known of it."""
+    detail = " ".join(str(item[key]) for key in ("kind", "detail") if item.get(key))
+    return Text.assemble(printable(item["label"]).ljust(wide), "  ", (printable(detail), "dim"))

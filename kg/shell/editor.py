@@ -1,0 +1,182 @@
+"""The editor of a query: colours, marks of problems under the right characters, and keys of its own."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, Final
+
+from rich.style import Style
+from textual.message import Message
+from textual.widgets import TextArea
+from textual.widgets.text_area import TextAreaTheme
+
+from kg.query.lexer import normalise
+from kg.shell.actions import bindings
+from kg.shell.highlighting import CLASSES, line_spans, line_starts
+
+if TYPE_CHECKING:
+    from rich.text import Text
+    from textual.binding import BindingType
+    from textual.events import Key
+    from textual.geometry import Region
+    from textual.strip import Strip
+
+    from kg.shell.highlighting import Span
+
+__all__ = ["Problem", "QueryEditor"]
+
+_COMPLETING: Final = ("up", "down", "enter", "tab", "escape", "pageup", "pagedown")
+"""Keys that belong to the list of completions while it is open."""
+_COMMENT: Final = "# "
+_PLACEHOLDER: Final = "Type a query in SPARQL.\nF3 has stored ones, F2 finds nodes by what they do, F1 shows every key."
+_THEME: Final = TextAreaTheme("sparql", cursor_line_style=Style())
+"""The style of the cursor's line would hide the colours of its text; its number is marked."""
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """Something wrong between two offsets of the text; `edits` (start, end, text) mend it, `fix` says how."""
+
+    start: int
+    end: int
+    severity: str
+    message: str
+    fix: str = ""
+    edits: tuple[tuple[int, int, str], ...] = ()
+
+
+class QueryEditor(TextArea):
+    """A buffer's text; `problems` are marked in it."""
+
+    BINDINGS: ClassVar[list[BindingType]] = bindings("editor")
+    COMPONENT_CLASSES: ClassVar[set[str]] = {f"sparql--{kind}" for kind in (*CLASSES, "error", "warning")}
+
+    class CompletionKey(Message):
+        """A key for the list of completions."""
+
+        def __init__(self, key: str) -> None:
+            self.key = key
+            super().__init__()
+
+    class CompletionWanted(Message):
+        """Completions were asked for by their key."""
+
+        def __init__(self, editor: QueryEditor) -> None:
+            self.editor = editor
+            super().__init__()
+
+    def __init__(self, text: str = "", **more: Any) -> None:
+        super().__init__(
+            text,
+            placeholder=_PLACEHOLDER,
+            show_line_numbers=True,
+            soft_wrap=False,
+            tab_behavior="indent",
+            highlight_cursor_line=True,
+            **more,
+        )
+        self.register_theme(_THEME)
+        self.theme = _THEME.name
+        self.indent_width = 2
+        self.problems: list[Problem] = []
+        self.completing = False
+        """Whether the list of completions is open, which then takes some keys."""
+        self._painted: str | None = None
+        self._spans: dict[int, list[Span]] = {}
+        self._starts: list[int] = [0]
+
+    @property
+    def offset_of_cursor(self) -> int:
+        """How many characters stand before the cursor."""
+        return self.offset_at(self.cursor_location)
+
+    def offset_at(self, location: tuple[int, int]) -> int:
+        """Return how many characters stand before a line and column, ends of lines counting one each."""
+        line, column = location
+        return sum(len(self.document.get_line(one)) + 1 for one in range(line)) + column
+
+    def location_at(self, offset: int) -> tuple[int, int]:
+        """Return the line and column of an offset."""
+        starts = line_starts(normalise(self.text))
+        line = bisect_right(starts, offset) - 1
+        return line, offset - starts[line]
+
+    def mark(self, problems: list[Problem]) -> None:
+        """Mark these problems and no others."""
+        self.problems = problems
+        self.notify_style_update()
+        self.refresh()
+
+    def problem_at_cursor(self) -> Problem | None:
+        """Return the problem under the cursor, else the first of its line."""
+        offset, line = self.offset_of_cursor, self.cursor_location[0]
+        at = [one for one in self.problems if one.start <= offset <= one.end]
+        near = [one for one in self.problems if self.location_at(one.start)[0] == line]
+        return next(iter([*at, *near]), None)
+
+    def action_complete(self) -> None:
+        """Ask for what can stand at the cursor."""
+        self.post_message(self.CompletionWanted(self))
+
+    def action_comment(self) -> None:
+        """Comment the chosen lines out, or in again when all are comments."""
+        first, last = sorted((self.selection.start[0], self.selection.end[0]))
+        lines = [self.document.get_line(number) for number in range(first, last + 1)]
+        if all(line.lstrip().startswith("#") or not line.strip() for line in lines):
+            changed = [
+                line.replace(_COMMENT, "", 1) if _COMMENT in line else line.replace("#", "", 1) for line in lines
+            ]
+        else:
+            changed = [_COMMENT + line for line in lines]
+        self.replace("\n".join(changed), (first, 0), (last, len(lines[-1])))
+
+    def action_next_problem(self) -> None:
+        """Go to the problem behind the cursor, or from the last to the first."""
+        if self.problems:
+            offset = self.offset_of_cursor
+            following = [one for one in self.problems if one.start > offset]
+            self.move_cursor(self.location_at((following or self.problems)[0].start))
+
+    def action_fix(self) -> None:
+        """Mend the problem under the cursor, where it is known how."""
+        problem = self.problem_at_cursor()
+        for start, end, text in sorted(problem.edits if problem else (), reverse=True):
+            self.replace(text, self.location_at(start), self.location_at(end))
+
+    def action_leave(self) -> None:
+        """Leave the shell from an empty buffer; delete ahead in another."""
+        if self.text:
+            self.action_delete_right()
+        else:
+            self.app.exit()
+
+    async def _on_key(self, event: Key) -> None:
+        if self.completing and event.key in _COMPLETING:
+            event.stop()
+            event.prevent_default()
+            self.post_message(self.CompletionKey(event.key))
+        elif event.key == "escape":
+            event.prevent_default()
+
+    def render_lines(self, crop: Region) -> list[Strip]:
+        """Paint, with the colours of the text as it is now."""
+        text = normalise(self.text)
+        if text != self._painted:
+            self._painted, self._spans, self._starts = text, line_spans(text), line_starts(text)
+        return super().render_lines(crop)
+
+    def get_line(self, line_index: int) -> Text:
+        """Return a line with its colours and marks."""
+        line = super().get_line(line_index)
+        for span in self._spans.get(line_index, ()):
+            line.stylize(self.get_component_rich_style(f"sparql--{span.kind}", partial=True), span.start, span.end)
+        start = self._starts[line_index] if line_index < len(self._starts) else 0
+        for problem in self.problems:
+            first, last = max(problem.start - start, 0), min(max(problem.end, problem.start + 1) - start, len(line) + 1)
+            if first < last:
+                if last > len(line):
+                    line.pad_right(1)
+                style = "error" if problem.severity == "error" else "warning"
+                line.stylize(self.get_component_rich_style(f"sparql--{style}", partial=True), first, last)
+        return line

@@ -1,0 +1,225 @@
+"""Pages as trees of lines: a row of an answer, a thing, a node, a proof. What is shown stands in the views' answers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from kg.render.text import count
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+__all__ = [
+    "Fact",
+    "Line",
+    "Page",
+    "lines_of_node",
+    "lines_of_proof",
+    "lines_of_resource",
+    "lines_of_row",
+    "lines_of_system",
+    "place_words",
+    "title_of",
+]
+
+Fact: TypeAlias = tuple[str, str, str]
+"""Subject, predicate and object as the view `why` takes them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A line of a page: `iri` is the thing that it names, `place` where it stands in the sources, `fact` what it says.
+
+    `mark` stands behind the text, for what rules inferred; `note` is less important. `children` stand below it.
+    """
+
+    text: str
+    iri: str = ""
+    place: Mapping[str, Any] | None = None
+    fact: Fact | None = None
+    mark: str = ""
+    note: str = ""
+    children: tuple[Line, ...] = ()
+    open: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """What a page is about: `view` and `arguments` are asked when it is shown, `lines` are there before.
+
+    `query` is SPARQL for the same facts, for a buffer.
+    """
+
+    title: str
+    view: str = ""
+    arguments: dict[str, Any] = field(default_factory=dict)
+    lines: tuple[Line, ...] = ()
+    query: str = ""
+
+
+def place_words(place: Mapping[str, Any] | None) -> str:
+    """Return a place in few words, `src/talker.cpp:12`."""
+    if not place:
+        return ""
+    return f"{place['path']}:{place['line']}" if place.get("line") else str(place["path"])
+
+
+def _section(title: str, lines: Iterable[Line], *, opened: bool = True) -> list[Line]:
+    found = tuple(lines)
+    return [Line(f"{title} ({len(found)})", children=found, open=opened)] if found else []
+
+
+def _fact(found: Mapping[str, str] | None) -> Fact | None:
+    if found is None:
+        return None
+    return (f"<{found['subject']}>", f"<{found['predicate']}>", f"<{found['object']}>")
+
+
+def _inferred(mark: object) -> str:
+    return "inferred" if mark else ""
+
+
+def lines_of_node(found: Mapping[str, Any]) -> tuple[Line, ...]:
+    """Return the page of a node from the view `node`."""
+    about = [
+        Line(f"{found['kind']} in {found['language']}, ROS {found['ros']}", place=found["evidence"]),
+        Line(f"package {found['package']['name']}", iri=found["package"]["iri"]),
+        Line(f"repository {found['repository']['name']}", iri=found["repository"]["iri"], note=found["commit"] or ""),
+        *([Line(f"start: {found['start']}")] if found["start"] else []),
+    ]
+    classes = [
+        line
+        for kind in ("functions", "capabilities", "hardware", "devices")
+        for line in _section(
+            kind.capitalize(),
+            (
+                Line(one["label"], iri=one["iri"], fact=_fact(one["fact"]), mark=_inferred(one["inferred"]))
+                for one in found[kind]
+            ),
+        )
+    ]
+    return (
+        *about,
+        *_section("Interfaces", map(_interface, found["interfaces"])),
+        *_section("Descriptions", (Line(one["text"], place=one["evidence"]) for one in found["descriptions"][:5])),
+        *classes,
+        *_section("Parameters", map(_parameter, found["parameters"]), opened=False),
+        *_section("Connected to", map(_neighbours, found["neighbours"])),
+        *_section("Used in", map(_user, found["used_in"]["instances"]), opened=False),
+    )
+
+
+def _interface(one: Mapping[str, Any]) -> Line:
+    name = one.get("resolved") or one.get("name") or one.get("written") or "(unknown)"
+    text = f"{one['title']} {name}" + (f"  [{one['type']}]" if one.get("type") else "")
+    mark = _inferred(one["fact"])
+    return Line(text, one["channel_iri"] or one["iri"] or "", one["evidence"], _fact(one["fact"]), mark, one["how"])
+
+
+def _parameter(one: Mapping[str, Any]) -> Line:
+    words = str(one.get("name") or "(unknown name)")
+    if one.get("default") is not None:
+        words += f" = {one['default']}"
+    return Line(words, one["iri"] or "", one["evidence"], note=one["does"] if isinstance(one["does"], str) else "")
+
+
+def _neighbours(one: Mapping[str, Any]) -> Line:
+    arrow = "→" if one["outward"] else "←"
+    below = tuple(Line(f"{node['package']}/{node['name']}", iri=node["iri"]) for node in one["nodes"])
+    more = f"{one['count']} nodes, {len(below)} shown" if one["count"] > len(below) else ""
+    return Line(f"{arrow} {one['channel']}", iri=one["channel_iri"], note=more, children=below)
+
+
+def _user(one: Mapping[str, Any]) -> Line:
+    return Line(f"{one['name']} in {one['system']}", iri=one["instance"], place=one["evidence"])
+
+
+def title_of(view: str, found: Mapping[str, Any]) -> str:
+    """Return what a page is called once it is known; empty where it keeps its name."""
+    if view == "node":
+        return f"{found['name']}, node of {found['package']['name']}"
+    return str(found["label"]) if view == "resource" else ""
+
+
+def lines_of_resource(found: Mapping[str, Any]) -> tuple[Line, ...]:
+    """Return the page of a thing from the view `resource`."""
+    comment = [Line(found["comment"])] if found["comment"] else []
+    uses = [Line(f"the property of {count(found['uses'], 'fact')}")] if found["uses"] else []
+    groups = [_group(one, outward=side == "out") for side in ("out", "in") for one in found[side]]
+    return (Line(found["short"], place=found["evidence"]), *comment, *uses, *groups)
+
+
+def _group(one: Mapping[str, Any], *, outward: bool) -> Line:
+    """Return the facts of one property; those in which the thing is the object read backwards."""
+    label, shown = one["predicate"]["label"], tuple(map(_resource_fact, one["facts"]))
+    number = f"{one['count']:,}" + (f", {len(shown)} shown" if one["count"] > len(shown) else "")
+    text = f"{label} ({number})" if outward else f"is {label} of ({number})"
+    return Line(text, iri="", children=shown)
+
+
+def _resource_fact(one: Mapping[str, Any]) -> Line:
+    value, fact = one["value"], one["fact"]
+    text = value["label"] if "iri" in value else value["text"]
+    parts = (fact["subject"], fact["predicate"], fact["object"])
+    return Line(text, value.get("iri", ""), one["evidence"], parts, _inferred(one["inferred"]), value.get("kind", ""))
+
+
+def lines_of_system(
+    system: Mapping[str, Any], started: Iterable[Mapping[str, Any]], findings: Mapping[str, Any]
+) -> tuple[Line, ...]:
+    """Return what is wrong in a launch configuration and what it starts, from the views `systems`, `tree`, `lint`."""
+    nodes = (Line(one["label"], iri=one.get("node") or one["iri"] or "", note=one["detail"]) for one in started)
+    found = [_finding(one) for one in findings["findings"]]
+    allowed = [Line(f"{findings['allowed']} more are allowed")] if findings["allowed"] else []
+    return (
+        Line(f"{system['name']}, ROS {system['ros']}", iri=system["iri"], note=system["repository"]),
+        *_section("Findings", found),
+        *([] if found else [Line("Nothing is wrong that kg lint knows of.")]),
+        *allowed,
+        *_section("Starts", nodes),
+    )
+
+
+def _finding(one: Mapping[str, Any]) -> Line:
+    places = tuple(
+        Line(place["words"] or place["line_text"] or place_words(place), place=place, note=place["chain"] or "")
+        for place in one["evidence"]
+    )
+    hints = tuple(Line(text) for text in (one["hint"], one["way_out"]) if text)
+    text = f"{one['severity']} {one['code']}: {one['message']}"
+    return Line(text, place=one["place"], fact=_fact(one["fact"]), children=(*places, *hints), open=False)
+
+
+def lines_of_proof(found: Mapping[str, Any]) -> tuple[Line, ...]:
+    """Return the proofs of the view `why`, each down to the lines of code."""
+    more = "more than " if found["more_ways"] else ""
+    ways = [Line(f"one of {more}{found['ways']} ways")] if found["ways"] > 1 else []
+    return (*(_proof(one) for one in found["proofs"]), *ways)
+
+
+def lines_of_row(found: Mapping[str, Any]) -> tuple[Line, ...]:
+    """Return what a row rests on, from the view `why_row`."""
+    conditions = (Line(f"where {text}") for text in found["conditions"])
+    remarks = [Line(found["remark"])] if found["remark"] else []
+    return tuple(_section("Rests on", [*map(_proof, found["proofs"]), *conditions, *remarks]))
+
+
+def _proof(one: Mapping[str, Any]) -> Line:
+    fact = (one["subject"]["term"], one["predicate"]["term"], one["object"]["term"])
+    if not one["inferred"]:
+        code = str(one["line_text"]).strip() if one["line_text"] else ""
+        return Line(one["text"], place=one["evidence"], fact=fact, note=code)
+    rule = one["rule"]
+    note = "proven above" if one["again"] else ""
+    because = Line(f"by rule {rule['name']}: {rule['title']}", place=rule["evidence"])
+    conditions = (
+        Line(f"where {told['text']}", children=tuple(map(_condition_fact, told["facts"])), open=False)
+        for told in one["conditions"]
+    )
+    below = (because, *map(_proof, one["premises"]), *conditions)
+    return Line(one["text"], fact=fact, mark="inferred", note=note, children=below)
+
+
+def _condition_fact(one: Mapping[str, Any]) -> Line:
+    return Line(one["text"], place=one["evidence"])

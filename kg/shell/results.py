@@ -1,0 +1,209 @@
+"""An answer below its query: a table of which one page is on the screen, yes or no, or what went wrong."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar, Final
+from urllib.parse import unquote
+
+from pyoxigraph import NamedNode
+from rich.text import Text
+from textual.containers import Vertical
+from textual.message import Message
+from textual.widgets import DataTable, Static
+
+from kg.query.formats import display
+from kg.query.prefixes import PREFIXES, shorten
+from kg.query.result import Boolean, Graph, Solutions
+from kg.render.text import count, printable, width
+from kg.shell.actions import bindings
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from textual.app import ComposeResult
+    from textual.binding import BindingType
+
+    from kg.errors import KgError
+    from kg.query.result import Result, Term
+
+__all__ = ["PAGE_ROWS", "AnswerTable", "ResultView", "columns_of", "rows_of"]
+
+PAGE_ROWS: Final = 200
+"""Rows that are widgets at a time."""
+_CELL: Final = 48
+"""Characters of a cell that are shown at most; Enter shows all."""
+_LEAST: Final = 12
+"""Characters that every column keeps where all of them have to fit the screen."""
+_PADDING: Final = 2
+_TRIPLE: Final = ("subject", "predicate", "object")
+
+
+def columns_of(result: Result) -> tuple[str, ...]:
+    """Return the titles of an answer's columns; none for yes or no."""
+    if isinstance(result, Solutions):
+        return result.variables
+    return _TRIPLE if isinstance(result, Graph) else ()
+
+
+def rows_of(result: Result) -> tuple[tuple[Term | None, ...], ...]:
+    """Return the rows of an answer; a graph has one for each triple."""
+    if isinstance(result, Solutions):
+        return result.rows
+    return tuple(tuple(triple) for triple in result.triples) if isinstance(result, Graph) else ()
+
+
+class AnswerTable(DataTable[Text]):
+    """The page of rows; keys are those of the results."""
+
+    BINDINGS: ClassVar[list[BindingType]] = bindings("results")
+
+    class Passed(Message):
+        """The cursor would go behind the last row of the page."""
+
+    def action_cursor_down(self) -> None:
+        """Go down; from the last row of a page to the next page."""
+        if self.cursor_row >= self.row_count - 1:
+            self.post_message(self.Passed())
+        else:
+            super().action_cursor_down()
+
+
+class ResultView(Vertical):
+    """The answer of one buffer; `result` is None before the first and after an error."""
+
+    def __init__(self) -> None:
+        super().__init__(classes="results")
+        self.result: Result | None = None
+        self._rows: tuple[tuple[Term | None, ...], ...] = ()
+        self._page = 0
+        self._base = ""
+        self._prefixes: Mapping[str, str] = PREFIXES
+        self._room = 0
+
+    def compose(self) -> ComposeResult:
+        """Yield the line that says what there is, and the table."""
+        yield Static("No answer yet: F5 runs the query.", classes="remark", markup=False)
+        table = AnswerTable(zebra_stripes=True, cursor_type="cell", header_height=1)
+        table.border_title = "Results"
+        yield table
+
+    @property
+    def table(self) -> AnswerTable:
+        """The table of the page."""
+        return self.query_one(AnswerTable)
+
+    @property
+    def pages(self) -> int:
+        """How many pages the answer has."""
+        return max(1, -(-len(self._rows) // PAGE_ROWS))
+
+    def say(self, words: str, *, wrong: bool = False) -> None:
+        """Write the line above the table."""
+        remark = self.query_one(".remark", Static)
+        remark.update(words)
+        remark.set_class(wrong, "wrong")
+
+    def on_resize(self) -> None:
+        """Fit the columns to another width of the screen."""
+        if self.result is not None and self._room != self.table.size.width:
+            cursor = self.table.cursor_coordinate
+            self._fill(self._page)
+            self.table.move_cursor(row=cursor.row, column=cursor.column)
+
+    def show(self, result: Result, base: str = "", prefixes: Mapping[str, str] = PREFIXES) -> None:
+        """Show an answer from its first page; IRIs by `prefixes`, those below `base` by what stands behind it."""
+        self.result, self._base, self._prefixes = result, base, prefixes
+        self._rows = rows_of(result)
+        self._fill(0)
+
+    def show_error(self, error: KgError, location: tuple[int, int] | None = None) -> None:
+        """Show what went wrong: where in the buffer (line and column from zero), or else what to do about it."""
+        self.result = None
+        self._rows = ()
+        self._fill(0)
+        where = f"line {location[0] + 1}, column {location[1] + 1}: " if location else ""
+        hint = f"\n{printable(error.hint)}" if error.hint and not location else ""
+        self.say(printable(f"{error.code}: {where}{error.message}") + hint, wrong=True)
+
+    def turn(self, by: int) -> None:
+        """Show another page, if there is one."""
+        if 0 <= self._page + by < self.pages:
+            self._fill(self._page + by)
+
+    def row(self) -> tuple[Term | None, ...] | None:
+        """Return the row under the cursor."""
+        number = self._page * PAGE_ROWS + self.table.cursor_row
+        return self._rows[number] if number < len(self._rows) else None
+
+    def row_number(self) -> int:
+        """Return the number of the row under the cursor in the answer, counted from one."""
+        return self._page * PAGE_ROWS + self.table.cursor_row + 1
+
+    def cell(self) -> Term | None:
+        """Return the term under the cursor."""
+        row = self.row()
+        return row[self.table.cursor_column] if row else None
+
+    def _fill(self, page: int) -> None:
+        self._page = page
+        table = self.table
+        table.clear(columns=True)
+        if self.result is not None:
+            begin = page * PAGE_ROWS
+            rows = self._rows[begin : begin + PAGE_ROWS]
+            cells = [[self._text(term) for term in row] for row in rows]
+            titles = columns_of(self.result)
+            self._room = table.size.width
+            # The bar beside many rows takes its place: columns as wide as all would scroll their numbers away.
+            beside = table.styles.scrollbar_size_vertical + len(str(begin + len(rows))) + _PADDING
+            widths = _fitted(titles, cells, self._room - beside)
+            for title, wide in zip(titles, widths, strict=True):
+                table.add_column(title, width=wide)
+            for number, (row, texts) in enumerate(zip(rows, cells, strict=True), begin + 1):
+                shown = (_cut(text, wide, term) for text, wide, term in zip(texts, widths, row, strict=True))
+                table.add_row(*shown, label=Text(str(number), justify="right"))
+            self.say(self._remark(self.result))
+
+    def _text(self, term: Term | None) -> str:
+        """Return a cell as one line, of which nothing steers the terminal."""
+        if not isinstance(term, NamedNode):
+            return printable(display(term))
+        short = shorten(term.value, self._prefixes)
+        if short.startswith("<") and self._base and term.value.startswith(self._base):
+            short = unquote(term.value.removeprefix(self._base))
+        return printable(short.strip("<>"))
+
+    def _remark(self, result: Result) -> str:
+        seconds = f"{result.seconds:.3f} s"
+        if isinstance(result, Boolean):
+            return f"{'yes' if result.value else 'no'} · {seconds}"
+        noun = "row" if isinstance(result, Solutions) else "triple"
+        words = [count(len(self._rows), noun), seconds]
+        if result.limit is not None:
+            words[0] = f"only the first {words[0]} (a fetches all)"
+        if self.pages > 1:
+            words.append(f"page {self._page + 1} of {self.pages} (n next, b back)")
+        return " · ".join(words)
+
+
+def _fitted(titles: Sequence[str], cells: Sequence[Sequence[str]], room: int) -> list[int]:
+    """Return the widths of columns: as their texts need, less for the widest where all of them have no room."""
+    least = [max(_LEAST, width(title)) for title in titles]
+    widths = [min(_CELL, max([width(title), *(width(row[at]) for row in cells)])) for at, title in enumerate(titles)]
+    while room > 0 and sum(widths) + _PADDING * len(widths) > room:
+        spare, widest = max((wide - low, at) for at, (wide, low) in enumerate(zip(widths, least, strict=True)))
+        if spare <= 0:
+            break
+        widths[widest] -= 1
+    return widths
+
+
+def _cut(text: str, room: int, term: Term | None) -> Text:
+    """Return a text as a cell of a width; of a long IRI its end tells most."""
+    # Every character takes a column at least, so that of a text of any length a few are looked at.
+    at_end = isinstance(term, NamedNode)
+    if len(text) > room:
+        text = "…" + text[1 - room :] if at_end else text[: room - 1] + "…"
+    while width(text) > room:
+        text = "…" + text[2:] if at_end else text[:-2] + "…"
+    return Text(text, no_wrap=True, end="")

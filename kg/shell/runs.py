@@ -1,0 +1,135 @@
+"""Queries that run: one a buffer, with what is told of it while it goes on and when it ends."""
+
+from __future__ import annotations
+
+import re
+import secrets
+import time
+from typing import TYPE_CHECKING
+
+from kg.errors import KgError
+from kg.query.prefixes import PREFIXES
+from kg.query.statements import statement_at
+from kg.shell.editor import Problem
+from kg.shell.results import rows_of
+from kg.shell.state import Entry
+
+if TYPE_CHECKING:
+    from kg.query.result import Result
+    from kg.shell.buffers import Buffer
+    from kg.shell.link import Link
+    from kg.shell.screens.main import MainScreen
+    from kg.shell.state import State
+
+__all__ = ["Runs"]
+
+
+class Runs:
+    """Starts and ends the queries of the buffers of a screen."""
+
+    def __init__(self, screen: MainScreen, link: Link, state: State) -> None:
+        self._screen = screen
+        self._link = link
+        self._state = state
+        self._was_running = False
+
+    def start_at_cursor(self, buffer: Buffer) -> None:
+        """Run the selected text of a buffer, or the query that its cursor stands in."""
+        editor = buffer.editor
+        if editor.selected_text.strip():
+            self.start(buffer, editor.selected_text, editor.offset_at(min(editor.selection)))
+            return
+        found = statement_at(buffer.text, editor.offset_of_cursor)
+        if found is None:
+            self._screen.notify("There is no query in this buffer.", severity="warning", timeout=3)
+        else:
+            self.start(buffer, found.text, found.start)
+
+    def start(self, buffer: Buffer, text: str, offset: int, *, whole: bool = False) -> None:
+        """Run a query that stands at `offset` of a buffer; `whole` without the limit of rows."""
+        if buffer.job is not None:
+            self._screen.notify("A query of this buffer runs; Esc stops it.", severity="warning", timeout=3)
+            return
+        buffer.job = secrets.token_hex(8)
+        buffer.results.say("running …")
+        limit = None if whole else self._link.settings.limit or None
+        self._screen.run_worker(self._run(buffer, text, offset, limit), group=buffer.job)
+
+    def stop(self, buffer: Buffer | None) -> bool:
+        """End what a buffer runs; False when it runs nothing."""
+        return buffer is not None and buffer.job is not None and self._link.stop(buffer.job)
+
+    def tell(self) -> None:
+        """Say in the status line what runs, and for how long."""
+        buffer = self._screen.buffers.current
+        job = self._link.job(buffer.job) if buffer and buffer.job else None
+        if job or self._was_running:
+            self._screen.status.run(job, job.rows if job else 0)
+        self._was_running = job is not None
+
+    async def _run(self, buffer: Buffer, text: str, offset: int, limit: int | None) -> None:
+        began, outcome, rows = time.time(), "ok", 0
+        clock = time.perf_counter()
+        job = buffer.job or ""
+        buffer.asked = text
+        try:
+            result = await self._link.ask(text, job=job, rows=limit)
+        except KgError as error:
+            outcome = error.code
+            if buffer.is_attached:
+                _fail(buffer, error, text, offset)
+        else:
+            rows = len(rows_of(result))
+            prefixes = await self._prefixes(text, result)
+            if buffer.is_attached:
+                buffer.mark([])
+                buffer.results.show(result, self._link.settings.base, prefixes)
+                buffer.results.table.focus()
+        finally:
+            buffer.job = None
+        seconds = time.perf_counter() - clock
+        self._state.remember(Entry(text, began, str(self._link.layout.root), rows, seconds, outcome))
+        self._screen.keep()
+        self.tell()
+
+    async def _prefixes(self, text: str, result: Result) -> dict[str, str]:
+        """Return the prefixes that shorten an answer: those of its query come first, and stand in place of others."""
+        declared = _declared(text)
+        try:
+            known = await self._link.prefixes(result.snapshot)
+        except KgError:
+            known = PREFIXES
+        return {**declared, **known, **declared}
+
+
+def _declared(text: str) -> dict[str, str]:
+    """Return the prefixes that a query declares."""
+    return {name: iri for name, iri in re.findall(r"(?i)\bPREFIX\s+([\w-]*):\s*<([^>]*)>", text) if iri}
+
+
+def _fail(buffer: Buffer, error: KgError, text: str, offset: int) -> None:
+    """Show an error, with its place marked and the cursor there."""
+    problem = _problem(error, text, offset)
+    location = buffer.editor.location_at(problem.start) if problem else None
+    buffer.results.show_error(error, location)
+    if problem and location:
+        if not any(one.start == problem.start for one in buffer.editor.problems):
+            buffer.mark([problem])
+        buffer.editor.move_cursor(location)
+        buffer.editor.focus()
+
+
+def _problem(error: KgError, text: str, offset: int) -> Problem | None:
+    """Return the mark of an error about a query that stands at `offset` of its buffer."""
+    place = error.place
+    if place is None or place.line is None or place.column is None:
+        return None
+    start = _offset(text, place.line, place.column)
+    end = _offset(text, place.end_line, place.end_column) if place.end_line and place.end_column else start + 1
+    words = f"{error.message}. {error.hint}" if error.hint else error.message
+    return Problem(offset + start, offset + end, "error", words)
+
+
+def _offset(text: str, line: int, column: int) -> int:
+    lines = text.split("\n")
+    return sum(len(one) + 1 for one in lines[: line - 1]) + column - 1

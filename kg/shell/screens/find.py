@@ -1,0 +1,127 @@
+"""Search: a need in words, the nodes that meet it, and why."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from textual import work
+from textual.screen import Screen
+from textual.widgets import Footer, Input, Static
+
+from kg.errors import KgError
+from kg.render.text import count, printable
+from kg.shell.actions import bindings
+from kg.shell.pages import Line
+from kg.shell.screens.page import LineTree, PageScreen, thing
+
+if TYPE_CHECKING:
+    from textual.app import ComposeResult
+    from textual.binding import BindingType
+    from textual.events import Key
+
+    from kg.shell.app import Shell
+
+__all__ = ["FindScreen"]
+
+_SHOWN = 30
+
+
+class HitTree(LineTree):
+    """The hits, each with its reasons below it."""
+
+    BINDINGS: ClassVar[list[BindingType]] = bindings("find")
+
+
+class FindScreen(Screen[None]):
+    """Asks the view `find`, and opens what it found."""
+
+    CONTEXTS = ("find",)
+    BINDINGS: ClassVar[list[BindingType]] = bindings("find")
+    app: Shell
+
+    def compose(self) -> ComposeResult:
+        """Yield the field, what was understood, and the hits."""
+        yield Input(placeholder="what you need, for example: stop before an obstacle with a laser scanner")
+        yield Static("Enter searches; Down goes to the hits.", classes="hint", markup=False)
+        yield HitTree()
+        yield Footer(show_command_palette=False)
+
+    def on_mount(self) -> None:
+        """Begin in the field."""
+        self.query_one(Input).focus()
+
+    def on_input_submitted(self, event: Input.Submitted) -> None:
+        """Search."""
+        if event.value.strip():
+            self.query_one(".hint", Static).update("searching …")
+            self._search(event.value)
+
+    def on_key(self, event: Key) -> None:
+        """Go from the field to the hits and back."""
+        tree = self.query_one(HitTree)
+        if event.key == "down" and isinstance(self.focused, Input) and tree.root.children:
+            event.stop()
+            tree.focus()
+        elif event.key == "up" and self.focused is tree and tree.cursor_line <= 0:
+            event.stop()
+            self.query_one(Input).focus()
+
+    @work(exclusive=True)
+    async def _search(self, text: str) -> None:
+        hint, tree = self.query_one(".hint", Static), self.query_one(HitTree)
+        try:
+            found = await self.app.link.call("find", text=text, limit=str(_SHOWN))
+        except KgError as error:
+            hint.update(printable(f"{error.code}: {error.message} {error.hint or ''}"))
+            return
+        if not self.is_attached:
+            return
+        hint.update(printable(_understood(found)))
+        tree.fill([_hit(one) for one in found["hits"]])
+        if found["hits"]:
+            tree.cursor_line = 0
+            tree.focus()
+
+    def on_tree_node_selected(self) -> None:
+        """Open the chosen hit."""
+        self.action_open_hit()
+
+    def action_open_hit(self) -> None:
+        """Open the page of the node of the chosen line."""
+        node = self.query_one(HitTree).cursor_node
+        line = node.data if node else None
+        if line is not None and not line.iri and node and node.parent:
+            line = node.parent.data
+        if line is not None and line.iri:
+            self.app.push_screen(PageScreen(self.app.link, thing(line.iri, line.text)))
+
+    def action_edit_place(self) -> None:
+        """Open the line of code."""
+        line = self.query_one(HitTree).current()
+        self.app.edit(line.place if line else None)
+
+    def action_dismiss_screen(self) -> None:
+        """Return to the main screen."""
+        self.dismiss(None)
+
+
+def _understood(found: dict[str, Any]) -> str:
+    if not found["hits"]:
+        return f"Nothing was found. {found['near'] or 'Use other words.'}"
+    shown = len(found["hits"])
+    words = [f"{count(found['total'], 'node')}, {shown} shown" if found["total"] > shown else count(shown, "node")]
+    for key, told in (("only", "only with"), ("rather", "rather with")):
+        if found[key]:
+            words.append(f"{told} {_joined(found[key])}")
+    return "; ".join(words)
+
+
+def _joined(found: Any) -> str:
+    return found if isinstance(found, str) else ", ".join(str(one) for one in found)
+
+
+def _hit(one: dict[str, Any]) -> Line:
+    reasons = tuple(Line(reason["text"], place=reason["evidence"]) for reason in one["reasons"])
+    also = f"and {count(len(one['also']), 'other')} like it" if one["also"] else ""
+    title = f"{one['rank']}. {one['package']}/{one['name']}"
+    return Line(title, iri=one["iri"], place=one["evidence"], note=also, children=reasons)

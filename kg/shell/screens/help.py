@@ -1,0 +1,59 @@
+"""Every key, by place."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from rich.table import Table
+from rich.text import Text
+from textual.binding import Binding
+from textual.containers import VerticalScroll
+from textual.screen import ModalScreen
+from textual.widgets import Static
+
+from kg.shell.actions import CONTEXTS, key_words
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from textual.app import ComposeResult
+    from textual.binding import BindingType
+
+    from kg.shell.actions import Action
+    from kg.shell.app import Shell
+
+__all__ = ["HelpScreen"]
+
+
+class HelpScreen(ModalScreen[None]):
+    """The registry of actions as a page."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape,f1,q", "close", "Close")]
+    app: Shell
+
+    def compose(self) -> ComposeResult:
+        """Yield a table for each context."""
+        with VerticalScroll(classes="dialog help"):
+            yield Static("Keys", classes="title")
+            for context, title in CONTEXTS.items():
+                yield Static(title, classes="heading")
+                yield Static(_table([one for one in self.app.actions if one.context == context]))
+            yield Static("Esc goes back. The palette (Ctrl+P) runs all of these by name.", classes="hint")
+
+    def on_mount(self) -> None:
+        """Let arrows scroll."""
+        self.query_one(VerticalScroll).focus()
+
+    def action_close(self) -> None:
+        """Go back."""
+        self.dismiss(None)
+
+
+def _table(actions: Iterable[Action]) -> Table:
+    table = Table.grid(padding=(0, 2))
+    table.add_column(min_width=16, max_width=22)
+    table.add_column(ratio=1)
+    for action in actions:
+        keys = ", ".join(key_words(key) for key in action.keys)
+        table.add_row(Text(keys, "bold"), Text.assemble((action.title, "bold"), ": ", action.help))
+    return table

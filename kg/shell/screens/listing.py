@@ -1,0 +1,117 @@
+"""A list that is searched while typing: the base of history and stored queries."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from rich.text import Text
+from textual import on
+from textual.containers import Vertical
+from textual.screen import ModalScreen
+from textual.widgets import Input, OptionList, Static
+from textual.widgets.option_list import Option
+
+from kg.render.text import printable
+from kg.shell.actions import bindings
+
+if TYPE_CHECKING:
+    from textual.app import ComposeResult
+    from textual.binding import BindingType
+    from textual.events import Key
+
+__all__ = ["ListScreen"]
+
+_MOST = 500
+_MOVES = {"up": "cursor_up", "down": "cursor_down", "pageup": "page_up", "pagedown": "page_down"}
+
+
+class ListScreen(ModalScreen[str | None]):
+    """Entries with a title and a note, found by words or parts of them; the preview shows the one highlighted."""
+
+    CONTEXTS = ("list",)
+    BINDINGS: ClassVar[list[BindingType]] = bindings("list")
+    TITLE_WORDS = ""
+    EMPTY = "There is nothing yet."
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.entries: list[Any] = []
+        self._shown: list[Any] = []
+
+    def words(self, entry: Any) -> tuple[str, str]:
+        """Return the title of an entry and a note about it."""
+        raise NotImplementedError
+
+    def preview(self, entry: Any) -> str:
+        """Return what is shown of the highlighted entry."""
+        raise NotImplementedError
+
+    def choose(self, entry: Any) -> None:
+        """Take an entry."""
+        raise NotImplementedError
+
+    def compose(self) -> ComposeResult:
+        """Yield the input, the list and the preview."""
+        with Vertical(classes="dialog"):
+            yield Static(self.TITLE_WORDS, classes="title", markup=False)
+            yield Input(placeholder="type to search", select_on_focus=False)
+            yield OptionList(markup=False)
+            yield Static("", classes="preview", markup=False)
+            yield Static("Enter chooses, Up and Down move, Esc goes back.", classes="hint")
+
+    def on_mount(self) -> None:
+        """Show all."""
+        self.query_one(OptionList).can_focus = False
+        self.fill()
+
+    def fill(self) -> None:
+        """Show the entries that have all words that were typed, those first that have the first word early."""
+        words = self.query_one(Input).value.lower().split()
+        texts = [" ".join(self.words(entry)).lower() for entry in self.entries]
+        fitting = [number for number, text in enumerate(texts) if all(word in text for word in words)]
+        if words:
+            fitting.sort(key=lambda number: texts[number].index(words[0]))
+        self._shown = [self.entries[number] for number in fitting[:_MOST]]
+        listing = self.query_one(OptionList)
+        listing.clear_options()
+        listing.add_options([_option(*self.words(entry)) for entry in self._shown])
+        listing.highlighted = 0 if self._shown else None
+        if not self._shown:
+            self.query_one(".preview", Static).update("Nothing fits." if self.entries else self.EMPTY)
+
+    @on(Input.Changed)
+    def _typed(self) -> None:
+        self.fill()
+
+    @on(Input.Submitted)
+    def _submitted(self) -> None:
+        self.action_choose()
+
+    @on(OptionList.OptionHighlighted)
+    def _highlighted(self, event: OptionList.OptionHighlighted) -> None:
+        if event.option_index < len(self._shown):
+            self.query_one(".preview", Static).update(self.preview(self._shown[event.option_index]))
+
+    @on(OptionList.OptionSelected)
+    def _selected(self) -> None:
+        self.action_choose()
+
+    def on_key(self, event: Key) -> None:
+        """Move in the list while the input has the focus."""
+        if event.key in _MOVES and isinstance(self.focused, Input):
+            event.stop()
+            getattr(self.query_one(OptionList), f"action_{_MOVES[event.key]}")()
+
+    def action_choose(self) -> None:
+        """Take the highlighted entry."""
+        number = self.query_one(OptionList).highlighted
+        if number is not None and number < len(self._shown):
+            self.choose(self._shown[number])
+
+    def action_dismiss_screen(self) -> None:
+        """Go back."""
+        self.dismiss(None)
+
+
+def _option(title: str, note: str) -> Option:
+    return Option(Text.assemble(printable(title), "  ", (printable(note), "dim"), no_wrap=True, overflow="ellipsis"))

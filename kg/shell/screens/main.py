@@ -1,0 +1,273 @@
+"""The main screen: tree, buffers with their answers, and the line at the foot."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, ClassVar, Final
+
+from textual import on
+from textual.containers import Horizontal
+from textual.widgets import Footer, TabbedContent, TextArea
+
+from kg.errors import KgError
+from kg.shell.actions import bindings
+from kg.shell.buffers import Buffer, Buffers
+from kg.shell.completing import Completions, begins_word
+from kg.shell.editor import QueryEditor
+from kg.shell.problems import diagnosed
+from kg.shell.results import AnswerTable
+from kg.shell.runs import Runs
+from kg.shell.screens.answering import Answering
+from kg.shell.screens.browsing import Browsing
+from kg.shell.status import Status
+from kg.shell.tree import KnowledgeTree
+
+if TYPE_CHECKING:
+    from textual.app import ComposeResult
+    from textual.binding import BindingType
+    from textual.timer import Timer
+
+    from kg.shell.link import Link
+    from kg.shell.state import State
+
+__all__ = ["MainScreen"]
+
+_FOLLOW_SECONDS: Final = 2.0
+"""How often the pointer of the store is looked at."""
+_RUNNING_SECONDS: Final = 0.2
+_TYPING_SECONDS: Final = 0.15
+"""How long a pause in typing is before the store is asked what fits."""
+_CHECK_SECONDS: Final = 0.4
+
+
+class MainScreen(Answering, Browsing):
+    """What the shell shows first."""
+
+    CONTEXTS = ("main", "editor", "results", "tree")
+    BINDINGS: ClassVar[list[BindingType]] = bindings("main")
+    HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (100, "-wide")]  # noqa: RUF012 - textual declares it without ClassVar
+
+    def __init__(self, link: Link, state: State) -> None:
+        super().__init__()
+        self.link = link
+        self.state = state
+        self.runs = Runs(self, link, state)
+        self._snapshot = link.snapshot()
+        self._typing: Timer | None = None
+        self._checking: Timer | None = None
+
+    def compose(self) -> ComposeResult:
+        """Yield the panels."""
+        with Horizontal(id="panels"):
+            yield KnowledgeTree(self.link)
+            yield Buffers(self.state.buffers())
+        yield Completions()
+        yield Status(self.link.layout.root)
+        yield Footer(show_command_palette=False)
+
+    def on_mount(self) -> None:
+        """Begin in the editor, and follow the store."""
+        self.status.tell(self._snapshot)
+        self.set_interval(_FOLLOW_SECONDS, self.follow)
+        self.set_interval(_RUNNING_SECONDS, self.runs.tell)
+        self.call_after_refresh(self._begin)
+        self.run_worker(self._prepare())
+
+    async def _prepare(self) -> None:
+        """Have the store counted for completion, before the first is wanted."""
+        await self.query_one(KnowledgeTree).begun.wait()
+        try:
+            await self.link.call("complete", fresh="yes")
+        except KgError as error:
+            self.log(str(error))
+
+    def _begin(self) -> None:
+        if self.buffers.current:
+            self.buffers.current.editor.focus()
+
+    @property
+    def status(self) -> Status:
+        """The line at the foot."""
+        return self.query_one(Status)
+
+    @property
+    def completions(self) -> Completions:
+        """The list under the cursor."""
+        return self.query_one(Completions)
+
+    def keep(self) -> None:
+        """Keep the buffers for the next run."""
+        self.state.keep_buffers(self.buffers.texts)
+
+    def follow(self) -> None:
+        """Notice that the store was built again, or is gone."""
+        found = self.link.snapshot()
+        if found != self._snapshot:
+            back, self._snapshot = self._snapshot is None, found
+            self.status.tell(found, "" if found is None or back else "the store was built again")
+            if found is not None:
+                self.query_one(KnowledgeTree).reload()
+                self.run_worker(self._prepare())
+
+    def action_run(self) -> None:
+        """Run the selection, or the query at the cursor."""
+        if self.buffers.current:
+            self.runs.start_at_cursor(self.buffers.current)
+
+    def action_run_buffer(self) -> None:
+        """Run the buffer as one query."""
+        if self.buffers.current:
+            self.runs.start(self.buffers.current, self.buffers.current.text, 0)
+
+    def stop(self) -> bool:
+        """Stop what the buffer on the screen runs; False when nothing does."""
+        return self.runs.stop(self.buffers.current)
+
+    def action_stop(self) -> None:
+        """Stop what runs; else go back from full results, or between editor and results."""
+        buffer = self.buffers.current
+        if self.stop() or buffer is None:
+            return
+        if self.has_class("full"):
+            self.remove_class("full")
+        aim = buffer.results.table if buffer.editor.has_focus else buffer.editor
+        aim.focus()
+
+    async def action_new_buffer(self) -> None:
+        """Open an empty buffer."""
+        await self.buffers.open("")
+
+    async def action_close_buffer(self) -> None:
+        """Close the buffer on the screen."""
+        self.stop()
+        await self.buffers.close_current()
+
+    def action_next_buffer(self) -> None:
+        """Go right."""
+        self.buffers.step(1)
+
+    def action_previous_buffer(self) -> None:
+        """Go left."""
+        self.buffers.step(-1)
+
+    def action_toggle_tree(self) -> None:
+        """Show or hide the tree."""
+        self.toggle_class("no-tree" if self.has_class("-wide") else "tree")
+        tree = self.query_one(KnowledgeTree)
+        left = tree.has_focus
+        if tree.display:
+            tree.focus()
+        elif left and self.buffers.current:
+            self.buffers.current.editor.focus()
+
+    def action_toggle_results(self) -> None:
+        """Give the results the screen."""
+        self.toggle_class("full")
+        if self.has_class("full") and self.buffers.current:
+            self.buffers.current.results.table.focus()
+
+    def action_history(self) -> None:
+        """Choose from what was run before."""
+        from kg.shell.screens.history import HistoryScreen  # noqa: PLC0415 - start-up time
+
+        self.app.push_screen(HistoryScreen(self.state.history()), self._take)
+
+    def action_stored(self) -> None:
+        """Choose a stored query."""
+        from kg.shell.screens.stored import StoredScreen  # noqa: PLC0415 - start-up time
+
+        self.app.push_screen(StoredScreen(self.link), self._take)
+
+    def action_jump(self) -> None:
+        """Go to a panel by its letter."""
+        from kg.shell.screens.jump import JumpScreen  # noqa: PLC0415 - start-up time
+
+        panels: dict[str, Any] = {"t": self.query_one(KnowledgeTree)}
+        if self.buffers.current:
+            panels |= {"e": self.buffers.current.editor, "r": self.buffers.current.results.table}
+        shown = {key: widget for key, widget in panels.items() if widget.display and widget.region}
+        self.app.push_screen(JumpScreen(shown), lambda widget: widget.focus() if widget else None)
+
+    async def open_text(self, text: str) -> None:
+        """Put a query into a buffer of its own."""
+        await self.buffers.open(text)
+
+    async def _take(self, text: str | None) -> None:
+        if text:
+            await self.open_text(text)
+
+    @on(TextArea.Changed)
+    def _changed(self, event: TextArea.Changed) -> None:
+        if not isinstance(event.text_area, QueryEditor) or not event.text_area.is_attached:
+            return
+        editor = event.text_area
+        buffer = editor.query_ancestor(Buffer)
+        self.buffers.name_tab(buffer)
+        for timer in (self._typing, self._checking):
+            if timer:
+                timer.stop()
+        line, column = editor.cursor_location
+        if editor.has_focus and begins_word(editor.document.get_line(line)[:column]):
+            self._typing = self.set_timer(_TYPING_SECONDS, lambda: self.offer(editor))
+        else:
+            self.completions.close()
+        self._checking = self.set_timer(_CHECK_SECONDS, lambda: self.check_text(buffer))
+
+    @on(TextArea.SelectionChanged)
+    def _moved(self, event: TextArea.SelectionChanged) -> None:
+        if isinstance(event.text_area, QueryEditor) and event.text_area.is_attached:
+            event.text_area.query_ancestor(Buffer).say_problem()
+
+    @on(QueryEditor.CompletionKey)
+    def _completion_key(self, event: QueryEditor.CompletionKey) -> None:
+        self.completions.press(event.key)
+
+    @on(QueryEditor.CompletionWanted)
+    def _completion_wanted(self, event: QueryEditor.CompletionWanted) -> None:
+        self.offer(event.editor)
+
+    @on(Completions.OptionSelected)
+    def _completion_clicked(self, event: Completions.OptionSelected) -> None:
+        self.completions.insert(event.option_index)
+
+    @on(TabbedContent.TabActivated)
+    def _another_tab(self) -> None:
+        self.completions.close()
+
+    def on_descendant_blur(self) -> None:
+        """Hide completions of an editor that has no focus."""
+        self.completions.close()
+
+    def offer(self, editor: QueryEditor) -> None:
+        """Offer completions at the cursor, unless its buffer has been closed."""
+        if editor.is_attached:
+            self.run_worker(self._offer(editor), group="complete", exclusive=True)
+
+    async def _offer(self, editor: QueryEditor) -> None:
+        try:
+            await self.completions.offer(editor, self.link)
+        except KgError as error:
+            self.log(str(error))
+
+    def check_text(self, buffer: Buffer) -> None:
+        """Mark what is wrong in a buffer, unless it has been closed; keep all for when the terminal goes away."""
+        self.keep()
+        if buffer.is_attached:
+            self.run_worker(self._check(buffer), group="check", exclusive=True)
+
+    async def _check(self, buffer: Buffer) -> None:
+        text = buffer.text
+        try:
+            problems = await diagnosed(self.link, text)
+        except KgError as error:
+            self.log(str(error))
+            return
+        if buffer.is_attached and buffer.text == text:
+            buffer.mark(problems)
+
+    @on(AnswerTable.Passed)
+    def _page_passed(self) -> None:
+        self.action_next_page()
+
+    @on(KnowledgeTree.NodeSelected)
+    def _entry_chosen(self) -> None:
+        self.action_open_entry()

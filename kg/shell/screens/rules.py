@@ -1,0 +1,103 @@
+"""Rules by family, each with its documentation and what it did in the last run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from textual import work
+from textual.containers import Horizontal, VerticalScroll
+from textual.screen import Screen
+from textual.widgets import Footer, Markdown, Static, Tree
+
+from kg.errors import KgError
+from kg.render.text import count, printable
+from kg.shell.actions import bindings
+
+if TYPE_CHECKING:
+    from textual.app import ComposeResult
+    from textual.binding import BindingType
+
+    from kg.shell.app import Shell
+
+__all__ = ["RulesScreen"]
+
+
+class RulesScreen(Screen[None]):
+    """The rules of the view `rules`."""
+
+    CONTEXTS = ("rules",)
+    BINDINGS: ClassVar[list[BindingType]] = bindings("rules")
+    app: Shell
+
+    def compose(self) -> ComposeResult:
+        """Yield the families and the page of a rule."""
+        yield Static("Rules: reading …", classes="title", markup=False)
+        with Horizontal():
+            tree: Tree[dict[str, Any]] = Tree("rules", id="rule-tree")
+            tree.show_root = False
+            yield tree
+            with VerticalScroll(id="rule-page"):
+                yield Markdown("Choose a rule.")
+        yield Footer(show_command_palette=False)
+
+    def on_mount(self) -> None:
+        """Ask for the rules."""
+        self.query_one(Tree).focus()
+        self._read()
+
+    @work
+    async def _read(self) -> None:
+        try:
+            found = await self.app.link.call("rules")
+        except KgError as error:
+            self.app.report(error)
+            return
+        if not self.is_attached:
+            return
+        tree: Tree[dict[str, Any]] = self.query_one(Tree)
+        for family in found["families"]:
+            state = "" if family["in_force"] else " (not in force)"
+            branch = tree.root.add(f"{family['family']} {len(family['rules'])}{state}", {})
+            for rule in family["rules"]:
+                branch.add_leaf(printable(rule["rule"].rpartition("/")[2]), rule)
+        tree.root.expand()
+        if tree.root.children:
+            tree.root.children[0].expand()
+            self.call_after_refresh(tree.move_cursor, tree.root.children[0].children[0])
+        number = sum(len(family["rules"]) for family in found["families"])
+        words = [count(number, "rule"), count(len(found["families"]), "family", "families")]
+        if found["run"]:
+            words.append(f"the last run inferred {count(found['run']['inferred'], 'triple')}")
+        words += found["problems"]
+        self.query_one(".title", Static).update(printable(f"Rules: {', '.join(words)}"))
+
+    async def on_tree_node_highlighted(self, event: Tree.NodeHighlighted[dict[str, Any]]) -> None:
+        """Show the rule under the cursor."""
+        if event.node.data:
+            await self.query_one(Markdown).update(_manual(event.node.data))
+            self.query_one("#rule-page").scroll_home(animate=False)
+
+    def action_edit_place(self) -> None:
+        """Open the file of the rule."""
+        node = self.query_one(Tree).cursor_node
+        file = node.data.get("file") if node and node.data else None
+        self.app.edit({"file": str(Path(file)), "path": file, "line": 1} if file else None)
+
+    def action_dismiss_screen(self) -> None:
+        """Return to the main screen."""
+        self.dismiss(None)
+
+
+def _manual(rule: dict[str, Any]) -> str:
+    """Return the documentation of a rule as Markdown."""
+    parts = [f"# {rule['rule']}", f"**{rule['title']}**"]
+    if rule["error"]:
+        parts.append(f"{rule['error']['code']}: {rule['error']['message']}")
+    if rule["derived"] is not None:
+        rounds = f" in {count(rule['rounds'], 'round')}" if rule["rounds"] is not None else ""
+        parts.append(f"The last run: {count(rule['derived'], 'triple')}{rounds}, {rule['seconds']:.3f} s.")
+    elif not rule["in_force"]:
+        parts.append("Not in force.")
+    parts += [f"## {heading}\n\n{text}" for heading, text in rule["sections"].items()]
+    return "\n\n".join(parts)

@@ -1,0 +1,133 @@
+"""Launch configurations, with what `kg lint` finds in each."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from textual import work
+from textual.containers import Horizontal, Vertical
+from textual.screen import Screen
+from textual.widgets import Footer, Static, Tree
+
+from kg.errors import KgError
+from kg.render.text import count, printable
+from kg.shell.actions import bindings
+from kg.shell.pages import lines_of_system, place_words
+from kg.shell.screens.page import LineTree, PageScreen, proof_page, thing
+
+if TYPE_CHECKING:
+    from textual.app import ComposeResult
+    from textual.binding import BindingType
+
+    from kg.shell.app import Shell
+    from kg.shell.pages import Line
+
+__all__ = ["SystemsScreen"]
+
+
+_PART = 500
+"""So many configurations are asked for at a time."""
+
+
+class FindingTree(LineTree):
+    """What a configuration starts and what is wrong in it."""
+
+    BINDINGS: ClassVar[list[BindingType]] = bindings("systems")
+
+
+class SystemsScreen(Screen[None]):
+    """The views `systems`, `tree` and `lint`."""
+
+    CONTEXTS = ("systems",)
+    BINDINGS: ClassVar[list[BindingType]] = bindings("systems")
+    app: Shell
+
+    def compose(self) -> ComposeResult:
+        """Yield configurations and findings."""
+        yield Static("Systems: reading …", classes="title", markup=False)
+        with Horizontal():
+            tree: Tree[dict[str, Any]] = Tree("systems", id="system-tree")
+            tree.show_root = False
+            yield tree
+            with Vertical():
+                yield FindingTree()
+                yield Static("", classes="detail", markup=False)
+        yield Footer(show_command_palette=False)
+
+    def on_mount(self) -> None:
+        """Ask for the configurations."""
+        self.query_one("#system-tree").focus()
+        self._read()
+
+    @work
+    async def _read(self) -> None:
+        begin, total = 0, 1
+        while begin < total:
+            try:
+                found = await self.app.link.call("systems", offset=str(begin), limit=str(_PART))
+            except KgError as error:
+                self.app.report(error)
+                return
+            if not self.is_attached:
+                return
+            begin, total = begin + _PART, found["total"]
+            tree: Tree[dict[str, Any]] = self.query_one("#system-tree", Tree)
+            for one in found["systems"]:
+                tree.root.add_leaf(printable(f"{one['name']}  {_counts(one)}"), one)
+            tree.root.expand()
+            tree.cursor_line = max(tree.cursor_line, 0)
+        self.query_one(".title", Static).update(f"Systems: {count(total, 'launch configuration')}")
+
+    def on_tree_node_highlighted(self, event: Tree.NodeHighlighted[Any]) -> None:
+        """Show what is in a configuration, and the whole of a finding."""
+        found = event.node.data
+        if event.control.id == "system-tree":
+            if found:
+                self._show(found)
+        elif found is not None:
+            self._tell(found)
+
+    def _tell(self, line: Line) -> None:
+        parts = [line.text, line.note, place_words(line.place)]
+        self.query_one(".detail", Static).update("\n".join(printable(part) for part in parts if part))
+
+    @work(exclusive=True, group="system")
+    async def _show(self, system: dict[str, Any]) -> None:
+        try:
+            below = await self.app.link.call("tree", parent=system["iri"])
+            findings = await self.app.link.call("lint", system=system["iri"])
+        except KgError as error:
+            self.app.report(error)
+            return
+        if self.is_attached:
+            self.query_one(FindingTree).fill(lines_of_system(system, below["children"], findings))
+
+    def on_tree_node_selected(self, event: Tree.NodeSelected[Any]) -> None:
+        """Go to the findings; from there to the thing, or to why it is found."""
+        tree = self.query_one(FindingTree)
+        line = event.node.data
+        if event.control is not tree:
+            tree.focus()
+        elif line is None:
+            return
+        elif line.fact:
+            self.app.push_screen(PageScreen(self.app.link, proof_page(line.fact, line.text)))
+        elif line.iri:
+            self.app.push_screen(PageScreen(self.app.link, thing(line.iri, line.text)))
+        else:
+            event.node.toggle()
+
+    def action_edit_place(self) -> None:
+        """Open the line of code."""
+        line = self.query_one(FindingTree).current()
+        self.app.edit(line.place if line else None)
+
+    def action_dismiss_screen(self) -> None:
+        """Return to the main screen."""
+        self.dismiss(None)
+
+
+def _counts(one: dict[str, Any]) -> str:
+    """Return how many nodes a configuration starts and what is wrong, in words."""
+    wrong = [count(number, severity) for severity, number in one["findings"].items() if number]
+    return ", ".join([count(one["nodes"], "node"), *wrong])

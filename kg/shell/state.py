@@ -1,0 +1,135 @@
+"""What the shell keeps between runs: buffers of each store, history, and choices; readable by their owner alone."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.store.layout import write_atomically
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+__all__ = ["Entry", "State", "state_folder"]
+
+_KEPT: Final = 2_000
+"""Entries of the history that are kept."""
+
+
+def state_folder() -> Path:
+    """Return the folder of the shell below `$XDG_STATE_HOME` or `~/.local/state`; it may not exist yet."""
+    given = Path(os.environ.get("XDG_STATE_HOME", ""))
+    return (given if given.is_absolute() else Path.home() / ".local" / "state") / "kg" / "shell"
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A query that was run: `when` is in seconds since 1970, `outcome` is `ok` or the code of an error."""
+
+    text: str
+    when: float
+    store: str
+    rows: int
+    seconds: float
+    outcome: str
+
+
+class State:
+    """Reads and writes the folder; what cannot be read counts as nothing, what cannot be written is told once.
+
+    `problem` is the reason why something was not kept, None while all went well.
+    """
+
+    def __init__(self, folder: Path, store: str) -> None:
+        self._folder = folder
+        self._store = store
+        self.problem: str | None = None
+
+    def buffers(self) -> list[str]:
+        """Return the texts of the buffers that were open with this store."""
+        found = self._read(self._buffers_name(), [])
+        return [one for one in found if isinstance(one, str)] if isinstance(found, list) else []
+
+    def keep_buffers(self, texts: Sequence[str]) -> None:
+        """Keep the texts of the buffers, for this store."""
+        self._write(self._buffers_name(), list(texts))
+
+    def choice(self, name: str, default: str) -> str:
+        """Return what was chosen before, such as the theme."""
+        found = self._read("choices.json", {})
+        value = found.get(name, default) if isinstance(found, dict) else default
+        return value if isinstance(value, str) else default
+
+    def keep_choice(self, name: str, value: str) -> None:
+        """Keep a choice, for all stores."""
+        found = self._read("choices.json", {})
+        self._write("choices.json", {**(found if isinstance(found, dict) else {}), name: value})
+
+    def history(self) -> list[Entry]:
+        """Return what was run, of all stores, the newest first and each text once."""
+        found: dict[str, Entry] = {}
+        for line in reversed(self._lines()):
+            entry = _entry(line)
+            if entry and entry.text not in found:
+                found[entry.text] = entry
+        return list(found.values())
+
+    def remember(self, entry: Entry) -> None:
+        """Add an entry to the history; other shells may do the same at this moment."""
+        lines = self._lines()
+        if len(lines) >= _KEPT * 2:
+            self._guarded(lambda: _write(self._folder / "history.jsonl", "\n".join(lines[-_KEPT:]) + "\n"))
+        self._guarded(lambda: _append(self._made() / "history.jsonl", json.dumps(asdict(entry)) + "\n"))
+
+    def _buffers_name(self) -> str:
+        return f"buffers-{hashlib.sha256(self._store.encode()).hexdigest()[:16]}.json"
+
+    def _lines(self) -> list[str]:
+        try:
+            return (self._folder / "history.jsonl").read_text("utf-8", errors="replace").splitlines()
+        except OSError:
+            return []
+
+    def _read(self, name: str, default: Any) -> Any:
+        try:
+            return json.loads((self._folder / name).read_bytes())
+        except (OSError, ValueError):
+            return default
+
+    def _write(self, name: str, content: Any) -> None:
+        self._guarded(lambda: _write(self._made() / name, json.dumps(content, ensure_ascii=False)))
+
+    def _made(self) -> Path:
+        self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        return self._folder
+
+    def _guarded(self, write: Any) -> None:
+        try:
+            write()
+        except OSError as error:
+            self.problem = f"{self._folder}: {error.strerror or error}"
+
+
+def _entry(line: str) -> Entry | None:
+    try:
+        return Entry(**json.loads(line))
+    except (ValueError, TypeError):
+        return None
+
+
+def _write(path: Path, text: str) -> None:
+    previous = os.umask(0o077)
+    try:
+        write_atomically(path, text.encode("utf-8", errors="surrogatepass"), durable=False)
+    finally:
+        os.umask(previous)
+
+
+def _append(path: Path, line: str) -> None:
+    descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o600)
+    with os.fdopen(descriptor, "w", encoding="utf-8") as file:
+        file.write(line)

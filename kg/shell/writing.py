@@ -1,0 +1,68 @@
+"""Answers as text: for the clipboard, and whole into a file."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kg.errors import Place, UsageError
+from kg.query.formats import BOOLEAN_FORMATS, GRAPH_FORMATS, SOLUTION_FORMATS, write
+from kg.query.result import Boolean, Graph, Solutions
+from kg.query.writing import parquet
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from kg.query.result import Result
+
+__all__ = ["copied", "file_formats_of", "format_of_name", "formats_of", "to_file"]
+
+_ENDINGS = {
+    "tsv": ".tsv",
+    "csv": ".csv",
+    "json": ".json",
+    "xml": ".xml",
+    "markdown": ".md",
+    "jsonl": ".jsonl",
+    "turtle": ".ttl",
+    "ntriples": ".nt",
+    "nquads": ".nq",
+    "trig": ".trig",
+    "jsonld": ".jsonld",
+    "rdfxml": ".rdf",
+    parquet.NAME: ".parquet",
+}
+
+
+def formats_of(result: Result) -> list[str]:
+    """Return the formats that this kind of answer can be written in, what people copy most first."""
+    known = list(GRAPH_FORMATS if isinstance(result, Graph) else SOLUTION_FORMATS)
+    if isinstance(result, Boolean):
+        known = list(BOOLEAN_FORMATS)
+    first = [name for name in ("tsv", "csv", "json", "markdown", "turtle") if name in known]
+    return [*first, *(name for name in known if name not in first)]
+
+
+def file_formats_of(result: Result) -> list[str]:
+    """Return the formats of files: those of `formats_of`, and Parquet where it can be written."""
+    return [*formats_of(result), *([parquet.NAME] if isinstance(result, Solutions) and parquet.is_installed() else [])]
+
+
+def format_of_name(path: str, result: Result) -> str | None:
+    """Return the format that the ending of a file's name means, None for one that means none."""
+    return next((name for name in file_formats_of(result) if path.lower().endswith(_ENDINGS[name])), None)
+
+
+def copied(result: Result, name: str) -> str:
+    """Return an answer in the format `name`."""
+    return write(result, name).decode("utf-8", errors="replace")
+
+
+def to_file(result: Result, path: Path, name: str) -> int:
+    """Write an answer to a file and return how many bytes that are; UsageError KG553 when it cannot be written."""
+    content = write(result, name)
+    try:
+        path.write_bytes(content)
+    except OSError as error:
+        message = f"the file cannot be written: {error.strerror or error}"
+        raise UsageError("KG553", message, place=Place(str(path)), hint="Name another file.") from error
+    return len(content)

@@ -1,0 +1,181 @@
+"""Copies of a store that can be put back: a folder that is a store of its own, or a file of N-Quads.
+
+    back_up(layout, Path("monday"))            monday/ has one generation and backup.json; `kg --store monday` reads it
+    back_up(layout, Path("monday.nq.gz"))      sorted lines; blank nodes are named by what they stand for (RDFC-1.0)
+    with store.write("kg restore") as transaction:
+        restore(transaction, Path("monday"))
+
+A backup holds the generation that was in force when it began, so a writer may go on meanwhile. Its folder shares the
+large files with the store where both are on one file system (hard links), which takes milliseconds. It is written
+under another name first: what has the name that was asked for is whole.
+"""
+
+from __future__ import annotations
+
+import gzip
+import json
+import os
+import shutil
+from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING, Final
+
+from pyoxigraph import BlankNode, CanonicalizationAlgorithm, Dataset, Quad, RdfFormat, Triple, serialize
+
+from kg.errors import Place, StoreError
+from kg.store.failure import translated
+from kg.store.layout import Layout
+from kg.store.snapshot import EmbeddedSnapshot
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+    from pathlib import Path
+
+    from kg.store.transaction import EmbeddedTransaction
+
+__all__ = ["Backup", "back_up", "canonical", "is_file", "restore"]
+
+_MANIFEST: Final = "backup.json"
+_FILES: Final = (".nq", ".nq.gz")
+
+
+@dataclass(frozen=True, slots=True)
+class Backup:
+    """What a backup holds: the identity of the snapshot, how many quads, and when it was made (ISO 8601)."""
+
+    snapshot: int
+    quads: int
+    made: str
+
+
+def is_file(target: Path) -> bool:
+    """Tell whether the name of a backup means a file of N-Quads."""
+    return target.name.endswith(_FILES)
+
+
+def back_up(layout: Layout, target: Path) -> Backup:
+    """Copy the content in force to `target`, a folder or a file that is not there yet.
+
+    Raises:
+        StoreError: KG301 without data, KG303 for a damaged store, KG304 full disk, KG306 where it may not be written,
+            KG566 where something is there already.
+    """
+    if target.exists():
+        raise StoreError("KG566", "there is something of this name", place=Place(str(target)), hint="Name another one.")
+    temporary = target.with_name(f"{target.name}.{os.getpid()}.tmp")
+    try:
+        with translated(str(target)), EmbeddedSnapshot(layout) as snapshot:
+            target.absolute().parent.mkdir(parents=True, exist_ok=True)
+            found = Backup(snapshot.generation, snapshot.count(), datetime.now(UTC).isoformat(timespec="seconds"))
+            if is_file(target):
+                _write_file(snapshot, temporary, packed=target.suffix == ".gz")
+            else:
+                _write_folder(snapshot, Layout(temporary), found)
+            temporary.rename(target)
+    finally:
+        if temporary.is_dir():
+            shutil.rmtree(temporary, ignore_errors=True)
+        else:
+            temporary.unlink(missing_ok=True)
+    return found
+
+
+def _write_folder(snapshot: EmbeddedSnapshot, layout: Layout, found: Backup) -> None:
+    layout.generations.mkdir(parents=True)
+    snapshot.backup(str(layout.generation(found.snapshot)))
+    (layout.root / _MANIFEST).write_text(json.dumps(asdict(found)) + "\n", encoding="utf-8")
+    layout.switch(found.snapshot)
+
+
+def _write_file(snapshot: EmbeddedSnapshot, path: Path, *, packed: bool) -> None:
+    with path.open("wb") as file:
+        if packed:
+            # Without name and time, so that equal content has equal bytes.
+            with gzip.GzipFile("", "wb", mtime=0, fileobj=file) as output:
+                output.writelines(canonical(snapshot.quads()))
+        else:
+            file.writelines(canonical(snapshot.quads()))
+        file.flush()
+        os.fsync(file.fileno())
+
+
+def canonical(quads: Iterable[Quad]) -> list[bytes]:
+    """Return the lines of quads as N-Quads, sorted, with the labels of RDFC-1.0 for blank nodes.
+
+    Equal data gives equal bytes, whatever its blank nodes were called. Quads without any have no say in their labels.
+    """
+    plain: list[Quad] = []
+    labelled = Dataset()
+    for quad in quads:
+        if any(isinstance(term, BlankNode) for term in _terms(quad)):
+            labelled.add(quad)
+        else:
+            plain.append(quad)
+    labelled.canonicalize(CanonicalizationAlgorithm.RDFC_1_0)
+    written = serialize((*plain, *labelled), format=RdfFormat.N_QUADS) or b""
+    return sorted(written.splitlines(keepends=True))
+
+
+def _terms(statement: Quad | Triple) -> Iterator[object]:
+    for term in (statement.subject, statement.object):
+        if isinstance(term, Triple):
+            yield from _terms(term)
+        else:
+            yield term
+    if isinstance(statement, Quad):
+        yield statement.graph_name
+
+
+def restore(transaction: EmbeddedTransaction, source: Path) -> Backup | None:
+    """Put the content of a backup in the place of all that the store holds.
+
+    Returns what its manifest says, None for a file.
+
+    Raises:
+        StoreError: KG567 for what is no backup, or not whole.
+        GraphError: KG601 for a file that is not valid N-Quads.
+    """
+    if not source.exists():
+        raise _unusable(source, "there is nothing of this name")
+    if source.is_file():
+        transaction.start_from(None)
+        _load_file(transaction, source)
+        return None
+    layout = Layout(source if (source / "current").exists() else source / ".kg")
+    with EmbeddedSnapshot(layout) as snapshot:
+        quads = snapshot.count()
+        found = _manifest(layout, Backup(snapshot.generation, quads, ""))
+        if found.quads != quads:
+            raise _unusable(source, f"it holds {quads} quads, and its manifest says {found.quads}")
+        transaction.start_from(snapshot)
+    return found
+
+
+def _manifest(layout: Layout, default: Backup) -> Backup:
+    """Return what a backup says of itself; `default` for any other store."""
+    path = layout.root / _MANIFEST
+    try:
+        return Backup(**json.loads(path.read_bytes()))
+    except FileNotFoundError:
+        return default
+    except (OSError, ValueError, TypeError) as error:
+        raise _unusable(layout.root, f"its manifest cannot be read: {error}") from error
+
+
+def _load_file(transaction: EmbeddedTransaction, source: Path) -> None:
+    if source.suffix != ".gz":
+        transaction.load_file(source, RdfFormat.N_QUADS)
+        return
+    unpacked = transaction.layout.root / f"restore.{os.getpid()}.tmp"
+    try:
+        with gzip.open(source) as file, unpacked.open("wb") as output:
+            shutil.copyfileobj(file, output)
+        transaction.load_file(unpacked, RdfFormat.N_QUADS)
+    except (EOFError, gzip.BadGzipFile) as error:
+        raise _unusable(source, f"it cannot be unpacked: {error}") from error
+    finally:
+        unpacked.unlink(missing_ok=True)
+
+
+def _unusable(source: Path, message: str) -> StoreError:
+    return StoreError("KG567", message, place=Place(str(source)), hint="Name what `kg backup` wrote.")

@@ -1,0 +1,60 @@
+"""Completions at a position of a query."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.errors import UsageError
+from kg.query.completion import service
+from kg.query.completion.keeping import Kept
+from kg.query.stored import discover
+from kg.store.opening import layout_of
+
+if TYPE_CHECKING:
+    from kg.settings import Settings
+    from kg.store.interface import Snapshot
+
+__all__ = ["complete", "kept_of"]
+
+_LAST: Final[dict[str, Kept]] = {}
+"""What is kept of the snapshot that was asked last, by its store and its identity."""
+
+
+def complete(
+    snapshot: Snapshot, settings: Settings, text: str = "", position: str | int = -1, fresh: str = ""
+) -> dict[str, Any]:
+    """Return what may stand at `position` of the query `text`, in code points; at its end without one.
+
+    The answer is that of `kg.query.completion.service.complete`, with `snapshot`. With `fresh` the store is counted
+    if it has changed since it last was, which takes seconds for a large one: faces ask so once, in the background, when
+    they start.
+
+    Raises:
+        UsageError: KG003 for a position that is no number.
+    """
+    at = _whole(position)
+    found = service.complete(
+        text,
+        len(text) if at < 0 else at,
+        kept_of(snapshot, settings),
+        lambda: list(discover(settings.queries).values()),
+        fresh=bool(fresh),
+    )
+    return {"snapshot": snapshot.identity, **found}
+
+
+def kept_of(snapshot: Snapshot, settings: Settings) -> Kept:
+    """Return what is kept of a snapshot: in this process that of the one asked last, and the cache of its store."""
+    cache = layout_of(settings).cache
+    key = f"{cache} {snapshot.identity}"
+    if key not in _LAST:
+        _LAST.clear()
+        _LAST[key] = Kept(cache, snapshot)
+    return _LAST[key].over(snapshot)
+
+
+def _whole(position: str | int) -> int:
+    try:
+        return int(position)
+    except ValueError:
+        raise UsageError("KG003", f"the position `{position}` is no number") from None

@@ -1,0 +1,127 @@
+"""Where facts stand in the sources, as faces can open it: the file, an editor at the line, the page of the commit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path, PurePath
+from typing import TYPE_CHECKING, Any, Final
+from urllib.parse import quote
+
+from kg.facts import Location
+from kg.graph.source_states import sources
+from kg.lint.finding import Evidence
+from kg.lint.lines import Lines
+from kg.resources import folder
+from kg.views.remembered import once
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from kg.graph.source_states import SourceState
+    from kg.store.snapshot import EmbeddedSnapshot
+
+__all__ = ["Places", "places"]
+
+_FORGES: Final = {
+    "github.com": "https://{name}/blob/{commit}/{path}#L{line}",
+    "gitlab.com": "https://{name}/-/blob/{commit}/{path}#L{line}",
+    "bitbucket.org": "https://{name}/src/{commit}/{path}#lines-{line}",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Places:
+    """The sources of a store by name; each was read from a folder, often at a commit."""
+
+    sources: Mapping[str, SourceState]
+    _lines: Lines = field(repr=False, compare=False)
+
+    @classmethod
+    def of(cls, states: Iterable[SourceState]) -> Places:
+        """Return the places of some sources."""
+        known = {one.name: one for one in states}
+        return cls(known, Lines({name: one.root for name, one in known.items() if one.root}))
+
+    def evidence(self, repository: str, location: Location) -> dict[str, Any]:
+        """Return a place for faces; `location` may name another repository than the one that it is told of.
+
+        The keys are `repository`, `commit`, `path`, `line` (from one, None where only the file is known), `file` (its
+        absolute path where it stands on this machine), `vscode` and `web` (addresses that open it); each of the last
+        three is None where there is none.
+        """
+        name, line = location.repository or repository, location.line or None
+        source, file = self.sources.get(name), self.file(repository, location)
+        return {
+            "repository": name,
+            "commit": source.commit if source else None,
+            "path": location.path,
+            "line": line,
+            "file": str(file) if file else None,
+            "vscode": _editor(file, line) if file else None,
+            "web": self.web(repository, location),
+        }
+
+    def file(self, repository: str, location: Location) -> Path | None:
+        """Return the file of a place, where its source stands on this machine and has it: no path leads out of it."""
+        source = self.sources.get(location.repository or repository)
+        path = PurePath(location.path)
+        inside = not path.is_absolute() and ".." not in path.parts
+        file = Path(source.root) / path if source and source.root and inside else None
+        try:
+            return file if file and file.is_file() else None
+        except (OSError, ValueError):
+            return None
+
+    def web(self, repository: str, location: Location) -> str | None:
+        """Return the page of the line at the commit that was read, on the forges whose addresses are known."""
+        source = self.sources.get(location.repository or repository)
+        pattern = _FORGES.get(source.name.partition("/")[0]) if source else None
+        if source is None or pattern is None or source.commit is None:
+            return None
+        parts = {"name": source.name, "commit": source.commit, "path": location.path}
+        address = pattern.format(**{key: _quoted(part) for key, part in parts.items()}, line=location.line)
+        return address if location.line else address.partition("#")[0]
+
+    def find(self, path: str) -> str | None:
+        """Return the only source that has a file of this path on this machine."""
+        found = [name for name in self.sources if self.file(name, Location(path, 0))]
+        return found[0] if len(found) == 1 else None
+
+    def text(self, repository: str, location: Location) -> str | None:
+        """Return the line of the file as it stands there now; None when it is not to be had."""
+        place = Evidence(location.path, location.line, location.repository or repository)
+        return self._lines.at(place, location.line or None)
+
+    @staticmethod
+    def own(path: Path | str, line: int | None) -> dict[str, Any]:
+        """Return a place in a file of `kg` itself or of the user (a rule, an ontology), with the keys of `evidence`.
+
+        The `path` of what `kg` ships is relative to where that stands.
+        """
+        file = Path(path).absolute()
+        shipped, there = folder("rules").absolute().parent, file.is_file()
+        return {
+            "repository": None,
+            "commit": None,
+            "path": str(file.relative_to(shipped) if file.is_relative_to(shipped) else path),
+            "line": line,
+            "file": str(file) if there else None,
+            "vscode": _editor(file, line) if there else None,
+            "web": None,
+        }
+
+
+@once
+def places(snapshot: EmbeddedSnapshot) -> Places:
+    """Return the places of the sources of a snapshot."""
+    return Places.of(sources(snapshot))
+
+
+def _editor(file: Path, line: int | None) -> str:
+    return f"vscode://file{_quoted(file.absolute().as_posix())}" + (f":{line}" if line else "")
+
+
+@lru_cache(maxsize=1 << 14)
+def _quoted(text: str) -> str:
+    return quote(text, errors="surrogatepass")

@@ -1,0 +1,101 @@
+"""Search: nodes by what they do, need and are wired to, with the reasons and the lines that show them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.errors import UsageError
+from kg.facts import Location
+from kg.search.filters import FILTERS, known
+from kg.search.searching import hit_object, search_of
+from kg.search.wording import near, understood
+from kg.similar import did_you_mean
+from kg.store.opening import layout_of
+from kg.views.arguments import whole
+from kg.views.evidence import places
+from kg.views.remembered import once
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from kg.search.searching import Hit, Search
+    from kg.settings import Settings
+    from kg.store.snapshot import EmbeddedSnapshot
+    from kg.views.evidence import Places
+
+__all__ = ["choices", "find", "search_over"]
+
+_MOST: Final = 100
+
+
+def find(
+    snapshot: EmbeddedSnapshot, settings: Settings, text: str = "", limit: str = "20", **filters: str
+) -> dict[str, Any]:
+    """Return the nodes that `text` asks for and that all `filters` let through (`kg.search.filters.FILTERS`).
+
+    Several values of one filter stand apart by commas. `limit` is at most 100. The answer has `text`, `filters`,
+    `total`, `only` and `rather` (what the words were taken for, as strict and as loose wishes), `near` (a question
+    whether another name was meant, where nothing was found) and `hits`: objects as of `kg search --json` with `iri`,
+    `evidence` of the node, and in each of `reasons` an `evidence` or None.
+
+    Raises:
+        UsageError: KG003 for a filter that there is none of, or nothing to search for; KG701, KG702, KG703 for a
+            value that no node has.
+    """
+    given = {name: _values(value) for name, value in filters.items() if value.strip()}
+    for name in given:
+        if name not in FILTERS:
+            hint = did_you_mean(name, FILTERS) or f"There are {', '.join(FILTERS)}."
+            raise UsageError("KG003", f"there is no filter `{name}`", hint=hint)
+    if not text.strip() and not given:
+        raise UsageError("KG003", "there is nothing to search for", hint="Give words, or a filter.")
+    search = search_over(snapshot, settings)
+    answer = search.find(text, given, _whole(limit))
+    only, rather = understood(answer.need)
+    where = places(snapshot)
+    return {
+        "text": text,
+        "filters": given,
+        "total": answer.total,
+        "only": only,
+        "rather": rather,
+        "near": None if answer.hits else near(text, search),
+        "hits": [_hit(hit, where) for hit in answer.hits],
+    }
+
+
+def choices(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, list[str]]:
+    """Return for each filter the values that nodes of the store have, sorted."""
+    names = search_over(snapshot, settings).names
+    return {kind: known(kind, names) for kind in FILTERS}
+
+
+def search_over(snapshot: EmbeddedSnapshot, settings: Settings) -> Search:
+    """Return the search over a snapshot, whose index is built where the store does not keep it yet."""
+    return _opened(snapshot, layout_of(settings).cache, settings.search_model)
+
+
+@once
+def _opened(snapshot: EmbeddedSnapshot, cache: Path, model: Path | None) -> Search:
+    return search_of(snapshot, cache, model)
+
+
+def _values(text: str) -> list[str]:
+    return [value.strip() for value in text.split(",") if value.strip()]
+
+
+def _whole(limit: str) -> int:
+    if not 0 < whole(limit, 0) <= _MOST:
+        raise UsageError("KG003", f"`{limit}` is no limit", hint=f"Give a whole number from 1 to {_MOST}.")
+    return int(limit)
+
+
+def _hit(hit: Hit, where: Places) -> dict[str, Any]:
+    found = hit_object(hit)
+    repository = hit.package.repository
+    for reason in found["reasons"]:
+        path, line = reason.pop("file"), reason.pop("line")
+        reason["evidence"] = None if path is None else where.evidence(repository, Location(path, line))
+    also = [{**told, "iri": one.iri} for told, (_, one) in zip(found["also"], hit.others, strict=True)]
+    declared = where.evidence(repository, Location(hit.node.path, hit.node.line))
+    return {**found, "iri": hit.node.iri, "evidence": declared, "also": also}

@@ -1,0 +1,94 @@
+"""Names that a user types, checked against the store: an unknown one gets the nearest that are known."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kg.errors import UnknownNameError, UsageError
+from kg.similar import did_you_mean
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from kg.graph.reading import NodeRecord, Queryable
+
+__all__ = ["known_package", "one_node", "starting_system", "unknown"]
+
+
+def unknown(kind: str, name: str, names: Iterable[str], *, otherwise: str) -> UnknownNameError:
+    """Return the error KG001 about a name: with those of `names` that were probably meant, else the way out."""
+    hint = did_you_mean(name, names) or otherwise
+    return UnknownNameError("KG001", f"there is no {kind} `{name}`", hint=hint)
+
+
+def known_package(graph: Queryable, name: str) -> None:
+    """Raise KG001 unless the store has a package of this name (`name` or `repository:name`)."""
+    from kg.graph.overview import packages  # noqa: PLC0415 - start-up time
+
+    known = packages(graph)
+    names = [one.name for one in known] + [f"{one.repository}:{one.name}" for one in known]
+    if name not in names:
+        raise unknown("package", name, names, otherwise="`kg packages` lists the packages.")
+
+
+def one_node(graph: Queryable, name: str) -> list[NodeRecord]:
+    """Return the node called `name`, `package/name` or `repository:package/name`; of a plugin its class will do.
+
+    A package may declare a node twice (for two robots, say); these are one node here, and all are returned.
+
+    KG001 with suggestions when there is none, KG003 with the full names when there are several.
+    """
+    from kg.graph.reading import loaded_as, node_names, node_records  # noqa: PLC0415 - start-up time
+
+    front, _, last = name.rpartition("/")
+    found = [*node_records(graph, node=name)]
+    if front and not found:
+        found = node_records(graph, node=last, package=front)
+    if not found:
+        package = front or None
+        found = [one for known in loaded_as(graph, last) for one in node_records(graph, node=known, package=package)]
+    if len({one.full_name for one in found}) == 1:
+        return found
+    if not found:
+        raise unknown(
+            "node", name, _candidates(graph, name, node_names(graph)), otherwise="`kg nodes` lists the nodes."
+        )
+    packages = [one.package for one in found]
+    ways = [f"{one.package}/{one.node.name}" if packages.count(one.package) == 1 else one.full_name for one in found]
+    lines = "\n".join(
+        f"`kg node {way}`  ({one.node.kind}, {one.node.location})" for way, one in zip(ways, found, strict=True)
+    )
+    raise UsageError("KG003", f"{len(found)} nodes are called `{name}`; say which", hint=lines)
+
+
+def starting_system(graph: Queryable, name: str, launch: str | None) -> str:
+    """Return the one launch file that starts the instance `name` (an absolute name), or `launch`, which has to.
+
+    KG001 with suggestions when none does, KG003 with the launch files when there are several.
+    """
+    from kg.graph.systems_reading import started_names, system_names  # noqa: PLC0415 - start-up time
+    from kg.pipeline.launch_names import matching, unknown_launch  # noqa: PLC0415 - start-up time
+
+    started = started_names(graph)
+    if launch is not None:
+        known = system_names(graph)
+        meant = {one.name for one in matching(known, launch)}
+        if not meant:
+            raise unknown_launch(known, launch)
+        started = {key: kept for key, found in started.items() if (kept := [one for one in found if one in meant])}
+    found = started.get(name, [])
+    if not found:
+        raise unknown("instance", name, started, otherwise="`kg instances` lists the instances.")
+    if len(found) > 1:
+        ways = "\n".join(f"`kg node {name} --launch {one}`" for one in found)
+        raise UsageError("KG003", f"{len(found)} launch files start `{name}`; say which", hint=ways)
+    return found[0]
+
+
+def _candidates(graph: Queryable, name: str, names: list[str]) -> list[str]:
+    """Return what to suggest: plain names, or those with their package when a package was given."""
+    from kg.graph.reading import node_records  # noqa: PLC0415 - start-up time
+
+    if "/" not in name:
+        return names
+    return [f"{one.package}/{one.node.name}" for one in node_records(graph)]

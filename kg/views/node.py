@@ -1,0 +1,146 @@
+"""One node type, all that is known of it: the view `node`."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.errors import UnknownNameError
+from kg.facts import Location
+from kg.graph import vocabulary as v
+from kg.graph.iris import Iris
+from kg.graph.reading import node_records
+from kg.graph.records import how_to_start
+from kg.query.rows import rows
+from kg.views.evidence import places
+from kg.views.names import one_node
+from kg.views.node_around import neighbours, users
+from kg.views.node_rows import fact, interface_rows, parameter_rows
+from kg.views.terms import labels, named_node
+from kg.views.wording import LANGUAGES
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kg.facts import Description
+    from kg.graph.reading import NodeRecord
+    from kg.settings import Settings
+    from kg.store.snapshot import EmbeddedSnapshot
+    from kg.views.evidence import Places
+
+__all__ = ["node"]
+
+_CLASSES: Final = {
+    "functions": "hasFunction",
+    "hardware": "usesHardware",
+    "devices": "usesDevice",
+    "capabilities": "hasCapability",
+}
+
+
+def node(
+    snapshot: EmbeddedSnapshot, settings: Settings, *, iri: str = "", name: str = "", package: str = ""
+) -> dict[str, Any]:
+    """Return what is known of the node type with this `iri`, or else of this `name` (and `package`).
+
+    `name` may also be `package/node`, `repository:package/node` or the class of a plugin. The keys:
+
+    * what it is: `iri`, `name`, `full_name`, `kind`, `language`, `ros`, `package` and `repository` (each with
+      `name` and `iri`), `commit`, `executable`, `plugin`, `node_name`, `aliases`, `base_class`, `start` (the command),
+      `evidence`, `sources` (evidence of each), `also` (IRIs of other nodes that the package declares by this name).
+    * `interfaces` and `parameters`: see `kg.views.node_rows`; `neighbours` and `used_in`: see `kg.views.node_around`.
+    * `descriptions`: `text`, `kind`, `heading`, `evidence`; the best first.
+    * `functions`, `hardware`, `devices`, `capabilities`: each a list of `iri`, `label`, `inferred` and `fact`.
+
+    A `fact` is `{"subject", "predicate", "object"}`, IRIs, as the view `why` takes them. `evidence` is as
+    `kg.views.evidence.Places.evidence` returns it.
+
+    Raises:
+        UnknownNameError: KG001 with suggestions when there is no such node.
+        UsageError: KG003 with the full names when there are several, or for what is no IRI.
+    """
+    first, *others = _records(snapshot, iri, f"{package}/{name}" if package else name)
+    where, iris = places(snapshot), Iris(settings.base)
+    inferred = _inferred(snapshot, iris, first.iri)
+    return {
+        **_header(first, where, iris),
+        "also": [one.iri for one in others],
+        "interfaces": interface_rows(first, where, iris, inferred),
+        "parameters": parameter_rows(first, where),
+        "descriptions": [_description(one, first, where) for one in first.descriptions],
+        **_classes(snapshot, first.iri, inferred),
+        "neighbours": neighbours(snapshot, first, iris),
+        "used_in": users(snapshot, first.iri, where, iris),
+    }
+
+
+def _records(snapshot: EmbeddedSnapshot, iri: str, name: str) -> list[NodeRecord]:
+    if not iri:
+        return one_node(snapshot, name)
+    found = node_records(snapshot, iris=[named_node(iri).value])
+    if not found:
+        hint = f"`{iri.rstrip('/').rpartition('/')[2]}` may be the name of another node."
+        raise UnknownNameError("KG001", f"the store has no node {iri}", hint=hint)
+    return found
+
+
+def _header(record: NodeRecord, where: Places, iris: Iris) -> dict[str, Any]:
+    known, repository = record.node, record.repository
+    return {
+        "iri": record.iri,
+        "name": known.name,
+        "full_name": record.full_name,
+        "kind": str(known.kind),
+        "language": LANGUAGES.get(known.language, known.language),
+        "ros": known.ros,
+        "package": {"name": record.package, "iri": iris.package(repository, record.package)},
+        "repository": {"name": repository, "iri": iris.repository(repository)},
+        "commit": record.commit,
+        "executable": known.executable,
+        "plugin": known.plugin,
+        "node_name": known.node_name,
+        "aliases": list(known.aliases),
+        "base_class": known.base_class,
+        "start": how_to_start(record),
+        "evidence": where.evidence(repository, known.location),
+        "sources": [where.evidence(repository, Location(path, 0)) for path in known.sources],
+    }
+
+
+def _description(one: Description, record: NodeRecord, where: Places) -> dict[str, Any]:
+    return {
+        "text": one.text,
+        "kind": str(one.kind),
+        "heading": one.heading,
+        "evidence": where.evidence(record.repository, one.location),
+    }
+
+
+def _inferred(snapshot: EmbeddedSnapshot, iris: Iris, iri: str) -> Mapping[str, frozenset[str]]:
+    """Return what rules derived of a thing: objects by property."""
+    found: defaultdict[str, set[str]] = defaultdict(set)
+    query = f"SELECT ?p ?o {{ GRAPH <{iris.graph('inferred')}> {{ <{iri}> ?p ?o }} }}"
+    for predicate, value in rows(snapshot, query):
+        found[predicate].add(value)
+    return {predicate: frozenset(values) for predicate, values in found.items()}
+
+
+def _classes(
+    snapshot: EmbeddedSnapshot, iri: str, inferred: Mapping[str, frozenset[str]]
+) -> dict[str, list[dict[str, Any]]]:
+    """Return the functions, the hardware and the capabilities of a node, with what says that they are inferred."""
+    predicates = " ".join(f"rnkg:{name}" for name in _CLASSES.values())
+    query = f"SELECT DISTINCT ?p ?o {{ VALUES ?p {{ {predicates} }} GRAPH ?g {{ <{iri}> ?p ?o }} }}"
+    pairs = list(rows(snapshot, query))
+    known = labels(snapshot, {value for _, value in pairs})
+    found: dict[str, list[dict[str, Any]]] = {kind: [] for kind in _CLASSES}
+    for kind, name in _CLASSES.items():
+        for predicate, value in pairs:
+            if predicate == v.RNKG + name:
+                label = known.get(value) or value.rpartition("#")[2]
+                derived = value in inferred.get(predicate, ())
+                found[kind].append(
+                    {"iri": value, "label": label, "inferred": derived, "fact": fact(iri, predicate, value)}
+                )
+        found[kind].sort(key=lambda one: (one["label"], one["iri"]))
+    return found

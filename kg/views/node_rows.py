@@ -1,0 +1,100 @@
+"""The rows of a node's page: its interfaces and its parameters, each with its evidence."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.facts import Role
+from kg.graph import vocabulary as v
+from kg.graph.records import interface_object, parameter_object
+from kg.views.wording import TITLES, accesses, how, parameter_groups, quality
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from kg.facts import Interface, Parameter
+    from kg.graph.iris import Iris
+    from kg.graph.reading import NodeRecord
+    from kg.views.evidence import Places
+
+__all__ = ["DIRECT", "TYPES", "fact", "interface_rows", "parameter_rows"]
+
+DIRECT: Final = {
+    Role.PUBLISHES: "publishes",
+    Role.SUBSCRIBES: "subscribes",
+    Role.SERVICES: "provides",
+    Role.CLIENTS: "calls",
+    Role.ACTION_SERVERS: "servesAction",
+    Role.ACTION_CLIENTS: "callsAction",
+}
+"""The property of RNKG that leads from a node to the channel of an interface, by role."""
+TYPES: Final = {"topic": "message", "service": "service-type", "action": "action-type"}
+"""The kind of IRI that the type of a channel has."""
+
+
+def fact(subject: str, predicate: str, value: str) -> dict[str, str]:
+    """Return a triple of IRIs as the view `why` takes it."""
+    return {"subject": subject, "predicate": predicate, "object": value}
+
+
+def interface_rows(
+    record: NodeRecord, where: Places, iris: Iris, inferred: Mapping[str, frozenset[str]]
+) -> list[dict[str, Any]]:
+    """Return the interfaces of a node by role, what frameworks make behind the others of a role.
+
+    `inferred` has what rules derived of the node: objects by property. The keys are those of an interface in
+    `kg nodes --json` (docs/formats.md), and `role`, `title`, `kind` (topic, service, action), `outward`, `iri`,
+    `type_iri`, `channel_iri`, `quality` and `how` (words), `switches`, `evidence`, and `fact` where rules infer the
+    direct relation.
+    """
+    chosen = sorted(record.node.interfaces, key=lambda one: (list(Role).index(one.role), one.implicit))
+    return [_interface(one, record, where, iris, inferred) for one in chosen]
+
+
+def _interface(
+    one: Interface, record: NodeRecord, where: Places, iris: Iris, inferred: Mapping[str, frozenset[str]]
+) -> dict[str, Any]:
+    role, known = one.role, one.resolved and "{}" not in one.resolved
+    channel = iris.channel(role.channel, one.resolved) if one.resolved and known else None
+    predicate = v.RNKG + DIRECT[role]
+    return {
+        **interface_object(one),
+        "role": str(role),
+        "title": TITLES[role],
+        "kind": role.channel,
+        "outward": role.outward,
+        "iri": record.ends.get(one),
+        "type_iri": iris.interface_type(TYPES[role.channel], one.type) if one.type else None,
+        "channel_iri": channel,
+        "quality": quality(one.qos) if one.qos else "",
+        "how": how(one),
+        "switches": list(one.switches),
+        "evidence": where.evidence(record.repository, one.location),
+        "fact": fact(record.iri, predicate, channel) if channel and channel in inferred.get(predicate, ()) else None,
+    }
+
+
+def parameter_rows(record: NodeRecord, where: Places) -> list[dict[str, Any]]:
+    """Return the parameters of a node, each once.
+
+    The keys are those of a parameter in `kg nodes --json` of the line that declares it, `default`, `type` and
+    `description` where any line has them, and `iri`, `does` (words), `evidence` and `places` (of each line its
+    evidence and `access`).
+    """
+    return [_parameter(group, record, where) for group in parameter_groups(record.node.parameters)]
+
+
+def _parameter(group: Sequence[Parameter], record: NodeRecord, where: Places) -> dict[str, Any]:
+    first, places = group[0], [where.evidence(record.repository, one.location) for one in group]
+    told = {
+        key: next((value for one in group if (value := getattr(one, key)) is not None), None)
+        for key in ("type", "default", "description")
+    }
+    return {
+        **parameter_object(first),
+        **told,
+        "iri": record.settable.get(first),
+        "does": accesses(group),
+        "evidence": places[0],
+        "places": [{**place, "access": str(one.access)} for one, place in zip(group, places, strict=True)],
+    }

@@ -1,0 +1,134 @@
+"""The start: what the store was read from and in which state, how much of each kind it has, what to ask first."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.errors import KgError
+from kg.graph.source_states import sources
+from kg.query.core import run
+from kg.query.result import Solutions
+from kg.query.stored import find
+from kg.views.remembered import once
+from kg.views.stored import query_object
+from kg.views.systems import known_names
+
+if TYPE_CHECKING:
+    from kg.graph.source_states import SourceState
+    from kg.settings import Settings
+    from kg.store.snapshot import EmbeddedSnapshot
+
+__all__ = ["QUESTIONS", "overview"]
+
+QUESTIONS: Final = {
+    "explore/who-publishes": "Who publishes this topic?",
+    "explore/who-subscribes": "Who subscribes to this topic?",
+    "explore/interface-of-node": "What goes in and out of this node?",
+    "explore/nodes-by-type": "Which nodes use this message type?",
+    "explore/feeds": "Which nodes get what this node publishes?",
+    "explore/parameters-of-node": "Which parameters does this node have?",
+    "explore/hardware": "Which hardware does this node work with?",
+    "explore/unconnected": "Which topics have one end only?",
+}
+"""Stored queries that people who work with ROS ask first, and how they would say them."""
+_WHOLE: Final = {"explore/unconnected"}
+"""Questions about the whole store, though the query takes a parameter."""
+_BUSIEST: Final = """SELECT ?node { ?node a rnkg:NodeType ; ros:hasComponent ?end }
+    GROUP BY ?node ORDER BY DESC(COUNT(?end)) ?node LIMIT 1"""
+"""Counted with what frameworks make, since to tell that apart takes seconds in a large store."""
+_TOPICS: Final = '"/scan" "/cmd_vel" "/odom" "/image_raw" "/joint_states"'
+_TYPES: Final = '"sensor_msgs/LaserScan" "geometry_msgs/Twist" "sensor_msgs/Image"'
+"""What everybody knows."""
+_KNOWN: Final = """SELECT ?label {{ VALUES ?label {{ {names} }}
+    FILTER EXISTS {{ ?known rdfs:label ?label . ?node {property} ?known }} }} LIMIT 1"""
+_OF_NODE: Final = """SELECT ?label {{ {node} {property} ?known . ?known rdfs:label ?label
+    FILTER(?label NOT IN ("/rosout", "/parameter_events")) }} ORDER BY ?label LIMIT 1"""
+_EXAMPLES: Final = {
+    "explore/who-publishes": (_TOPICS, "rnkg:publishes"),
+    "explore/who-subscribes": (_TOPICS, "rnkg:subscribes"),
+    "explore/nodes-by-type": (_TYPES, "ros:hasMessage"),
+}
+"""For questions about a topic or a type: names that are tried, and the property that leads to one in use."""
+
+
+def overview(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, Any]:
+    """Return what a start page shows.
+
+    `snapshot` is the identity of the snapshot. `sources` has for each source `name`, `remote`, `branch`, `commit`,
+    `dirty`, `read` (ISO 8601), `version` (of `kg`), and the counts `packages`, `nodes`, `interfaces`, `unresolved`,
+    `files`, `problems`. `counts` maps kinds of things to how many there are, `systems` is how many launch
+    configurations. `unresolved` and `interfaces` are sums over the sources. `questions` are objects of `stored` without
+    their text, with `question` (as people say it), and in `parameters` an `example` that this store has.
+    """
+    states = sources(snapshot)
+    return {
+        "snapshot": snapshot.identity,
+        "sources": [_source(one) for one in states],
+        "counts": _counts(snapshot),
+        "systems": len(known_names(snapshot)),
+        "interfaces": sum(one.counts.interfaces for one in states),
+        "unresolved": sum(one.counts.unresolved for one in states),
+        "questions": _questions(snapshot, settings),
+    }
+
+
+def _source(state: SourceState) -> dict[str, Any]:
+    counts = state.counts
+    return {
+        "name": state.name,
+        "remote": state.remote,
+        "branch": state.branch,
+        "commit": state.commit,
+        "dirty": state.dirty,
+        "read": state.read,
+        "version": state.version,
+        "packages": counts.packages,
+        "nodes": counts.nodes,
+        "interfaces": counts.interfaces,
+        "unresolved": counts.unresolved,
+        "files": counts.files,
+        "problems": counts.problems,
+    }
+
+
+@once
+def _counts(snapshot: EmbeddedSnapshot) -> dict[str, int]:
+    result = run(snapshot, find("completeness/entities-by-kind").text)
+    rows = result.rows if isinstance(result, Solutions) else ()
+    return {getattr(kind, "value", ""): int(getattr(number, "value", 0)) for kind, number in rows}
+
+
+def _questions(snapshot: EmbeddedSnapshot, settings: Settings) -> list[dict[str, Any]]:
+    """Return the questions; one whose query is not there is left out."""
+    found = []
+    for name, question in QUESTIONS.items():
+        try:
+            told = query_object(find(name, settings.queries))
+        except KgError:
+            continue
+        parameters = [] if name in _WHOLE else told["parameters"]
+        for parameter in parameters:
+            parameter["example"] = _example(snapshot, name, parameter["name"]) or parameter["example"]
+        del told["text"]
+        found.append({**told, "question": question, "parameters": parameters})
+    return found
+
+
+@once
+def _example(snapshot: EmbeddedSnapshot, query: str, parameter: str) -> str | None:
+    """Return what of the store the first parameter of a question can be; None when there is nothing."""
+    names, leads = _EXAMPLES.get(query, ("", ""))
+    known = _first(snapshot, _KNOWN.format(names=names, property=leads)) if names else None
+    busiest = None if known else _first(snapshot, _BUSIEST)
+    if busiest and parameter in {"node", "from"}:
+        known = _first(snapshot, f"SELECT ?name {{ {busiest} rnkg:name ?name }} LIMIT 1")
+    elif busiest and names:
+        path = f"ros:hasComponent/{leads}" if names == _TYPES else leads
+        known = _first(snapshot, _OF_NODE.format(node=busiest, property=path))
+    return None if known is None else str(getattr(known, "value", known))
+
+
+def _first(snapshot: EmbeddedSnapshot, query: str) -> Any:
+    """Return the first term of an answer; None when there is none."""
+    result = run(snapshot, query)
+    return result.rows[0][0] if isinstance(result, Solutions) and result.rows else None

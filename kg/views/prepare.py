@@ -1,0 +1,27 @@
+"""What takes long the first time, worked out before somebody asks: the view `prepare`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kg.views.complete import kept_of
+from kg.views.find import search_over
+
+if TYPE_CHECKING:
+    from kg.settings import Settings
+    from kg.store.snapshot import EmbeddedSnapshot
+
+__all__ = ["prepare"]
+
+
+def prepare(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, int]:
+    """Build the index of the search and the statistics of completion, which the store then keeps.
+
+    Returns how many nodes (`nodes`) the index has.
+
+    Raises:
+        UsageError: KG704 for a folder without a model.
+    """
+    search = search_over(snapshot, settings)
+    kept_of(snapshot, settings).statistics(fresh=True)
+    return {"nodes": search.index.size}

@@ -1,0 +1,54 @@
+"""What views work out once for a snapshot: its content never changes while it is held."""
+
+from __future__ import annotations
+
+from functools import wraps
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
+from weakref import WeakKeyDictionary
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kg.store.snapshot import EmbeddedSnapshot
+
+__all__ = ["once", "while_last"]
+
+_Rest = ParamSpec("_Rest")
+_Found = TypeVar("_Found")
+_KNOWN: WeakKeyDictionary[Any, dict[Any, Any]] = WeakKeyDictionary()
+
+
+def once(
+    function: Callable[Concatenate[EmbeddedSnapshot, _Rest], _Found],
+) -> Callable[Concatenate[EmbeddedSnapshot, _Rest], _Found]:
+    """Return `function`, so that it runs once for a snapshot and other arguments; these can be hashed.
+
+    What it returns is shared, so nobody changes it; it is let go of with the snapshot.
+    """
+    return _kept(function, several=True)
+
+
+def while_last(
+    function: Callable[Concatenate[EmbeddedSnapshot, _Rest], _Found],
+) -> Callable[Concatenate[EmbeddedSnapshot, _Rest], _Found]:
+    """Return `function`, so that it runs again for other arguments only, as `once` does; what is large is kept so."""
+    return _kept(function, several=False)
+
+
+def _kept(
+    function: Callable[Concatenate[EmbeddedSnapshot, _Rest], _Found], *, several: bool
+) -> Callable[Concatenate[EmbeddedSnapshot, _Rest], _Found]:
+    """Return `function` with its answers to several arguments kept, or with the last alone."""
+
+    @wraps(function)
+    def known(snapshot: EmbeddedSnapshot, /, *arguments: _Rest.args, **named: _Rest.kwargs) -> _Found:
+        answers: dict[Any, _Found] = _KNOWN.setdefault(snapshot, {}).setdefault(function, {})
+        key = (arguments, tuple(sorted(named.items())))
+        if key not in answers:
+            found = function(snapshot, *arguments, **named)
+            if not several:
+                answers.clear()
+            answers[key] = found
+        return answers[key]
+
+    return known

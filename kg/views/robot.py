@@ -1,0 +1,54 @@
+"""What a system or a package of the store can do: the view `capabilities`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+
+from kg.errors import UsageError
+from kg.graph.iris import Iris
+from kg.robot.capabilities import added, capabilities_of, package_iri
+from kg.views.systems import system_named
+
+if TYPE_CHECKING:
+    from kg.robot.capability import Capabilities
+    from kg.settings import Settings
+    from kg.store.snapshot import EmbeddedSnapshot
+
+__all__ = ["capabilities"]
+
+
+def capabilities(
+    snapshot: EmbeddedSnapshot, settings: Settings, *, system: str = "", package: str = "", every: str = ""
+) -> dict[str, Any]:
+    """Return what a launch configuration, a running system, or a package can do.
+
+    `system` is named as in the view `system`, `package` is `name` or `repository:name`; of a package beside a system
+    only what it would add is there. Without `every` (any text) general capabilities, which others imply, are left out.
+    The answer is `{"of", "general", "capabilities"}`: `general` is how many were left out, the objects are those of
+    `kg robot capabilities --json` without the keys that are empty.
+
+    Raises:
+        UnknownNameError: KG422 for a system and KG001 for a package that the store does not have.
+        UsageError: KG003 when neither is named, or when several are called so.
+    """
+    if not system and not package:
+        raise UsageError("KG003", "neither a system nor a package is named", hint="Give `system` or `package`.")
+    if not package:
+        found = _of_system(snapshot, settings, system)
+    else:
+        found = capabilities_of(snapshot, package_iri(snapshot, package), package)
+        found = added(found, _of_system(snapshot, settings, system)) if system else found
+    chosen = [one for one in found.capabilities if every or one.ways]
+    return {
+        "of": found.of,
+        "general": len(found.capabilities) - len(chosen),
+        "capabilities": msgspec.to_builtins(chosen),
+    }
+
+
+def _of_system(snapshot: EmbeddedSnapshot, settings: Settings, name: str) -> Capabilities:
+    meant = system_named(snapshot, name, base=settings.base)
+    iri = Iris(settings.base).configuration(meant.repository, meant.path)
+    return capabilities_of(snapshot, iri, meant.name)

@@ -1,0 +1,180 @@
+"""What one rule would infer on a snapshot, each fact with one way in which it comes about; nothing is written."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, NamedTuple, TypeAlias
+
+from pyoxigraph import BlankNode
+
+from kg.errors import RuleError
+from kg.query.prefixes import PREFIXES
+from kg.rules.authoring.examples import parse_examples
+from kg.rules.authoring.library import Library
+from kg.rules.authoring.spelling import spell_triple
+from kg.rules.authoring.testing import run_example
+from kg.rules.dependencies import depends, reads
+from kg.rules.engine.heads import made_node
+from kg.rules.explain.closures import is_auxiliary
+from kg.rules.explain.derivations import bound_by, derivation_of
+from kg.rules.explain.unify import instance
+from kg.rules.form import Exists
+from kg.rules.scope import bound_in, mentions
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from pyoxigraph import Triple
+
+    from kg.rules.explain.proof import Derivation
+    from kg.rules.explain.view import View
+    from kg.rules.files import RuleFile
+    from kg.rules.form import Rule, Term
+
+Solution: TypeAlias = "dict[str, Term]"
+
+__all__ = ["Found", "Tried", "examples", "trial"]
+
+_SECONDS: Final = 5.0
+"""How long matches are looked for."""
+_PAGES: Final = 5
+"""So many facts are tried as an example."""
+_PAGE: Final = """# {title}
+
+## As the store has it
+
+```turtle given
+{given}
+```
+
+```turtle expect
+{expected}
+```
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A fact that a rule infers, and how; `known` tells whether the store has it already."""
+
+    fact: Triple
+    derivation: Derivation
+    known: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Tried:
+    """What a rule infers: `facts` are those told, new ones first; of `looked` that were found, `fresh` are new.
+
+    `whole` tells that there are no others, `recursive` that the rule reads what it infers, so that running it gives
+    more.
+    """
+
+    facts: tuple[Found, ...]
+    looked: int
+    fresh: int
+    whole: bool
+    recursive: bool
+
+
+class _Match(NamedTuple):
+    """How a fact was found first, and whether the store has it."""
+
+    rule: Rule
+    solution: Solution
+    known: bool
+
+
+def trial(view: View, file: RuleFile, told: int) -> Tried:
+    """Apply the rules of a file once to all that the store has, inferences among it; at most `told` facts are told.
+
+    The store's engine looks for the matches for some seconds: reading what a rule needs takes longer on large stores.
+    """
+    rules = [rule for rule in file.rules if not any(is_auxiliary(head.predicate) for head in rule.head)]
+    facts: dict[Triple, _Match] = {}
+    end = time.monotonic() + _SECONDS
+    whole = True
+    for number, rule in enumerate(rules):
+        now = time.monotonic()
+        until = now + (end - now) / (len(rules) - number)
+        whole = _look(view, rule, facts, until) and whole
+    found: list[Found] = []
+    for fact, match in sorted(facts.items(), key=lambda item: item[1].known):
+        if len(found) == told:
+            break
+        derivation = derivation_of(view, match.rule, match.solution)
+        if derivation is not None:
+            found.append(Found(fact, derivation, match.known))
+    fresh = sum(not match.known for match in facts.values())
+    return Tried(tuple(found), len(facts), fresh, whole, _recursive(file.rules))
+
+
+def _look(view: View, rule: Rule, facts: dict[Triple, _Match], until: float) -> bool:
+    """Put what a rule infers among the `facts` till a time, and tell whether that is all.
+
+    Each EXISTS is asked for by itself. Inside of a query the engine does not see there what is bound around it, and
+    looks through all that it may match.
+    """
+    inner = [(index, element) for index, element in enumerate(rule.body) if isinstance(element, Exists)]
+    asked = [(one, [each.name for each in bound_in(rule.body[:index]) & mentions(one)]) for index, one in inner]
+    outer = [element for element in rule.body if not isinstance(element, Exists)]
+    for solution in view.stream(outer, bound_by(outer), {}):
+        if time.monotonic() > until:
+            return False
+        if all(_holds(view, one, {name: solution[name] for name in names if name in solution}) for one, names in asked):
+            for fact in _facts(rule, solution):
+                if fact not in facts:
+                    facts[fact] = _Match(rule, solution, bool(view.graphs(fact)))
+    return True
+
+
+def _holds(view: View, element: Exists, seen: Solution) -> bool:
+    return bool(view.solutions(element.body, list(seen), seen, 1)) != element.negated
+
+
+def _facts(rule: Rule, solution: Solution) -> Iterator[Triple]:
+    """Yield the facts of a solution, with the blank nodes that the engine of rules would make."""
+    labels = {node for head in rule.head for node in head.positions if isinstance(node, BlankNode)}
+    names = bound_by(rule.body) if labels else []
+    made = {str(node): made_node(rule, node.value, names, solution) for node in labels}
+    for head in rule.head:
+        fact = instance(head, {**solution, **made})
+        if fact is not None:
+            yield fact
+
+
+def _recursive(rules: Sequence[Rule]) -> bool:
+    heads = [head for rule in rules for head in rule.head]
+    return any(depends(one.atom, head) for rule in rules for one in reads(rule) for head in heads)
+
+
+def examples(file: RuleFile, found: Sequence[Found]) -> str:
+    """Return a page of examples for `kg rules test`, made of the first fact found whose premises alone give it.
+
+    Empty where there is none: where the rule counts, for instance, what it counts is no premise.
+    """
+    for one in found[:_PAGES]:
+        page = _page(file, one.derivation)
+        try:
+            results = [run_example(file, example, Library(())) for example in parse_examples(page, "examples")]
+        except RuleError:
+            continue
+        if all(result.passed for result in results):
+            return page
+    return ""
+
+
+def _page(file: RuleFile, derivation: Derivation) -> str:
+    prefixes = {**PREFIXES, **(file.prefixes or {})}
+    heads = [fact for head in derivation.rule.head if (fact := instance(head, derivation.bindings))]
+    given = _statements(derivation.facts, prefixes)
+    expected = _statements(heads, prefixes)
+    title = file.documentation.title or file.name
+    return _PAGE.format(title=title, given=given, expected=expected)
+
+
+def _statements(facts: Sequence[Triple], prefixes: Mapping[str, str]) -> str:
+    lines = [f"{spell_triple(fact, prefixes)} ." for fact in facts]
+    used = {name for name in prefixes if name not in PREFIXES and any(f"{name}:" in line for line in lines)}
+    return "\n".join([*(f"@prefix {name}: <{prefixes[name]}> ." for name in sorted(used)), *lines])

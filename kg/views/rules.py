@@ -1,0 +1,253 @@
+"""Rules: by family with their documentation, who feeds whom, what the last run did; and all about one."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+from pyoxigraph import NamedNode
+
+from kg.errors import RuleError
+from kg.graph.vocabulary import RNKG
+from kg.pipeline.inferring import digest, last_run
+from kg.pipeline.reasoning import explained_vocabulary, ontology_schema
+from kg.query.prefixes import PREFIXES, shorten
+from kg.rules.authoring.graph import RuleGraph, rule_graph
+from kg.rules.authoring.library import Library
+from kg.rules.authoring.manual import documentation, entry_object, manual, manual_object
+from kg.rules.authoring.naming import find_rule
+from kg.rules.dependencies import writes
+from kg.rules.explain.view import View
+from kg.rules.files import Documentation
+from kg.rules.form import AUXILIARY
+from kg.rules.recording import Names
+from kg.store.opening import layout_of
+from kg.views.evidence import Places
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+    from pathlib import Path
+
+    from kg.graph.reading import Queryable
+    from kg.rules.authoring.library import Entry
+    from kg.rules.files import RuleFile
+    from kg.rules.form import Atom
+    from kg.settings import Settings
+    from kg.store.snapshot import EmbeddedSnapshot
+
+__all__ = ["rule", "rules"]
+
+_SAMPLE: Final = 20
+_HEADS: Final = 12
+"""So many kinds of triples that a rule derives are looked up."""
+_RUN: Final = f"""SELECT ?run ?started ?ended ?inferred {{
+  ?run a <{RNKG}RuleRun> ; prov:startedAtTime ?started ; prov:endedAtTime ?ended ; <{RNKG}inferredCount> ?inferred
+}} ORDER BY DESC(?started) LIMIT 1"""
+_PREFIXES: Final = {**PREFIXES, "prov": "http://www.w3.org/ns/prov#"}
+
+
+@dataclass(frozen=True, slots=True)
+class _Known:
+    """The rules at hand, who feeds whom, and what is wrong with them."""
+
+    library: Library
+    graph: RuleGraph
+    errors: tuple[RuleError, ...]
+
+
+_LAST: Final[dict[str, _Known]] = {}
+"""What was read last, by the digest of the rules."""
+
+
+def _known(settings: Settings, mark: str) -> _Known:
+    """Return the rules of the settings; they are read again when the digest of their files is another."""
+    if mark not in _LAST:
+        library = Library.of(settings)
+        files, errors = library.read_all()
+        try:
+            graph = rule_graph(files, ontology_schema())
+        except RuleError as error:
+            graph, errors = RuleGraph((), (), {}, {}), [*errors, error]
+        _LAST.clear()
+        _LAST[mark] = _Known(library, graph, tuple(errors))
+    return _LAST[mark]
+
+
+def rules(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, Any]:
+    """Return all rules that there are.
+
+    `families` lists `family`, `in_force` (whether any of it is) and its `rules`: objects as of `kg rules list --json`
+    with `sections` (heading to text, as `kg rules show` prints them) and, of the last run of all rules, `seconds`,
+    `derived` (triples that it was the first to derive) and `rounds`; these are None where that is not known. `graph`
+    has `nodes` (`rule`, `title`, `family`, `strata`, `recursive`) and `edges` (`from`, `to`, `terms`, `absent`: whether
+    the reader asks for what is not there). `run` is None or has `started`, `ended`, `inferred`, `asserted`, `seconds`
+    (of all rules), `fired` and `ran` (how many rules derived something, and how many there were). `problems` are
+    errors as texts.
+    """
+    known = _known(settings, digest(settings))
+    library, costs = known.library, _costs(settings)
+    families: dict[str, list[dict[str, Any]]] = defaultdict(list)
+    for entry in library.entries.values():
+        families[entry.family].append(_listed(library, entry, costs))
+    return {
+        "families": [
+            {"family": name, "in_force": any(one["in_force"] for one in found), "rules": found}
+            for name, found in sorted(families.items())
+        ],
+        "graph": _graph_object(known.graph),
+        "run": _run(snapshot, settings, costs, len(library.in_force)),
+        "problems": [f"{error.code}: {error.message} ({error.place})" for error in known.errors],
+    }
+
+
+def rule(snapshot: EmbeddedSnapshot, settings: Settings, name: str) -> dict[str, Any]:
+    """Return all about one rule: the object of `kg rules show --json`, and beside it what follows.
+
+    `place` and `examples_place` are places of `kg.views.evidence`; `seconds`, `derived` and `rounds` are as in `rules`.
+    `around` is the graph of the rule with those that feed it and that it feeds. `inferred` is a sample of inferred
+    triples of the kinds that it derives, as `subject`, `predicate`, `object` (each in the syntax of N-Triples) with
+    `labels` (as people read the three); other rules may give them too. `found` counts the inferred triples of each
+    kind that it derives. `problem` is what is wrong with the rules, or None.
+
+    Raises:
+        UnknownNameError: KG001 with what was probably meant.
+        RuleError: KG2xx for a rule that cannot be read.
+    """
+    every = _known(settings, digest(settings))
+    entry = find_rule(every.library, name)
+    known = manual(every.library, entry, ontology_schema(), every.graph)
+    problem = next(iter((known.problem, *every.errors)), None)
+    heads = _heads(known.file)
+    return {
+        **manual_object(entry, known),
+        **_cost(entry.name, _costs(settings)),
+        "place": _place(entry, entry.path),
+        "examples_place": _place(entry, entry.examples) if entry.examples.is_file() else None,
+        "around": _graph_object(every.graph.around({entry.name})),
+        "found": [{"kind": kind, "triples": _number(snapshot, settings, pattern)} for kind, pattern in heads.items()],
+        "inferred": list(_sample(snapshot, settings, heads)),
+        "problem": f"{problem.code}: {problem.message}" if problem else None,
+    }
+
+
+def _place(entry: Entry, path: Path) -> dict[str, Any]:
+    """Return the place of a file of a rule, by the name that people know it by."""
+    return {**Places.own(path, 1), "path": f"{entry.name}{path.suffix}"}
+
+
+def _listed(library: Library, entry: Entry, costs: Mapping[str, Any]) -> dict[str, Any]:
+    error = None
+    try:
+        told = library.read(entry.name).documentation
+    except RuleError as problem:
+        error, told = problem, _header(entry)
+    return {**entry_object(entry, told, error), "sections": dict(told.sections or {}), **_cost(entry.name, costs)}
+
+
+def _header(entry: Entry) -> Documentation:
+    try:
+        return documentation(entry)
+    except RuleError:
+        return Documentation()
+
+
+def _costs(settings: Settings) -> Mapping[str, Any]:
+    found = last_run(layout_of(settings).cache)
+    return found.costs if found else {}
+
+
+def _cost(name: str, costs: Mapping[str, Any]) -> dict[str, Any]:
+    seconds, derived, rounds = costs.get(name, (None, None, None))
+    return {"seconds": seconds, "derived": derived, "rounds": rounds}
+
+
+def _run(
+    snapshot: EmbeddedSnapshot, settings: Settings, costs: Mapping[str, Any], in_force: int
+) -> dict[str, Any] | None:
+    """Return what is known of the last run; None where rules never ran."""
+    row = next(_rows(snapshot, _RUN), None)
+    if row is None:
+        return None
+    last = last_run(layout_of(settings).cache)
+    return {
+        "started": row["started"].value,
+        "ended": row["ended"].value,
+        "inferred": last.inferred if last else int(row["inferred"].value),
+        "asserted": last.asserted if last else None,
+        "seconds": sum(seconds for seconds, _, _ in costs.values()) if costs else None,
+        "fired": sum(1 for _, derived, _ in costs.values() if derived) if costs else None,
+        "ran": in_force,
+    }
+
+
+def _graph_object(graph: RuleGraph) -> dict[str, Any]:
+    edges: dict[tuple[str, str], dict[str, Any]] = {}
+    writers: dict[str, list[str]] = defaultdict(list)
+    for name, term in graph.derives:
+        writers[term].append(name)
+    for (term, reader), absent in graph.reads.items():
+        for writer in writers[term]:
+            edge = edges.setdefault((writer, reader), {"terms": [], "absent": False})
+            edge["terms"].append(term)
+            edge["absent"] = edge["absent"] or absent
+    return {
+        "nodes": [
+            {
+                "rule": node.name,
+                "title": node.title,
+                "family": node.family,
+                "strata": list(node.strata),
+                "recursive": node.recursive,
+            }
+            for node in graph.rules
+        ],
+        "edges": [{"from": one, "to": other, **edge} for (one, other), edge in sorted(edges.items())],
+    }
+
+
+def _heads(file: RuleFile) -> dict[str, str]:
+    """Return the kinds of triples that a rule derives, spelt, each with the pattern that matches them."""
+    found: dict[str, str] = {}
+    for atom in (atom for one in file.rules for atom in writes(one)):
+        if isinstance(atom.predicate, NamedNode) and not atom.predicate.value.startswith(AUXILIARY):
+            kind, pattern = _pattern(atom)
+            found.setdefault(kind, pattern)
+    return dict(list(found.items())[:_HEADS])
+
+
+def _pattern(atom: Atom) -> tuple[str, str]:
+    what = atom.object
+    if shorten(str(getattr(atom.predicate, "value", ""))) == "rdf:type" and isinstance(what, NamedNode):
+        return (
+            f"a {shorten(what.value)}",
+            f"?s {atom.predicate} {what} . BIND({atom.predicate} AS ?p) BIND({what} AS ?o)",
+        )
+    return shorten(str(getattr(atom.predicate, "value", ""))), f"?s {atom.predicate} ?o . BIND({atom.predicate} AS ?p)"
+
+
+def _inferred(settings: Settings) -> NamedNode:
+    return Names.of(settings.base, RNKG).inferred
+
+
+def _number(snapshot: EmbeddedSnapshot, settings: Settings, pattern: str) -> int:
+    query = f"SELECT (COUNT(*) AS ?n) {{ GRAPH {_inferred(settings)} {{ {pattern} }} }}"
+    return int(next(_rows(snapshot, query))["n"].value)
+
+
+def _sample(snapshot: EmbeddedSnapshot, settings: Settings, heads: Mapping[str, str]) -> Iterator[dict[str, Any]]:
+    """Yield some inferred triples, as many of each kind."""
+    each = max(1, _SAMPLE // max(1, len(heads)))
+    known = View(snapshot, explained_vocabulary(settings.base))
+    for pattern in heads.values():
+        query = f"SELECT ?s ?p ?o {{ GRAPH {_inferred(settings)} {{ {pattern} }} }} LIMIT {each}"
+        for row in _rows(snapshot, query):
+            terms = (row["s"], row["p"], row["o"])
+            yield {
+                **dict(zip(("subject", "predicate", "object"), map(str, terms), strict=True)),
+                "labels": [known.label(terms[0]), known.spelt(terms[1]), known.label(terms[2])],
+            }
+
+
+def _rows(graph: Queryable, query: str) -> Iterator[Any]:
+    return iter(graph.query(query, prefixes=_PREFIXES))

@@ -1,0 +1,78 @@
+"""Stored queries: what they answer, what they take, and their text with values in it."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+from kg.errors import UsageError
+from kg.query.binding import bind
+from kg.query.stored import discover, find
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kg.query.stored import StoredQuery
+    from kg.settings import Settings
+    from kg.store.interface import Snapshot
+
+__all__ = ["query_object", "stored"]
+
+
+def query_object(query: StoredQuery) -> dict[str, Any]:
+    """Return a query as plain values: `query` (its name), `title`, `description`, `file`, `parameters`, `text`.
+
+    A parameter has `name`, `type` (string, name, integer, boolean or iri), `example`, `description` and `default`
+    (SPARQL, null when it may be left out).
+    """
+    return {
+        "query": query.name,
+        "title": query.title,
+        "description": query.description,
+        "file": str(query.path),
+        "parameters": [
+            {
+                "name": one.name,
+                "type": one.type,
+                "example": one.example,
+                "description": one.description,
+                "default": one.default,
+            }
+            for one in query.parameters
+        ],
+        "text": query.text,
+    }
+
+
+def stored(
+    snapshot: Snapshot,  # noqa: ARG001 - every view is given it
+    settings: Settings,
+    name: str = "",
+    values: str | Mapping[str, str] = "",
+) -> dict[str, Any]:
+    """Return the stored queries as `queries`, sorted by name; or of the one called `name` its `query_object`.
+
+    The one also has `bound`, its text with `values` for its parameters: name to text, or a JSON object of such. Empty
+    values are left out.
+
+    Raises:
+        UsageError: KG001 for a name that no query has, KG003 for values that are no JSON object.
+        QueryError: KG505 for a value that is none of its parameter's type.
+    """
+    if not name:
+        return {"queries": [query_object(one) for one in discover(settings.queries).values()]}
+    query = find(name, settings.queries)
+    given = {key: value for key, value in _object(values).items() if value}
+    return {**query_object(query), "bound": bind(query.text, query.bind(given))}
+
+
+def _object(values: str | Mapping[str, str]) -> Mapping[str, str]:
+    if not isinstance(values, str):
+        return values
+    try:
+        found = json.loads(values or "{}")
+    except json.JSONDecodeError as error:
+        raise UsageError("KG003", f"the values are no JSON: {error}") from error
+    if not isinstance(found, dict) or not all(isinstance(value, str) for value in found.values()):
+        raise UsageError("KG003", "the values are no JSON object of texts", hint='Write {"NAME": "VALUE"}.')
+    return found

@@ -1,0 +1,157 @@
+"""A system as a graph to be drawn: instances, the channels between them, and namespaces as groups."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.render.system_graph import bundles, of_framework
+from kg.render.text import count
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterable, Mapping, Sequence
+
+    from kg.facts import NodeInstance
+    from kg.graph.iris import Iris
+    from kg.lint.finding import Finding
+    from kg.render.system_graph import Bundle, Member, SystemGraph
+
+__all__ = ["picture"]
+
+_TRANSFORMS: Final = frozenset({"/tf", "/tf_static"})
+_NAMED: Final = 12
+"""So many channels of a bundle are named."""
+
+
+def picture(
+    graph: SystemGraph, keys: Mapping[str, NodeInstance], findings: Sequence[Finding], iris: Iris
+) -> dict[str, Any]:
+    """Return `{"nodes", "edges", "groups"}` for a graph of all ends, and the instances of its members by key.
+
+    A node has `id`, `label`, `kind` (node, topic, service, action), `group` (the innermost namespace that it lies in,
+    None for the root), `detail` (words), `iri` (of the node type, None without one), `findings` (places in the list of
+    findings that are about it), `debug` (frameworks make it, or nearly every node has it), `transforms` (tf) and
+    `loose` (a channel with one side only). Channels of one kind between the same nodes are one node, whose `names` they
+    are. An edge has `source`, `target`, `kind`; a group `id`, `label` and `group`.
+
+    Edges lead from who publishes or calls over the channel to who subscribes or offers.
+    """
+    about: defaultdict[str, list[int]] = defaultdict(list)
+    for number, finding in enumerate(findings):
+        for subject in finding.subjects:
+            about[subject].append(number)
+    spaces = _namespaces(graph.members)
+    types = {key: one.type for key, one in keys.items()}
+    nodes: list[dict[str, Any]] = []
+    edges: list[dict[str, str]] = []
+    for member in graph.members:
+        kind = types.get(member.key)
+        iri = iris.node(kind.repository, kind.package, kind.node) if kind else None
+        nodes.append(_member(member, iri, _within(member.name, spaces), about))
+    ordinary = _ordinary(keys)
+    for bundle in _parted(graph, ordinary, about):
+        nodes.append(_channels(bundle, spaces, ordinary, about))
+        edges += _edges(bundle)
+    groups = [{"id": space, "label": space.rpartition("/")[2], "group": _within(space, spaces)} for space in spaces]
+    return {"nodes": nodes, "edges": edges, "groups": groups}
+
+
+def _namespaces(members: Iterable[Member]) -> list[str]:
+    """Return the namespaces with more than one member in them, and those that they lie in."""
+    inside: defaultdict[str, int] = defaultdict(int)
+    for member in members:
+        parts = member.name.split("/")[1:-1]
+        for level in range(1, len(parts) + 1):
+            inside["/" + "/".join(parts[:level])] += 1
+    return sorted(space for space, number in inside.items() if number > 1)
+
+
+def _within(name: str, spaces: Collection[str]) -> str | None:
+    """Return the innermost of some namespaces that a name lies in."""
+    parts = name.split("/")[:-1]
+    inner = ("/".join(parts[:level]) for level in range(len(parts), 1, -1))
+    return next((space for space in inner if space in spaces), None)
+
+
+def _ordinary(keys: Mapping[str, NodeInstance]) -> frozenset[str]:
+    """Return the names of channels that are at least one node's own doing."""
+    ends = (end for one in keys.values() for end in one.interfaces)
+    return frozenset(end.resolved or "" for end in ends if not of_framework(end))
+
+
+def _parted(graph: SystemGraph, ordinary: Collection[str], about: Collection[str]) -> Iterable[Bundle]:
+    """Yield bundles, parted so that a channel with a finding stands alone, and those of frameworks together."""
+    for bundle in bundles(graph):
+        parts: defaultdict[object, list[Any]] = defaultdict(list)
+        for channel in bundle.channels:
+            alone = channel.name if channel.name in about else ""
+            parts[alone, channel.name in ordinary or channel.open, channel.name in _TRANSFORMS].append(channel)
+        for channels in parts.values():
+            yield replace(bundle, key=channels[0].key, channels=tuple(channels))
+
+
+def _member(member: Member, iri: str | None, group: str | None, about: Mapping[str, list[int]]) -> dict[str, Any]:
+    told = [member.about, "" if member.kind == "node" else member.kind, f"in {member.host}" if member.host else ""]
+    told += [f"if {member.condition}" if member.condition else "", member.reason or "", member.place]
+    return {
+        "id": member.key,
+        "label": member.name.rpartition("/")[2] if group else member.name,
+        "kind": "node",
+        "group": group,
+        "detail": ", ".join(filter(None, told)),
+        "iri": iri,
+        "findings": about.get(member.name, []),
+        "debug": False,
+        "transforms": False,
+        "loose": False,
+        "unknown": member.reason is not None,
+    }
+
+
+def _channels(
+    bundle: Bundle, spaces: Collection[str], ordinary: Collection[str], about: Mapping[str, list[int]]
+) -> dict[str, Any]:
+    first, names = bundle.channels[0], [one.name for one in bundle.channels]
+    more, group = len(names) - 1, _shared({*bundle.sources, *bundle.targets}, spaces)
+    label = first.name.removeprefix(f"{group}/") if group else first.name
+    types = sorted({kind for one in bundle.channels for kind in one.types})
+    told = [", ".join(names[:_NAMED]) if more else "", f"and {len(names) - _NAMED} more" if len(names) > _NAMED else ""]
+    told += [", ".join(types[:_NAMED]), "the name is not known" if first.open else ""]
+    return {
+        "id": f"{bundle.key} ({len(names)})",
+        "label": f"{label} and {count(more, f'other {bundle.kind}')}" if more else label,
+        "kind": bundle.kind,
+        "group": group,
+        "detail": "; ".join(filter(None, told)),
+        "iri": None,
+        "names": names,
+        "findings": sorted({number for name in names for number in about.get(name, ())}),
+        "debug": not first.open and first.name not in ordinary,
+        "transforms": first.name in _TRANSFORMS,
+        "loose": bundle.dangling,
+        "unknown": first.open,
+    }
+
+
+def _shared(members: Iterable[str], spaces: Collection[str]) -> str | None:
+    """Return the innermost namespace that all members of a channel lie in, so that it closes with them."""
+    found = None
+    for number, member in enumerate(sorted(members)):
+        space = _within(member, spaces)
+        found = space if number == 0 else _common(found, space, spaces)
+    return found
+
+
+def _common(one: str | None, other: str | None, spaces: Collection[str]) -> str | None:
+    while one is not None and other != one and not (other or "").startswith(f"{one}/"):
+        one = _within(one, spaces)
+    return one
+
+
+def _edges(bundle: Bundle) -> Iterable[dict[str, str]]:
+    channel = f"{bundle.key} ({len(bundle.channels)})"
+    for member in bundle.sources:
+        yield {"source": member, "target": channel, "kind": bundle.kind}
+    for member in bundle.targets:
+        yield {"source": channel, "target": member, "kind": bundle.kind}

@@ -1,0 +1,129 @@
+"""Launch configurations: the view `systems`, and the one that a name means."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.errors import UsageError
+from kg.graph.iris import Iris
+from kg.graph.systems_reading import included, system_names
+from kg.pipeline.launch_names import matching, unknown_launch
+from kg.query.rows import rows
+from kg.views.arguments import whole
+from kg.views.remembered import once
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kg.graph.systems_reading import SystemName
+    from kg.settings import Settings
+    from kg.store.snapshot import EmbeddedSnapshot
+
+__all__ = ["included_names", "known_names", "system_named", "systems"]
+
+_MOST: Final = 1000
+_SHOWN: Final = 8
+_STARTED: Final = """SELECT ?system (COUNT(?instance) AS ?count) {
+  GRAPH ?g { ?system rnkg:hasInstance ?instance }
+} GROUP BY ?system"""
+# Findings are in a configuration too: services are what is left of all, which is counted ten times as fast.
+_CHANNELS: Final = """SELECT ?system (COUNT(?channel) AS ?count) {
+  GRAPH ?g { %s ?channel rnkg:inConfiguration ?system }
+} GROUP BY ?system"""
+_FINDINGS: Final = """SELECT ?system ?severity (COUNT(?finding) AS ?count) {
+  GRAPH ?g { ?finding a rnkg:Finding ; rnkg:inConfiguration ?system ; rnkg:severity ?severity }
+} GROUP BY ?system ?severity"""
+
+
+def systems(
+    snapshot: EmbeddedSnapshot, settings: Settings, *, text: str = "", offset: str = "0", limit: str = "200"
+) -> dict[str, Any]:
+    """Return the launch configurations of the store, those that others include behind those that nothing includes.
+
+    `text` chooses those whose name or source has all its words. The answer is `{"total", "offset", "systems"}`. Each of
+    these, at most `limit` (1,000 at most) from `offset` on, has `name`, `iri`, `repository`, `path`, `package`, `ros`,
+    `included` (others include it), how many `nodes`, `topics`, `services` and `actions` there are, and `findings`: how
+    many of each severity `kg lint --all` has, before anything is allowed.
+    """
+    words = text.lower().split()
+    found = [
+        one for one in _known(snapshot, settings.base)
+        if all(word in f"{one['name']} {one['repository']}".lower() for word in words)
+    ]  # fmt: skip
+    start, most = whole(offset, 0), min(whole(limit, 200), _MOST)
+    return {"total": len(found), "offset": start, "systems": found[start : start + most]}
+
+
+@once
+def known_names(snapshot: EmbeddedSnapshot) -> tuple[SystemName, ...]:
+    """Return the names of all configurations."""
+    return tuple(system_names(snapshot))
+
+
+@once
+def included_names(snapshot: EmbeddedSnapshot) -> frozenset[str]:
+    """Return the names of the configurations that others include."""
+    return included(snapshot)
+
+
+def system_named(snapshot: EmbeddedSnapshot, name: str, repository: str = "", base: str = "") -> SystemName:
+    """Return the configuration that a name means: whole, the end of it by segments, or the IRI of it.
+
+    `repository` tells several of one name apart.
+
+    Raises:
+        UnknownNameError: KG422 when there is none, with those that were probably meant.
+        UsageError: KG003 when there are several.
+    """
+    names = [one for one in known_names(snapshot) if repository in {"", one.repository}]
+    thing = Iris(base).parse(name) if base and name.startswith(base) else None
+    if thing is not None and thing.kind == "configuration":
+        found = [one for one in names if (one.repository, one.path) == thing.parts]
+    else:
+        found = matching(names, name) if name.strip() else []
+    if not found:
+        raise unknown_launch(names, name)
+    if len(found) > 1:
+        raise UsageError("KG003", f"{len(found)} launch files are called `{name}`; say which", hint=_ways(found))
+    return found[0]
+
+
+def _ways(found: Sequence[SystemName]) -> str:
+    return "\n".join(f"`{one.name}`  ({one.repository}:{one.path})" for one in found[:_SHOWN])
+
+
+def _counts(snapshot: EmbeddedSnapshot, query: str) -> Counter[str]:
+    return Counter({system: int(number) for system, number in rows(snapshot, query)})
+
+
+@once
+def _known(snapshot: EmbeddedSnapshot, base: str) -> tuple[dict[str, Any], ...]:
+    iris, inner = Iris(base), included_names(snapshot)
+    nodes = _counts(snapshot, _STARTED)
+    every, topics, actions = (
+        _counts(snapshot, _CHANNELS % kind) for kind in ("", "?channel a ros:Topic .", "?channel a rnkg:Action .")
+    )
+    severities: dict[str, dict[str, int]] = {}
+    for system, severity, number in rows(snapshot, _FINDINGS):
+        severities.setdefault(system, {})[severity] = int(number)
+    found = []
+    for one in known_names(snapshot):
+        iri = iris.configuration(one.repository, one.path)
+        found.append(
+            {
+                "name": one.name,
+                "iri": iri,
+                "repository": one.repository,
+                "path": one.path,
+                "package": one.name.partition("/")[0],
+                "ros": one.ros,
+                "included": one.name in inner,
+                "nodes": nodes[iri],
+                "topics": topics[iri],
+                "services": every[iri] - topics[iri] - actions[iri] - sum(severities.get(iri, {}).values()),
+                "actions": actions[iri],
+                "findings": severities.get(iri, {}),
+            }
+        )
+    return tuple(sorted(found, key=lambda one: (one["included"], one["name"], one["repository"])))

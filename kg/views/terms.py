@@ -1,0 +1,72 @@
+"""Terms for faces: IRIs that somebody typed, and what things are called."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+from urllib.parse import unquote
+
+from pyoxigraph import NamedNode
+
+from kg.errors import UsageError
+from kg.graph.interfaces import SHAPES
+from kg.query.prefixes import PREFIXES, shorten
+from kg.query.rows import rows
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from kg.facts import Role
+    from kg.store.snapshot import EmbeddedSnapshot
+
+__all__ = ["called", "labels", "listing", "named_node", "node_parts", "role_of"]
+
+_ROLES: Final = {shape.component: role for role, shape in SHAPES.items()}
+
+
+def named_node(text: str) -> NamedNode:
+    """Return the IRI that a text is: whole, in angle brackets, or with a known prefix; UsageError KG003 for others."""
+    inner = text[1:-1] if text.startswith("<") and text.endswith(">") else text
+    prefix, _, local = inner.partition(":")
+    try:
+        return NamedNode(PREFIXES[prefix] + local if prefix in PREFIXES and not local.startswith("//") else inner)
+    except ValueError:
+        hint = "Give it whole, `https://...`, or with a prefix that is known here, `rnkg:feeds`."
+        raise UsageError("KG003", f"`{text}` is no IRI", hint=hint) from None
+
+
+def listing(iris: Iterable[str]) -> str:
+    """Return IRIs as the rows of VALUES in SPARQL."""
+    return " ".join(str(NamedNode(iri)) for iri in sorted(set(iris)))
+
+
+def labels(snapshot: EmbeddedSnapshot, iris: Iterable[str]) -> dict[str, str]:
+    """Return the labels of those things that have one; of several the least."""
+    query = f"SELECT ?thing ?label {{ VALUES ?thing {{ {listing(iris)} }} GRAPH ?g {{ ?thing rdfs:label ?label }} }}"
+    found: dict[str, str] = {}
+    for thing, label in rows(snapshot, query):
+        found[thing] = min(label, found.get(thing, label))
+    return found
+
+
+def called(snapshot: EmbeddedSnapshot, iris: Iterable[str]) -> dict[str, str]:
+    """Return what to call each thing: its label, that of what it is a part of with the part, or a short IRI."""
+    wanted = set(iris)
+    known = labels(snapshot, wanted)
+    wholes = labels(snapshot, {iri.partition("#")[0] for iri in wanted - known.keys() if "#" in iri})
+    found = {}
+    for iri in wanted:
+        whole, _, part = iri.partition("#")
+        named = f"{wholes[whole]}#{unquote(part)}" if whole in wholes else shorten(iri)
+        found[iri] = known.get(iri) or named.removeprefix("<").removesuffix(">")
+    return found
+
+
+def role_of(end: str) -> Role | None:
+    """Return what a node does at an interface, from the IRI of the interface (`kg.graph.iris.fragment`)."""
+    return _ROLES.get(end.rpartition("#")[2].partition("/")[0])
+
+
+def node_parts(node: str) -> tuple[str, str, str]:
+    """Return the repository, the package and the name in the IRI of a node type, `<base>node/{...}/{...}/{...}`."""
+    repository, package, name = node.partition("#")[0].partition("/node/")[2].rsplit("/", 2)
+    return unquote(repository), unquote(package), unquote(name)

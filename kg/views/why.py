@@ -1,0 +1,120 @@
+"""Why a fact holds, down to the line of code, and why one does not: the views `why` and `why_not`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.errors import RuleError
+from kg.pipeline.reasoning import explained_vocabulary, rules_in_force
+from kg.query.naming import facts
+from kg.query.prefixes import PREFIXES
+from kg.rules.explain.derivations import derivations
+from kg.rules.explain.view import View
+from kg.rules.explain.why import why as proven
+from kg.rules.explain.why import why_all
+from kg.rules.explain.why_not import why_not as lacking
+from kg.views.arguments import whole
+from kg.views.evidence import places
+from kg.views.why_tree import Telling
+
+if TYPE_CHECKING:
+    from pyoxigraph import Triple
+
+    from kg.rules.files import RuleSet
+    from kg.settings import Settings
+    from kg.store.snapshot import EmbeddedSnapshot
+
+__all__ = ["absent", "explaining", "why", "why_not"]
+
+_MOST_WAYS: Final = 25
+"""So many ways in which a fact comes about are counted."""
+_MOST_PROOFS: Final = 10
+
+
+def why(  # noqa: PLR0913 - a fact, and how much is told of it
+    snapshot: EmbeddedSnapshot,
+    settings: Settings,
+    *,
+    subject: str,
+    predicate: str,
+    object: str,  # noqa: A002 - what the third part of a triple is called
+    every: str = "",
+) -> dict[str, Any]:
+    """Return the proof of a fact; its parts are IRIs, prefixed names, literals as Turtle writes them, or names.
+
+    The keys: `proofs`, of each fact that is meant the one of fewest rules in a row, with `every` (any text) up to ten
+    ways in which it comes about; `ways`, how many there are of the first fact, at most 25, then `more_ways` is true.
+
+    A proof is a tree. Each fact has `subject`, `predicate`, `object` (each `{"term", "label"}`, the term as SPARQL
+    writes it), `text`, `inferred`, and when it is asserted `graphs`, `evidence` and `line_text` (the line of code), or
+    else `rule` (`name`, `title`, `documentation`: a list of heading and text, `evidence`: its file and line),
+    `bindings` (`name`, `label`, `term`), `premises` (facts), and `conditions` (`text`, and `count` and `facts` of what
+    was counted, each with `inferred` and `evidence`). A fact that is proven above has `again`, one below the deepest
+    level that is told `cut`, and neither has premises.
+
+    Raises:
+        UnknownNameError: KG001 for a word that names nothing.
+        UsageError: KG003 for words that name several things.
+        RuleError: KG226 when the store does not hold the fact.
+    """
+    rules, view = explaining(snapshot, settings)
+    found, held = facts(snapshot, subject, predicate, object, prefixes=view.prefixes)
+    if not held:
+        raise absent(found[0], view)
+    told = [proven(view, rules.rules, fact) for fact in found[:_MOST_PROOFS]]
+    if every:
+        told = [proof for fact in found[:_MOST_PROOFS] for proof in why_all(view, rules.rules, fact)][:_MOST_PROOFS]
+    ways = 1 if view.asserted(found[0]) else len(derivations(view, rules.rules, found[0], _MOST_WAYS))
+    telling = Telling(view, rules, places(snapshot), settings.base)
+    return {
+        "proofs": [telling.proof(proof) for proof in told],
+        "ways": max(min(ways, _MOST_WAYS), 1),
+        "more_ways": ways > _MOST_WAYS,
+    }
+
+
+def why_not(  # noqa: PLR0913 - a fact, and how far it is followed
+    snapshot: EmbeddedSnapshot,
+    settings: Settings,
+    *,
+    subject: str,
+    predicate: str,
+    object: str,  # noqa: A002 - as in `why`
+    depth: str = "3",
+) -> dict[str, Any]:
+    """Return why a fact does not hold: `fact`, `held`, `attempts`, and `nearest`, what there is instead in words.
+
+    Where the store holds it, `held` is true and there is nothing else to say. An attempt is a rule that could derive
+    it: `rule` (as in `why`), `held` (facts that match, each with `inferred` and `evidence`), `fails` (what does not,
+    None where all holds and rules were not run since), `nearest`, and `deeper`, the same object about a premise that is
+    missing.
+
+    Raises as `why`, but for KG226.
+    """
+    rules, view = explaining(snapshot, settings)
+    found, held = facts(snapshot, subject, predicate, object, prefixes=view.prefixes)
+    telling = Telling(view, rules, places(snapshot), settings.base)
+    if held:
+        return {"fact": telling.triple(found[0]), "held": True, "attempts": [], "nearest": []}
+    steps = min(max(whole(depth, 3), 1), 20)
+    return {**telling.lacking(lacking(view, rules.rules, found[0], depth=steps)), "held": False}
+
+
+def explaining(
+    snapshot: EmbeddedSnapshot, settings: Settings, broken: list[RuleError] | None = None
+) -> tuple[RuleSet, View]:
+    """Return the rules in force, and the store as explanations with these rules see it.
+
+    Files that cannot be used are left out, since why a fact holds does not wait until another rule is mended; their
+    errors are added to `broken`.
+    """
+    rules = rules_in_force(settings, [] if broken is None else broken)
+    prefixes = {name: iri for file in rules.files for name, iri in (file.prefixes or {}).items()} | PREFIXES
+    return rules, View(snapshot, explained_vocabulary(settings.base), rules.rules, prefixes=prefixes)
+
+
+def absent(fact: Triple, view: View) -> RuleError:
+    """Return the error about a fact that the store does not hold, KG226."""
+    words = " ".join(f"'{view.spelt(term)}'" for term in (fact.subject, fact.predicate, fact.object))
+    message = f"the store does not hold {view.sentence(fact)}"
+    return RuleError("KG226", message, hint=f"`kg why-not {words}` says what is missing.")

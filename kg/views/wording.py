@@ -1,0 +1,76 @@
+"""What is said of interfaces and parameters in few words, the same in every face."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.facts import Access, Resolution, Role
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from kg.facts import Interface, Parameter, Qos
+
+__all__ = ["LANGUAGES", "TITLES", "accesses", "how", "parameter_groups", "quality"]
+
+TITLES: Final = {
+    Role.PUBLISHES: "publishes",
+    Role.SUBSCRIBES: "subscribes",
+    Role.SERVICES: "offers services",
+    Role.CLIENTS: "calls services",
+    Role.ACTION_SERVERS: "offers actions",
+    Role.ACTION_CLIENTS: "calls actions",
+}
+LANGUAGES: Final = {"cpp": "C++", "python": "Python"}
+_DONE: Final = {Access.DECLARE: "declared", Access.READ: "read", Access.WRITE: "written"}
+
+
+def how(fact: Interface) -> str:
+    """Return how the name of an interface became known, and the quality of service."""
+    words = []
+    if fact.parameter:
+        words.append(f"parameter {fact.parameter}")
+    elif fact.resolution is not Resolution.LITERAL:
+        words.append(str(fact.resolution))
+    if fact.resolution in {Resolution.PARTIAL, Resolution.UNRESOLVED}:
+        words.append(fact.reason or fact.written or "")
+    if fact.origin:
+        words.append(f"from {fact.origin}")
+    words.append(quality(fact.qos) if fact.qos else "")
+    return ", ".join(word for word in words if word)
+
+
+def quality(qos: Qos) -> str:
+    """Return a quality of service, rarer policies only where they are set."""
+    lasting = {"deadline": qos.deadline, "lifespan": qos.lifespan, "lease": qos.lease_duration}
+    depth = None if qos.depth is None else f"depth {qos.depth}"
+    words = [qos.reliability, qos.durability, qos.history, depth, qos.liveliness]
+    words += [f"{name} {value:g} s" for name, value in lasting.items() if value is not None]
+    return ", ".join(word for word in words if word)
+
+
+def parameter_groups(facts: Iterable[Parameter]) -> list[list[Parameter]]:
+    """Return the facts about each parameter together, sorted by name: code may read and write one at many places.
+
+    The first of a group is where it is declared, or read. Those that frameworks make stand last.
+    """
+    named: dict[Any, list[Parameter]] = {}
+    for fact in facts:
+        named.setdefault(fact.name if fact.name is not None else fact.location, []).append(fact)
+    order = [Access.DECLARE, Access.READ, Access.WRITE]
+    groups = [sorted(group, key=lambda one: (order.index(one.access), str(one.location))) for group in named.values()]
+    return sorted(
+        groups, key=lambda group: (all(one.implicit for one in group), group[0].name is None, group[0].name or "")
+    )
+
+
+def _order(group: Sequence[Parameter]) -> tuple[bool, bool, str]:
+    return all(one.implicit for one in group), group[0].name is None, group[0].name or ""
+
+
+def accesses(facts: Sequence[Parameter]) -> str:
+    """Return what code does with a parameter, unless it only declares it once."""
+    if len(facts) == 1 and facts[0].access is Access.DECLARE:
+        return ""
+    done = ", ".join(dict.fromkeys(_DONE[fact.access] for fact in facts))
+    return f"{done} ({len(facts)} places)" if len(facts) > 1 else done

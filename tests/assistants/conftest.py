@@ -1,0 +1,36 @@
+"""The example workspace in a store, and a client of the SDK that speaks to a server of it."""
+
+from __future__ import annotations
+
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from workspaces import example
+
+from kg.settings import load
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Callable
+    from contextlib import AbstractAsyncContextManager
+    from pathlib import Path
+
+
+@pytest.fixture(scope="session")
+def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a store of the example workspace."""
+    return example(tmp_path_factory) / ".kg"
+
+
+@pytest.fixture
+def connected(store: Path) -> Callable[[], AbstractAsyncContextManager[Any]]:
+    """Return what opens a client of a server in this process."""
+    mcp = pytest.importorskip("mcp", reason="the extra `mcp` is not installed")
+    from kg.assistants.server import create_server  # noqa: PLC0415 - needs the SDK
+
+    @asynccontextmanager
+    async def open_client() -> AsyncIterator[Any]:
+        async with mcp.Client(create_server(load({"store": store}))) as client:
+            yield client
+
+    return open_client

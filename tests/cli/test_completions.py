@@ -1,0 +1,31 @@
+from __future__ import annotations
+
+import shutil
+import subprocess
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from cli.program import Program
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish", "powershell"])
+def test_each_shell_gets_a_script_that_asks_the_program(kg: Program, shell: str) -> None:
+    """`kg completions SHELL` prints a script that calls `kg` with the variable it answers to."""
+    assert "_KG_COMPLETE" in kg("completions", shell).out
+
+
+@pytest.mark.skipif(shutil.which("bash") is None, reason="bash is not installed")
+def test_bash_takes_the_script(kg: Program) -> None:
+    """The script for bash is one that bash can read, and registers a completion of `kg`."""
+    script = kg("completions", "bash").out + "\ncomplete -p kg\n"
+    ran = subprocess.run(["bash", "--norc", "-c", script], capture_output=True, text=True, check=True)
+    assert ran.stdout.rstrip().endswith(" kg")
+
+
+def test_an_unknown_shell_is_told_with_the_one_meant(kg: Program) -> None:
+    """A shell that is misspelt is an error of usage that names the one meant."""
+    result = kg("completions", "bahs")
+    assert result.code == 2
+    assert "Did you mean `bash`?" in result.err

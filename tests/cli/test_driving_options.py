@@ -1,0 +1,15 @@
+"""What `kg robot do` is given on the command line."""
+
+from __future__ import annotations
+
+import pytest
+
+from kg.cli.driving import Doing
+from kg.errors import UsageError
+
+
+def test_an_argument_is_given_once() -> None:
+    """A parameter that is given twice is refused, not taken as the last one says."""
+    options = {"keep": "1", "timeout": None, "way": None}
+    with pytest.raises(UsageError, match="given twice"):
+        Doing.of(["forward=0.1", "forward=0.2"], **options, dry_run=False, json=False)

@@ -1,0 +1,28 @@
+"""What is said of a running robot beside its capabilities."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kg.cli.commands import robot
+from kg.robot import live
+from kg.robot.connection import ComputationGraph, GraphProblem, LiveNode
+from kg.settings import Settings
+
+if TYPE_CHECKING:
+    import pytest
+
+
+def test_a_dead_node_is_told(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    """Who asks a running robot is warned on stderr of each node that does not answer, and still gets the rest."""
+
+    async def look(_: str) -> ComputationGraph:
+        dead = GraphProblem("KG811", "/gone", "it does not answer at 127.0.0.1:4")
+        return ComputationGraph(1, nodes=(LiveNode("/gone", problem=dead.message),), problems=(dead,))
+
+    monkeypatch.setattr(live, "look", look)
+    subject = robot._running(Settings(robot="ros1://127.0.0.1:9"))
+    told = capsys.readouterr()
+    assert subject.capabilities.capabilities == ()
+    assert "/gone: KG811 it does not answer at 127.0.0.1:4" in told.err
+    assert told.out == ""

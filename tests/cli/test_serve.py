@@ -1,0 +1,121 @@
+"""Tests of what `kg serve` says and refuses before it serves."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+from typing import TYPE_CHECKING
+
+import pyoxigraph
+import pytest
+from patience import patient
+
+from kg.cli.serving import announce, options
+from kg.errors import UsageError
+from kg.server import libraries
+from kg.settings import load
+from kg.store.layout import create
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Path:
+    """A store without triples."""
+    layout = create(tmp_path / ".kg")
+    layout.generation(1).mkdir()
+    pyoxigraph.Store(str(layout.generation(1))).flush()
+    layout.switch(1)
+    return tmp_path
+
+
+def run(*arguments: str, cwd: Path, **environment: str) -> tuple[int, str]:
+    """Return the exit code of `kg serve` and what it said on standard error."""
+    clean = {name: value for name, value in os.environ.items() if not name.startswith("KG_")}
+    program = "from kg.cli.main import run; run()"
+    command = [sys.executable, "-c", program, "serve", *arguments]
+    found = subprocess.run(
+        command, cwd=cwd, capture_output=True, text=True, timeout=patient(60), check=False, env={**clean, **environment}
+    )
+    return found.returncode, found.stderr
+
+
+def test_no_store(tmp_path: Path) -> None:
+    """Without a store nothing listens."""
+    code, said = run(cwd=tmp_path)
+    assert code == 4
+    assert "KG301" in said
+
+
+def test_port_in_use(store: Path) -> None:
+    """A port that is taken is told with what to do, and not by a traceback."""
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        code, said = run("--port", str(taken.getsockname()[1]), cwd=store)
+    assert code == 2
+    assert "KG542" in said
+    assert "--port" in said
+    assert "Traceback" not in said
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code"),
+    [
+        (["--write"], "KG541"),
+        (["--host", "0.0.0.0"], "KG540"),  # noqa: S104 - refused
+        (["--port", "99999"], "KG003"),
+        (["--timeout", "0"], "KG003"),
+        (["--readers", "0"], "KG003"),
+        (["--max-memory", "much"], "KG003"),
+        (["--log", "loud"], "KG002"),
+        (["--cors", "*"], "KG002"),
+        (["--token-file", "missing"], "KG541"),
+    ],
+)
+def test_refusals(store: Path, arguments: list[str], code: str) -> None:
+    """Options that cannot be are told before anything listens."""
+    status, said = run(*arguments, cwd=store)
+    assert status == 2
+    assert code in said
+
+
+def test_it_serves(store: Path) -> None:
+    """It says where it listens and what is served, and ends well when told to."""
+    program = "from kg.cli.main import run; run()"
+    command = [sys.executable, "-c", program, "serve", "--port", "0", "--log", "off"]
+    with subprocess.Popen(command, cwd=store, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stderr is not None
+        first = process.stderr.readline()
+        assert str(store / ".kg") in first
+        assert "http://127.0.0.1:" in first
+        process.send_signal(signal.SIGTERM)
+        assert process.wait(patient(30)) == 0
+
+
+def test_without_libraries_it_says_so(store: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where the libraries of the pages were not built, the start tells what is lacking and how to get it."""
+    monkeypatch.setattr(libraries, "libraries", tuple)
+    said: list[str] = []
+    announce(
+        "http://x/",
+        load({"store": str(store / ".kg")}, environment={}, folder=store),
+        options({}),
+        say=said.append,
+        browse=False,
+    )
+    assert "python frontend/build.py" in said[-1]
+
+
+def test_texts_are_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each option sets what it is for; the token comes from the environment alone."""
+    monkeypatch.setenv("KG_TOKEN", "from-the-environment")
+    found = options({"port": "0", "timeout": "1.5", "max_memory": "3G", "max_rows": "7", "slow": None}, write=True)
+    assert (found.port, found.seconds, found.memory, found.rows, found.write) == (0, 1.5, 3 << 30, 7, True)
+    assert found.token == "from-the-environment"  # noqa: S105 - of a test
+    with pytest.raises(UsageError):
+        options({"grace": "soon"})

@@ -1,0 +1,132 @@
+"""The pages that are tested, by name: a page that is added gets a line here."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, TypedDict
+from urllib.parse import quote
+
+from browsing import axe
+
+if TYPE_CHECKING:
+    import httpx
+    from browsing import Chromium, Visit
+    from playwright.async_api import Page
+
+__all__ = ["PAGES", "Examined", "Shown", "examine", "inspect", "shown"]
+
+PAGES: Final = {
+    "start": "/",
+    "search, empty": "/search",
+    "search": "/search?q=laser+scan",
+    "search, filtered": "/search?q=&publishes=LaserScan",
+    "search, nothing": "/search?q=zzzzzz",
+    "search, wrong filter": "/search?q=scan&hardware=flux+capacitor",
+    "robot, none connected": "/robot",
+    "query": "/query",
+    "query, rows": "/query?name=explore/who-publishes&topic=/scan_filtered",
+    "query, graph": "/query?query=CONSTRUCT+WHERE+%7B+%3Fn+rnkg%3Apublishes+%3Ft+%7D",
+    "rules": "/rules",
+    "rule": "/rule?name=communication/feeds",
+    "rule made of blocks": "/rule-blocks",
+    "rule made of blocks, of a rule": "/rule-blocks?name=communication/feeds",
+    "rule, missing": "/rule?name=communication/fed",
+    "address, missing": "/nothing",
+    "node": "/node?iri={node}",
+    "node, misspelt": "/node?name=scan_fliter",
+    "why": "/why?subject={node}&predicate=rnkg:hasCapability&object=capability:ranging",
+    "why, a row": "/why?query=SELECT+%3Fn+%7B+%3Fn+a+rnkg%3ANodeType+%7D&row=%7B%22n%22%3A+%22%3C{node}%3E%22%7D",
+    "why not": "/why?subject={node}&predicate=rnkg:hasFunction&object=function:localization",
+    "systems": "/systems",
+    "system": "/system?name=drone.launch.py",
+    "system, with a finding": "/system?name=mission.launch.xml&every=all",
+    "system, a table of it": "/system?name=rover.launch&part=connections",
+    "resource": "/resource?iri=ros:Publisher",
+    "resource, one property": "/resource?iri=ros:Publisher&predicate=rdf:type&direction=in&limit=5&offset=5",
+}
+"""Name to path; what stands in braces is a key of `Shown`."""
+
+_PHONE: Final = 390
+_MOST: Final = 60
+"""So many things are reached by Tab; lists that are longer go on alike."""
+_FOCUSABLE: Final = "a[href], button, input:not([type=hidden]), select, textarea, summary, [tabindex='0']"
+_LISTEN: Final = f"""() => {{
+  const all = [...document.querySelectorAll("{_FOCUSABLE}")].filter((one) =>
+    one.checkVisibility({{visibilityProperty: true}}) && !one.disabled && one.tabIndex >= 0).slice(0, {_MOST});
+  window.kgWalk = {{ all, seen: new Set(), ringless: [] }};
+  document.addEventListener("focusin", ({{ target }}) => {{
+    window.kgWalk.seen.add(target);
+    // Editors and drawings show the focus by themselves.
+    if (target.shadowRoot || target instanceof SVGElement) return;
+    if (getComputedStyle(target).outlineStyle === "none") window.kgWalk.ringless.push(target);
+  }});
+  return all.length;
+}}"""
+_WALKED: Final = """() => {
+  const { all, seen, ringless } = window.kgWalk;
+  const shown = (list) => list.map((one) => one.outerHTML.slice(0, 120));
+  const reached = (one) => [...seen].some((other) => one.contains(other));
+  return [shown(all.filter((one) => !reached(one))), shown(ringless)];
+}"""
+
+
+class Shown(TypedDict):
+    """Things of the example workspace, quoted for addresses."""
+
+    node: str
+
+
+@dataclass(frozen=True, slots=True)
+class Examined:
+    """What was found out about a page.
+
+    `status`, what went wrong (`Visit.troubles`), what axe says in light and in dark, how many links lead to the page as
+    JSON, what cannot be reached by Tab, what does not show that it has the focus, how wide the page is on a phone.
+    """
+
+    status: int
+    troubles: list[str]
+    light: list[str]
+    dark: list[str]
+    twins: int
+    missed: list[str]
+    ringless: list[str]
+    width: int
+
+
+def shown(client: httpx.Client) -> Shown:
+    """Return the things that pages are shown about, asked of the server."""
+    (hit, *_) = client.get("/api/find", params={"text": "scan_filter"}).raise_for_status().json()["hits"]
+    return {"node": quote(hit["iri"], safe="")}
+
+
+async def examine(browser: Chromium, address: str) -> Examined:
+    """Open a page and find out about it."""
+    async with browser.visit(address, tools=True, color_scheme="light") as visit:
+        return await inspect(visit)
+
+
+async def inspect(visit: Visit) -> Examined:
+    """Find out about a page that is open, with tools and in light."""
+    light, dark = await _accessible(visit)
+    twins = await visit.page.locator("footer a[type='application/json']").count()
+    missed, ringless = await _walked(visit.page)
+    await visit.page.set_viewport_size({"width": _PHONE, "height": 800})
+    width = await visit.page.evaluate("document.documentElement.scrollWidth")
+    return Examined(visit.status, await visit.troubles(), light, dark, twins, missed, ringless, width)
+
+
+async def _accessible(visit: Visit) -> tuple[list[str], list[str]]:
+    if not axe():
+        return [], []
+    light = await visit.violations()
+    await visit.page.emulate_media(color_scheme="dark")
+    return light, await visit.violations()
+
+
+async def _walked(page: Page) -> tuple[list[str], list[str]]:
+    """Press Tab from the top on; return what was not reached, and what has no ring while it has the focus."""
+    for _ in range(await page.evaluate(_LISTEN) + 2):
+        await page.keyboard.press("Tab")
+    missed, ringless = await page.evaluate(_WALKED)
+    return missed, ringless

@@ -1,0 +1,195 @@
+"""Tests of the readers that there are: those that come as their asker leaves, end unnoticed, or cannot come at all."""
+
+from __future__ import annotations
+
+import asyncio
+import errno
+import logging
+import os
+import signal
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+import pytest
+from query.readers.asking import descendants, outcome, program, until, whole
+
+from kg.query.readers.fleet import Fleet
+from kg.query.readers.messages import Configuration, Ready
+from kg.query.readers.pool import Readers
+from kg.query.readers.processes import Spawner
+
+if TYPE_CHECKING:
+    from kg.query.readers.processes import Process
+    from kg.store.layout import Layout
+
+linux = pytest.mark.skipif(sys.platform != "linux", reason="other systems tell the end of a connection otherwise")
+
+
+class _Starting:
+    """A reader that is ready when it is told to be."""
+
+    def __init__(self) -> None:
+        self.ready: asyncio.Future[Ready] = asyncio.get_running_loop().create_future()
+        self.niceness = self.pid = 0
+        self.ended = self.closed = False
+
+    async def receive(self) -> Ready:
+        return await self.ready
+
+    def close(self) -> None:
+        self.closed = True
+
+
+class _Spawner:
+    """Starts one reader."""
+
+    def __init__(self, process: _Starting) -> None:
+        self._process = process
+
+    async def spawn(self, _niceness: int) -> _Starting:
+        return self._process
+
+    async def close(self) -> None:
+        pass
+
+
+@pytest.mark.parametrize("told", [False, True])
+def test_a_reader_that_is_ready_as_its_asker_leaves_is_kept(told: bool) -> None:  # noqa: FBT001 - a case of the table
+    """Who is cancelled in the moment that a reader has started does not take it along, told to end or not."""
+
+    async def run() -> None:
+        process = _Starting()
+        fleet = Fleet(cast("Any", _Spawner(process)), 1)
+        places: list[asyncio.Future[None]] = []
+        asking = asyncio.create_task(fleet.take(places.append, 0))
+        await until(lambda: places)
+        await asyncio.sleep(0)
+        process.ready.set_result(Ready(7))
+        await asyncio.sleep(0)
+        if told:
+            places[0].set_exception(asyncio.InvalidStateError())
+        asking.cancel()
+        with pytest.raises(asyncio.InvalidStateError if told else asyncio.CancelledError):
+            await asking
+        assert (fleet.idle, fleet.spawned, process.closed) == (1, 1, False)
+        await fleet.close()
+        assert process.closed
+
+    asyncio.run(run())
+
+
+@linux
+def test_readers_that_were_killed_unnoticed_cost_nobody_an_answer(layout: Layout) -> None:
+    """A request goes to another reader when the one that it was sent to had ended before it could read it."""
+
+    async def ask() -> None:
+        async with Readers(layout, processes=2) as readers:
+            await whole(readers, "ASK {}")
+            waiting = readers._fleet._idle
+            await until(lambda: len(waiting) == 3)
+            killed = [process.pid for process in waiting]
+            for pid in killed:
+                os.kill(pid, signal.SIGKILL)
+            # Nothing has been awaited since, so that nobody can have noticed.
+            assert await outcome(readers, "ASK {}") == "whole"
+            assert readers.stats().ended == {"crashed": len(killed)}
+
+    asyncio.run(ask())
+
+
+@linux
+def test_a_reader_that_was_killed_before_the_data_changed_is_replaced(layout: Layout) -> None:
+    """That it has ended is known too where it ended without reading that the data has changed."""
+
+    async def ask() -> None:
+        async with Readers(layout, processes=1) as readers:
+            await whole(readers, "ASK {}")
+            for process in readers._fleet._idle:
+                os.kill(process.pid, signal.SIGKILL)
+            readers.moved()
+            await until(lambda: all(process.ended for process in readers._fleet._idle))
+            assert await outcome(readers, "ASK {}") == "whole"
+
+    asyncio.run(ask())
+
+
+@linux
+def test_what_readers_are_forked_from_is_replaced_at_once(layout: Layout) -> None:
+    """A reader that is asked for in the moment that what it is forked from is killed comes from another one."""
+
+    async def run() -> None:
+        spawner = Spawner(Configuration(str(layout.root)))
+        fleet = Fleet(spawner, 1)
+
+        async def taken() -> Process:
+            return await fleet.take(lambda _: None, 0)
+
+        for _ in range(3):
+            await taken()
+            assert spawner._server is not None
+            spawner._server.kill()
+        assert not (await taken()).ended
+        await fleet.close()
+
+    before = descendants().keys()
+    asyncio.run(run())
+    assert descendants().keys() <= before
+
+
+def test_without_files_each_request_is_told_and_nothing_is_lost(
+    layout: Layout, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where the system has no file more to give a request is KG508, and what was opened for its reader is closed."""
+    pipe = os.pipe
+    none_left = OSError(errno.EMFILE, os.strerror(errno.EMFILE))
+
+    def no_pipe() -> tuple[int, int]:
+        raise none_left
+
+    def opened() -> set[str]:
+        return {link for link in map(_target, Path("/proc/self/fd").iterdir()) if link.startswith(("socket", "pipe"))}
+
+    async def ask() -> None:
+        async with Readers(layout, processes=1) as readers:
+            before = opened()
+            monkeypatch.setattr(os, "pipe", no_pipe)
+            for _ in range(3):
+                assert await outcome(readers, "ASK {}") == "KG508"
+            assert opened() <= before
+            monkeypatch.setattr(os, "pipe", pipe)
+            assert await outcome(readers, "ASK {}") == "whole"
+
+    asyncio.run(ask())
+
+
+def _target(link: Path) -> str:
+    try:
+        return str(link.readlink())
+    except OSError:
+        return ""
+
+
+def test_readers_that_are_closed_take_nothing_and_start_nothing(layout: Layout) -> None:
+    """Who asks when the readers have been closed is told so, and no process comes of it."""
+
+    async def ask() -> None:
+        async with Readers(layout, processes=1) as readers:
+            assert await outcome(readers, "ASK {}") == "whole"
+        assert await outcome(readers, "ASK {}") == "KG510"
+
+    before = descendants().keys()
+    asyncio.run(ask())
+    assert descendants().keys() <= before
+
+
+def test_why_a_reader_cannot_start_is_in_the_log(layout: Layout, caplog: pytest.LogCaptureFixture) -> None:
+    """A reader that fails before it takes requests is KG508, and the log has the reason."""
+    caplog.set_level(logging.INFO, "kg.query.readers.processes")
+
+    async def ask() -> None:
+        async with Readers(layout, processes=1, program=program("threadless.py")) as readers:
+            assert await outcome(readers, "ASK {}") == "KG508"
+
+    asyncio.run(ask())
+    assert "no room for a thread" in caplog.text

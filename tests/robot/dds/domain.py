@@ -1,0 +1,53 @@
+"""A domain of DDS of the tests' own: loopback alone, no multicast, and a number that nobody else has."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import random
+import tempfile
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = ["ISOLATED", "domain"]
+
+ISOLATED = (
+    "<CycloneDDS><Domain><General><AllowMulticast>false</AllowMulticast>"
+    "<Interfaces><NetworkInterface name='lo' multicast='false'/></Interfaces></General>"
+    "<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>30</MaxAutoParticipantIndex>"
+    "<Peers><Peer address='127.0.0.1'/></Peers></Discovery></Domain></CycloneDDS>"
+)
+_NUMBERS = range(1, 230)
+
+
+@contextmanager
+def _own() -> Iterator[int]:
+    """Give a number that no other process of tests has at the time."""
+    for number in random.sample(_NUMBERS, len(_NUMBERS)):
+        with (Path(tempfile.gettempdir()) / f"kg-tests-dds-domain-{number}").open("wb") as held:
+            try:
+                fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except OSError:
+                continue
+            yield number
+            return
+    raise AssertionError("all domains are taken")
+
+
+@contextmanager
+def domain() -> Iterator[int]:
+    """Give the number of a domain that only those see which run within."""
+    before = os.environ.get("CYCLONEDDS_URI")
+    os.environ["CYCLONEDDS_URI"] = ISOLATED
+    try:
+        with _own() as number:
+            yield number
+    finally:
+        if before is None:
+            del os.environ["CYCLONEDDS_URI"]
+        else:
+            os.environ["CYCLONEDDS_URI"] = before

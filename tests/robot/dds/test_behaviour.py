@@ -1,0 +1,61 @@
+"""A connection over DDS does what any connection does."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+import pytest
+from patience import patient
+from robot.connections import Behaviour, System, types_for_tests
+from robot.dds.domain import domain
+
+pytest.importorskip("cyclonedds", reason="the extra `dds` is not installed")
+
+from kg.errors import RobotError
+from kg.facts import Role
+from kg.robot.connecting import connect
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kg.robot.connection import Value
+
+
+class TestDds(Behaviour):
+    """The suite of every connection."""
+
+    @pytest.fixture
+    def system(self) -> Iterator[System]:
+        """Give a domain of our own."""
+        with domain() as number:
+            address = f"dds://{number}?settle=1"
+            yield System(2, lambda name: connect(address, name=name, types=types_for_tests(2)), seconds=5)
+
+    def test_a_service_answers(self, system: System) -> None:
+        """A call returns the response; a failure is silence, which ROS 2 has no message for; KG807 for nobody."""
+
+        async def scene() -> None:
+            async with system.pair() as (one, two):
+                serving = await one.serve("/double", "kg_test/Double", _double)
+                call = two.call("/double", "kg_test/Double", {"value": 2.0}, seconds=patient(system.seconds))
+                assert await call == {"value": 4.0, "remark": "twice"}
+                assert (await two.call("/double", None, {"value": 3.0}, seconds=patient(2)))["value"] == 6.0
+                with pytest.raises(RobotError) as failed:
+                    await two.call("/double", "kg_test/Double", {"value": -1.0}, seconds=0.5)
+                assert failed.value.code == "KG803"
+                graph = await system.seen(one, lambda graph: bool(graph.problems))
+                assert [problem.code for problem in graph.problems] == ["KG808"]
+                await serving.aclose()
+                await system.seen(two, lambda graph: not [end for end in graph.ends if end.role is Role.SERVICES])
+                with pytest.raises(RobotError) as nobody:
+                    await two.call("/double", "kg_test/Double", {"value": 1.0}, seconds=1.0)
+                assert nobody.value.code == "KG807"
+
+        asyncio.run(scene())
+
+
+async def _double(request: Value) -> Value:
+    if request["value"] < 0:
+        raise ValueError("negative")
+    return {"value": 2 * request["value"], "remark": "twice"}

@@ -1,0 +1,216 @@
+"""Our node against a peer of plain Cyclone DDS in another process, whose names and classes are written by hand."""
+
+from __future__ import annotations
+
+import asyncio
+import subprocess
+import sys
+from contextlib import asynccontextmanager, contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from patience import patient
+from robot.connections import types_for_tests
+from robot.dds.domain import domain
+
+pytest.importorskip("cyclonedds", reason="the extra `dds` is not installed")
+
+from kg.errors import RobotError
+from kg.facts import Role
+from kg.robot.connecting import connect
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Awaitable, Iterator
+
+    from kg.robot.connection import ComputationGraph, Connection, Publication, Value
+
+_PEER = Path(__file__).parent / "peer.py"
+_ENDS = 10
+"""So many ends the peer has, when actions are folded."""
+
+
+@contextmanager
+def _running(number: int) -> Iterator[subprocess.Popen[str]]:
+    command = [sys.executable, str(_PEER), str(number)]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as peer:
+        assert peer.stdout is not None
+        assert peer.stdout.readline() == "ready\n"
+        try:
+            yield peer
+        finally:
+            peer.kill()
+
+
+@asynccontextmanager
+async def _beside() -> AsyncIterator[tuple[Connection, subprocess.Popen[str]]]:
+    """Give a connection of ours to a domain in which the peer runs."""
+    with domain() as number, _running(number) as peer:
+        types = types_for_tests(2)
+        types.define("example_interfaces/AddTwoInts", "int64 a\nint64 b\n---\nint64 sum\n", "srv")
+        connection = await connect(f"dds://{number}?settle=2", name="/kg", types=types)
+        try:
+            await _soon(_whole(connection))
+            yield connection, peer
+        finally:
+            await connection.aclose()
+
+
+async def _soon(what: Awaitable[Any]) -> Any:
+    return await asyncio.wait_for(what, patient(10))
+
+
+async def _whole(connection: Connection) -> None:
+    """Return when all of the peer is discovered, and whose it is: on a busy machine that takes its time."""
+    async for graph in connection.changes():
+        named = all(node.problem is None for node in graph.nodes)
+        if named and len(graph.ends) >= _ENDS:
+            return
+    raise AssertionError
+
+
+async def _next(connection: Connection, topic: str, kind: str | None = None) -> Value:
+    subscription = await connection.subscribe(topic, kind)
+    async for one in subscription:
+        await subscription.aclose()
+        return one.value
+    raise AssertionError
+
+
+async def _matched(publication: Publication) -> None:
+    while not publication.peers:  # noqa: ASYNC110 - a middleware tells nobody how many peers it has
+        await asyncio.sleep(0.01)
+
+
+async def _seen(connection: Connection, text: str) -> ComputationGraph:
+    async for graph in connection.changes():
+        if text in str(graph):
+            return graph
+    raise AssertionError
+
+
+def test_the_graph_is_that_of_the_peer() -> None:
+    """Nodes, topics, services and actions have their names and types; actions are folded; what does not fit is told."""
+
+    async def scene() -> None:
+        async with _beside() as (connection, _):
+            graph = await _soon(connection.graph())
+            assert graph.complete
+            assert [node.name for node in graph.nodes] == ["/robot/base", "/tester"]
+            ends = {(end.node, end.role, end.name, end.type) for end in graph.ends}
+            assert ends == {
+                ("/robot/base", Role.PUBLISHES, "/chatter", "std_msgs/String"),
+                ("/robot/base", Role.PUBLISHES, "/echo", "geometry_msgs/Twist"),
+                ("/robot/base", Role.PUBLISHES, "/scan", "geometry_msgs/Vector3"),
+                ("/robot/base", Role.PUBLISHES, "/unheard", "unheard_msgs/Whole"),
+                ("/robot/base", Role.SUBSCRIBES, "/cmd_vel", "geometry_msgs/Twist"),
+                ("/robot/base", Role.SERVICES, "/add_two_ints", "example_interfaces/AddTwoInts"),
+                ("/robot/base", Role.ACTION_SERVERS, "/count", "kg_test/Count"),
+                ("/tester", Role.SUBSCRIBES, "/scan", "geometry_msgs/Vector3"),
+                ("/tester", Role.CLIENTS, "/double", "kg_test/Double"),
+                ("/tester", Role.PUBLISHES, "/told", "std_msgs/String"),
+            }
+            qos = {(end.role, end.name): end.qos.reliability for end in graph.ends if end.qos}
+            assert qos[Role.PUBLISHES, "/scan"] == "best_effort"
+            assert qos[Role.SUBSCRIBES, "/scan"] == "reliable"
+            (problem,) = graph.problems
+            assert (problem.code, problem.subject) == ("KG815", "/scan")
+
+    asyncio.run(scene())
+
+
+def test_messages_go_both_ways() -> None:
+    """The peer reads what we write, and we what it writes, also where it offers no more than best effort."""
+
+    async def scene() -> None:
+        async with _beside() as (connection, _):
+            assert await _soon(_next(connection, "/chatter")) == {"data": "hello"}
+            assert await _soon(_next(connection, "/scan")) == {"x": 1.0, "y": 2.0, "z": 3.0}
+            answers = await connection.subscribe("/echo", "geometry_msgs/Twist")
+            commands = await connection.advertise("/cmd_vel", "geometry_msgs/Twist")
+            await _soon(_matched(commands))
+            sent = {"linear": {"x": 0.5, "y": 0.0, "z": -1.0}, "angular": {"x": 0.0, "y": 0.0, "z": 0.25}}
+            await commands.publish(sent)
+            came = await _soon(anext(aiter(answers)))
+            assert came.value == sent
+            assert came.node == "/robot/base"
+
+    asyncio.run(scene())
+
+
+def test_services_go_both_ways() -> None:
+    """We call the peer's service and it calls ours, with the header that rmw_cyclonedds_cpp has."""
+
+    async def double(request: Value) -> Value:
+        return {"value": 2 * request["value"], "remark": "twice"}
+
+    async def scene() -> None:
+        async with _beside() as (connection, _):
+            request = {"a": 2, "b": 40}
+            assert await connection.call("/add_two_ints", None, request, seconds=patient(5)) == {"sum": 42}
+            await connection.serve("/double", "kg_test/Double", double)
+            assert await _soon(_next(connection, "/told")) == {"data": "77 5 42.0 twice"}
+
+    asyncio.run(scene())
+
+
+def test_an_action_of_the_peer_is_carried_out() -> None:
+    """The peer accepts a goal, tells how far it is, and gives the result; or it rejects the goal (KG809)."""
+
+    async def scene() -> None:
+        async with _beside() as (connection, _):
+            goal = await connection.send_goal("/count", "kg_test/Count", {"until": 3}, seconds=patient(5))
+            assert await _soon(goal.result()) == {"reached": 3}
+            assert [told async for told in goal.feedback()] == [{"now": 1}, {"now": 2}, {"now": 3}]
+            with pytest.raises(RobotError) as rejected:
+                await connection.send_goal("/count", "kg_test/Count", {"until": -1}, seconds=patient(5))
+            assert rejected.value.code == "KG809"
+
+    asyncio.run(scene())
+
+
+def test_a_type_that_is_not_known_is_asked_for() -> None:
+    """A type that does not come with kg is fetched from a peer that sends type information (DDS XTypes)."""
+
+    async def scene() -> None:
+        async with _beside() as (connection, _):
+            came = await _soon(_next(connection, "/unheard"))
+            assert came == {"parts": [{"x": 0.5, "name": "half"}], "three": [1, 2, 3], "fine": True}
+            with pytest.raises(RobotError) as unknown:
+                await connection.subscribe("/nobody", "nowhere_msgs/Thing")
+            assert unknown.value.code == "KG804"
+            assert unknown.value.hint is not None
+            assert "kg build" in unknown.value.hint
+
+    asyncio.run(scene())
+
+
+def test_a_name_that_is_none_is_reported() -> None:
+    """A node whose name is no name is left out and reported; its ends are then those of a nameless participant."""
+
+    async def scene() -> None:
+        async with _beside() as (connection, peer):
+            await _soon(connection.graph())
+            assert peer.stdin is not None
+            print("/robot ba//se", file=peer.stdin, flush=True)
+            graph = await _soon(_seen(connection, "KG816"))
+            assert "/robot/base" not in {node.name for node in graph.nodes}
+            nameless = [node for node in graph.nodes if node.problem]
+            assert nameless
+            assert nameless[0].name.startswith("/_participant_")
+
+    asyncio.run(scene())
+
+
+def test_a_robot_that_goes_is_noticed() -> None:
+    """A participant that leaves takes its nodes with it, and when all have gone the robot is lost."""
+
+    async def scene() -> None:
+        async with _beside() as (connection, peer):
+            await _soon(connection.graph())
+            assert peer.stdin is not None
+            peer.stdin.close()
+            assert "left" in await asyncio.wait_for(connection.wait_lost(), patient(30))
+            assert (await connection.graph()).nodes == ()
+
+    asyncio.run(scene())

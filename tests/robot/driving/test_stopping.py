@@ -1,0 +1,191 @@
+"""Whatever the sequence of commands, cancellations, stops and losses: the last thing a moved topic gets is zero."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from robot.driving.rover import CAPABILITIES, ONE_PART, rover, until
+
+from kg.facts import Role
+from kg.robot.clock import SimulatedClock
+from kg.robot.driving import Driver, Guard
+
+if TYPE_CHECKING:
+    from robot.driving.rover import Rover
+
+    from kg.robot.capability import Capabilities
+    from kg.robot.connection import Value
+    from kg.robot.driving import Outcome
+
+TOPICS = {"/cmd_vel": "geometry_msgs/Twist", "/stamped": "geometry_msgs/TwistStamped"}
+
+moves = st.tuples(
+    st.just("do"),
+    st.sampled_from(sorted(TOPICS)),
+    st.sampled_from([-1.0, -0.3, 0.5, 1.0]),
+    st.sampled_from([None, 0.01, 0.1, 0.3]),
+)
+steps = st.one_of(
+    moves,
+    st.tuples(st.just("cancel"), st.integers(0, 5)),
+    st.tuples(st.just("stop")),
+    st.tuples(st.just("pass"), st.sampled_from([0.0, 0.01, 0.05, 0.2])),
+    st.tuples(st.just("reset")),
+    st.tuples(st.just("count")),
+    st.tuples(st.just("wrong")),
+)
+
+
+async def _settle() -> None:
+    for _ in range(30):
+        await asyncio.sleep(0)
+
+
+class _Play:
+    """A sequence that is played on a rover."""
+
+    def __init__(self, robot: Rover, clock: SimulatedClock) -> None:
+        self.robot = robot
+        self.clock = clock
+        self.tasks: list[asyncio.Task[Outcome]] = []
+
+    async def step(self, kind: str, *values: object) -> None:
+        """Do one thing, and let what follows from it happen."""
+        driver = self.robot.driver
+        if kind == "do":
+            topic, forward, seconds = values
+            work = driver.do("driving", {"forward": forward}, seconds=seconds, way=str(topic))  # type: ignore[arg-type]  # as drawn
+            self.tasks.append(asyncio.ensure_future(work))
+        elif kind == "cancel" and self.tasks:
+            self.tasks[int(str(values[0])) % len(self.tasks)].cancel()
+        elif kind == "stop":
+            await driver.stop()
+        elif kind == "pass":
+            self.clock.tell(self.clock.now() + float(str(values[0])))
+        elif kind == "reset":
+            self.clock.tell(0.0)
+        elif kind == "count":
+            self.tasks.append(asyncio.ensure_future(driver.do("counting", {"until": 10**6})))
+        elif kind == "wrong":
+            self.tasks.append(asyncio.ensure_future(driver.do("driving", {"forward": 99})))
+        if len(values) != 1:
+            await _settle()
+
+
+def _fast(robot: Rover) -> dict[str, list[float]]:
+    return {topic: robot.speeds(topic) for topic in TOPICS if robot.speeds(topic)}
+
+
+class _Told(Guard):
+    """A guard that only knows what it was told to stop."""
+
+    def __init__(self) -> None:
+        super().__init__("memory://")
+        self.moved: set[str] = set()
+
+    async def watch(self, topic: str, kind: str, zero: Value) -> None:
+        """Know of a topic that is moved."""
+        assert (kind, zero.get("twist", zero)["linear"]["x"]) == (TOPICS[topic], 0)
+        self.moved.add(topic)
+
+    async def forget(self, topic: str) -> None:
+        """Know no more of it."""
+        self.moved.discard(topic)
+
+
+@settings(deadline=None, max_examples=60)
+@given(
+    st.lists(steps, max_size=14),
+    st.sampled_from(["leave", "raise", "cancel"]),
+    st.sampled_from([CAPABILITIES, ONE_PART]),
+)
+def test_the_last_thing_is_zero(sequence: list[tuple[object, ...]], end: str, known: Capabilities) -> None:
+    """After any sequence, however the block is left, each topic that was moved got a zero command last.
+
+    The guard is told of each as long as it moves.
+    """
+
+    async def scene() -> None:
+        clock, guard = SimulatedClock(), _Told()
+        robots: list[Rover] = []
+
+        async def block() -> None:
+            async with rover(clock, capabilities=known, guard=guard) as robot:
+                await robot.listen("/stamped", TOPICS["/stamped"])
+                robots.append(robot)
+                play = _Play(robot, clock)
+                for kind, *values in sequence:
+                    await play.step(str(kind), *values)
+                    assert {topic for topic, speeds in _fast(robot).items() if speeds[-1]} <= guard.moved
+                if end == "raise":
+                    raise ValueError
+                if end == "cancel":
+                    await asyncio.Event().wait()
+            await asyncio.gather(*play.tasks, return_exceptions=True)
+
+        task = asyncio.ensure_future(block())
+        if end == "cancel":
+            await asyncio.sleep(0.01)
+            await _settle()
+            task.cancel()
+        await asyncio.gather(task, return_exceptions=True)
+        await _settle()
+        assert [speeds[-1] for speeds in _fast(robots[0]).values()] == [0.0] * len(_fast(robots[0]))
+        assert robots[0].cancelled == len(robots[0].goals)
+        assert not guard.moved
+
+    asyncio.run(scene())
+
+
+@settings(deadline=None, max_examples=30)
+@given(st.lists(steps, max_size=8), st.booleans(), st.sampled_from([CAPABILITIES, ONE_PART]))
+def test_a_loss_ends_everything(
+    sequence: list[tuple[object, ...]],
+    later: bool,  # noqa: FBT001 - as drawn
+    known: Capabilities,
+) -> None:
+    """When the connection is lost in the middle, everything that is done ends, and nothing moves from then on."""
+
+    async def scene() -> None:
+        clock = SimulatedClock()
+        async with rover(clock, capabilities=known) as robot:
+            play = _Play(robot, clock)
+            for kind, *values in sequence:
+                await play.step(str(kind), *values)
+            robot.bus.cut("/face", "the cable was pulled")
+            await _settle()
+            moved = _fast(robot)
+            if later:
+                await play.step("do", "/cmd_vel", 0.5, None)
+            clock.tell(clock.now() + 1)
+            await _settle()
+            assert all(task.done() for task in play.tasks)
+            assert _fast(robot) == moved
+            await asyncio.gather(*play.tasks, return_exceptions=True)
+
+    asyncio.run(scene())
+
+
+def test_impatience_does_not_cut_stopping_short() -> None:
+    """Who is cancelled again and again leaves a driver with the robot stopped and nothing offered any more."""
+
+    async def scene() -> None:
+        async with rover() as robot:
+            await robot.listen("/cmd_vel", "geometry_msgs/Twist")
+
+            async def drive() -> None:
+                async with Driver(robot.face, CAPABILITIES) as driver:
+                    await driver.do("driving", {"forward": 0.5})
+
+            driving = asyncio.ensure_future(drive())
+            await until(robot.speeds)
+            while not driving.done():
+                driving.cancel()
+                await asyncio.sleep(0)
+            assert robot.told["/cmd_vel"][-1]["linear"]["x"] == 0.0
+            assert (Role.PUBLISHES, "/cmd_vel") not in {(one.role, one.name) for one in robot.bus.graph().ends}
+
+    asyncio.run(scene())

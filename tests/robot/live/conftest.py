@@ -1,0 +1,41 @@
+from __future__ import annotations
+
+import shutil
+from typing import TYPE_CHECKING
+
+import pytest
+from workspaces import example
+
+from kg.settings import load
+from kg.store.embedded import EmbeddedStore
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from kg.settings import Settings
+
+
+@pytest.fixture
+def settings(tmp_path: Path) -> Settings:
+    """The settings of a store that is not there yet."""
+    return load({"store": str(tmp_path / ".kg")}, environment={}, folder=tmp_path)
+
+
+@pytest.fixture
+def store(settings: Settings) -> EmbeddedStore:
+    """A store without any content."""
+    assert settings.store
+    return EmbeddedStore.create(settings.store)
+
+
+@pytest.fixture(scope="session")
+def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a store of the example workspace, which tests copy."""
+    return example(tmp_path_factory)
+
+
+@pytest.fixture
+def built(workspace: Path, tmp_path: Path) -> Settings:
+    """The settings of a store of the example workspace of the test's own."""
+    shutil.copytree(workspace / ".kg", tmp_path / "built")
+    return load({"store": str(tmp_path / "built")}, environment={}, folder=tmp_path)

@@ -1,0 +1,60 @@
+"""A trolley as a node of ROS 1, in Debian's rospy: it rolls, tells where it is and how far the wall, takes goals.
+
+It stands alone, for it is run by the system's Python.
+"""
+
+import actionlib
+import rospy
+from geometry_msgs.msg import Twist
+from move_base_msgs.msg import MoveBaseAction, MoveBaseResult
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import LaserScan
+from std_msgs.msg import String
+
+STEP = 0.02
+WALL = 3.0
+
+
+class Trolley:
+    """Where it is and how fast it rolls."""
+
+    def __init__(self) -> None:
+        """Offer and ask for topics."""
+        self.place = 0.0
+        self.speed = 0.0
+        self.odometry = rospy.Publisher("/odom", Odometry, queue_size=1)
+        self.scan = rospy.Publisher("/scan", LaserScan, queue_size=1)
+        rospy.Subscriber("/cmd_vel", Twist, self.on_velocity)
+        rospy.Subscriber("/say", String, lambda message: print(f"said {message.data}", flush=True))
+        self.server = actionlib.SimpleActionServer("/move_base", MoveBaseAction, self.go, auto_start=False)
+        self.server.start()
+
+    def on_velocity(self, message: Twist) -> None:
+        """Roll as told."""
+        self.speed = message.linear.x
+        print(f"speed {self.speed:g}", flush=True)
+
+    def go(self, goal: MoveBaseAction) -> None:
+        """Go to a place, at once."""
+        self.place = goal.target_pose.pose.position.x
+        self.server.set_succeeded(MoveBaseResult())
+
+    def step(self) -> None:
+        """Roll a little, and tell."""
+        self.place += self.speed * STEP
+        odometry = Odometry()
+        odometry.pose.pose.position.x = self.place
+        odometry.pose.pose.orientation.w = 1.0
+        self.odometry.publish(odometry)
+        self.scan.publish(
+            LaserScan(angle_min=-0.5, angle_increment=0.5, range_max=10.0, ranges=[5.0, WALL - self.place, 5.0])
+        )
+
+
+if __name__ == "__main__":
+    rospy.init_node("trolley")
+    trolley = Trolley()
+    print("ready", flush=True)
+    while not rospy.is_shutdown():
+        trolley.step()
+        rospy.sleep(STEP)

@@ -1,0 +1,66 @@
+"""What is wrong with programs: each in cases/check with the problems that stand beside it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import msgspec
+import pytest
+from hypothesis import given, settings
+from robot.programs.trees import programs
+from robot.programs.trolley import CAPABILITIES
+
+from kg.errors import RobotError
+from kg.robot.programs.check import check
+from kg.robot.programs.parse import parse, parse_with_places
+from kg.robot.programs.problems import place_at
+
+if TYPE_CHECKING:
+    from kg.robot.programs.tree import Program
+
+CASES = Path(__file__).parent / "cases" / "check"
+
+
+def told(text: str) -> list[str]:
+    """Return what is wrong with a program as lines."""
+    try:
+        program, places = parse_with_places(text, "p")
+    except RobotError as error:
+        return [f"{error.place} {error.code} {error.message} | {error.hint}"]
+    found = []
+    for problem in check(program, CAPABILITIES):
+        place = place_at("p", text, places, problem.path)
+        found.append(f"{place} {problem.severity} {problem.code} {problem.message} | {problem.hint}")
+    return found
+
+
+@pytest.mark.parametrize("case", sorted(CASES.glob("*.kgp")), ids=lambda path: path.stem)
+def test_what_is_wrong_is_found(case: Path) -> None:
+    """Every problem is told at its line and column, with the way out."""
+    text = case.read_text(encoding="utf-8")
+    assert told(text) == case.with_suffix(".problems").read_text(encoding="utf-8").splitlines()
+
+
+@pytest.mark.parametrize("case", sorted((CASES.parent / "run").glob("*.kgp")), ids=lambda path: path.stem)
+def test_sound_programs_pass(case: Path) -> None:
+    """Programs that are carried out have no errors, but those that show what happens with one."""
+    found = [line for line in told(case.read_text(encoding="utf-8")) if " error " in line]
+    assert bool(found) == (case.stem in {"break", "spin"})
+
+
+def test_a_problem_is_at_its_block() -> None:
+    """The id is that of the statement that the path leads to, however deep."""
+    (problem,) = check(parse('if true then @"a"\n log 1 m + 2 s @"b"\nend'), CAPABILITIES)
+    assert (problem.id, problem.path) == ("b", "/body/0/then/0/message")
+
+
+@settings(max_examples=100, deadline=None)
+@given(programs)
+def test_any_tree_can_be_checked(program: Program) -> None:
+    """Whatever a tree says, its problems lie at parts that it has."""
+    tree = msgspec.to_builtins(program)
+    for problem in check(program, CAPABILITIES):
+        part = tree
+        for step in problem.path.split("/")[1:]:
+            part = part.get(step, {}) if isinstance(part, dict) else part[int(step)]

@@ -1,0 +1,16 @@
+"""How often a master is asked what has changed."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+from kg.robot.ros1.graph import pause
+
+
+def test_a_master_that_answers_quickly_is_asked_more_often() -> None:
+    """Up to twenty times a second, for a tenth of its time; one that takes long is asked after a fifth of a second."""
+    assert pause(0.001) == 0.05
+    assert pause(0.01) == 9 * 0.01
+    assert pause(0.5) == 0.2
+    waits = [pause(took / 1000) for took in range(100)]
+    assert all(sooner <= later for sooner, later in pairwise(waits))

@@ -1,0 +1,64 @@
+"""Readers that follow what publishers offer."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING, Any, cast
+
+from patience import patient
+
+from kg.facts import Qos, Role
+from kg.robot.connection import LiveEnd, LiveNode
+from kg.robot.messages import Types
+from kg.robot.ros2.address import Address
+from kg.robot.ros2.connection import Ros2Connection
+from kg.robot.ros2.middleware import LATCHED, OFFERED, Neighbourhood
+from kg.robot.ros2.watch import Watch
+
+if TYPE_CHECKING:
+    from kg.robot.ros2.middleware import Middleware
+
+
+class _Wire:
+    """A middleware with one publisher, which refuses to open the second reader."""
+
+    def __init__(self) -> None:
+        self.types = Types(2)
+        self.offered = OFFERED
+        self.asked: list[Qos] = []
+        self.closed = 0
+
+    def neighbourhood(self) -> Neighbourhood:
+        end = LiveEnd("/robot", Role.PUBLISHES, "/said", "std_msgs/String", self.offered)
+        return Neighbourhood((LiveNode("/robot"),), (end,))
+
+    def reader(self, _topic: str, _kind: str, qos: Qos, _deliver: Any) -> Any:
+        self.asked.append(qos)
+        if len(self.asked) == len(("first", "second")):
+            raise OSError("no more handles")
+        return self
+
+    def close(self) -> None:
+        self.closed += 1
+
+
+def test_a_reader_that_cannot_be_opened_is_told_and_tried_again() -> None:
+    """Where a reader cannot follow what is offered, the graph has the problem, and the next graph opens it."""
+
+    async def scene() -> tuple[list[str], list[str]]:
+        wire = _Wire()
+        watch = Watch(wire.neighbourhood, 0.0)
+        connection = Ros2Connection(cast("Middleware", wire), watch, Address("dds://0", "0"), "/face")
+        await connection.subscribe("/said", "std_msgs/String")
+        wire.offered = LATCHED
+        watch.changed()
+        async with asyncio.timeout(patient(10)):
+            while len(wire.asked) < len(("first", "second", "third")):  # noqa: ASYNC110 - a list tells nobody
+                await asyncio.sleep(0.01)
+        problems = [f"{one.code} {one.subject} {one.message}" for one in watch.now().problems]
+        await connection.aclose()
+        return problems, [qos.durability for qos in wire.asked if qos.durability]
+
+    problems, asked = asyncio.run(scene())
+    assert problems == ["KG803 /said it cannot be read any more: no more handles"]
+    assert asked == ["volatile", "transient_local", "transient_local"]

@@ -1,0 +1,251 @@
+"""Our node against a plain session of Zenoh, whose tokens, keys and CDR are written by hand."""
+
+from __future__ import annotations
+
+import asyncio
+import struct
+import time
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from patience import patient
+from robot.connections import types_for_tests
+
+pytest.importorskip("zenoh", reason="the extra `zenoh` is not installed")
+
+import zenoh
+from robot.zenoh.hub import free_port, hub
+
+from kg.errors import RobotError
+from kg.facts import Role
+from kg.robot.connecting import connect
+from kg.robot.messages import Types
+from kg.robot.ros2.hashes import type_hash
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Awaitable, Callable
+
+    from kg.robot.connection import ComputationGraph, Connection, Value
+
+STRING = "std_msgs::msg::dds_::String_/RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18"
+ADD = (
+    "example_interfaces::srv::dds_::AddTwoInts_/RIHS01_e118de6bf5eeb66a2491b5bda11202e7b68f198d6f67922cf30364858239c81a"
+)
+HELLO = b"\x00\x01\x00\x00\x06\x00\x00\x00hello\x00"
+GID = bytes(range(16))
+ATTACHED = struct.pack("<qqB16s", 1, 1_700_000_000_000_000_000, 16, GID)
+
+
+class _Peer:
+    """A session with the node `/robot/base`, by hand."""
+
+    def __init__(self, session: Any) -> None:
+        self.session = session
+        self._tokens = [session.liveliness().declare_token(self._token("0/0/NN"))]
+
+    def _token(self, middle: str, rest: str = "") -> str:
+        return f"@ros2_lv/0/{self.session.zid()}/{middle}/%/%robot/base{rest}"
+
+    def end(self, number: int, sort: str, topic: str, kind: str, qos: str = "::,10:,:,:,,") -> None:
+        """Tell of an end of the node."""
+        rest = f"/%{topic}/{kind}/{qos}"
+        self._tokens.append(self.session.liveliness().declare_token(self._token(f"0/{number}/{sort}", rest)))
+
+    def leave(self) -> None:
+        """Take all tokens back."""
+        for token in self._tokens:
+            token.undeclare()
+
+
+@asynccontextmanager
+async def _beside(*, options: str = "settle=1") -> AsyncIterator[tuple[Connection, _Peer]]:
+    with hub() as (place, session):
+        peer = _Peer(session)
+        types = types_for_tests(2)
+        types.define("example_interfaces/AddTwoInts", "int64 a\nint64 b\n---\nint64 sum\n", "srv")
+        connection = await connect(f"zenoh://{place}?{options}", name="/kg", types=types)
+        try:
+            yield connection, peer
+        finally:
+            await connection.aclose()
+
+
+async def _soon(what: Awaitable[Any]) -> Any:
+    return await asyncio.wait_for(what, patient(10))
+
+
+async def _seen(connection: Connection, true: Callable[[ComputationGraph], bool]) -> ComputationGraph:
+    async for graph in connection.changes():
+        if true(graph):
+            return graph
+    raise AssertionError
+
+
+def test_the_graph_is_what_tokens_tell() -> None:
+    """Nodes, ends with types and quality of service, folded actions; a token that is broken is reported."""
+
+    async def scene() -> None:
+        async with _beside() as (connection, peer):
+            peer.end(1, "MP", "robot%chatter", STRING, "2:1:,7:,:,:,,")
+            peer.end(2, "MS", "robot%chatter", STRING, "1:2:1,7:0,500000000:,:1,9223372036,854775807")
+            peer.end(3, "SS", "add_two_ints", ADD)
+            peer.end(4, "SS", "fib%_action%send_goal", "demo::action::dds_::Fib_SendGoal_/RIHS01_00")
+            peer.end(5, "SS", "fib%_action%get_result", "demo::action::dds_::Fib_GetResult_/RIHS01_00")
+            peer.end(6, "MP", "other", STRING[:-1] + "9")
+            peer.end(7, "MP", "no name", STRING)
+            peer.end(8, "MP", "nonsense", STRING, "what")
+            await _soon(_seen(connection, lambda graph: len(graph.problems) > 3 and len(graph.ends) > 4))
+            graph = await _soon(connection.graph())
+            assert [node.name for node in graph.nodes] == ["/robot/base"]
+            assert {(end.role, end.name, end.type) for end in graph.ends} == {
+                (Role.PUBLISHES, "/robot/chatter", "std_msgs/String"),
+                (Role.SUBSCRIBES, "/robot/chatter", "std_msgs/String"),
+                (Role.PUBLISHES, "/other", "std_msgs/String"),
+                (Role.SERVICES, "/add_two_ints", "example_interfaces/AddTwoInts"),
+                (Role.ACTION_SERVERS, "/fib", "demo/Fib"),
+            }
+            (qos,) = [end.qos for end in graph.ends if end.role is Role.SUBSCRIBES]
+            assert qos is not None
+            assert (qos.reliability, qos.durability, qos.depth, qos.deadline) == ("reliable", "volatile", 7, 0.5)
+            assert sorted(problem.code for problem in graph.problems) == ["KG806", "KG815", "KG816", "KG816"]
+
+    asyncio.run(scene())
+
+
+def test_messages_go_both_ways() -> None:
+    """The peer reads what we write under ROS 2's key with an attachment, and we read what it writes."""
+
+    async def scene() -> None:
+        async with _beside() as (connection, peer):
+            came: list[Any] = []
+            kept = peer.session.declare_subscriber(f"0/robot/told/{STRING}", came.append)
+            publication = await connection.advertise("/robot/told", "std_msgs/String")
+            peer.end(1, "MS", "robot%told", STRING)
+            await _soon(_seen(connection, lambda _: publication.peers > 0))
+            await publication.publish({"data": "hello"})
+            await _soon(_until(lambda: bool(came)))
+            assert came[0].payload.to_bytes() == HELLO
+            number, _, length, _ = struct.unpack("<qqB16s", came[0].attachment.to_bytes())
+            assert (number, length) == (1, 16)
+            kept.undeclare()
+            peer.end(2, "MP", "chatter", STRING)
+            subscription = await connection.subscribe("/chatter")
+            while not subscription.dropped:
+                peer.session.put(f"0/chatter/{STRING}", HELLO, attachment=ATTACHED)
+                await asyncio.sleep(0.01)
+            received = await _soon(anext(aiter(subscription)))
+            assert received.value == {"data": "hello"}
+
+    asyncio.run(scene())
+
+
+async def _until(true: Callable[[], bool]) -> None:
+    while not true():  # noqa: ASYNC110 - the other thread tells nobody
+        await asyncio.sleep(0.01)
+
+
+def test_services_go_both_ways() -> None:
+    """The peer asks our service and we ask its, as queries with a number that comes back with the response."""
+
+    async def add(request: Value) -> Value:
+        return {"sum": request["a"] + request["b"]}
+
+    def answer(query: Any) -> None:
+        content = query.payload.to_bytes()
+        first, second = struct.unpack_from("<qq", content, 4)
+        query.reply(query.key_expr, content[:4] + struct.pack("<q", first * second), attachment=query.attachment)
+
+    async def scene() -> None:
+        async with _beside() as (connection, peer):
+            kept = peer.session.declare_queryable(f"0/multiply/{ADD}", answer, complete=True)
+            peer.end(1, "SS", "multiply", ADD)
+            response = await connection.call("/multiply", None, {"a": 6, "b": 7}, seconds=patient(5))
+            assert response == {"sum": 42}
+            kept.undeclare()
+            await connection.serve("/add_two_ints", "example_interfaces/AddTwoInts", add)
+            payload = b"\x00\x01\x00\x00" + struct.pack("<qq", 2, 40)
+            reply = await asyncio.to_thread(_asked, peer.session, payload)
+            assert reply.payload.to_bytes() == b"\x00\x01\x00\x00" + struct.pack("<q", 42)
+            number, _, _, sender = struct.unpack("<qqB16s", reply.attachment.to_bytes())
+            assert (number, sender) == (1, GID)
+
+    asyncio.run(scene())
+
+
+def _asked(session: Any, payload: bytes) -> Any:
+    target = zenoh.QueryTarget.ALL_COMPLETE
+    for _ in range(200):
+        for reply in session.get(f"0/add_two_ints/{ADD}", payload=payload, attachment=ATTACHED, target=target):
+            if reply.ok is not None:
+                return reply.ok
+        time.sleep(0.05)  # it is not known yet, or answers late
+    raise AssertionError
+
+
+def test_a_payload_that_does_not_decode_is_reported() -> None:
+    """Bytes that are no message are left out and reported (KG816), and what comes next is read."""
+
+    async def scene() -> None:
+        async with _beside() as (connection, peer):
+            peer.end(1, "MP", "chatter", STRING)
+            subscription = await connection.subscribe("/chatter", "std_msgs/String", queue=1000)
+            reading = asyncio.ensure_future(anext(aiter(subscription)))
+            while not reading.done():
+                peer.session.put(f"0/chatter/{STRING}", b"\x00\x01\x00\x00\xff\xff\xff\xffno")
+                peer.session.put(f"0/chatter/{STRING}", HELLO)
+                await asyncio.sleep(0.01)
+            assert reading.result().value == {"data": "hello"}
+            graph = await _soon(_seen(connection, lambda graph: bool(graph.problems)))
+            assert {problem.code for problem in graph.problems} == {"KG816"}
+
+    asyncio.run(scene())
+
+
+def test_the_clock_of_a_simulation_is_followed() -> None:
+    """With `clock=simulated` the time is that of `/clock`, and waiting is waiting for it."""
+    digest = type_hash(Types(2), "rosgraph_msgs/Clock")
+
+    async def scene() -> None:
+        async with _beside(options="settle=0&clock=simulated") as (connection, peer):
+            waiting = asyncio.ensure_future(connection.clock.sleep(20))
+            for second in range(1, 1000):
+                payload = b"\x00\x01\x00\x00" + struct.pack("<iI", second, 500_000_000)
+                peer.session.put(f"0/clock/rosgraph_msgs::msg::dds_::Clock_/{digest}", payload)
+                await asyncio.sleep(0.01)
+                if waiting.done():
+                    break
+            assert waiting.done()
+            assert connection.clock.now() >= 20
+
+    asyncio.run(scene())
+
+
+def test_a_robot_that_goes_is_noticed() -> None:
+    """When all nodes have left the robot is lost."""
+
+    async def scene() -> None:
+        async with _beside() as (connection, peer):
+            await _soon(_seen(connection, lambda graph: bool(graph.nodes)))
+            peer.leave()
+            assert "left" in await _soon(connection.wait_lost())
+
+    asyncio.run(scene())
+
+
+@pytest.mark.parametrize(
+    ("address", "code"),
+    [
+        ("zenoh://127.0.0.1:{free}", "KG802"),
+        ("zenoh://localhost?color=red", "KG801"),
+        ("zenoh://localhost?clock=cuckoo", "KG801"),
+        ("zenoh://localhost?domain=233", "KG801"),
+        ("zenoh://localhost:port", "KG801"),
+        ("zenoh://[::", "KG801"),
+    ],
+)
+def test_a_place_where_nobody_is(address: str, code: str) -> None:
+    """An address that is none is KG801, and where nobody answers it is KG802."""
+    with pytest.raises(RobotError) as refused:
+        asyncio.run(connect(address.replace("{free}", str(free_port()))))
+    assert refused.value.code == code

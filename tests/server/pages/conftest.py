@@ -1,0 +1,51 @@
+"""One browser and one server for all tests of pages."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import httpx
+import pytest
+from browsing import chromium
+from listing import PAGES, Examined, Shown, examine, shown
+from serving import served
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+
+    from browsing import Chromium
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Chromium]:
+    """A headless Chromium."""
+    with chromium() as found:
+        yield found
+
+
+@pytest.fixture(scope="session")
+def site(browser: Chromium, store: Path) -> Iterator[str]:  # noqa: ARG001 - no server without a browser
+    """The address of a server of the example workspace."""
+    with served(store, log="off") as server:
+        yield server.address
+
+
+@pytest.fixture(scope="session")
+def things(site: str) -> Shown:
+    """What of the example workspace pages are shown about."""
+    with httpx.Client(base_url=site, timeout=30) as client:
+        return shown(client)
+
+
+@pytest.fixture(scope="session")
+def examined(browser: Chromium, site: str, things: Shown) -> Callable[[str], Examined]:
+    """Return what was found out about the page of a name; each is opened once."""
+    known: dict[str, Examined] = {}
+
+    def ask(name: str) -> Examined:
+        if name not in known:
+            known[name] = browser.run(examine(browser, site + PAGES[name].format(**things)))
+        return known[name]
+
+    return ask

@@ -1,0 +1,279 @@
+"""Answers that come late, or in another order: none takes away what was written or asked for since."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any, Final
+
+import pytest
+
+from kg.server.libraries import HELP, libraries
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Coroutine
+
+    from browsing import Chromium, Visit
+    from listing import Shown
+    from playwright.async_api import Page
+
+    Work = Callable[[Visit], Coroutine[Any, Any, Any]]
+
+_NEEDS_LIBRARIES = pytest.mark.skipif(not libraries(), reason=HELP)
+_WIDE: Final = {"width": 1500, "height": 1100}
+
+# Answers from addresses with a part are held, as they come, until the test lets one of them through.
+_HELD: Final = """(part) => {
+  const real = window.fetch;
+  window.kgHeld = [];
+  window.fetch = async (path, init) => {
+    const answer = await real(path, init);
+    if (!String(path).includes(part)) return answer;
+    const body = await answer.text();
+    await new Promise((resolve) => window.kgHeld.push(resolve));
+    const made = new Response(body, { status: answer.status, headers: answer.headers });
+    Object.defineProperty(made, "url", { value: answer.url });
+    return made;
+  };
+}"""
+
+
+async def _held(page: Page, count: int) -> None:
+    """Wait until so many answers are held."""
+    await page.wait_for_function("count => window.kgHeld.length === count", arg=count)
+
+
+async def _through(page: Page, number: int, act: str = "") -> None:
+    """Let an answer through, right after something was done in the page; return when the page has taken it."""
+    await page.evaluate(f"""async () => {{
+      {act};
+      window.kgHeld[{number}]();
+      await new Promise((resolve) => setTimeout(resolve));
+    }}""")
+
+
+def _composed(browser: Chromium, site: str, work: Work) -> Any:
+    """Return what `work` returns of the page of rules as blocks, with two rules opened one after the other."""
+
+    async def visit() -> Any:
+        async with browser.visit(f"{site}/rule-blocks?name=communication/feeds", viewport=_WIDE) as visited:
+            found = await work(visited)
+            assert await visited.troubles() == []
+            return found
+
+    return browser.run(visit())
+
+
+async def _judged(page: Page) -> str:
+    """Return the text of the rule once nothing is judged any more."""
+    await page.locator("#state[aria-busy=false]").wait_for()
+    return await page.locator("#text").input_value()
+
+
+async def _written(page: Page, text: str) -> None:
+    """Write at the end of the rule's text."""
+    await page.locator("#editor .cm-content").click()
+    await page.keyboard.press("Control+End")
+    await page.keyboard.insert_text(text)
+
+
+_UNDO: Final = "document.getElementById('undo').click()"
+
+
+@_NEEDS_LIBRARIES
+def test_a_block_is_not_lost_to_an_older_text(browser: Chromium, site: str) -> None:
+    """What is done with blocks while an older text is read stays, and the text says it."""
+
+    async def edit(visit: Visit) -> tuple[str, str]:
+        page = visit.page
+        await page.get_by_role("button", name="Examples").click()
+        await page.get_by_role("button", name="Who listens to whom").click()
+        await _judged(page)
+        await page.evaluate(_HELD, "blocks_check")
+        await _written(page, "\n# later")
+        await _held(page, 1)
+        await _through(page, 0, _UNDO)
+        await _held(page, 2)
+        await _through(page, 1)
+        await _held(page, 3)
+        await _through(page, 2)
+        return await _judged(page), "".join(await page.locator("#blocks .blocklyBlockCanvas").all_text_contents())
+
+    text, blocks = _composed(browser, site, edit)
+    assert "later" not in text
+    assert "speaker" not in text
+    assert "speaker" not in blocks
+
+
+@_NEEDS_LIBRARIES
+def test_a_text_is_not_lost_to_older_blocks(browser: Chromium, site: str) -> None:
+    """What is typed while older blocks or an older form are judged stays in the editor, and becomes the rule."""
+
+    async def edit(visit: Visit) -> str:
+        page = visit.page
+        await page.evaluate(_HELD, "blocks_check")
+        await page.fill("#rule-title", "Another title")
+        await page.press("#rule-title", "Tab")
+        await _held(page, 1)
+        await _written(page, "\n# typed meanwhile")
+        await _through(page, 0)
+        text = await page.locator("#text").input_value()
+        await _held(page, 2)
+        return text
+
+    assert _composed(browser, site, edit).endswith("# typed meanwhile")
+
+
+@_NEEDS_LIBRARIES
+def test_a_form_is_not_lost_to_an_older_text(browser: Chromium, site: str) -> None:
+    """What is written into the form while an older text is read stays there, and the text takes it up."""
+
+    async def edit(visit: Visit) -> tuple[str, str, str]:
+        page = visit.page
+        await page.evaluate(_HELD, "blocks_check")
+        await page.locator("#editor .cm-content").click()
+        await page.keyboard.press("Control+Home")
+        await page.keyboard.press("End")
+        await page.keyboard.insert_text(" typed")
+        await _held(page, 1)
+        await page.fill("#rule-why", "Why not?")
+        await _through(page, 0)
+        await page.wait_for_function("() => document.getElementById('rule-title').value.endsWith(' typed')")
+        why = await page.input_value("#rule-why")
+        await page.press("#rule-why", "Tab")
+        for number in (1, 2, 3):
+            await _held(page, number + 1)
+            await _through(page, number)
+            if "Why not?" in await page.locator("#text").input_value():
+                break
+        return why, await page.input_value("#rule-title"), await page.locator("#text").input_value()
+
+    why, title, text = _composed(browser, site, edit)
+    assert why == "Why not?"
+    assert title.endswith(" typed")
+    assert "# Why not?" in text
+    assert text.splitlines()[0].endswith(" typed")
+
+
+@_NEEDS_LIBRARIES
+def test_a_choice_is_not_lost_to_an_older_text(browser: Chromium, site: str) -> None:
+    """While somebody chooses what a block says, nothing is shown anew that would take the block away."""
+
+    async def edit(visit: Visit) -> str:
+        page = visit.page
+        await page.evaluate(_HELD, "blocks_check")
+        await _written(page, "\n# typed")
+        await _held(page, 1)
+        await page.locator(".kr_is .blocklyEditableField, .kr_fact .blocklyEditableField").last.click()
+        await page.locator("#choose-dialog[open]").wait_for()
+        await _through(page, 0)
+        await page.fill("#choose-field", "chosen")
+        await page.locator("#choose-list[aria-busy=false] button", has_text="chosen").first.click()
+        await _held(page, 2)
+        await _through(page, 1)
+        return await page.locator("#text").input_value()
+
+    assert "hosen" in _composed(browser, site, edit)
+
+
+def test_what_is_tried_is_what_is_seen(browser: Chromium, site: str) -> None:
+    """Keys try the rule with a title that was not left yet, once, and results are never those of an older rule."""
+
+    async def attempt(visit: Visit) -> tuple[list[str], list[int], str]:
+        page = visit.page
+        asked: list[str] = []
+        page.on("request", lambda one: asked.append(one.post_data or "") if "blocks_try" in one.url else None)
+        await page.locator("#editor .cm-content, #text:visible").first.click()
+        await page.keyboard.press("Control+Enter")
+        await page.locator(".rule-found").wait_for()
+        many = [len(asked)]
+        await page.evaluate(_HELD, "blocks_try")
+        await page.locator("#rule-title").focus()
+        await page.keyboard.press("End")
+        await page.keyboard.insert_text(", seen")
+        await page.keyboard.press("Control+Enter")
+        await _held(page, 1)
+        many.append(len(asked))
+        await page.click("#new")
+        await _through(page, 0)
+        await _judged(page)
+        return asked, many, await page.inner_text("#tried")
+
+    asked, many, tried = _composed(browser, site, attempt)
+    assert many == [1, 2]
+    assert json.loads(asked[1])["text"].splitlines()[0].endswith(", seen")
+    assert tried == ""
+
+
+def test_the_rule_asked_for_last_is_opened(browser: Chromium, site: str) -> None:
+    """Of two rules that are opened the second is shown, whichever comes first; one that comes after an edit is not."""
+
+    async def choose(visit: Visit) -> tuple[str, str, str, str]:
+        page = visit.page
+        await page.evaluate(_HELD, "blocks_open")
+        for number, name in enumerate(("capability/evokes", "function/weighed")):
+            await page.evaluate(
+                "name => [...document.querySelectorAll('#open-rules button')].find((one) => one.innerText === name"
+                " || one.textContent === name).click()",
+                name,
+            )
+            await _held(page, number + 1)
+        await _through(page, 1)
+        await _through(page, 0)
+        await _judged(page)
+        first = await page.input_value("#rule-name")
+        await page.evaluate(
+            "() => [...document.querySelectorAll('#open-rules button')].find((one) =>"
+            " one.textContent === 'capability/evokes').click()"
+        )
+        await _held(page, 3)
+        await page.fill("#rule-title", "Edited")
+        await _through(page, 2)
+        await page.locator("#said", has_text="was not opened").wait_for()
+        return first, await page.input_value("#rule-name"), await page.input_value("#rule-title"), await _judged(page)
+
+    first, name, title, _ = _composed(browser, site, choose)
+    assert (first, name, title) == ("function/weighed", "function/weighed", "Edited")
+
+
+def test_what_was_written_last_is_there_again(browser: Chromium, site: str) -> None:
+    """Who leaves the page in the middle of an edit and comes back finds it."""
+
+    async def leave(visit: Visit) -> str:
+        page = visit.page
+        await page.goto(f"{site}/rule-blocks", wait_until="load")
+        await _judged(page)
+        await page.locator("#rule-title").fill("Half a title")
+        await page.goto(f"{site}/rules", wait_until="load")
+        await page.go_back(wait_until="load")
+        await page.locator("#rule-page[aria-busy=false]").wait_for()
+        return await page.input_value("#rule-title")
+
+    assert _composed(browser, site, leave) == "Half a title"
+
+
+def test_the_proof_asked_for_last_is_shown(browser: Chromium, site: str, things: Shown) -> None:
+    """Of two proofs the second is shown, whichever comes first; one that comes after the panel was closed is not."""
+
+    async def prove() -> tuple[str, str, bool]:
+        async with browser.visit(f"{site}/node?iri={things['node']}") as visit:
+            page = visit.page
+            await page.evaluate(_HELD, "/why")
+            links = page.locator("a.why")
+            for number in range(2):
+                await links.nth(number).evaluate("one => one.click()")
+                await _held(page, number + 1)
+            second = str(await links.nth(1).get_attribute("data-why"))
+            await _through(page, 1)
+            await page.locator("#why[open]").wait_for()
+            await _through(page, 0)
+            own = str(await page.locator("#why-body > p > a").get_attribute("href"))
+            await page.locator("#why a[data-why], a.why").first.evaluate("one => one.click()")
+            await _held(page, 3)
+            await page.keyboard.press("Escape")
+            await page.locator("#why:not([open])").wait_for(state="attached")
+            await _through(page, 2)
+            return second.partition("?")[2], own.partition("?")[2], await page.locator("#why[open]").count() == 0
+
+    second, own, closed = browser.run(prove())
+    assert own == second
+    assert closed

@@ -1,0 +1,260 @@
+"""The pages of nodes, systems and resources: proofs with and without scripts, pictures, names that are not there."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+import pytest
+
+from kg.server.libraries import HELP, libraries
+from kg.server.pages import start
+from kg.server.pages import system as systems
+from kg.server.rendering import view
+
+if TYPE_CHECKING:
+    from browsing import Chromium
+    from listing import Shown
+    from starlette.requests import Request
+    from starlette.testclient import TestClient
+
+_NEEDS_LIBRARIES = pytest.mark.skipif(not libraries(), reason=HELP)
+
+
+def test_why_opens_by_keyboard(browser: Chromium, site: str, things: Shown) -> None:
+    """Enter on `why` opens the proof in a panel, down to the line; Escape closes it and gives the focus back."""
+
+    async def prove() -> tuple[str, bool, str]:
+        async with browser.visit(f"{site}/node?iri={things['node']}") as visit:
+            await visit.page.locator("table a.why").first.focus()
+            await visit.page.keyboard.press("Enter")
+            await visit.page.locator("#why[open]").wait_for()
+            text = await visit.page.inner_text("#why")
+            await visit.page.keyboard.press("Escape")
+            closed = await visit.page.locator("#why[open]").count() == 0
+            return text, closed, await visit.page.evaluate("document.activeElement.className")
+
+    text, closed, focused = browser.run(prove())
+    assert "by the rule communication/" in text
+    assert "scan_filter_nodelet.cpp" in text
+    assert (closed, focused) == (True, "why")
+
+
+def test_why_is_a_link_without_scripts(browser: Chromium, site: str, things: Shown) -> None:
+    """Where no script runs `why` leads to a page with the same proof."""
+
+    async def follow() -> tuple[str, str]:
+        async with browser.visit(f"{site}/node?iri={things['node']}", java_script_enabled=False) as visit:
+            await visit.page.locator("aside a.why").first.click()
+            return visit.page.url, await visit.page.inner_text("#proof")
+
+    address, text = browser.run(follow())
+    assert "/why?subject=" in address
+    assert "by the rule" in text
+
+
+_WIDER: Final = """() => [...document.querySelectorAll(".scrolls")]
+  .filter((part) => part.scrollWidth > part.clientWidth).map((part) => part.querySelector("table").ariaLabel)"""
+
+
+def test_tables_of_a_node_fit_a_laptop(browser: Chromium, site: str, things: Shown) -> None:
+    """At 1200 pixels the last column of each table, which has the lines of code, is seen whole; one is not many."""
+
+    async def look() -> tuple[list[str], str]:
+        wide = {"width": 1200, "height": 900}
+        async with browser.visit(f"{site}/node?iri={things['node']}", viewport=wide) as visit:
+            wider = await visit.page.evaluate(_WIDER)
+            return wider, await visit.page.inner_text("#more-parameters")
+
+    assert browser.run(look()) == ([], "1 parameter that frameworks make")
+
+
+_LOADED: Final = """async () => {
+  const { load } = await import("/static/system.js");
+  const host = document.body.appendChild(document.createElement("details"));
+  host.id = "loaded";
+  host.open = true;
+  host.dataset.part = "/system?name=rover.launch&part=connections";
+  host.innerHTML = `<summary>connections</summary><p><a href="${host.dataset.part}">a page</a></p>`;
+  await load(host);
+}"""
+_DRAWN: Final = """async () => {
+  const { draw } = await import("/static/graph.js");
+  const host = document.body.appendChild(document.createElement("div"));
+  const nodes = [...Array(100).keys()].map((number) => ({ id: `n${number}`, label: `node ${number}`, kind: "node" }));
+  const picture = await draw(host, { nodes, edges: [{ source: "n0", target: "n1" }] });
+  const box = picture.cy.nodes().boundingBox();
+  return { shape: [box.w, box.h], zoom: picture.cy.zoom(), edges: picture.cy.edges().length };
+}"""
+
+_SEEN: Final = """async () => {
+  const { cy } = document.querySelector(".graph-canvas")._cyreg;
+  const view = cy.extent();
+  const whole = ({ x1, y1, x2, y2 }) => x1 >= view.x1 && y1 >= view.y1 && x2 <= view.x2 && y2 <= view.y2;
+  const seen = cy.nodes().filter((node) => node.isChildless() && whole(node.boundingBox()));
+  return [seen.length, seen.edgesWith(seen).length];
+}"""
+
+
+@_NEEDS_LIBRARIES
+def test_the_picture_of_a_system_is_switched(browser: Chromium, site: str) -> None:
+    """What frameworks make is hidden until it is asked for; the list says what the picture shows."""
+
+    async def switch() -> tuple[str, str]:
+        async with browser.visit(f"{site}/system?name=rover.launch") as visit:
+            await visit.page.locator("#system-switches input").first.wait_for()
+            before = await visit.page.inner_text(".graph-list summary")
+            await visit.page.get_by_label("what frameworks make").check()
+            return before, await visit.page.inner_text(".graph-list summary")
+
+    before, after = (int(text.strip(")").rpartition("(")[2]) for text in browser.run(switch()))
+    assert after > before > 0
+
+
+@_NEEDS_LIBRARIES
+def test_a_finding_is_shown_in_the_picture(browser: Chromium, site: str) -> None:
+    """The button of a finding selects what it is about, wherever that lies."""
+
+    async def show() -> str:
+        async with browser.visit(f"{site}/system?name=mission.launch.xml") as visit:
+            await visit.page.locator("[data-finding]:visible").first.click()
+            return await visit.page.inner_text(".graph-words")
+
+    assert "connection" in browser.run(show())
+
+
+def test_long_tables_are_pages_of_their_own(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A table of many rows is not in the page of its system, which leads to the page that has it."""
+    monkeypatch.setattr(systems, "_LONG", 10)
+    text = client.get("/system", params={"name": "rover.launch"}).text
+    address = "/system?name=rover.launch&amp;part=connections"
+    assert f'<details data-part="{address}">' in text
+    assert 'aria-label="Connections"' not in text
+    assert 'aria-label="Connections"' in client.get(address.replace("&amp;", "&")).text
+
+
+def test_long_tables_come_when_they_are_opened(browser: Chromium, site: str) -> None:
+    """Such a table is put in the place of the link to it, with its tools."""
+
+    async def load() -> tuple[int, int, int]:
+        async with browser.visit(f"{site}/system?name=rover.launch") as visit:
+            await visit.page.evaluate(_LOADED)
+            found = visit.page.locator("#loaded")
+            counted = [await found.locator(one).count() for one in ("tbody tr", "a[href*=part]", "input[type=search]")]
+            return counted[0], counted[1], counted[2]
+
+    rows, links, filters = browser.run(load())
+    assert rows > 10
+    assert (links, filters) == (0, 1)
+
+
+@_NEEDS_LIBRARIES
+def test_what_nobody_joins_stands_in_rows(browser: Chromium, site: str) -> None:
+    """Things without connections fill a screen together, and the view is never too small to be read."""
+
+    async def measure() -> tuple[list[float], float, int]:
+        async with browser.visit(f"{site}/query", viewport={"width": 390, "height": 800}) as visit:
+            found = await visit.page.evaluate(_DRAWN)
+            return found["shape"], found["zoom"], found["edges"]
+
+    (width, height), zoom, edges = browser.run(measure())
+    assert 0.3 < width / height < 3
+    assert zoom > 0.4
+    assert edges == 1
+
+
+@_NEEDS_LIBRARIES
+@pytest.mark.parametrize("width", [390, 1280])
+def test_a_picture_opens_on_what_is_connected(browser: Chromium, site: str, width: int) -> None:
+    """Where all of a system is too much to be read, several nodes and an edge between them are seen whole."""
+
+    async def measure() -> list[int]:
+        viewport = {"width": width, "height": 844}
+        async with browser.visit(f"{site}/system?name=rover.launch", viewport=viewport) as visit:
+            await visit.page.locator(".graph-canvas canvas").first.wait_for()
+            found: list[int] = await visit.page.evaluate(_SEEN)
+            return found
+
+    nodes, edges = browser.run(measure())
+    assert nodes >= 4
+    assert edges >= 3
+
+
+def test_other_things_have_their_own_page(client: TestClient) -> None:
+    """The page of nodes leads on to that of resources."""
+    answer = client.get("/node", params={"iri": "https://w3id.org/rnkg/topic/scan_filtered"})
+    assert answer.status_code == 303
+    assert answer.headers["location"].startswith("/resource?iri=")
+
+
+@pytest.mark.parametrize(
+    ("address", "meant"),
+    [
+        ("/node?name=scan_fliter", 'href="/node?name=scan_filter"'),
+        ("/system?name=rovr.launch", 'href="/system?name=rover.launch"'),
+        ("/resource?iri=https%3A%2F%2Fw3id.org%2Frnkg%2Ftopic%2Fscan_fliterd", ">/scan_filtered</a>"),
+    ],
+)
+def test_names_that_are_not_there(client: TestClient, address: str, meant: str) -> None:
+    """The page says so with status 404, and leads to what was probably meant."""
+    answer = client.get(address)
+    assert answer.status_code == 404
+    assert meant in answer.text
+
+
+@pytest.mark.parametrize(("address", "whole"), [("/node", "/search"), ("/system", "/systems"), ("/rule", "/rules")])
+def test_addresses_without_a_name(client: TestClient, address: str, whole: str) -> None:
+    """They lead to where one is chosen."""
+    answer = client.get(address, follow_redirects=False)
+    assert answer.status_code == 303
+    assert answer.headers["location"] == whole
+
+
+@pytest.mark.parametrize("address", ["/rule?name=zzzz", "/resource?iri=zzzz"])
+def test_code_in_texts_of_errors(client: TestClient, address: str) -> None:
+    """It is marked as code; backticks are for terminals."""
+    text = client.get(address, headers={"Accept": "text/html"}).text
+    assert "<code>zzzz</code>" in text
+    assert "`" not in text.split("<main", 1)[1]
+
+
+def test_several_of_a_name(client: TestClient) -> None:
+    """A name that several launch files end in is answered with all of them."""
+    assert client.get("/system", params={"name": "launch"}).status_code == 404
+    assert client.get("/api/system", params={"name": "nothing.launch"}).status_code == 404
+
+
+def test_a_property_is_paged(client: TestClient) -> None:
+    """From the first page one leads to the next and back."""
+    asked = {"iri": "ros:Publisher", "predicate": "rdf:type", "direction": "in", "limit": "5"}
+    first = client.get("/resource", params=asked).text
+    assert ">Next</a>" in first
+    assert ">Previous</a>" not in first
+    assert ">Previous</a>" in client.get("/resource", params={**asked, "offset": "5"}).text
+
+
+def test_a_fact_that_does_not_hold(client: TestClient) -> None:
+    """The page says what each rule lacks."""
+    asked = {"subject": "scan_filter", "predicate": "rnkg:publishes", "object": "/odom"}
+    answer = client.get("/why", params=asked)
+    assert answer.status_code == 200
+    assert "Why not:" in answer.text
+    assert "fails" in answer.text
+
+
+def test_a_fact_that_lacks_a_part(client: TestClient) -> None:
+    """What a fact is made of is said, with an example."""
+    answer = client.get("/why", params={"subject": "patrol"})
+    assert answer.status_code == 400
+    assert "predicate=subscribes" in answer.text
+
+
+def test_the_start_page_of_a_store_without_nodes(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a store has none of counts as none there."""
+
+    async def bare(request: Request, name: str) -> Any:
+        return {**await view(request, name), "counts": {"package": 1}}
+
+    monkeypatch.setattr(start, "view", bare)
+    answer = client.get("/")
+    assert answer.status_code == 200
+    assert "0 ROS nodes in 1 package<" in answer.text

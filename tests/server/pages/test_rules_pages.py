@@ -1,0 +1,126 @@
+"""The pages of rules, and with them tables and pictures as all pages have them."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+import pytest
+
+from kg.server.libraries import HELP, libraries
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from browsing import Chromium
+
+_NEEDS_LIBRARIES = pytest.mark.skipif(not libraries(), reason=HELP)
+
+
+def test_rules_can_be_searched(browser: Chromium, site: str) -> None:
+    """The field finds rules by words of their documentation, in families that are closed too."""
+
+    async def search() -> tuple[str, int]:
+        async with browser.visit(f"{site}/rules") as visit:
+            await visit.page.fill("#rules-filter", "wiring robot node")
+            return await visit.page.inner_text("#rules-count"), await visit.page.locator(
+                "tr[data-text]:visible"
+            ).count()
+
+    words, shown = browser.run(search())
+    assert 0 < shown < 20
+    assert words.startswith(f"{shown} of ")
+
+
+def test_tables_sort(browser: Chromium, site: str) -> None:
+    """The heading of a column sorts by it, numbers as numbers, and says which way."""
+
+    async def sort() -> tuple[list[str], str | None]:
+        async with browser.visit(f"{site}/rules") as visit:
+            table = visit.page.locator("table").first
+            for _ in range(2):
+                await table.get_by_role("button", name="Derived").click()
+            cells = await table.locator("tbody tr td:nth-child(4)").all_inner_texts()
+            return cells, await table.locator("th").nth(3).get_attribute("aria-sort")
+
+    cells, way = browser.run(sort())
+    numbers = [int(cell.replace(",", "")) for cell in cells if cell != "never fired"]
+    assert way == "descending"
+    assert numbers == sorted(numbers, reverse=True) != []
+
+
+def test_a_rule_is_shown_whole(browser: Chromium, site: str) -> None:
+    """Its page has the documentation of `kg rules show`, numbered lines, what it derived, and the way to why."""
+
+    async def read() -> tuple[str, str, str]:
+        async with browser.visit(f"{site}/rule?name=feeds") as visit:
+            text = await visit.page.inner_text("main")
+            line = await visit.page.inner_text("#L20")
+            return text, line, str(await visit.page.get_attribute("a.why >> nth=0", "data-why"))
+
+    text, line, why = browser.run(read())
+    assert "What it infers" in text
+    assert "Known limits" in text
+    assert "PREFIX rnkg:" in line
+    assert why.startswith("/api/why?subject=%3Chttps")
+
+
+@_NEEDS_LIBRARIES
+def test_a_picture_can_be_used(browser: Chromium, site: str, tmp_path: Path) -> None:
+    """Keys move and zoom it, groups open, its list marks a rule, and it is saved as SVG, PNG and JSON."""
+
+    async def use() -> tuple[str, str, list[Path]]:
+        async with browser.visit(f"{site}/rules") as visit:
+            page = visit.page
+            closed = await page.get_attribute(".graph-canvas", "aria-label")
+            await page.focus(".graph-canvas")
+            for key in ("ArrowLeft", "+", "0"):
+                await page.keyboard.press(key)
+            await page.get_by_role("button", name="Open groups").click()
+            await page.locator(".graph-list summary").click()
+            await page.get_by_role("button", name="Show feeds in the picture").click()
+            files = []
+            for kind in ("SVG", "PNG", "JSON"):
+                async with page.expect_download() as download:
+                    await page.get_by_role("button", name=kind, exact=True).click()
+                files.append(tmp_path / (await download.value).suggested_filename)
+                await (await download.value).save_as(files[-1])
+            assert await visit.troubles() == []
+            return closed or "", await page.inner_text(".graph-words"), files
+
+    closed, words, (drawn, painted, data) = browser.run(use())
+    assert closed.startswith("Picture of 8 things")
+    assert words.startswith("feeds rule, Nodes feed those that read what they publish")
+    assert drawn.read_text("utf-8").startswith("<svg xmlns=")
+    assert painted.read_bytes().startswith(b"\x89PNG")
+    assert {"nodes", "edges", "groups"} == json.loads(data.read_text("utf-8")).keys()
+
+
+@_NEEDS_LIBRARIES
+def test_a_picture_always_looks_the_same(browser: Chromium, site: str, tmp_path: Path) -> None:
+    """Two visits draw the same picture."""
+
+    async def draw(path: Path) -> None:
+        async with browser.visit(f"{site}/rule?name=feeds") as visit:
+            async with visit.page.expect_download() as download:
+                await visit.page.get_by_role("button", name="SVG", exact=True).click()
+            await (await download.value).save_as(path)
+
+    one, two = tmp_path / "one", tmp_path / "two"
+    for path in (one, two):
+        browser.run(draw(path))
+    assert one.read_text("utf-8") == two.read_text("utf-8")
+
+
+def test_without_libraries_the_list_says_it(browser: Chromium, site: str) -> None:
+    """Where the libraries are not there, the page says so and shows the list that stands for the picture."""
+
+    async def read() -> str:
+        async with browser.visit(f"{site}/search") as visit:
+            await visit.page.route("**/vendor/**", lambda route: route.abort())
+            await visit.page.goto(f"{site}/rule?name=feeds", wait_until="networkidle")
+            return await visit.page.inner_text(".graph")
+
+    text = browser.run(read())
+    assert "There is no picture" in text
+    assert "communicates-through" in text

@@ -1,0 +1,117 @@
+"""The start page, search, the layout that all pages have."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from browsing import Chromium
+
+
+def test_a_question_is_one_press_away(browser: Chromium, site: str) -> None:
+    """There are eight questions; asking one leads to the query page with the value that stands in its field."""
+
+    async def ask() -> tuple[int, str]:
+        async with browser.visit(site) as visit:
+            cards = await visit.page.locator(".questions > li").count()
+            await visit.page.locator("input[name=topic]").first.fill("/scan_filtered")
+            await visit.page.keyboard.press("Enter")
+            await visit.page.wait_for_url("**/query?*")
+            return cards, visit.page.url
+
+    cards, address = browser.run(ask())
+    assert cards == 8
+    assert address.endswith("/query?name=explore%2Fwho-publishes&topic=%2Fscan_filtered")
+
+
+def test_search_with_the_keyboard_alone(browser: Chromium, site: str) -> None:
+    """A slash leads to the search box, Enter to the hits, Tab and Enter to a node."""
+
+    async def walk() -> str:
+        async with browser.visit(f"{site}/rules") as visit:
+            await visit.page.keyboard.press("/")
+            await visit.page.keyboard.type("laser scan")
+            await visit.page.keyboard.press("Enter")
+            await visit.page.wait_for_url("**/search?q=laser+scan")
+            await visit.page.keyboard.press("Tab")
+            await visit.page.keyboard.press("Enter")
+            for _ in range(40):
+                await visit.page.keyboard.press("Tab")
+                if await visit.page.evaluate("document.activeElement.closest('.hits') !== null"):
+                    break
+            return str(await visit.page.evaluate("document.activeElement.getAttribute('href')"))
+
+    assert browser.run(walk()).startswith("/node?iri=")
+
+
+def test_the_skip_link_comes_first(browser: Chromium, site: str) -> None:
+    """The first Tab shows the link to the content, which has the focus after it is followed."""
+
+    async def walk() -> tuple[str, str]:
+        async with browser.visit(site) as visit:
+            await visit.page.keyboard.press("Tab")
+            first = await visit.page.evaluate("document.activeElement.className")
+            await visit.page.keyboard.press("Enter")
+            return first, await visit.page.evaluate("document.activeElement.id")
+
+    assert browser.run(walk()) == ("skip", "main")
+
+
+def test_the_theme_is_kept(browser: Chromium, site: str) -> None:
+    """The switch goes from what the system says to light and dark, and the choice holds on other pages."""
+
+    async def switch() -> list[str]:
+        async with browser.visit(site, color_scheme="light") as visit:
+            back = "getComputedStyle(document.body).backgroundColor"
+            seen = [await visit.page.evaluate(back)]
+            for _ in range(2):
+                await visit.page.click("#theme")
+                seen.append(await visit.page.evaluate(back))
+            await visit.page.goto(f"{site}/search")
+            return [*seen, await visit.page.evaluate(back)]
+
+    system, light, dark, later = browser.run(switch())
+    assert system == light
+    assert dark == later != light
+
+
+def test_typing_tells_nobody(browser: Chromium, site: str) -> None:
+    """What is typed into search fields leaves the page with the form, and never to another host (C28)."""
+
+    async def type_words() -> list[str]:
+        async with browser.visit(f"{site}/search?q=scan") as visit:
+            for field in ("#find", "#filter-hardware"):
+                await visit.page.locator(field).press_sequentially("foaf:name http://private.example/")
+            return await visit.troubles()
+
+    assert browser.run(type_words()) == []
+
+
+def test_filters_are_told_and_kept(browser: Chromium, site: str) -> None:
+    """A filter goes with the words, stays in its field, and narrows what is found."""
+
+    async def narrow() -> tuple[int, int, str]:
+        async with browser.visit(f"{site}/search?q=laser") as visit:
+            every = await visit.page.locator(".hits > li").count()
+            await visit.page.fill("#filter-publishes", "PointCloud2")
+            await visit.page.keyboard.press("Enter")
+            await visit.page.wait_for_url("**publishes=PointCloud2**")
+            found = await visit.page.locator(".hits > li").count()
+            return every, found, await visit.page.input_value("#filter-publishes")
+
+    every, found, kept = browser.run(narrow())
+    assert every > found == 1
+    assert kept == "PointCloud2"
+
+
+def test_each_hit_has_its_evidence(browser: Chromium, site: str) -> None:
+    """Every hit says where it is declared, with a link that opens the line."""
+
+    async def links() -> list[list[str]]:
+        async with browser.visit(f"{site}/search?q=scan_filter") as visit:
+            hits = await visit.page.locator(".hits > li").all()
+            return [await hit.locator(".evidence a").evaluate_all("all => all.map((one) => one.href)") for hit in hits]
+
+    found = browser.run(links())
+    assert found
+    assert all(any(one.startswith(("vscode://", "https://")) for one in hit) for hit in found)

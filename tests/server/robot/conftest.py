@@ -1,0 +1,40 @@
+"""A browser, and a server whose robot is the rover."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from browsing import chromium
+from rover import PREPARED
+from serving import TOKEN, served
+
+from kg.robot.connecting import SCHEMES
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from browsing import Chromium
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _rover() -> Iterator[None]:
+    """Let addresses of rovers be known in this process."""
+    SCHEMES["rover"] = "rover"
+    yield
+    del SCHEMES["rover"]
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Chromium]:
+    """A headless Chromium."""
+    with chromium() as found:
+        yield found
+
+
+@pytest.fixture(scope="session")
+def robot_site(browser: Chromium, store: Path) -> Iterator[str]:  # noqa: ARG001 - no server without a browser
+    """The address of a server with a rover, whose token is that of tests."""
+    with served(store, before=PREPARED, log="off", token=TOKEN, robot="rover://one") as server:
+        yield server.address

@@ -1,0 +1,186 @@
+"""Edits of the robot page while the server judges an older one: none is lost, whichever way it was made."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any, Final
+
+from robotpage import dragged, needs_blocks, offered, reads, said, visited, wrote
+
+if TYPE_CHECKING:
+    from browsing import Chromium, Visit
+    from playwright.async_api import Page
+
+# Answers of checks are held until the test lets them through, in the same turn of the page's loop as what it does then.
+HELD: Final = """() => {
+  const real = window.fetch;
+  const open = new Promise((resolve) => { window.kgLet = resolve; });
+  window.kgHeld = 0;
+  window.fetch = async (path, ...more) => {
+    const answer = await real(path, ...more);
+    if (path !== "/robot/check") return answer;
+    const text = await answer.text();
+    window.kgHeld += 1;
+    await open;
+    return new Response(text, { headers: { "Content-Type": "application/json" } });
+  };
+}"""
+
+
+async def held(page: Page, text: str) -> None:
+    """Write a program as text whose check has been answered, but not yet to the page."""
+    await page.evaluate(HELD)
+    await page.locator("#text").fill(text)
+    await page.wait_for_function("() => window.kgHeld === 1")
+
+
+async def let_through(page: Page, act: str = "") -> str:
+    """Do something in the page and let the answers through at once; return the text once all was judged."""
+    await page.evaluate(f"() => {{ {act}; window.kgLet(); }}")
+    await page.wait_for_timeout(600)
+    await page.locator("#text-state[aria-busy=false]").wait_for()
+    return str(await page.locator("#text").input_value())
+
+
+@needs_blocks
+def test_a_block_is_not_lost_to_an_older_text(browser: Chromium, robot_site: str) -> None:
+    """What is done with blocks while an older text is judged stays, and the text says it."""
+
+    async def edit(visit: Visit) -> str:
+        page = visit.page
+        await wrote(page, "wait for 1 s\n")
+        await wrote(page, "wait for 2 s\n")
+        await held(page, "wait for 3 s\n")
+        return await let_through(page, "document.getElementById('undo').click()")
+
+    assert visited(browser, robot_site, edit) == "wait 1 s\n"
+
+
+@needs_blocks
+def test_a_block_is_added_to_the_text_that_is_seen(browser: Chromium, robot_site: str) -> None:
+    """What adds a block waits for a text that is still judged, and adds to that."""
+
+    async def edit(visit: Visit) -> str:
+        page = visit.page
+        await held(page, "wait for 3 s\n")
+        return await let_through(page, "document.getElementById('write-drivingAtVelocity-add').click()")
+
+    assert visited(browser, robot_site, edit) == "wait 3 s\nmove at a velocity for 2 s\n"
+
+
+@needs_blocks
+def test_a_text_is_not_lost_to_older_blocks(browser: Chromium, robot_site: str) -> None:
+    """What is typed while older blocks are judged stays in the field, and the blocks become it."""
+
+    async def edit(visit: Visit) -> tuple[str, int]:
+        page = visit.page
+        await wrote(page, "wait for 1 s\n")
+        await page.evaluate(HELD)
+        await page.locator("#write-drivingAtVelocity-add").evaluate("one => one.click()")
+        await page.wait_for_function("() => window.kgHeld === 1")
+        await page.locator("#text").press("Control+End")
+        await page.keyboard.type("log 'there'")
+        text = await let_through(page)
+        return text, await page.locator("#blocks .blocklyBlockCanvas .blocklyDraggable").count()
+
+    text, blocks = visited(browser, robot_site, edit)
+    assert text.split() == ["wait", "for", "1", "s", "log", "'there'"]
+    assert blocks >= 3
+
+
+@needs_blocks
+def test_what_runs_is_what_is_seen(browser: Chromium, robot_site: str) -> None:
+    """Who changes a block and runs the program in the same moment runs the changed one."""
+
+    async def run(visit: Visit) -> tuple[Any, str]:
+        page = visit.page
+        await wrote(page, "wait for 1 s\n")
+        await wrote(page, "wait for 2 s\n")
+        async with page.expect_request("**/robot/run") as asked:
+            await page.evaluate("() => ['undo', 'run'].forEach((id) => document.getElementById(id).click())")
+        request = await asked.value
+        return json.loads(request.post_data or "")["program"]["body"], await reads(page, "wait 1 s")
+
+    body, text = visited(browser, robot_site, run)
+    assert text == "wait 1 s\n"
+    assert "1" in json.dumps(body)
+    assert "2" not in json.dumps([one["seconds"] for one in body])
+
+
+@needs_blocks
+def test_undo_brings_a_program_back_that_does_not_fit(browser: Chromium, robot_site: str) -> None:
+    """A program whose blocks may not be joined by hand comes back whole when the one after it is undone."""
+    wrong = "wait 2 m\nlog there\n"
+
+    async def undo(visit: Visit) -> tuple[str, bool]:
+        page = visit.page
+        await wrote(page, wrong)
+        await wrote(page, "wait 1 s\n")
+        await page.locator("#undo").click()
+        text = await reads(page, "2 m")
+        return text, await page.locator("#loose").is_visible()
+
+    assert visited(browser, robot_site, undo) == (wrong, False)
+
+
+async def answered(page: Page) -> list[dict[str, Any]]:
+    """Let the page ask every 300 ms what the robot is; the last of these answers is what it is told."""
+    hello = 'retry: 300\ndata: {"event": "hello", "listener": "x"}\n\n'
+    answers = [await page.evaluate("fetch('/api/robot').then((answer) => answer.json())")]
+    await page.route("**/api/robot", lambda route: route.fulfill(json=answers[-1]))
+    await page.route("**/robot/events", lambda route: route.fulfill(content_type="text/event-stream", body=hello))
+    await page.reload(wait_until="load")
+    await page.locator("#run:enabled").wait_for()
+    return answers
+
+
+def at_the_door(robot: dict[str, Any]) -> dict[str, Any]:
+    """Return what a robot is once it knows another place."""
+    return {**robot, "places": {**robot["places"], "the door": robot["places"]["the desk"]}}
+
+
+@needs_blocks
+def test_a_block_stays_in_the_hand_when_the_robot_changes(browser: Chromium, robot_site: str) -> None:
+    """While a block is dragged no other takes its place; the page tells all the same what the robot has become."""
+
+    async def drag(visit: Visit) -> str:
+        page = visit.page
+        answers = await answered(page)
+        box = await page.locator("#blocks").bounding_box()
+        assert box is not None
+
+        async def change() -> None:
+            answers.append(at_the_door(answers[0]))
+            await page.get_by_role("button", name="Go there: the door").wait_for()
+
+        block = await offered(page, "Control", "repeat")
+        await dragged(page, block, box["x"] + 75, box["y"] + 105, meanwhile=change())
+        return await reads(page, "^repeat 3 times\nend")
+
+    assert visited(browser, robot_site, drag) == "repeat 3 times\nend\n"
+
+
+@needs_blocks
+def test_a_number_is_written_while_the_robot_changes(browser: Chromium, robot_site: str) -> None:
+    """While a number of a block is written the page tells that the robot is lost, and the number stays open."""
+
+    async def write(visit: Visit) -> str:
+        page = visit.page
+        await wrote(page, "wait 2 s\n")
+        answers = await answered(page)
+        await wrote(page, "wait 2 s\n")
+        await page.locator(
+            ".blocklyBlockCanvas .blocklyNumberInput, .blocklyBlockCanvas .blocklyEditableField"
+        ).first.click()
+        field = page.locator(".blocklyHtmlInput")
+        await field.fill("7")
+        answers.append({**answers[0], "state": "lost", "problem": {"code": "KG803", "message": "the cable broke"}})
+        await said(page, "#connection", "does not answer any more")
+        answers.append(at_the_door(answers[0]))
+        await page.get_by_role("button", name="Go there: the door").wait_for()
+        await field.press("End")
+        await page.keyboard.type("1")
+        await field.press("Enter")
+        return await reads(page, "71")
+
+    assert visited(browser, robot_site, write) == "wait 71 s\n"

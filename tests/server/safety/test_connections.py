@@ -1,0 +1,216 @@
+"""Tests of what guards a connection below the application: C26 over a real port."""
+
+from __future__ import annotations
+
+import socket
+import sys
+import time
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+from patience import patient
+from serving import TOKEN, Serving, served
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+PATIENT = """
+from kg.server.safety import bodies, connections
+connections.HEAD_SECONDS = connections.REST_SECONDS = connections.STALLED_SECONDS = 1.0
+bodies._PAUSE = 1.0
+"""
+"""The same server with less patience, so that the tests need not have more."""
+
+
+@pytest.fixture(scope="module")
+def server(store: Path) -> Iterator[Serving]:
+    """A server with little patience and room for eight connections."""
+    with served(store, before=PATIENT, connections=8, body=100_000, write=True, token=TOKEN, log="off") as found:
+        yield found
+
+
+def opened(server: Serving, said: bytes = b"") -> socket.socket:
+    """Return a connection on which something was said."""
+    found = socket.create_connection(("127.0.0.1", server.port), timeout=patient(10))
+    found.sendall(said)
+    return found
+
+
+def heard(connection: socket.socket) -> bytes:
+    """Return all that the server says until it closes."""
+    parts = []
+    with suppress(ConnectionError):
+        while part := connection.recv(65536):
+            parts.append(part)
+    connection.close()
+    return b"".join(parts)
+
+
+def is_alive(server: Serving) -> bool:
+    """Tell whether the next request is answered."""
+    return b" 200 OK" in heard(opened(server, b"GET /health HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n"))
+
+
+@pytest.mark.parametrize(
+    "said", [b"", b"G", b"GET / HTTP/1.1\r\n", b"GET / HTTP/1.1\r\nHost: localhost\r\nX-A: b", b"\r\n\r\n"]
+)
+def test_headers_that_do_not_come(server: Serving, said: bytes) -> None:
+    """Who connects and says nothing, or not all, is not waited for."""
+    began = time.monotonic()
+    answer = heard(opened(server, said))
+    assert time.monotonic() - began < patient(2)
+    assert not answer or b" 408 " in answer
+    assert is_alive(server)
+
+
+def test_headers_that_dribble(server: Serving) -> None:
+    """A header every moment does not keep a connection."""
+    connection = opened(server, b"GET / HTTP/1.1\r\nHost: localhost\r\n")
+    began = time.monotonic()
+    with suppress(ConnectionError):
+        while time.monotonic() - began < patient(2):
+            connection.sendall(b"X-A: b\r\n")
+            time.sleep(0.1)
+    assert time.monotonic() - began < patient(2)
+
+
+def test_a_second_request_that_does_not_come(server: Serving) -> None:
+    """The patience holds for each request of a connection."""
+    first = b"GET /health HTTP/1.1\r\nHost: localhost\r\n\r\n"
+    began = time.monotonic()
+    answer = heard(opened(server, first + b"GET /hea"))
+    assert answer.count(b"HTTP/1.1 ") == 2
+    assert b" 408 " in answer
+    assert time.monotonic() - began < patient(2)
+
+
+def test_a_body_that_does_not_come(server: Serving) -> None:
+    """A request whose body stays away is answered 408 and closed."""
+    head = (
+        b"POST /sparql HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/sparql-query\r\nContent-Length: 99\r\n"
+    )
+    answer = heard(opened(server, head + b"\r\nASK"))
+    assert b" 408 " in answer
+    assert b"KG532" in answer
+
+
+def test_a_body_that_nobody_waits_for(server: Serving) -> None:
+    """A body that goes on behind its answer does not keep the connection for ever."""
+    head = b"POST /nothing HTTP/1.1\r\nHost: localhost\r\nContent-Length: 99999\r\n\r\n"
+    connection = opened(server, head)
+    began = time.monotonic()
+    with suppress(ConnectionError):
+        while time.monotonic() - began < patient(2):
+            connection.sendall(b"x")
+            time.sleep(0.1)
+    assert time.monotonic() - began < patient(2)
+
+
+def test_headers_without_end(server: Serving) -> None:
+    """A header bomb is cut off: 431, or the connection, and little is read."""
+    connection = opened(server, b"GET / HTTP/1.1\r\nHost: localhost\r\nX-Bomb: ")
+    sent = 0
+    with suppress(ConnectionError, TimeoutError):
+        while sent < 50_000_000:
+            sent += connection.send(b"x" * 65536)
+            connection.settimeout(3)
+    assert sent < 50_000_000
+    answer = heard(connection)
+    assert not answer or b" 431 " in answer
+    assert is_alive(server)
+
+
+def test_an_answer_comes_before_a_large_body(server: Serving) -> None:
+    """Who asks first (Expect: 100-continue) is told 413 and need not send."""
+    head = b"POST /sparql HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/sparql-query\r\n"
+    connection = opened(server, head + b"Content-Length: 200000000\r\nExpect: 100-continue\r\n\r\n")
+    answer = connection.recv(65536)
+    connection.close()
+    assert b" 413 " in answer
+    assert b" 100 " not in answer
+
+
+def test_a_chunked_body_without_end(server: Serving) -> None:
+    """A body of unknown length is answered 413 when it gets too long."""
+    head = b"POST /sparql HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/sparql-query\r\n"
+    connection = opened(server, head + b"Transfer-Encoding: chunked\r\n\r\n")
+    chunk = b"1000\r\n" + b"x" * 4096 + b"\r\n"
+    with suppress(ConnectionError):
+        for _ in range(40):
+            connection.sendall(chunk)
+    answer = connection.recv(65536)
+    connection.close()
+    assert b" 413 " in answer
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03",
+        b"GET / HTTP/9.9\r\n\r\n",
+        b"GET / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1\r\nContent-Length: 2\r\n\r\nx",
+        b"GET / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 3\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n",
+        b"GET / HTTP/1.1\r\nHost localhost\r\n\r\n",
+        b"GET \xff\xfe HTTP/1.1\r\nHost: localhost\r\n\r\n",
+        b"A" * 20 + b" / HTTP/1.1\r\n\r\n",
+    ],
+)
+def test_what_is_no_request(server: Serving, said: bytes) -> None:
+    """What is no HTTP, or two requests in one, is refused in the shape of all errors, and closed."""
+    answer = heard(opened(server, said))
+    assert b"HTTP/1.1 4" in answer
+    assert b"KG5" in answer
+    assert b"content-security-policy" in answer
+    assert is_alive(server)
+
+
+def test_more_connections_than_there_may_be(store: Path) -> None:
+    """Connections above the limit are answered 503 at once; those before them go on."""
+    # A server that is patient, and of which nobody has left without its having noticed.
+    before = "from kg.server.safety import connections; connections.HEAD_SECONDS = 3600.0"
+    with served(store, before=before, connections=8, log="off") as server:
+        held = [opened(server, b"GET /health HTTP/1.1\r\nHost: localhost\r\n") for _ in range(8)]
+        answer = heard(opened(server))
+        assert b" 503 " in answer
+        assert b"retry-after" in answer
+        held[0].sendall(b"Connection: close\r\n\r\n")
+        assert b" 200 OK" in heard(held[0])
+        for one in held[1:]:
+            one.close()
+        end = time.monotonic() + patient(10)
+        while not is_alive(server):
+            assert time.monotonic() < end
+
+
+def holds(server: Serving, connection: socket.socket) -> bool:
+    """Tell whether the server has not let go of a connection; its client, which reads nothing, cannot see that."""
+    ends = f":{server.port:04X}", f":{connection.getsockname()[1]:04X}"
+    for line in Path("/proc/net/tcp").read_text().splitlines():
+        fields = line.split()
+        if (fields[1][-5:], fields[2][-5:]) == ends:
+            return fields[9] != "0"
+    return False
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="whose a connection is is looked up in /proc")
+def test_a_client_that_takes_nothing(server: Serving) -> None:
+    """An answer that is not taken does not keep the connection."""
+    text = b"SELECT * { ?a ?b ?c . ?d ?e ?f } LIMIT 30000"
+    head = (
+        b"POST /sparql HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/sparql-query\r\nContent-Length: %d\r\n"
+    )
+    connection = socket.socket()
+    connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+    connection.settimeout(patient(30))
+    connection.connect(("127.0.0.1", server.port))
+    connection.sendall(head % len(text) + b"\r\n" + text)
+    assert connection.recv(100)
+    end = time.monotonic() + patient(10)
+    while holds(server, connection):
+        assert time.monotonic() < end
+        time.sleep(0.05)
+    total = len(heard(connection))
+    assert total < 20_000_000
+    assert is_alive(server)

@@ -1,0 +1,89 @@
+"""Tests of what has to hold before a server listens: C21."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from serving import EVERYWHERE, TOKEN, served
+
+from kg.errors import UsageError
+from kg.server.options import Options
+from kg.server.safety.starting import check, listen
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def code(options: Options) -> str | None:
+    """Return the code of the refusal, None when a server may start."""
+    try:
+        check(options)
+    except UsageError as error:
+        return error.code
+    return None
+
+
+def test_a_server_is_for_this_machine_unless_told() -> None:
+    """Without a word a server listens on loopback, changes nothing, and starts."""
+    assert Options().host == "127.0.0.1"
+    assert not Options().write
+    assert code(Options()) is None
+
+
+@pytest.mark.parametrize("host", [EVERYWHERE, "::", "192.168.0.7", "robot.lab", ""])
+def test_other_machines_need_a_token(host: str) -> None:
+    """A host that others reach is refused without a token, unless everyone is meant to read."""
+    assert code(Options(host=host)) == "KG540"
+    assert code(Options(host=host, token=TOKEN)) is None
+    assert code(Options(host=host, open_to_all=True)) is None
+
+
+def test_changes_need_a_token() -> None:
+    """Writing without a token is refused everywhere, also where all may read."""
+    assert code(Options(write=True)) == "KG541"
+    assert code(Options(write=True, host=EVERYWHERE, open_to_all=True)) == "KG541"
+    assert code(Options(write=True, token=TOKEN)) is None
+
+
+@pytest.mark.parametrize("token", ["", "short", " " * 20, "with blanks in the middle", "umlaut-ü-" * 3])
+def test_tokens_that_cannot_be_used(token: str) -> None:
+    """A token that is short, or that a header cannot hold, is refused when the server starts."""
+    assert code(Options(token=token)) == "KG541"
+
+
+def test_a_file_without_a_token(tmp_path: Path) -> None:
+    """The file of a token has to be there and hold one."""
+    assert code(Options(token_file=tmp_path / "none")) == "KG541"
+    (tmp_path / "token").write_text(TOKEN + "\n")
+    assert code(Options(token_file=tmp_path / "token")) is None
+
+
+@pytest.mark.parametrize("origin", ["*", "null", "https://", "https://*.example", "https://a.example/", "a.example"])
+def test_only_whole_origins_are_listed(origin: str) -> None:
+    """CORS takes origins one by one: no star, no pattern, no path."""
+    assert code(Options(origins=(origin,))) == "KG002"
+
+
+def test_an_address_that_is_taken() -> None:
+    """Where something listens already the error names the place."""
+    with listen(Options(port=0)) as taken:
+        port = taken.getsockname()[1]
+        with pytest.raises(UsageError, match=f"127.0.0.1 port {port}") as caught:
+            listen(Options(port=port))
+    assert caught.value.code == "KG542"
+
+
+@pytest.mark.parametrize("options", [Options(host="no.such.host.invalid"), Options(port=70_000)])
+def test_an_address_that_cannot_be(options: Options) -> None:
+    """A host that is not there, or a port beyond all, is an error of the same kind."""
+    with pytest.raises(UsageError) as caught:
+        listen(options)
+    assert caught.value.code == "KG542"
+
+
+def test_it_listens_on_loopback_only(store: Path) -> None:
+    """A server that was told nothing is bound to 127.0.0.1."""
+    with served(store, log="off") as server:
+        assert server.address == f"http://127.0.0.1:{server.port}"
+        assert server.stop()[0] == 0

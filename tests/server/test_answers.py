@@ -1,0 +1,338 @@
+"""Tests of answers: whatever comes with status 200 is whole, and headers tell what it is; C7, C10, C31."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+import re
+import shutil
+import signal
+import threading
+import time
+from contextlib import closing, suppress
+from http.client import HTTPConnection, IncompleteRead
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+from urllib.parse import urlencode
+
+import pyoxigraph
+import pytest
+from lxml import etree
+from patience import patient
+from serving import application, served
+
+from kg.server import protocol_answer
+from kg.store.embedded import EmbeddedStore
+from kg.store.layout import Layout
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping
+
+    from serving import Serving
+    from starlette.testclient import TestClient
+
+ENDLESS_ROWS: Final = "SELECT * WHERE { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i }"
+ENDLESS_GRAPH: Final = "CONSTRUCT { [] ?b ?c } WHERE { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i }"
+COUNT: Final = "SELECT (COUNT(*) AS ?n) WHERE { ?s ?p ?o }"
+
+
+MOMENT: Final = 0.2
+"""Seconds of processor time that only what answers a query without end takes."""
+
+
+def rdf(name: str) -> Callable[[bytes], object]:
+    """Return what reads a format of RDF to its end."""
+    found = pyoxigraph.RdfFormat.from_extension(name)
+    assert found is not None
+    return lambda body: list(pyoxigraph.parse(body, found))
+
+
+def table(body: bytes) -> None:
+    """Read CSV of which all rows are as long as the first, and the last line has an end."""
+    assert body.endswith(b"\r\n")
+    rows = list(csv.reader(io.StringIO(body.decode(), newline="")))
+    assert {len(row) for row in rows} == {len(rows[0])}
+
+
+def lines(body: bytes) -> None:
+    """Read lines that all have an end."""
+    assert body.endswith(b"\n")
+
+
+def json_lines(body: bytes) -> None:
+    """Read an object from each line."""
+    lines(body)
+    assert all(isinstance(json.loads(line), dict) for line in body.splitlines())
+
+
+READERS: Final[Mapping[str, tuple[str, Callable[[bytes], object]]]] = {
+    "json": (ENDLESS_ROWS, json.loads),
+    "xml": (ENDLESS_ROWS, etree.fromstring),
+    "csv": (ENDLESS_ROWS, table),
+    "tsv": (ENDLESS_ROWS, lines),
+    "jsonl": (ENDLESS_ROWS, json_lines),
+    "markdown": (ENDLESS_ROWS, lines),
+    "turtle": (ENDLESS_GRAPH, rdf("ttl")),
+    "ntriples": (ENDLESS_GRAPH, rdf("nt")),
+    "rdfxml": (ENDLESS_GRAPH, rdf("rdf")),
+    "jsonld": (ENDLESS_GRAPH, rdf("jsonld")),
+    "trig": (ENDLESS_GRAPH, rdf("trig")),
+    "nquads": (ENDLESS_GRAPH, rdf("nq")),
+}
+"""Format to a query that has no end, and what reads the format."""
+
+
+@pytest.fixture(scope="module")
+def unbounded(store: Path) -> Iterator[Serving]:
+    """A server that caps rows at more than a query finds in its time."""
+    with served(store, rows=1 << 40, seconds=patient(20), cache=0, log="off") as found:
+        yield found
+
+
+def get(server: Serving, **parameters: str) -> tuple[int, Mapping[str, str], bytes]:
+    """Return status, headers and body; IncompleteRead where the server ends the connection before the body does."""
+    connection = HTTPConnection("127.0.0.1", server.port, timeout=patient(60))
+    try:
+        connection.request("GET", "/sparql?" + urlencode(parameters))
+        answer = connection.getresponse()
+        return answer.status, {name.lower(): value for name, value in answer.getheaders()}, answer.read()
+    finally:
+        connection.close()
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_deadline_is_never_a_broken_answer(unbounded: Serving, name: str) -> None:
+    """An answer that its deadline ends is an error, in every format."""
+    status, headers, body = get(unbounded, query=READERS[name][0], format=name, timeout="0.4")
+    assert status == 503, body
+    assert headers["content-type"] == "application/problem+json"
+    assert json.loads(body)["code"] == "KG503"
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_stream_is_seen_to_be_cut(unbounded: Serving, name: str) -> None:
+    """An answer that is streamed and ended by its deadline is one that the client knows to be incomplete."""
+    for given in ({"timeout": "0.6"}, {"timeout": "3"}, {"timeout": "12"}, {}):
+        try:
+            status, _, _ = get(unbounded, query=READERS[name][0], format=name, stream="true", **given)
+        except IncompleteRead:
+            return
+        # On a machine that is busy the deadline may come before the first part, which is an error then.
+        assert status == 503
+    pytest.fail("nothing was streamed")
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_rows_cut_an_answer_that_is_whole(unbounded: Serving, name: str) -> None:
+    """An answer that the cap of rows cuts can be read to its end, and says that it was cut."""
+    query, read = READERS[name]
+    for rows in (0, 1, 300):
+        status, headers, body = get(unbounded, query=query, format=name, limit=str(rows))
+        assert (status, headers["x-kg-rows"], headers["x-kg-truncated"]) == (200, str(rows), "true")
+        if rows or name not in {"tsv", "csv", "jsonl"}:
+            read(body)
+
+
+@pytest.mark.parametrize("stream", [False, True])
+def test_crash_is_never_a_broken_answer(unbounded: Serving, *, stream: bool) -> None:
+    """When its reader dies an answer is an error, or one that the client knows to be incomplete."""
+    said: list[Any] = []
+    streams = threading.Event()
+
+    def ask() -> None:
+        form = {"query": ENDLESS_ROWS, "format": "json", **({"stream": "true"} if stream else {})}
+        with closing(HTTPConnection("127.0.0.1", unbounded.port, timeout=patient(60))) as connection:
+            connection.request("GET", "/sparql?" + urlencode(form))
+            answer = connection.getresponse()
+            streams.set()
+            try:
+                said.append((answer.status, answer.read()))
+            except IncompleteRead as error:
+                said.append(error)
+
+    before = worked(unbounded)
+    asking = threading.Thread(target=ask)
+    asking.start()
+    # What answers has worked since, and of a stream the beginning has come.
+    while not (readers := busy(unbounded, before)) or (stream and not streams.is_set()):
+        assert asking.is_alive(), said
+        time.sleep(0.05)
+    for process in readers:
+        os.kill(process, signal.SIGKILL)
+    asking.join(patient(30))
+    (found,) = said
+    if stream:
+        assert isinstance(found, IncompleteRead)
+    else:
+        assert (found[0], json.loads(found[1])["code"]) == (503, "KG508")
+    assert get(unbounded, query=COUNT)[0] == 200
+
+
+def descendants(process: int) -> list[int]:
+    """Return the processes that a process started, and those that these did."""
+    parents = {}
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            parents[int(path.parent.name)] = int(path.read_text().rpartition(")")[2].split()[1])
+        except OSError:
+            continue
+    found = [process]
+    for parent in found:
+        found += [child for child, its in parents.items() if its == parent]
+    return found[1:]
+
+
+def worked(server: Serving) -> dict[int, float]:
+    """Return how many seconds each process below a server has worked."""
+    found = {}
+    for process in descendants(server.process.pid):
+        with suppress(OSError):
+            fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+            found[process] = (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+    return found
+
+
+def busy(server: Serving, before: Mapping[int, float]) -> list[int]:
+    """Return the processes below a server that have worked since for more than a moment."""
+    return [process for process, seconds in worked(server).items() if seconds - before.get(process, 0) > MOMENT]
+
+
+def test_broken_queries_are_no_answers(unbounded: Serving) -> None:
+    """What fails before the first row is an error, streamed or not."""
+    for stream in ({}, {"stream": "true"}):
+        status, _, body = get(unbounded, query="SELECT", **stream)
+        assert (status, json.loads(body)["code"]) == (400, "KG501")
+
+
+def test_large_answer(unbounded: Serving) -> None:
+    """An answer that is larger than what is held in memory comes whole, with its length."""
+    status, headers, body = get(unbounded, query=ENDLESS_ROWS, format="json", limit="25000")
+    assert status == 200
+    assert len(body) == int(headers["content-length"]) > 8 << 20
+    assert len(json.loads(body)["results"]["bindings"]) == 25000
+
+
+def test_stream_has_no_cap(store: Path) -> None:
+    """An answer that is streamed is not cut at the rows of the server."""
+    with application(store, rows=5, log="off") as small:
+        every = {"query": "SELECT ?s WHERE { ?s ?p ?o } LIMIT 50"}
+        assert len(small.get("/sparql", params=every).json()["results"]["bindings"]) == 5
+        streamed = small.get("/sparql", params={**every, "stream": "true"})
+        assert len(streamed.json()["results"]["bindings"]) == 50
+        assert "x-kg-truncated" not in streamed.headers
+
+
+def test_disk_that_is_full(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An answer that cannot be held is an error, of the disk and not of ours."""
+
+    def full() -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(protocol_answer, "_IN_MEMORY", 100)
+    monkeypatch.setattr("tempfile.TemporaryFile", full)
+    answer = client.get("/sparql", params={"query": "SELECT * WHERE { ?s ?p ?o } LIMIT 90"})
+    assert (answer.status_code, answer.json()["code"]) == (507, "KG304")
+
+
+def test_size_is_capped(store: Path) -> None:
+    """An answer of more bytes than the server sends at once is an error that says so (C10)."""
+    with application(store, answer_bytes=2000, log="off") as small:
+        answer = small.get("/sparql", params={"query": "SELECT * WHERE { ?s ?p ?o } LIMIT 500"})
+        assert answer.status_code >= 400
+        assert answer.json()["code"] == "KG511"
+        assert small.get("/sparql", params={"query": COUNT}).status_code == 200
+
+
+def test_pages_of_rows(store: Path) -> None:
+    """Following the links of answers that are cut gives each row once; exactly the cap is not cut (C10)."""
+    query = "SELECT DISTINCT ?c WHERE { ?s a ?c } ORDER BY ?c"
+    with application(store, rows=7, log="off") as small:
+        whole = small.get("/sparql", params={"query": query, "stream": "true"}).json()["results"]["bindings"]
+        rows = []
+        answer = small.get("/sparql", params={"query": query})
+        while True:
+            rows += answer.json()["results"]["bindings"]
+            if "link" not in answer.headers:
+                break
+            assert answer.headers["x-kg-truncated"] == "true"
+            following = re.fullmatch(r'<(.*)>; rel="next"', answer.headers["link"])
+            assert following
+            answer = small.get(following[1])
+        assert rows == whole
+        assert len(rows) > 14
+        exact = small.get("/sparql", params={"query": query + " LIMIT 7"})
+        assert exact.headers["x-kg-rows"] == "7"
+        assert "x-kg-truncated" not in exact.headers
+
+
+def test_tags(client: TestClient) -> None:
+    """The tag of an answer tells data and request; with it, the same answer is not sent again (C31)."""
+    first = client.get("/sparql", params={"query": COUNT})
+    tag = first.headers["etag"]
+    again = client.get("/sparql", params={"query": COUNT}, headers={"if-none-match": tag})
+    assert (again.status_code, again.content, again.headers["etag"]) == (304, b"", tag)
+    weak = client.get("/sparql", params={"query": COUNT}, headers={"if-none-match": f'"x", W/{tag}'})
+    assert weak.status_code == 304
+    for other in ({"query": COUNT + " #"}, {"query": COUNT, "format": "csv"}, {"query": COUNT, "limit": "1"}):
+        answer = client.get("/sparql", params=other, headers={"if-none-match": tag})
+        assert (answer.status_code, answer.headers["etag"] != tag) == (200, True)
+
+
+def test_no_tag_for_what_changes(client: TestClient) -> None:
+    """Answers that are others each time have no tag, and are not to be kept."""
+    answer = client.get("/sparql", params={"query": "SELECT (NOW() AS ?now) WHERE { }"})
+    assert "etag" not in answer.headers
+    assert answer.headers["cache-control"] == "no-store"
+
+
+def test_other_data(store: Path, tmp_path: Path) -> None:
+    """When the data changes tags change with it; a link to data that is gone says so and links to what is (C31)."""
+    shutil.copytree(store, tmp_path / ".kg")
+    with application(tmp_path / ".kg", log="off") as changing:
+        first = changing.get("/sparql", params={"query": COUNT})
+        old = first.headers["x-kg-snapshot"]
+        with EmbeddedStore(Layout(tmp_path / ".kg")).write("test") as transaction:
+            graph = pyoxigraph.NamedNode("https://example.org/g")
+            transaction.replace_graphs(
+                {graph: [b"<https://example.org/a> <https://example.org/b> <https://x.y/z> .\n"]}
+            )
+        tag = {"if-none-match": first.headers["etag"]}
+        second = changing.get("/sparql", params={"query": COUNT}, headers=tag)
+        assert second.status_code == 200
+        assert second.headers["x-kg-snapshot"] != old
+        assert second.headers["etag"] != first.headers["etag"]
+        gone = changing.get("/sparql", params={"query": COUNT, "snapshot": "999"})
+        assert (gone.status_code, gone.json()["code"]) == (409, "KG512")
+        link = re.fullmatch(r'<(.*)>; rel="latest-version"', gone.headers["link"])
+        assert link
+        assert changing.get(link[1]).text == second.text
+
+
+_SABOTAGED: Final = """
+from kg.server import app
+from query.readers.asking import program
+class Readers(app.Readers):
+    def __init__(self, layout, **options):
+        super().__init__(layout, **options, program=program("sabotaged.py"))
+app.Readers = Readers
+"""
+"""Makes the readers of a server fail as queries tell them to."""
+
+
+def test_a_failing_disk_is_not_the_fault_of_the_query(store: Path) -> None:
+    """Where the store cannot be read the status is 503; where the engine cannot do what the query wants, 400."""
+    tests = str(Path(__file__).parents[1])
+    with served(store, before=_SABOTAGED, environment={"PYTHONPATH": tests}, log="off") as server:
+        for how, row, expected in (
+            ("disk", 0, (503, "KG303")),
+            ("disk", 9, (503, "KG303")),
+            ("engine", 0, (400, "KG506")),
+        ):
+            connection = HTTPConnection("127.0.0.1", server.port, timeout=patient(60))
+            query = f"SELECT * WHERE {{ ?s ?p ?o }} # {how}@{row}"
+            connection.request("GET", "/sparql?" + urlencode({"query": query}))
+            answer = connection.getresponse()
+            assert (answer.status, json.loads(answer.read())["code"]) == expected
+            connection.close()

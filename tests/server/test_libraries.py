@@ -1,0 +1,59 @@
+"""The libraries of the pages."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+
+import pytest
+from repository import ROOT
+
+from kg.server import libraries
+from kg.server.libraries import Library
+
+_FRONTEND = ROOT / "frontend"
+_VENDOR = ROOT / "kg" / "server" / "vendor"
+_BUILT = pytest.mark.skipif(not libraries.libraries(), reason=libraries.HELP)
+
+
+def test_the_lock_file_names_no_registry() -> None:
+    """Each package has its checksum; where it is fetched from is for the machine that installs it to say."""
+    lock = json.loads((_FRONTEND / "package-lock.json").read_text("utf-8"))
+    packages = {name: one for name, one in lock["packages"].items() if name}
+    assert all("resolved" not in one and one["integrity"].startswith("sha512-") for one in packages.values())
+    assert "://registry" not in (_FRONTEND / "package-lock.json").read_text("utf-8")
+
+
+@_BUILT
+def test_each_library_is_whole_and_licensed() -> None:
+    """Every file is as the manifest says, stands alone, and has its licence beside it."""
+    manifest = json.loads((_VENDOR / "manifest.json").read_text("utf-8"))
+    for one in manifest["libraries"]:
+        module = _VENDOR / one["name"] / one["file"]
+        assert hashlib.sha256(module.read_bytes()).hexdigest() == one["sha256"]
+        assert one["licence"] in {"MIT", "Apache-2.0"}
+        assert "permission" in (_VENDOR / one["name"] / one["notice"]).read_text("utf-8").lower()
+
+
+@_BUILT
+def test_the_import_map_names_what_is_there() -> None:
+    """Every name of the map leads to a file, and the policy's source is the hash of the map."""
+    for address in json.loads(libraries.import_map())["imports"].values():
+        assert (_VENDOR.parent / address.removeprefix("/")).is_file()
+    assert libraries.import_map_source().startswith("'sha256-")
+    assert {one.name for one in libraries.libraries()} >= {"cytoscape", "codemirror"}
+    assert isinstance(libraries.libraries()[0], Library)
+
+
+def test_without_a_build_there_is_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where nothing was built the map is empty, and pages are told how to get the libraries."""
+    monkeypatch.setattr(libraries, "_VENDOR", ROOT / "nowhere")
+    for function in (libraries._manifest, libraries.import_map, libraries.import_map_source):
+        function.cache_clear()
+    try:
+        assert libraries.libraries() == ()
+        assert json.loads(libraries.import_map()) == {"imports": {}}
+        assert "Node.js" in libraries.HELP
+    finally:
+        for function in (libraries._manifest, libraries.import_map, libraries.import_map_source):
+            function.cache_clear()

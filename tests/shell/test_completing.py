@@ -1,0 +1,106 @@
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from shell.driving import current, running, typed, until
+from textual._xterm_parser import XTermParser
+from textual.events import Key
+
+from kg.shell.actions import ACTIONS
+from kg.shell.state import State
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+pytestmark = pytest.mark.anyio
+
+
+@pytest.fixture
+def anyio_backend() -> str:
+    """Run on asyncio, as textual does."""
+    return "asyncio"
+
+
+async def test_what_fits_is_offered_while_typing(store: Path, tmp_path: Path) -> None:
+    """Properties of this store are offered after a pause; Tab takes one, Esc closes the list and nothing else."""
+    async with running(store, tmp_path) as (app, pilot):
+        offered = app.main.completions
+        await typed(pilot, "SELECT * { ?node rnkg:pub")
+        # A list of what was typed before the last letter may be there before the one that is awaited.
+        await until(pilot, lambda: offered.display and offered._text == current(app).text)
+        assert "rnkg:publishes" in str(offered.get_option_at_index(0).prompt)
+        await pilot.press("escape")
+        assert not offered.display
+        assert current(app).editor.has_focus
+        await pilot.press("ctrl+space")
+        await until(pilot, lambda: offered.display)
+        await pilot.press("down", "up", "tab")
+        assert current(app).text.endswith("SELECT * { ?node rnkg:publishes")
+        await typed(pilot, " ")
+        await until(pilot, lambda: not offered.display)
+
+
+async def test_the_second_query_of_a_buffer_is_completed(store: Path, tmp_path: Path) -> None:
+    """Positions are those of the query that is written, whatever stands before it."""
+    async with running(store, tmp_path) as (app, pilot):
+        editor = current(app).editor
+        editor.text = "ASK { ?x ?y 'é' }\n\nSELECT * { ?node rnkg:pub }"
+        editor.move_cursor((2, 25))
+        await pilot.press("ctrl+space")
+        await until(pilot, lambda: app.main.completions.display)
+        await pilot.press("enter")
+        await until(pilot, lambda: editor.text.splitlines()[-1] == "SELECT * { ?node rnkg:publishes }")
+        assert editor.text.startswith("ASK { ?x ?y 'é' }\n")
+
+
+async def test_problems_are_marked_while_typing(store: Path, tmp_path: Path) -> None:
+    """A misspelt prefix is marked and told; Ctrl+G goes there, Ctrl+F mends it, and comments come and go."""
+    async with running(store, tmp_path) as (app, pilot):
+        buffer = current(app)
+        editor = buffer.editor
+        editor.text = "ASK {}\nSELECT * { ?s rnkgg:name ?name }"
+        await until(pilot, lambda: editor.problems)
+        assert "rnkgg:name" in editor.text[editor.problems[0].start : editor.problems[0].end]
+        editor.move_cursor((0, 0))
+        await pilot.press("ctrl+g")
+        assert editor.cursor_location == (1, 14)
+        await pilot.press("ctrl+f")
+        await until(pilot, lambda: not editor.problems)
+        assert editor.text.endswith("SELECT * { ?s rnkg:name ?name }")
+        editor.select_all()
+        await pilot.press("ctrl+slash")
+        assert editor.text == "# ASK {}\n# SELECT * { ?s rnkg:name ?name }"
+        await pilot.press("ctrl+slash")
+        assert editor.text.startswith("ASK {}\nSELECT")
+
+
+@pytest.mark.parametrize(("name", "sent"), [("next_problem", "\x07"), ("fix", "\x06")])
+def test_keys_of_problems_are_those_that_terminals_send(name: str, sent: str) -> None:
+    """What every terminal sends for these keys is read as them, and types nothing."""
+    (action,) = (one for one in ACTIONS if one.name == name)
+    (event,) = XTermParser().feed(sent)
+    assert isinstance(event, Key)
+    assert event.key in action.keys
+    assert not event.is_printable
+
+
+async def test_a_buffer_closes_while_it_is_checked(store: Path, tmp_path: Path) -> None:
+    """Closing a buffer just after a change to it leaves the shell as it was, with the other buffers."""
+    async with running(store, tmp_path) as (app, pilot):
+        await typed(pilot, "ASK {}")
+        for pause in (0.0, 0.3):
+            await pilot.press("ctrl+n")
+            await typed(pilot, "SELECT * { ?s rnkgg:na")
+            await pilot.pause(pause)
+            await pilot.press("ctrl+slash", "f8")
+            await until(pilot, lambda: len(app.main.buffers.all) == 1)
+            await pilot.pause(0.5)
+        assert current(app).text == "ASK {}"
+
+
+async def test_what_is_typed_is_kept_soon(store: Path, tmp_path: Path) -> None:
+    """After a pause the text is on disk, so a terminal that is closed takes nothing with it."""
+    async with running(store, tmp_path) as (_, pilot):
+        await typed(pilot, "ASK {}")
+        await until(pilot, lambda: State(tmp_path, str(store)).buffers() == ["ASK {}"])

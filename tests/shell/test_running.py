@@ -1,0 +1,238 @@
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from typing import TYPE_CHECKING
+
+import pytest
+from cli.program import Program
+from shell.driving import current, run_query, running, until
+from textual.coordinate import Coordinate
+from textual.filter import Monochrome
+
+from kg.query.result import Boolean, Graph, Solutions
+from kg.shell.results import PAGE_ROWS
+from kg.shell.state import State
+from kg.store.layout import Layout
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+pytestmark = pytest.mark.anyio
+
+NODES = "SELECT ?node ?name { ?node a rnkg:NodeType ; rnkg:name ?name } ORDER BY ?name"
+ENDLESS = "SELECT (COUNT(*) AS ?n) { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i . FILTER(?a != ?d && ?d != ?g && ?h != ?b) }"
+
+
+@pytest.fixture
+def anyio_backend() -> str:
+    """Run on asyncio, as textual does."""
+    return "asyncio"
+
+
+def words(app: object, selector: str) -> str:
+    """Return what a line of the screen says."""
+    return str(app.screen.query_one(selector).render())  # type: ignore[attr-defined]  # any application
+
+
+async def test_each_kind_of_answer_is_shown(store: Path, tmp_path: Path) -> None:
+    """Rows and triples fill the table, yes or no a line; the query at the cursor runs, or what is selected."""
+    async with running(store, tmp_path) as (app, pilot):
+        buffer = await run_query(app, pilot, NODES)
+        assert isinstance(buffer.results.result, Solutions)
+        assert buffer.results.table.row_count == len(buffer.results.result.rows) > 5
+        assert buffer.results.table.has_focus
+        await run_query(app, pilot, "ASK {}\nCONSTRUCT { ?s a ?o } WHERE { ?s a ?o } LIMIT 4")
+        assert words(app, ".remark").startswith("yes")
+        buffer.editor.move_cursor((1, 5))
+        await pilot.press("f5")
+        await until(pilot, lambda: isinstance(buffer.results.result, Graph))
+        assert buffer.results.table.row_count == 4
+        buffer.editor.select_line(0)
+        await pilot.press("f5")
+        await until(pilot, lambda: isinstance(buffer.results.result, Boolean))
+        await pilot.press("f6")
+        await until(pilot, lambda: buffer.job is None)
+        assert "KG501" in words(app, ".remark")
+
+
+async def test_iris_of_the_store_are_short(store: Path, tmp_path: Path) -> None:
+    """What the base of the store begins is shown by what stands behind it, so that columns fit on small terminals."""
+    async with running(store, tmp_path) as (app, pilot):
+        buffer = await run_query(app, pilot, "SELECT ?node { ?node a rnkg:NodeType } LIMIT 1")
+        assert str(buffer.results.table.get_cell_at(Coordinate(0, 0))).startswith("node/local/")
+
+
+async def test_columns_leave_room_for_the_bar(store: Path, tmp_path: Path) -> None:
+    """Where rows scroll, columns that were fitted do not: the numbers of rows stay, at any width."""
+    async with running(store, tmp_path, size=(80, 24)) as (app, pilot):
+        buffer = await run_query(app, pilot, "SELECT ?node ?topic { ?node rnkg:publishes ?topic }")
+        table = buffer.results.table
+        await until(pilot, lambda: table.max_scroll_y > 0)
+        assert table.max_scroll_x == 0
+        await pilot.resize_terminal(120, 40)
+        await until(pilot, lambda: app.main.has_class("-wide") and table.max_scroll_y > 0)
+        assert table.max_scroll_x == 0
+
+
+async def test_a_prefix_means_what_the_query_says(store: Path, tmp_path: Path) -> None:
+    """A prefix that the query declares anew shortens nothing else, as known as it may be."""
+    async with running(store, tmp_path) as (app, pilot):
+        query = "SELECT (<http://data.mksmart.org/onto-ros/class#Topic> AS ?known) (ros:Topic AS ?own) {}"
+        buffer = await run_query(app, pilot, f"PREFIX ros: <urn:x#> {query}")
+        known, own = (str(buffer.results.table.get_cell_at(Coordinate(0, at))) for at in (0, 1))
+        assert own == "ros:Topic"
+        assert known.endswith("/class#Topic")
+
+
+async def test_an_error_is_marked_where_it_is(store: Path, tmp_path: Path) -> None:
+    """The characters that do not fit are marked in the buffer, the cursor goes there, a sentence says what is meant."""
+    async with running(store, tmp_path) as (app, pilot):
+        buffer = await run_query(app, pilot, "# first\nASK {}\n\nSELECT * {\n  ?s rnkgg:name ?o }")
+        buffer.editor.move_cursor((4, 0))
+        await pilot.press("f5")
+        await until(pilot, lambda: "KG501" in words(app, ".remark"))
+        assert buffer.editor.cursor_location == (4, 5)
+        assert buffer.editor.text[slice(*_span(buffer.editor.problems[0]))] == "rnkgg:name"
+        assert "line 5, column 6" in words(app, ".remark")
+        assert "Did you mean" in words(app, ".problem")
+        assert buffer.editor.has_focus
+        line = buffer.editor.get_line(4)
+        assert any("underline" in str(span.style) for span in line.spans)
+
+
+def _span(problem: object) -> tuple[int, int]:
+    return problem.start, problem.end  # type: ignore[attr-defined]  # a Problem
+
+
+async def test_a_query_is_stopped(store: Path, tmp_path: Path) -> None:
+    """Esc ends a query that would not end; the status line tells how long it has run, and the next query runs."""
+    async with running(store, tmp_path) as (app, pilot):
+        buffer = current(app)
+        buffer.editor.text = ENDLESS
+        await pilot.press("f5")
+        await until(pilot, lambda: "running" in words(app, "Status"))
+        await pilot.press("f5")
+        await pilot.press("escape")
+        await until(pilot, lambda: buffer.job is None)
+        assert "KG510" in words(app, ".remark")
+        await until(pilot, lambda: "running" not in words(app, "Status"))
+        await run_query(app, pilot, "ASK {}")
+        assert isinstance(buffer.results.result, Boolean)
+        buffer.editor.text = ENDLESS
+        await pilot.press("f5")
+        await until(pilot, lambda: buffer.job and app.link.job(buffer.job))
+        await pilot.press("ctrl+c")
+        await until(pilot, lambda: buffer.job is None)
+        assert "KG510" in words(app, ".remark")
+        assert [one.outcome for one in app.state.history()] == ["KG510", "ok"]
+
+
+async def test_long_answers_come_in_pages(store: Path, tmp_path: Path) -> None:
+    """The limit cuts and says so; `a` fetches all; a page is what the table holds, `n` and the last row lead on."""
+    async with running(store, tmp_path, limit="250") as (app, pilot):
+        buffer = await run_query(app, pilot, "SELECT * { ?s ?p ?o }")
+        table = buffer.results.table
+        assert table.row_count == PAGE_ROWS
+        assert "only the first 250 rows" in words(app, ".remark")
+        await pilot.press("n")
+        assert table.row_count == 50
+        assert "page 2 of 2" in words(app, ".remark")
+        assert buffer.results.row_number() == PAGE_ROWS + 1
+        await pilot.press("b")
+        table.move_cursor(row=PAGE_ROWS - 1)
+        await pilot.press("down")
+        await until(pilot, lambda: table.row_count == 50)
+        await pilot.press("a")
+        await until(pilot, lambda: buffer.job is None)
+        assert buffer.results.result is not None
+        assert buffer.results.result.limit is None
+        assert buffer.results.pages > 5
+
+
+async def test_the_shell_follows_the_store(store: Path, tmp_path: Path) -> None:
+    """Another generation in force is noticed, a store that is gone is said, and nothing breaks."""
+    layout = Layout(tmp_path / "copy" / ".kg")
+    shutil.copytree(store, layout.root)
+    number = layout.current() or 0
+    async with running(layout.root, tmp_path / "state") as (app, pilot):
+        assert f"snapshot {number}" in words(app, "Status")
+        layout.generation(number).rename(layout.generation(number + 1))
+        layout.switch(number + 1)
+        app.main.follow()
+        assert f"snapshot {number + 1}" in words(app, "Status")
+        assert "built again" in words(app, "Status")
+        await run_query(app, pilot, "ASK {}")
+        layout.root.rename(tmp_path / "gone")
+        app.main.follow()
+        assert "store is gone" in words(app, "Status")
+        (tmp_path / "gone").rename(layout.root)
+        app.main.follow()
+        assert "gone" not in words(app, "Status")
+
+
+async def test_buffers_come_and_go_and_are_kept(store: Path, tmp_path: Path) -> None:
+    """Tabs open, close and turn; what stood in them is there when the shell starts again."""
+    async with running(store, tmp_path) as (app, pilot):
+        current(app).editor.text = "ASK { <urn:a> a <urn:b> }"
+        await pilot.press("ctrl+n")
+        await until(pilot, lambda: len(app.main.buffers.all) == 2 and current(app).text == "")
+        current(app).editor.text = "# second\nASK {}"
+        await pilot.press("ctrl+n")
+        await until(pilot, lambda: len(app.main.buffers.all) == 3)
+        await pilot.press("f8")
+        await until(pilot, lambda: len(app.main.buffers.all) == 2)
+        await pilot.press("ctrl+pageup")
+        await until(pilot, lambda: current(app).number in {1, 2})
+        await pilot.press("ctrl+q")
+    assert State(tmp_path, str(store)).buffers() == ["ASK { <urn:a> a <urn:b> }", "# second\nASK {}"]
+    async with running(store, tmp_path) as (app, pilot):
+        assert [one.text for one in app.main.buffers.all] == ["ASK { <urn:a> a <urn:b> }", "# second\nASK {}"]
+        assert app.main.buffers.all[1].title == "2 second"
+        await pilot.press("f8")
+        await until(pilot, lambda: len(app.main.buffers.all) == 1)
+        current(app).editor.text = ""
+        await pilot.press("ctrl+d")
+        assert app._exit
+
+
+def test_without_a_store_there_are_plain_words(tmp_path: Path) -> None:
+    """KG301 is said before the screen is taken."""
+    run = Program(tmp_path)("shell")
+    assert run.code == 4
+    assert "KG301" in run.err
+
+
+def test_without_a_terminal_there_is_a_way_out(store: Path, tmp_path: Path) -> None:
+    """KG550 says how scripts ask."""
+    run = Program(tmp_path)("--store", str(store), "shell")
+    assert run.code == 2
+    assert "KG550" in run.err
+    assert "--once" in run.err
+
+
+@pytest.mark.parametrize(
+    ("query", "code"), [("SELECT ?n { ?n a rnkg:NodeType } LIMIT 2", 0), ("SELECT {", 5), ("no-such-query", 1)]
+)
+def test_once_answers_as_kg_query_does(store: Path, tmp_path: Path, query: str, code: int) -> None:
+    """Rows, errors and exit codes are those of `kg query`."""
+    kg = Program(tmp_path)
+    asked = kg("--store", str(store), "shell", "--once", query)
+    assert (asked.code, asked.out) == (code, kg("--store", str(store), "query", query).out)
+    assert asked.code == code
+
+
+def test_help_loads_no_terminal_library() -> None:
+    """`kg --help` starts without textual."""
+    check = "import sys; from kg.cli.app import app; sys.exit('textual' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", check], check=False).returncode == 0
+
+
+async def test_colour_can_be_left_out(store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With NO_COLOR the screen is in greys."""
+    monkeypatch.setenv("NO_COLOR", "1")
+    async with running(store, tmp_path, size=(80, 24)) as (app, pilot):
+        await run_query(app, pilot, NODES)
+        assert app.no_color
+        assert any(isinstance(one, Monochrome) for one in app._filters)

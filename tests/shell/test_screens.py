@@ -1,0 +1,271 @@
+from __future__ import annotations
+
+import json
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from shell.driving import current, run_query, running, typed, until
+from textual.command import CommandPalette
+from textual.widgets import Input, Markdown, OptionList, Tree
+
+from kg.shell.pages import lines_of_row
+from kg.shell.screens.find import FindScreen, HitTree
+from kg.shell.screens.help import HelpScreen
+from kg.shell.screens.history import HistoryScreen
+from kg.shell.screens.page import PageScreen, PageTree
+from kg.shell.screens.rules import RulesScreen
+from kg.shell.screens.stored import FormScreen, StoredScreen
+from kg.shell.state import State
+from kg.shell.tree import KnowledgeTree
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from textual.pilot import Pilot
+    from textual.widgets.tree import TreeNode
+
+    from kg.shell.app import Shell
+
+pytestmark = pytest.mark.anyio
+
+PUBLISHERS = "SELECT ?node ?topic { ?node rnkg:publishes ?t . ?t rdfs:label ?topic . ?node rnkg:name 'scan_filter' }"
+
+
+@pytest.fixture
+def anyio_backend() -> str:
+    """Run on asyncio, as textual does."""
+    return "asyncio"
+
+
+def labels(node: TreeNode[Any]) -> list[str]:
+    """Return what stands below an entry, all levels."""
+    return [text for child in node.children for text in (str(child.label), *labels(child))]
+
+
+def title(app: Shell) -> str:
+    """Return the title of the page on the screen."""
+    return str(app.screen.query_one(".title").render())
+
+
+async def shown(app: Shell, pilot: Pilot[Any], kind: type[Any], words: str) -> list[str]:
+    """Wait until a screen of a kind has a line with these words, and return all lines."""
+    await until(pilot, lambda: isinstance(app.screen, kind))
+    tree = app.screen.query_one(PageTree if kind is PageScreen else Tree)
+    await until(pilot, lambda: any(words in line for line in labels(tree.root)))
+    return labels(tree.root)
+
+
+async def go_to(pilot: Pilot[Any], tree: Tree[Any], words: str) -> None:
+    """Move the cursor of a tree to the first line with these words."""
+    found = next(node for node in _all(tree.root) if words in str(node.label))
+    tree.move_cursor(found)
+    await pilot.pause()
+
+
+def _all(node: TreeNode[Any]) -> list[TreeNode[Any]]:
+    return [one for child in node.children for one in (child, *_all(child))]
+
+
+def _has(tree: Tree[Any], words: str) -> bool:
+    return any(words in line for line in labels(tree.root))
+
+
+async def test_a_row_leads_to_the_line_of_code(store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Enter on a row shows what it rests on, with rules and lines of code; these open in the editor."""
+    started: list[list[str]] = []
+    monkeypatch.setattr("kg.shell.app.Shell._start", lambda _app, command: started.append(command))
+    monkeypatch.setenv("VISUAL", "vi")
+    async with running(store, tmp_path) as (app, pilot):
+        await run_query(app, pilot, PUBLISHERS)
+        await pilot.press("enter")
+        lines = await shown(app, pilot, PageScreen, "Rests on")
+        assert any("by rule communication/publishes" in line for line in lines)
+        tree = app.screen.query_one(PageTree)
+        code = next(line for line in lines if ".cpp:" in line or ".launch:" in line)
+        await go_to(pilot, tree, code)
+        await pilot.press("o")
+        await until(pilot, lambda: started)
+        assert started[0][0] == "vi"
+        assert started[0][1].startswith("+")
+        assert started[0][2].endswith((".cpp", ".launch"))
+        await go_to(pilot, tree, "node = ")
+        await pilot.press("enter")
+        await until(pilot, lambda: "Row" not in title(app))
+        await pilot.press("backspace")
+        await until(pilot, lambda: title(app) == "Row 1")
+        await pilot.press("escape")
+        assert app.screen is app.main
+
+
+async def test_a_node_is_a_page_with_proofs(store: Path, tmp_path: Path) -> None:
+    """The page of a node has interfaces with their lines; `w` proves what is inferred, Backspace goes back."""
+    async with running(store, tmp_path) as (app, pilot):
+        await run_query(app, pilot, "SELECT ?node { ?node a rnkg:NodeType ; rnkg:name 'scan_filter' }")
+        await pilot.press("r")
+        lines = await shown(app, pilot, PageScreen, "Interfaces")
+        assert title(app) == "scan_filter, node of rover_robot"
+        assert any("subscribes /scan" in line and "scan_filter_nodelet.cpp:" in line for line in lines)
+        await go_to(pilot, app.screen.query_one(PageTree), "publishes /scan_filtered")
+        await pilot.press("w")
+        await until(pilot, lambda: title(app).startswith("Why"))
+        await shown(app, pilot, PageScreen, "by rule")
+        await pilot.press("backspace")
+        await shown(app, pilot, PageScreen, "Interfaces")
+        await pilot.press("q")
+        await until(pilot, lambda: "/scan_filter>" in current(app).text)
+
+
+async def test_the_tree_opens_level_by_level(store: Path, tmp_path: Path) -> None:
+    """Packages hold nodes, nodes their interfaces; names go into the query, and an entry opens its page."""
+    async with running(store, tmp_path) as (app, pilot):
+        tree = app.main.query_one(KnowledgeTree)
+        await until(pilot, lambda: "packages 5" in labels(tree.root))
+        tree.focus()
+        for words, below in (("packages", "rover_robot"), ("rover_robot", "scan_filter"), ("scan_filter", "publishes")):
+            await go_to(pilot, tree, words)
+            await pilot.press("space")
+            await until(pilot, partial(_has, tree, below))
+        await go_to(pilot, tree, "scan_filter")
+        await pilot.press("i")
+        await until(pilot, lambda: current(app).text.endswith("/scan_filter>"))
+        tree.focus()
+        await pilot.press("q")
+        await until(pilot, lambda: "SELECT ?property ?value" in current(app).text)
+        tree.focus()
+        await pilot.press("enter")
+        await shown(app, pilot, PageScreen, "Interfaces")
+
+
+async def test_the_tree_is_read_again_while_it_is_being_read(store: Path, tmp_path: Path) -> None:
+    """What was being read for a tree that has been cleared since does not reach the new one."""
+    async with running(store, tmp_path) as (app, pilot):
+        tree = app.main.query_one(KnowledgeTree)
+        await until(pilot, lambda: "packages 5" in labels(tree.root))
+        before = labels(tree.root)
+        for _ in range(3):
+            tree.reload()
+            await pilot.pause()
+        await until(pilot, lambda: "packages 5" in labels(tree.root))
+        assert labels(tree.root) == before
+
+
+async def test_search_and_rules_have_screens(store: Path, tmp_path: Path) -> None:
+    """F2 finds nodes by words with reasons, F4 shows the documentation of rules; help and palette come above both."""
+    async with running(store, tmp_path) as (app, pilot):
+        await pilot.press("f2")
+        await typed(pilot, "laser scan filter")
+        await pilot.press("enter")
+        lines = await shown(app, pilot, FindScreen, "rover_robot/scan_filter")
+        assert any("subscribes" in line for line in lines)
+        await until(pilot, lambda: app.screen.query_one(HitTree).has_focus)
+        await pilot.press("enter")
+        await shown(app, pilot, PageScreen, "Interfaces")
+        await pilot.press("f1")
+        assert isinstance(app.screen, HelpScreen)
+        await pilot.press("escape")
+        assert isinstance(app.screen, PageScreen)
+        await pilot.press("f4")
+        await shown(app, pilot, RulesScreen, "communication")
+        assert len(app.screen_stack) == 2
+        tree = app.screen.query_one("#rule-tree", Tree)
+        await go_to(pilot, tree, "communication")
+        await pilot.press("space", "down")
+        await until(pilot, lambda: "What it infers" in app.screen.query_one(Markdown).source)
+        await pilot.press("escape", "ctrl+p")
+        await until(pilot, lambda: isinstance(app.screen, CommandPalette))
+        await typed(pilot, "full results")
+        await until(pilot, lambda: app.screen.query_one(OptionList).option_count == 1)
+        await pilot.pause()
+        await pilot.press("down", "enter")
+        await until(pilot, lambda: app.main.has_class("full"))
+
+
+async def test_stored_queries_ask_for_their_parameters(store: Path, tmp_path: Path) -> None:
+    """F3 finds a stored query by letters of its title; the form says what a value is for and refuses a bad one."""
+    async with running(store, tmp_path) as (app, pilot):
+        await pilot.press("f3")
+        screen = app.screen
+        assert isinstance(screen, StoredScreen)
+        await until(pilot, lambda: screen.entries)
+        await typed(pilot, "who publishes")
+        await pilot.pause()
+        await pilot.press("enter")
+        await until(pilot, lambda: isinstance(app.screen, FormScreen))
+        await typed(pilot, "scan_filtered")
+        await pilot.press("enter")
+        await until(pilot, lambda: '"/scan_filtered"' in current(app).text)
+        await pilot.press("f5")
+        await until(pilot, lambda: current(app).results.result is not None)
+        assert current(app).results.table.row_count == 1
+        await pilot.press("ctrl+r")
+        await until(pilot, lambda: isinstance(app.screen, HistoryScreen))
+        assert app.screen.query_one(OptionList).option_count == 1
+        await typed(pilot, "no such thing")
+        await pilot.pause()
+        assert app.screen.query_one(OptionList).option_count == 0
+        app.screen.query_one(Input).value = "VALUES"
+        await pilot.pause()
+        await pilot.press("enter")
+        await until(pilot, lambda: len(app.main.buffers.all) == 2)
+
+
+async def test_answers_are_copied_and_written(store: Path, tmp_path: Path) -> None:
+    """`y` copies cell or rows in a format; `e` writes all rows, not those of the limit, and replaces only when told."""
+    async with running(store, tmp_path / "state", limit="2") as (app, pilot):
+        await run_query(app, pilot, "SELECT ?name { ?n a rnkg:NodeType ; rnkg:name ?name } ORDER BY ?name")
+        await pilot.press("y", "enter")
+        await until(pilot, lambda: app.clipboard == "GroundLink" or app.clipboard)
+        assert "\n" not in app.clipboard
+        await pilot.press("y", "down", "enter")
+        await until(pilot, lambda: app.clipboard.startswith("?name\n"))
+        file = tmp_path / "answer.json"
+        for _ in range(2):
+            await pilot.press("e")
+            app.screen.query_one(Input).value = str(file)
+            await pilot.press("enter")
+            if file.exists():
+                await until(
+                    pilot,
+                    lambda: app.screen is app.main or "Enter again" in str(app.screen.query_one(".wrong").render()),
+                )
+                if app.screen is not app.main:
+                    await pilot.press("enter")
+            await until(pilot, lambda: app.screen is app.main)
+        assert len(json.loads(file.read_text())["results"]["bindings"]) > 5
+        await pilot.press("e")
+        app.screen.query_one(Input).value = str(tmp_path / "none" / "answer.csv")
+        await pilot.press("enter")
+        await until(pilot, lambda: "KG553" in str(app.screen.query_one(".wrong").render()))
+        await pilot.press("escape")
+
+
+async def test_small_terminals_and_keys_alone_are_enough(store: Path, tmp_path: Path) -> None:
+    """At 80 columns the tree hides until F9; letters lead to panels; the theme that was chosen is there again."""
+    async with running(store, tmp_path, size=(80, 24)) as (app, pilot):
+        tree = app.main.query_one(KnowledgeTree)
+        assert not tree.display
+        await pilot.press("f9")
+        await until(pilot, lambda: tree.display and tree.has_focus)
+        await pilot.press("ctrl+o", "r")
+        await until(pilot, lambda: current(app).results.table.has_focus)
+        await pilot.press("ctrl+o", "e")
+        await until(pilot, lambda: current(app).editor.has_focus)
+        await pilot.press("f10")
+        await until(pilot, lambda: not current(app).editor.display)
+        await pilot.press("f10")
+        app.theme = "ansi-light"
+        await pilot.resize_terminal(120, 40)
+        await until(pilot, lambda: app.main.has_class("-wide"))
+        await pilot.press("f12")
+        await until(pilot, lambda: isinstance(app.screen, CommandPalette))
+    assert State(tmp_path, "").choice("theme", "") == "ansi-light"
+    async with running(store, tmp_path) as (app, _):
+        assert app.theme == "ansi-light"
+
+
+async def test_a_row_of_many_solutions_says_so() -> None:
+    """Below the facts of one solution stands of how many it is one."""
+    told = lines_of_row({"proofs": [], "conditions": ["FILTER(1)"], "remark": "this is one of 2"})
+    (section,) = told
+    assert [line.text for line in section.children] == ["where FILTER(1)", "this is one of 2"]

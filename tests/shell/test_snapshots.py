@@ -1,0 +1,106 @@
+"""Pictures of the shell, as SVG: fixed sizes, no times, no paths; `pytest --snapshot-update` writes them anew."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from shell.driving import current, make, run_query, until
+from textual.widgets import Static, Tree
+
+from kg.shell.screens.help import HelpScreen
+from kg.shell.screens.page import PageScreen, PageTree
+from kg.shell.status import Status
+from kg.shell.tree import KnowledgeTree
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from textual.pilot import Pilot
+
+    from kg.shell.app import Shell
+
+QUERY = """# Who listens to what
+SELECT ?name ?topic {
+  ?node a rnkg:NodeType ; rnkg:name ?name ; rnkg:subscribes ?t .
+  ?t rdfs:label ?topic . FILTER(STRSTARTS(?topic, "/scan"))
+}
+ORDER BY ?name ?topic"""
+
+
+async def ready(app: Shell, pilot: Pilot[Any]) -> None:
+    """Wait until the first level of the tree is there, and hold the cursor still."""
+    await until(pilot, lambda: app.main.query("Buffers") and app.main.query("Status"))
+    await until(pilot, lambda: app.main.buffers.current is not None and current(app).editor.has_focus)
+    await until(pilot, lambda: len(app.main.query_one(KnowledgeTree).root.children) > 1)
+    current(app).editor.cursor_blink = False
+
+
+def still(app: Shell) -> None:
+    """Take out what differs between runs."""
+    app.main.query_one(Status).update("snapshot 1  ·  ~/robot")
+    current(app).results.query_one(".remark", Static).update(f"{current(app).results.table.row_count} rows")
+
+
+def test_the_main_screen(store: Path, tmp_path: Path, snap_compare: Callable[..., bool]) -> None:
+    """A query, its answer and the tree, on a large terminal."""
+    app = make(store, tmp_path)
+
+    async def before(pilot: Pilot[Any]) -> None:
+        await ready(app, pilot)
+        await run_query(app, pilot, QUERY)
+        await until(pilot, lambda: current(app).results.table.has_focus)
+        still(app)
+        await pilot.pause()
+
+    assert snap_compare(app, terminal_size=(110, 30), run_before=before)
+
+
+def test_an_error_on_a_small_terminal(store: Path, tmp_path: Path, snap_compare: Callable[..., bool]) -> None:
+    """An error under the right characters, at 80 columns and 24 lines."""
+    app = make(store, tmp_path)
+
+    async def before(pilot: Pilot[Any]) -> None:
+        await ready(app, pilot)
+        current(app).editor.text = QUERY.replace("rnkg:name", "rnk:name")
+        await until(pilot, lambda: current(app).editor.problems)
+        await pilot.press("f5")
+        await until(pilot, lambda: current(app).job is None and current(app).editor.has_focus)
+        app.main.query_one(Status).update("snapshot 1  ·  ~/robot")
+        await pilot.pause()
+
+    assert snap_compare(app, terminal_size=(80, 24), run_before=before)
+
+
+def test_the_page_of_a_node(store: Path, tmp_path: Path, snap_compare: Callable[..., bool]) -> None:
+    """Interfaces with their lines of code, and what rules inferred."""
+    app = make(store, tmp_path)
+
+    async def before(pilot: Pilot[Any]) -> None:
+        await ready(app, pilot)
+        await run_query(app, pilot, "SELECT ?node { ?node a rnkg:NodeType ; rnkg:name 'scan_filter' }")
+        await pilot.press("r")
+        await until(pilot, lambda: isinstance(app.screen, PageScreen) and _filled(app.screen.query_one(PageTree)))
+        await pilot.press("down", "down", "down", "down", "down")
+        await pilot.pause()
+
+    assert snap_compare(app, terminal_size=(100, 30), run_before=before)
+
+
+def _filled(tree: Tree[Any]) -> bool:
+    return len(tree.root.children) > 1
+
+
+def test_the_help(store: Path, tmp_path: Path, snap_compare: Callable[..., bool]) -> None:
+    """The keys, in the colours of the terminal."""
+    app = make(store, tmp_path)
+
+    async def before(pilot: Pilot[Any]) -> None:
+        await ready(app, pilot)
+        app.theme = "ansi-light"
+        still(app)
+        await pilot.press("f1")
+        await until(pilot, lambda: isinstance(app.screen, HelpScreen))
+        await pilot.pause()
+
+    assert snap_compare(app, terminal_size=(80, 30), run_before=before)

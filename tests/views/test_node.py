@@ -1,0 +1,120 @@
+"""Tests of the views of one node and of the tree."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from kg.errors import UnknownNameError, UsageError
+from kg.views.node import node
+from kg.views.tree import tree
+
+if TYPE_CHECKING:
+    from kg.settings import Settings
+    from kg.store.snapshot import EmbeddedSnapshot
+
+
+def test_a_node_has_all_that_its_page_shows(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """It is found by name, its IRI finds it again, and each interface has its line and the fact that rules infer."""
+    found = node(snapshot, settings, name="scan_filter")
+    assert node(snapshot, settings, iri=found["iri"]) == found
+    assert (found["kind"], found["language"], found["ros"]) == ("nodelet", "C++", 1)
+    assert found["package"]["name"] == "rover_robot"
+    published = next(one for one in found["interfaces"] if one["role"] == "publishes" and not one["implicit"])
+    assert published["evidence"]["path"].endswith("scan_filter_nodelet.cpp")
+    assert published["fact"]["predicate"].endswith("#publishes")
+    assert published["fact"]["object"] == published["channel_iri"]
+
+
+def test_what_is_inferred_is_marked(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """Functions, hardware and capabilities come with the fact that `why` proves."""
+    found = node(snapshot, settings, name="scan_filter")["capabilities"]
+    ranging = next(one for one in found if one["iri"].endswith("#ranging"))
+    assert ranging["inferred"]
+    assert ranging["fact"]["predicate"].endswith("#hasCapability")
+
+
+def test_a_parameter_is_one_row(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """Each has a name of its own, and all lines that mention it."""
+    found = node(snapshot, settings, name="patrol")["parameters"]
+    names = [one["name"] for one in found if one["name"]]
+    assert names
+    assert len(names) == len(set(names))
+    assert all(one["places"][0]["line"] == one["evidence"]["line"] for one in found)
+
+
+def test_launch_lines_and_neighbours(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """A node says who starts it, and who is at the other side of its channels."""
+    found = node(snapshot, settings, name="base_controller")
+    assert found["used_in"]["count"] == 1
+    (used,) = found["used_in"]["instances"]
+    assert used["system"] == "rover_robot/launch/rover.launch"
+    assert used["evidence"]["path"].endswith(".launch")
+    assert all(near["count"] >= len(near["nodes"]) >= 1 for near in found["neighbours"])
+    assert all(other["iri"] != found["iri"] for near in found["neighbours"] for other in near["nodes"])
+
+
+def test_names_that_mean_nothing(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """Misspelt names get suggestions, other IRIs and what is no IRI are told apart."""
+    with pytest.raises(UnknownNameError) as caught:
+        node(snapshot, settings, name="scan_fliter")
+    assert "`scan_filter`" in (caught.value.hint or "")
+    with pytest.raises(UnknownNameError):
+        node(snapshot, settings, iri="https://w3id.org/rnkg/topic/scan")
+    with pytest.raises(UsageError, match="no IRI"):
+        node(snapshot, settings, iri="no iri at all")
+
+
+def test_the_tree_opens_down_to_interfaces(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """Packages hold nodes, nodes the groups of their interfaces, groups the interfaces, and counts agree."""
+    roots = {one["label"]: one for one in tree(snapshot, settings)["children"]}
+    assert list(roots) == ["packages", "systems", "topics", "services", "actions"]
+    packages = tree(snapshot, settings, **roots["packages"]["open"])["children"]
+    assert len(packages) == roots["packages"]["count"]
+    package = next(one for one in packages if one["label"] == "rover_robot")
+    nodes = tree(snapshot, settings, **package["open"])["children"]
+    assert len(nodes) == package["count"]
+    patrol = next(one for one in nodes if one["label"] == "patrol")
+    groups = tree(snapshot, settings, **patrol["open"])["children"]
+    names = {}
+    for group in groups:
+        leaves = tree(snapshot, settings, **group["open"])["children"]
+        assert len(leaves) == group["count"]
+        assert all(leaf["open"] is None for leaf in leaves)
+        names[group["label"]] = {leaf["label"] for leaf in leaves}
+    assert "scan_filtered" in names["subscribes"] - names["publishes"]
+    assert "/emergency_stop" in names["publishes"] - names["subscribes"]
+
+
+def test_systems_and_topics_in_the_tree(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """Systems hold their instances, topics the nodes at them; a level may be asked for in parts."""
+    systems = tree(snapshot, settings, parent="systems")["children"]
+    rover = next(one for one in systems if one["label"].endswith("rover.launch"))
+    instances = tree(snapshot, settings, **rover["open"])["children"]
+    assert len(instances) == rover["count"] == 7
+    topics = tree(snapshot, settings, parent="topics", offset="1", limit="2")
+    assert len(topics["children"]) == 2
+    assert topics["total"] > 2
+    some = next(one for one in tree(snapshot, settings, parent="topics")["children"] if one["count"])
+    assert tree(snapshot, settings, **some["open"])["children"][0]["kind"] == "node"
+
+
+def test_a_node_counts_the_same_wherever_it_stands(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """The entry of a node below a topic tells as many interfaces as the one below its package."""
+    topics = tree(snapshot, settings, parent="topics")["children"]
+    scans = next(one for one in topics if one["label"] == "/scan_filtered")
+    at_topic = tree(snapshot, settings, **scans["open"])["children"]
+    assert {one["label"]: one["detail"] for one in at_topic}["rover_robot/scan_filter"] == "publishes"
+    below = {one["iri"]: one["count"] for one in at_topic}
+    packages = tree(snapshot, settings, parent="packages")["children"]
+    package = next(one for one in packages if one["label"] == "rover_robot")
+    counts = {one["iri"]: one["count"] for one in tree(snapshot, settings, **package["open"])["children"]}
+    assert below == {iri: counts[iri] for iri in below}
+    assert all(below.values())
+
+
+def test_no_such_branch(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """What the tree does not have is an error with the way out."""
+    with pytest.raises(UnknownNameError, match="no branch"):
+        tree(snapshot, settings, parent="https://example.org/x")

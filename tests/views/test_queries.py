@@ -1,0 +1,174 @@
+"""Tests of the views that help with queries: stored ones, completion, diagnosis, cells of results."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from kg.errors import KgError, QueryError, RuleError, UsageError
+from kg.query.prefixes import PREFIXES
+from kg.views.cells import cells
+from kg.views.complete import complete
+from kg.views.diagnose import diagnose
+from kg.views.prefixes import prefixes
+from kg.views.rows import why_row
+from kg.views.stored import stored
+
+if TYPE_CHECKING:
+    from kg.settings import Settings
+    from kg.store.snapshot import EmbeddedSnapshot
+
+NODE = "https://w3id.org/rnkg/node/local/examples/rover_robot/scan_filter"
+PUBLISHES = "<https://w3id.org/rnkg/ns#publishes>"
+TOPIC = "<https://w3id.org/rnkg/topic/scan_filtered>"
+NAME = "<https://w3id.org/rnkg/ns#name>"
+
+
+def test_stored_queries_are_listed(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """Without a name all stored queries are told, with what a form needs to know of their parameters."""
+    found = {each["query"]: each for each in stored(snapshot, settings)["queries"]}
+    (parameter,) = found["explore/who-publishes"]["parameters"]
+    assert (parameter["name"], parameter["type"], parameter["example"]) == ("topic", "name", "/scan_filtered")
+    assert found["explore/who-publishes"]["title"] == "Who publishes a topic"
+
+
+@pytest.mark.parametrize("values", ['{"topic": "cmd_vel"}', {"topic": "cmd_vel"}])
+def test_a_stored_query_takes_values(
+    snapshot: EmbeddedSnapshot, settings: Settings, values: str | dict[str, str]
+) -> None:
+    """By name a query is told with its values in place; those that are empty are left out."""
+    assert 'VALUES ?topic { "/cmd_vel" }' in stored(snapshot, settings, "who-publishes", values)["bound"]
+    assert "VALUES ?topic { UNDEF }" in stored(snapshot, settings, "who-publishes", {"topic": ""})["bound"]
+
+
+def test_values_that_do_not_fit(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """What is no JSON object of texts, or a value for no parameter, is refused with its reason."""
+    for values in ("{", "[]", '{"topic": 1}'):
+        with pytest.raises(UsageError, match="JSON"):
+            stored(snapshot, settings, "who-publishes", values)
+    with pytest.raises(QueryError, match="has no parameter `topc`"):
+        stored(snapshot, settings, "who-publishes", {"topc": "/scan"})
+
+
+def test_prefixes_are_those_of_queries_and_of_the_store(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """Faces shorten IRIs by what every query knows, which nothing in the store changes."""
+    found = prefixes(snapshot, settings)
+    assert found.items() >= PREFIXES.items()
+    assert all(iri.startswith(("http", "urn")) for iri in found.values())
+
+
+@pytest.mark.parametrize("as_text", [True, False])
+def test_a_row_rests_on_facts(snapshot: EmbeddedSnapshot, settings: Settings, *, as_text: bool) -> None:
+    """A row, also one in JSON, is told with the facts that the query matched for it."""
+    row = {"t": TOPIC}
+    query = f"SELECT ?t {{ <{NODE}> rnkg:publishes ?t FILTER(isIRI(?t)) }}"
+    found = why_row(snapshot, settings, query=query, row=json.dumps(row) if as_text else row)
+    assert found["row"] == [{"name": "t", "term": TOPIC, "label": "/scan_filtered", "short": TOPIC}]
+    assert [one["text"] for one in found["proofs"]] == ["scan_filter rnkg:publishes /scan_filtered"]
+    assert len(found["conditions"]) == 1
+    for wrong in ("[]", '{"t": 1}', "{"):
+        with pytest.raises(UsageError, match="no JSON object"):
+            why_row(snapshot, settings, query=query, row=wrong)
+
+
+def test_a_row_of_an_inner_query_is_not_traced_back(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """Of what an inner SELECT counts, no facts are told, and the words are about the row, not about a rule."""
+    query = "SELECT ?n { { SELECT ?n (COUNT(?t) AS ?many) { ?n rnkg:publishes ?t } GROUP BY ?n } ?n a rnkg:NodeType }"
+    with pytest.raises(RuleError, match="cannot be traced back"):
+        why_row(snapshot, settings, query=query, row={"n": f"<{NODE}>"})
+
+
+@pytest.mark.parametrize(
+    "query",
+    [
+        "SELECT ?n (COUNT(?t) AS ?many) { ?n rnkg:publishes|rnkg:subscribes ?t } GROUP BY ?n",
+        "SELECT DISTINCT ?n { ?n rnkg:publishes|rnkg:subscribes ?t }",
+        "SELECT DISTINCT ?n (EXISTS { ?n a ?x } AS ?is) { { ?n rnkg:publishes ?t } UNION { ?n rnkg:subscribes ?t } }",
+    ],
+)
+def test_a_row_of_many_solutions_says_so(snapshot: EmbeddedSnapshot, settings: Settings, query: str) -> None:
+    """Of a group, and of rows made one, the facts of one solution are told, and of how many it is one."""
+    found = why_row(snapshot, settings, query=query, row={"n": f"<{NODE}>", "many": '"7"'})
+    assert len(found["proofs"]) == 1
+    topics: Any = snapshot.query(f"SELECT ?t {{ <{NODE}> rnkg:publishes|rnkg:subscribes ?t }}", prefixes=PREFIXES)
+    assert found["remark"] == f"this is one of {len(list(topics))} solutions that make the row"
+    alone = why_row(snapshot, settings, query=query, row={"n": f"<{NODE}>", "t": TOPIC})
+    assert alone["remark"] is None
+
+
+def test_more_solutions_than_anybody_reads_are_not_counted(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """Counting ends, so that a row of the whole store is explained as soon as any other."""
+    found = why_row(snapshot, settings, query="SELECT (COUNT(*) AS ?n) { ?s ?p ?o }", row={"n": '"9"'})
+    assert found["remark"] == "this is one of 1,000 or more solutions that make the row"
+
+
+@pytest.mark.parametrize(
+    ("query", "code"),
+    [
+        ("SELECT ?s", "KG201"),
+        ("SELECT ?s {", "KG201"),
+        ("ASK { ?s ?p ?o }", "KG201"),
+        ("SELECT ?s { ?s ?p ?o SERVICE <urn:x> { ?s ?p ?o } }", "KG502"),
+        (f"SELECT ?s {{ ?s ?p ?o FILTER({'1 + ' * 10_000}1) }}", "KG516"),
+    ],
+)
+def test_queries_that_no_row_is_of(snapshot: EmbeddedSnapshot, settings: Settings, query: str, code: str) -> None:
+    """What is no whole SELECT query, or what the engine would not survive, is refused before anything runs."""
+    with pytest.raises(KgError) as refused:
+        why_row(snapshot, settings, query=query, row={})
+    assert refused.value.code == code
+
+
+def test_completion_counts_once_and_keeps_it(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """Positions come as numbers or as texts; what was counted stands in the cache of the store."""
+    text = "ASK { ?x a rnkg:NodeTyp"
+    found = complete(snapshot, settings, text, str(len(text)), fresh="yes")
+    assert found["items"][0]["insert"] == "rnkg:NodeType"
+    assert found["snapshot"] == snapshot.identity
+    assert found["ready"]
+    assert complete(snapshot, settings, text) == found
+    assert settings.store is not None
+    assert list(settings.store.glob("cache/completion-*/*/statistics.json"))
+    with pytest.raises(UsageError, match="no number"):
+        complete(snapshot, settings, text, "here")
+
+
+def test_diagnosis_knows_terms_that_are_only_used(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """What was meant is found among the terms that the store uses too, not only among those that it defines."""
+    complete(snapshot, settings, "", fresh="yes")
+    (problem,) = diagnose(snapshot, settings, "ASK { ?x rdfs:labell ?y }")["problems"]
+    assert problem["hint"] == "Did you mean `rdfs:label`?"
+
+
+def test_cells_tell_what_is_inferred_where_lines_are_and_which_are_nodes(
+    snapshot: EmbeddedSnapshot, settings: Settings
+) -> None:
+    """Derived triples, places of sources and nodes are told apart, in the order that they were asked in."""
+    triples = [[f"<{NODE}>", PUBLISHES, TOPIC], [f"<{NODE}>", NAME, '"scan_filter"'], ["_:x", PUBLISHES, TOPIC]]
+    files = [["rover_robot/src/scan_filter.cpp", "12"], ["no/such/file.cpp", "1"]]
+    paths = [row[0].value for row in snapshot.query(f"SELECT ?p {{ <{NODE}> <https://w3id.org/rnkg/ns#path> ?p }}")]  # type: ignore[union-attr] # rows of a SELECT
+    files[0][0] = paths[0]
+    found = cells(snapshot, settings, triples=json.dumps(triples), places=files, iris=[NODE, TOPIC[1:-1]])
+    assert found["inferred"] == [True, False, False]
+    first, missing = found["places"]
+    assert (first["path"], first["line"], missing) == (paths[0], 12, None)
+    assert found["nodes"] == [True, False]
+
+
+def test_cells_tell_what_things_are_called_and_are(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """A thing has its label and its classes; what the store does not know has neither."""
+    node, topic, unknown = cells(snapshot, settings, things=[NODE, TOPIC[1:-1], "urn:x"])["things"]
+    assert (node["label"], topic["label"]) == ("scan_filter", "/scan_filtered")
+    assert PREFIXES["rnkg"] + "NodeType" in node["types"]
+    assert unknown == {"label": None, "types": []}
+    with pytest.raises(UsageError, match="is no IRI"):
+        cells(snapshot, settings, things=["no iri"])
+
+
+@pytest.mark.parametrize("triples", ["{", '"a"', [["a"]], [["<a:b>", "c", "<d:e>"]]])
+def test_cells_that_are_none(snapshot: EmbeddedSnapshot, settings: Settings, triples: str | list[list[str]]) -> None:
+    """What is no list of terms is refused."""
+    with pytest.raises(UsageError):
+        cells(snapshot, settings, triples=triples)

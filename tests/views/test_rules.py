@@ -1,0 +1,83 @@
+"""The views of the pages of rules."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import pytest
+
+from kg.errors import UnknownNameError
+from kg.views.rules import rule, rules
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from kg.settings import Settings
+    from kg.store.snapshot import EmbeddedSnapshot
+
+
+def test_rules_stand_in_families(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """Every rule is in its family with its documentation, and with what it cost in the last full run."""
+    found = rules(snapshot, settings)
+    families = {one["family"]: one for one in found["families"]}
+    assert families["communication"]["in_force"]
+    assert not families["owl-rl"]["in_force"]
+    feeds = next(one for one in families["communication"]["rules"] if one["rule"] == "communication/feeds")
+    assert "What it infers" in feeds["sections"]
+    assert feeds["derived"] > 0
+    assert feeds["seconds"] >= 0
+    assert found["problems"] == []
+
+
+def test_the_last_run_is_told(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """How much was inferred, and how many of the rules in force derived something."""
+    run = rules(snapshot, settings)["run"]
+    assert run["inferred"] > 1000
+    assert 0 < run["fired"] < run["ran"]
+    assert run["ended"] >= run["started"]
+
+
+def test_edges_lead_from_writers_to_readers(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """A rule is fed by those that derive what it reads, through terms that are named."""
+    edges = rules(snapshot, settings)["graph"]["edges"]
+    edge = next(one for one in edges if one["to"] == "communication/feeds" and one["from"].endswith("agrees-on-topic"))
+    assert edge["terms"] == ["rnkg:agreesWith"]
+    assert not edge["absent"]
+
+
+def test_a_rule_has_its_text_and_triples(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """A rule is found by its last name; inferred triples of its kinds come with the terms that `why` takes."""
+    found = rule(snapshot, settings, name="feeds")
+    assert found["rule"] == "communication/feeds"
+    assert "CONSTRUCT" in found["text"]
+    assert found["place"]["path"] == "communication/feeds.rq"
+    assert found["found"] == [{"kind": "rnkg:feeds", "triples": len(found["inferred"])}]
+    assert found["inferred"][0]["predicate"] == "<https://w3id.org/rnkg/ns#feeds>"
+    assert found["inferred"][0]["labels"][1] == "rnkg:feeds"
+    assert "communication/feeds" in {one["rule"] for one in found["around"]["nodes"]}
+
+
+def test_classes_are_kinds_of_triples(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """A rule that says what something is derives triples of that class, and these are counted."""
+    found = rule(snapshot, settings, name="communication/topic-communication")
+    kinds = {one["kind"]: one["triples"] for one in found["found"]}
+    assert any(kind.startswith("a ") and number for kind, number in kinds.items())
+
+
+def test_an_unknown_rule(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """The rule that was probably meant is named."""
+    with pytest.raises(UnknownNameError) as caught:
+        rule(snapshot, settings, name="communication/fed")
+    assert "communication/feeds" in str(caught.value.hint)
+
+
+def test_a_broken_rule_hides_no_other(snapshot: EmbeddedSnapshot, settings: Settings, tmp_path: Path) -> None:
+    """What is wrong with a rule of one's own is told beside it, and the others are listed."""
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "broken.rq").write_text("# Broken\nCONSTRUCT { ?a ?b } WHERE", "utf-8")
+    found = rules(snapshot, replace(settings, rules=(tmp_path,)))
+    mine = next(one for one in found["families"] if one["family"] == "mine")
+    assert mine["rules"][0]["error"]["code"].startswith("KG2")
+    assert found["problems"]
+    assert len(found["families"]) > 5

@@ -1,0 +1,122 @@
+"""Tests of the views of launch configurations and of what is wrong in them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from kg.errors import UnknownNameError
+from kg.graph.systems_reading import systems as read_systems
+from kg.views.lint import lint
+from kg.views.system import system
+from kg.views.systems import systems
+
+if TYPE_CHECKING:
+    from kg.facts import System
+    from kg.graph.systems_reading import SystemName
+    from kg.settings import Settings
+    from kg.store.snapshot import EmbeddedSnapshot
+
+
+def test_the_list_agrees_with_each_system(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """Every configuration is listed with as many nodes, topics, services and actions as it has."""
+    found = systems(snapshot, settings)
+    assert found["total"] == len(found["systems"]) == 4
+    for one in found["systems"]:
+        counts = system(snapshot, settings, name=one["iri"])["counts"]
+        assert {kind: one[kind] for kind in ("nodes", "topics", "services", "actions")} == {
+            kind: counts[kind] for kind in ("nodes", "topics", "services", "actions")
+        }
+
+
+def test_the_list_is_searched_and_paged(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """All words have to be in the name or the source; numbers that are none count as not given."""
+    assert [one["package"] for one in systems(snapshot, settings, text="ROVER arm")["systems"]] == ["rover_robot"]
+    assert len(systems(snapshot, settings, offset="1", limit="2")["systems"]) == 2
+    assert len(systems(snapshot, settings, offset="x", limit="-1")["systems"]) == 4
+
+
+def test_a_system_as_a_table(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """Ends know who is at the other side, and the line that gave them their name."""
+    found = system(snapshot, settings, name="rover.launch")
+    instances = {one["key"]: one for one in found["instances"]}
+    arm = instances["/rover1/arm_server"]
+    assert arm["node"]["name"] == "rover_robot/arm_server"
+    ends = {end["resolved"]: end for end in arm["ends"]}
+    gripper = ends["/rover1/gripper_position/command"]
+    assert gripper["set_at"]["words"] == "remapped from /rover1/gripper/command"
+    assert gripper["set_at"]["evidence"]["path"].endswith(".launch")
+    assert gripper["nobody"] == "nobody subscribes"
+    assert ends["/rover1/arm_server/set_gripper"]["others"] == ["/rover1/patrol"]
+    assert arm["left_out"] > 0
+    every = system(snapshot, settings, name="rover.launch", every="all")["instances"]
+    assert sum(len(one["ends"]) for one in every) == sum(
+        len(one["ends"]) + one["left_out"] for one in found["instances"]
+    )
+
+
+def test_a_system_as_a_graph(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """Instances lie in the groups of their namespaces, and so do channels that only these use; edges lead to nodes."""
+    found = system(snapshot, settings, name="rover.launch")["picture"]
+    assert [one["id"] for one in found["groups"]] == ["/rover1"]
+    nodes = {one["id"]: one for one in found["nodes"]}
+    assert nodes["/rover1/patrol"]["group"] == "/rover1"
+    assert nodes["/rover1/patrol"]["label"] == "patrol"
+    for edge in found["edges"]:
+        assert {edge["source"], edge["target"]} <= nodes.keys()
+    assert any(one["debug"] for one in found["nodes"])
+    named = [name for one in found["nodes"] if one["kind"] == "topic" for name in one["names"]]
+    assert len(named) == len(set(named))
+
+
+def test_findings_are_in_the_system_and_mark_what_they_are_about(
+    snapshot: EmbeddedSnapshot, settings: Settings
+) -> None:
+    """The finding has its line with the text, what leads to it, and marks things of the graph."""
+    found = system(snapshot, settings, name="mission.launch.xml")
+    (finding,) = found["findings"]
+    assert (finding["code"], finding["severity"]) == ("KG401", "note")
+    assert finding["place"]["line_text"] or finding["evidence"][0]["line_text"]
+    assert finding["way_out"]
+    assert any(0 in one["findings"] for one in found["picture"]["nodes"])
+    assert lint(snapshot, settings, system="mission.launch.xml")["findings"] == found["findings"]
+
+
+def test_findings_of_all_and_of_a_package(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """Without a system all are looked at; a level and a package choose."""
+    assert [one["code"] for one in lint(snapshot, settings)["findings"]] == ["KG401"]
+    assert lint(snapshot, settings, level="error") == {"findings": [], "allowed": 0, "systems": 4}
+    assert lint(snapshot, settings, package="rover_robot")["systems"] == 2
+    with pytest.raises(UnknownNameError):
+        lint(snapshot, settings, package="rover_robto")
+
+
+def test_a_system_is_read_once_for_all_its_parts(
+    snapshot: EmbeddedSnapshot, settings: Settings, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whoever asks for one again gets the same, without it being read; of several the last is kept."""
+    read: list[str] = []
+
+    def reading(graph: EmbeddedSnapshot, names: list[SystemName], base: str) -> list[System]:
+        read.extend(name.name for name in names)
+        return read_systems(graph, names, base)
+
+    system(snapshot, settings, name="drone.launch.py")
+    monkeypatch.setattr("kg.views.system.read_systems", reading)
+    first, second = (system(snapshot, settings, name="rover.launch") for _ in range(2))
+    assert first == second
+    system(snapshot, settings, name="rover.launch", every="all")
+    assert len(read) == 1
+    system(snapshot, settings, name="drone.launch.py")
+    assert system(snapshot, settings, name="rover.launch") == first
+    assert len(read) == 3
+
+
+def test_a_system_that_is_not_there(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """A misspelt name gets suggestions; an empty one means nothing."""
+    with pytest.raises(UnknownNameError) as caught:
+        system(snapshot, settings, name="rovr.launch")
+    assert "rover.launch" in (caught.value.hint or "")
+    with pytest.raises(UnknownNameError):
+        system(snapshot, settings, name="")
