@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 
 import pytest
 from patience import patient
-from query.readers.asking import ALL, descendants, outcome, program, question, until, whole
+from query.readers.asking import ALL, descendants, outcome, program, until, whole
 
 from kg.errors import KgError
 from kg.query.readers.pool import Readers
@@ -127,9 +127,9 @@ def test_limits_are_set(layout: Layout) -> None:
         assert all(os.getsid(pid) != os.getsid(0) for pid in servers)
 
     async def ask() -> None:
-        async with Readers(layout, processes=1, memory=1 << 30) as readers, readers.ask(question(ALL)):
-            # One is asked, another one is there for who comes next; both have said that they take requests.
-            await until(lambda: readers.stats().idle == 1)
+        async with Readers(layout, processes=1, memory=1 << 30) as readers:
+            # One for a request and one for who comes next; both have said that they take requests.
+            await until(lambda: readers.stats().idle == 2)
             look()
 
     before = descendants().keys()
