@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from typing import TYPE_CHECKING, Final
 
 import pytest
@@ -14,6 +15,13 @@ PROGRAMS: Final = {"git", "java"}
 
 settings.register_profile("patient", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("patient")
+
+
+# What is ignored here, as under nohup or in a background job, would be ignored by the programs that tests start and
+# signal; what has a handler is as usual there.
+for _number in (signal.SIGHUP, signal.SIGINT, signal.SIGTERM):
+    if signal.getsignal(_number) is signal.SIG_IGN:
+        signal.signal(_number, lambda *_: None)
 
 
 def _skipping() -> Generator[None, object, object]:
