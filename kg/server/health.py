@@ -19,13 +19,16 @@ __all__ = ["ROUTES"]
 
 
 async def _health(request: Request) -> Response:
-    """Answer 200 with the snapshot in force, its age in seconds and the readers; 503 when there is no store."""
+    """Answer 200 with the snapshot in force, its age in seconds and the readers; 503 when there is no store.
+
+    What the server does unasked is none of the requests that run, as in the list of jobs.
+    """
     shared = state(request)
     layout = shared.readers.layout
     generation = layout.in_force()
     if generation is None:
         raise StoreError("KG301", "the data of the store is gone")
-    jobs = len(shared.readers.jobs)
+    jobs = sum(not job.own for job in shared.readers.jobs.values())
     return JSONResponse(
         {
             "status": "ok",

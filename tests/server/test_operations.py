@@ -9,8 +9,11 @@ import shutil
 from typing import TYPE_CHECKING
 
 import httpx
+from patience import patient
 from serving import TOKEN, application, served
 from starlette.routing import Route
+
+from kg.query.readers.jobs import Job
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -37,13 +40,23 @@ def test_health(client: TestClient) -> None:
     assert answer.headers["cache-control"] == "no-store"
 
 
+def test_what_is_done_unasked_is_no_request_that_runs(store: Path) -> None:
+    """Who watches a server is told of what clients asked for, and not of what it does of its own."""
+    with application(store, log="off") as client:
+        jobs = client.app.state.server.readers.jobs  # type: ignore[attr-defined]  # it is Starlette
+        jobs["own"] = Job("own", "prepare", own=True)
+        assert client.get("/health").json()["running"] == 0
+        jobs["other"] = Job("other", QUERY)
+        assert client.get("/health").json()["running"] == 1
+
+
 def test_a_store_that_is_gone(store: Path, tmp_path: Path) -> None:
     """Without its store a server stays alive and says what is wrong."""
     copy = tmp_path / ".kg"
     shutil.copytree(store, copy)
     with application(copy, log="off") as client:
         assert client.get("/health").status_code == 200
-        shutil.rmtree(copy)
+        copy.rename(tmp_path / "gone")
         answer = client.get("/health")
         assert (answer.status_code, answer.json()["code"]) == (503, "KG301")
         assert client.get("/metrics").status_code == 200
@@ -93,10 +106,11 @@ def test_one_line_for_each_request(store: Path) -> None:
     """The log has time, path, status, rows and a digest, but no query, no token, and nothing on standard output."""
     with served(store, log="json", write=True, token=TOKEN) as server:
         headers = {"Authorization": f"Bearer {TOKEN}"}
-        for _ in range(2):
-            httpx.get(server.address + "/sparql", params={"query": QUERY, "token": TOKEN}, headers=headers)
-        httpx.get(server.address + "/no%0athing%1b[31m", headers=headers)
-        httpx.post(server.address + "/update", data={"update": "nonsense"})
+        with httpx.Client(base_url=server.address, timeout=patient(30)) as client:
+            for _ in range(2):
+                client.get("/sparql", params={"query": QUERY, "token": TOKEN}, headers=headers)
+            client.get("/no%0athing%1b[31m", headers=headers)
+            client.post("/update", data={"update": "nonsense"})
         _, said = server.stop()
     lines = [json.loads(line) for line in said.splitlines()]
     assert [line["status"] for line in lines] == [200, 200, 404, 401]
