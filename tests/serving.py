@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
     from pathlib import Path
 
-__all__ = ["ADDRESS", "EVERYWHERE", "TOKEN", "Serving", "application", "served"]
+__all__ = ["ADDRESS", "EVERYWHERE", "TOKEN", "UNASKED", "Serving", "application", "served"]
 
 ADDRESS: Final = "http://127.0.0.1:7878"
 """What an application in this process is asked as."""
@@ -30,6 +30,8 @@ EVERYWHERE: Final = "0.0.0.0"  # noqa: S104 - given to options; no test listens 
 """A host that other machines reach."""
 TOKEN: Final = "correct-horse-battery-staple"  # noqa: S105 - of a test
 """The token of servers that have one."""
+UNASKED: Final = "from kg.query.readers import pool\npool._PREPARE_SECONDS = 3600.0\n"
+"""Run before a server, it keeps readers from work that nobody asked for, where tests look for who is at work."""
 
 _SECONDS: Final = 30
 """The deadline of queries, which is that of a server of which nothing is said where the machine is idle."""

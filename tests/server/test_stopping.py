@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import httpx
 import pytest
 from patience import patient
-from serving import Serving, served
+from serving import UNASKED, Serving, served
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -202,7 +202,7 @@ def test_systemd_is_told(store: Path, tmp_path: Path) -> None:
 
 def test_a_reader_that_is_killed_costs_one_answer(store: Path) -> None:
     """A reader that ends under a query is an error for this query, and the next is answered."""
-    with served(store, log="off", readers=1) as server:
+    with served(store, before=UNASKED, log="off", readers=1) as server:
         thread, answers = asked(server, RUNAWAY)
         # A reader that is only about to begin would be replaced, and the query begun anew.
         until(lambda: works(server))
