@@ -124,7 +124,10 @@ def test_updates(writing: TestClient) -> None:
 
 def test_updates_of_other_data(writing: TestClient) -> None:
     """An update that names the data it is meant for does nothing to other data."""
-    answer = writing.post("/update", params={"snapshot": "1"}, data={"update": "CLEAR DEFAULT"})
+    before = writing.get("/sparql", params={"query": "ASK {}"}).headers["x-kg-snapshot"]
+    changed = writing.put("/store", params={"graph": "https://example.org/other"}, content=ONE, headers=TURTLE)
+    assert changed.status_code == 201
+    answer = writing.post("/update", params={"snapshot": before}, data={"update": "CLEAR DEFAULT"})
     assert (answer.status_code, answer.json()["code"]) == (409, "KG512")
 
 
