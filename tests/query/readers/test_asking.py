@@ -7,6 +7,7 @@ import json
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from patience import patient
 from query.readers.asking import ALL, FORMATS, STREAM, outcome, question, whole
 
 from kg.errors import KgError
@@ -201,7 +202,7 @@ def test_answers_stream_with_word_of_how_far_they_are(layout: Layout) -> None:
 
     async def ask() -> None:
         async with Readers(layout, processes=1) as readers:
-            async with readers.ask(question(STREAM), seconds=20, job="mine") as answer:
+            async with readers.ask(question(STREAM), seconds=patient(20), job="mine") as answer:
                 assert answer.end is None
                 sizes = []
                 async for part in answer.parts():

@@ -87,7 +87,8 @@ def test_readers_that_were_killed_unnoticed_cost_nobody_an_answer(layout: Layout
         async with Readers(layout, processes=2) as readers:
             await whole(readers, "ASK {}")
             waiting = readers._fleet._idle
-            await until(lambda: len(waiting) == 3)
+            # There may be one more: started when none was at work, and ready when the one that was is back.
+            await until(lambda: len(waiting) >= 3)
             killed = [process.pid for process in waiting]
             for pid in killed:
                 os.kill(pid, signal.SIGKILL)
@@ -105,10 +106,12 @@ def test_a_reader_that_was_killed_before_the_data_changed_is_replaced(layout: La
     async def ask() -> None:
         async with Readers(layout, processes=1) as readers:
             await whole(readers, "ASK {}")
-            for process in readers._fleet._idle:
+            # Others may still be starting, and do not end.
+            killed = list(readers._fleet._idle)
+            for process in killed:
                 os.kill(process.pid, signal.SIGKILL)
             readers.moved()
-            await until(lambda: all(process.ended for process in readers._fleet._idle))
+            await until(lambda: all(process.ended for process in killed))
             assert await outcome(readers, "ASK {}") == "whole"
 
     asyncio.run(ask())
