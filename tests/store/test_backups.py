@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import threading
+import time
 from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from patience import patient
 from pyoxigraph import BlankNode, Literal, NamedNode, Quad, RdfFormat
 
 from kg.errors import KgError
@@ -101,7 +103,12 @@ def test_a_backup_while_somebody_writes(tmp_path: Path) -> None:
     writer = threading.Thread(target=write)
     writer.start()
     try:
-        made = [back_up(store.layout, tmp_path / f"copy{number}") for number in range(12)]
+        made = [back_up(store.layout, tmp_path / f"copy{number}") for number in range(6)]
+        end = time.monotonic() + patient(20)
+        while store.layout.current() == made[0].snapshot:
+            assert time.monotonic() < end
+            time.sleep(0.01)
+        made += [back_up(store.layout, tmp_path / f"copy{number}") for number in range(6, 12)]
     finally:
         stop.set()
         writer.join()
