@@ -6,8 +6,10 @@ import fcntl
 import os
 import subprocess
 import sys
+import time
 from contextlib import suppress
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -48,7 +50,8 @@ def test_who_only_looks_keeps_no_writer_out(tmp_path: Path, monkeypatch: pytest.
     layout.lock.write_text(left.replace("%d", str(ended.pid)))
     looking = layout.lock.open()
     fcntl.flock(looking, fcntl.LOCK_SH)
-    monkeypatch.setattr("kg.store.locks.time.sleep", lambda _: looking.close())
+    clock = SimpleNamespace(monotonic=time.monotonic, sleep=lambda _: looking.close())
+    monkeypatch.setattr(locks, "time", clock)
     with writer(layout, "kg build x"):
         assert looking.closed
         assert busy(layout) is not None
