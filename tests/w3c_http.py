@@ -13,6 +13,7 @@ from http.client import HTTPConnection
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import pyoxigraph
+from patience import patient
 from pyoxigraph import QueryResultsFormat, RdfFormat
 from w3c import MF, same_graphs, solutions
 
@@ -69,7 +70,7 @@ class Endpoint:
     def send(self, method: str, path: str, body: bytes | None = None, **headers: str) -> Answer:
         """Return the answer to a request; `_` in names of headers stands for `-`."""
         named = {name.replace("_", "-"): value for name, value in headers.items()}
-        with closing(HTTPConnection(self.host, self.port, timeout=60)) as connection:
+        with closing(HTTPConnection(self.host, self.port, timeout=patient(60))) as connection:
             connection.request(method, path, body, {**self.headers, **named})
             answer = connection.getresponse()
             found = {name.lower(): value for name, value in answer.getheaders()}

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from patience import patient
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -77,7 +78,7 @@ def running(folder: Path) -> Iterator[Editor]:
             yield editor
             editor.ask("shutdown")
             editor.notify("exit")
-            assert process.wait(10) == 0
+            assert process.wait(patient(10)) == 0
         finally:
             process.kill()
 

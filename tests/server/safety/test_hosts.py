@@ -6,6 +6,7 @@ import socket
 from typing import TYPE_CHECKING
 
 import pytest
+from patience import patient
 from serving import EVERYWHERE, served
 from starlette.requests import HTTPConnection
 
@@ -75,7 +76,10 @@ def test_one_host_and_no_more() -> None:
 @pytest.mark.parametrize("headers", ["", "Host: 127.0.0.1\r\nHost: 127.0.0.1\r\n", "Host: a b\r\n"])
 def test_a_malformed_request_is_answered_400(store: Path, headers: str) -> None:
     """On a connection the answer to a request without one proper Host has status 400."""
-    with served(store, log="off") as server, socket.create_connection(("127.0.0.1", server.port), timeout=30) as link:
+    with (
+        served(store, log="off") as server,
+        socket.create_connection(("127.0.0.1", server.port), timeout=patient(30)) as link,
+    ):
         link.sendall(f"GET /health HTTP/1.1\r\n{headers}Connection: close\r\n\r\n".encode())
         assert link.makefile("rb").readline().split()[1] == b"400"
 
