@@ -171,14 +171,22 @@ def _unanswered(answered: asyncio.Future[bytes]) -> None:
 class ZenohServer(End):
     """A service that is answered; a failure is told to the client as an error of Zenoh."""
 
-    def attach(self, session: Session, key: str, answer: Callable[[bytes], Awaitable[bytes]]) -> None:
-        """Begin to answer."""
+    def __init__(
+        self,
+        session: Session,
+        key: str,
+        answer: Callable[[bytes], Awaitable[bytes]],
+        tell: Callable[[], tuple[Any, Callable[[], int]]],
+    ) -> None:
+        """Begin to answer, and then tell of it, which gives the token and what counts the others."""
         self._key = key
         self._answer = answer
         self._sender = _Sender(key)
         self._running = Tasks()
         told = passing(asyncio.get_running_loop(), self._take)
-        self._declared.append(session.declare_queryable(key, told, complete=True))
+        answering = session.declare_queryable(key, told, complete=True)
+        super().__init__(*tell())
+        self._declared.append(answering)
 
     def _take(self, query: Query) -> None:
         self._running.spawn(self._respond(query), f"answering {self._key}")

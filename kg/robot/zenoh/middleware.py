@@ -187,9 +187,7 @@ class ZenohMiddleware:
     def server(self, service: str, kind: str, answer: Callable[[bytes], Awaitable[bytes]]) -> ZenohServer:
         """Serve a service."""
         key = self._key(service, kind, service=True)
-        server = ZenohServer(*self._token(Role.SERVICES, service, kind, ANSWERS))
-        server.attach(self._session, key, answer)
-        return server
+        return ZenohServer(self._session, key, answer, lambda: self._token(Role.SERVICES, service, kind, ANSWERS))
 
     async def learn(self, kind: str, name: str) -> bool:
         """Tell whether a type is known: over Zenoh nobody tells more of it than its hash."""
