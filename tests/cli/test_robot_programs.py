@@ -6,6 +6,7 @@ import json
 import signal
 import subprocess
 import sys
+import time
 from typing import TYPE_CHECKING
 
 import pytest
@@ -134,7 +135,9 @@ def test_programs_run_in_ros(kg: Program) -> None:
             assert running.poll() is None
         running.send_signal(signal.SIGINT)
         out, err = running.communicate(timeout=patient(20))
-        told = said.read_text(encoding="utf-8").splitlines()
+        end = time.monotonic() + patient(10)
+        while (told := said.read_text(encoding="utf-8").splitlines())[-1] != "speed 0" and time.monotonic() < end:
+            time.sleep(0.05)  # the trolley says what it was told when it has its turn
     assert (running.returncode, err) == (130, "\ninterrupted\n")
     assert "cancelled after 2 statements" in out
     assert told[-1] == "speed 0"

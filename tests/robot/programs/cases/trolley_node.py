@@ -22,6 +22,7 @@ class Trolley:
         """Offer and ask for topics."""
         self.place = 0.0
         self.speed = 0.0
+        self.since = rospy.get_time()
         self.odometry = rospy.Publisher("/odom", Odometry, queue_size=1)
         self.scan = rospy.Publisher("/scan", LaserScan, queue_size=1)
         rospy.Subscriber("/cmd_vel", Twist, self.on_velocity)
@@ -40,8 +41,9 @@ class Trolley:
         self.server.set_succeeded(MoveBaseResult())
 
     def step(self) -> None:
-        """Roll a little, and tell."""
-        self.place += self.speed * STEP
+        """Roll for the time that has passed, which may be more than a step, and tell."""
+        since, self.since = self.since, rospy.get_time()
+        self.place += self.speed * (self.since - since)
         odometry = Odometry()
         odometry.pose.pose.position.x = self.place
         odometry.pose.pose.orientation.w = 1.0
