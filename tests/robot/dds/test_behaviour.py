@@ -38,6 +38,7 @@ class TestDds(Behaviour):
         async def scene() -> None:
             async with system.pair() as (one, two):
                 serving = await one.serve("/double", "kg_test/Double", _double)
+                await system.seen(two, lambda graph: any(end.name == "/double" for end in graph.ends))
                 call = two.call("/double", "kg_test/Double", {"value": 2.0}, seconds=patient(system.seconds))
                 assert await call == {"value": 4.0, "remark": "twice"}
                 assert (await two.call("/double", None, {"value": 3.0}, seconds=patient(2)))["value"] == 6.0

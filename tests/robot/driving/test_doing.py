@@ -105,9 +105,10 @@ def test_a_goal_that_takes_too_long() -> None:
     """A goal that is not reached in time is cancelled, and KG825."""
 
     async def scene() -> None:
-        async with rover() as robot:
+        clock = SimulatedClock()
+        async with rover(clock) as robot:
             with pytest.raises(RobotError) as late:
-                await robot.driver.do("counting", {"until": 10**6}, seconds=0.1)
+                await _told(clock, robot.driver.do("counting", {"until": 10**6}, seconds=0.1))
             assert late.value.code == "KG825"
             await until(lambda: robot.cancelled == 1)
 

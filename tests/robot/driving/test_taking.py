@@ -96,9 +96,8 @@ def test_what_is_read_no_more_ends_and_is_not_old_when_it_is_back() -> None:
             reading = asyncio.ensure_future(anext(values))
             waiting = asyncio.ensure_future(driver.latest("laserScanning"))
             first = asyncio.ensure_future(driver.latest("sensingPose"))
-            while not (reading.done() and first.done()):
-                await robot.tell("/odom", "nav_msgs/Odometry", where(0.5))
-                await asyncio.sleep(0.01)
+            await until(lambda: "/odom" in robot.bus.topics and len(robot.bus.topics["/odom"].subscriptions) == 2)
+            await robot.tell("/odom", "nav_msgs/Odometry", where(0.5))
             assert [(await one)["x"] for one in (reading, first)] == [0.5, 0.5]
             again = asyncio.ensure_future(anext(values))
             await driver.take(without("sensingPose", "laserScanning"))
