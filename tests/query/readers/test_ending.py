@@ -39,7 +39,9 @@ linux = pytest.mark.skipif(sys.platform != "linux", reason="processes are looked
 
 NASTY = [
     ENDLESS,
-    "SELECT * { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i } ORDER BY ?i ?a",
+    # Of few of the rows, for where all were kept a machine that is quick would come to the cap of memory first.
+    """SELECT * { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i FILTER(STRLEN(CONCAT(STR(?c), STR(?f), STR(?i))) < 4) }
+         ORDER BY ?i ?a""",
     # As in Apache Jena's issue 3044, where the deadline was not seen inside of OPTIONAL and NOT EXISTS.
     """SELECT * { ?a ?b ?c OPTIONAL { ?d ?e ?f FILTER NOT EXISTS {
          ?g ?h ?i . ?j ?k ?l . ?m ?n ?o FILTER(?i = ?a && ?l = ?zz) } } FILTER(?e = ?nothing) }""",
