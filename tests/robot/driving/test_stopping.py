@@ -131,7 +131,8 @@ def test_the_last_thing_is_zero(sequence: list[tuple[object, ...]], end: str, kn
             await asyncio.sleep(0.01)
             await _settle()
             task.cancel()
-        await asyncio.gather(task, return_exceptions=True)
+        (left,) = await asyncio.gather(task, return_exceptions=True)
+        assert isinstance(left, {"leave": type(None), "raise": ValueError, "cancel": asyncio.CancelledError}[end]), left
         await _settle()
         assert [speeds[-1] for speeds in _fast(robots[0]).values()] == [0.0] * len(_fast(robots[0]))
         assert robots[0].cancelled == len(robots[0].goals)
