@@ -133,9 +133,10 @@ class Pool:
         process = self._context.Process(
             target=_serve, args=(self._job, there, [here, *pipes]), kwargs={"forked": forked}, daemon=True
         )
-        process.start()
-        there.close()
-        self._workers.append(_Worker(process, here))
+        with _interrupts_held():
+            process.start()
+            there.close()
+            self._workers.append(_Worker(process, here))
 
     def _give(self, worker: _Worker) -> None:
         if not worker.given:
@@ -168,6 +169,19 @@ class Pool:
             yield failed(*culprit[:3], message)
 
 
+@contextlib.contextmanager
+def _interrupts_held() -> Iterator[None]:
+    """Let Ctrl-C wait: a worker that it reached before `_serve` would undo what the build has begun, as the build does.
+
+    A worker starts with the signals held that its parent holds.
+    """
+    earlier = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, earlier)
+
+
 def _end(process: BaseProcess) -> str:
     code = process.exitcode or 0
     return f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
@@ -176,6 +190,7 @@ def _end(process: BaseProcess) -> str:
 def _serve(job: Job, pipe: Connection, others: list[Connection], *, forked: bool) -> None:
     """Read packages until the pipe closes; Ctrl-C is the business of the process that started this one."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     # A copy of another end of a pipe would keep this worker from seeing that the build has ended, and a copy of a
     # lock would outlive the build.
     for other in others:
