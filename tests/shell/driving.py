@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import time
 from contextlib import asynccontextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
+
+from patience import patient
+from textual.css.query import NoMatches
 
 from kg.settings import load
 from kg.shell.app import Shell
@@ -16,13 +19,14 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from textual.pilot import Pilot
+    from textual.screen import Screen
 
     from kg.shell.buffers import Buffer
 
-__all__ = ["current", "make", "run_query", "running", "typed", "until"]
+__all__ = ["current", "ended", "make", "opened", "run_query", "running", "typed", "until"]
 
-_SECONDS = 90.0
-_NAMES = {
+_SECONDS: Final = 25
+_NAMES: Final = {
     " ": "space",
     "?": "question_mark",
     "{": "left_curly_bracket",
@@ -37,7 +41,8 @@ _NAMES = {
 
 def make(store: Path, folder: Path, **flags: Any) -> Shell:
     """Return a shell that keeps its state in `folder`."""
-    settings = load({"store": str(store), **flags}, environment={}, folder=store.parent)
+    named = {"store": str(store), "timeout": str(patient(60)), **flags}
+    settings = load(named, environment={}, folder=store.parent)
     return Shell(settings, Layout(store), State(folder, str(store)))
 
 
@@ -48,33 +53,58 @@ async def running(
     """Yield a shell that runs, and what presses its keys."""
     app = make(store, folder, **flags)
     async with app.run_test(size=size, notifications=True) as pilot:
-        await until(pilot, lambda: app.main.buffers.current is not None and app.main.buffers.current.editor.has_focus)
+        await until(pilot, lambda: current(app).editor.has_focus)
         yield app, pilot
         app.exit()
 
 
 async def until(pilot: Pilot[Any], condition: Callable[[], object]) -> None:
-    """Wait until something holds, with much patience."""
-    end = time.monotonic() + _SECONDS
-    while not condition():
+    """Wait until something holds, with much patience; of what is not on the screen yet nothing holds.
+
+    Keys have been sent when `press` returns, and on a busy machine not always come to their end.
+    """
+    end = time.monotonic() + patient(_SECONDS)
+    while not _holds(condition):
         assert time.monotonic() < end, "it did not come about"
         await pilot.pause(0.02)
 
 
+def _holds(condition: Callable[[], object]) -> object:
+    try:
+        return condition()
+    except NoMatches:
+        return False
+
+
 def current(app: Shell) -> Buffer:
-    """Return the buffer on the screen."""
+    """Return the buffer on the screen; NoMatches while tabs come and go."""
     buffer = app.main.buffers.current
-    assert buffer is not None
+    if buffer is None:
+        raise NoMatches("no buffer is on the screen")
     return buffer
 
 
+async def opened(app: Shell, pilot: Pilot[Any], kind: type[Screen[Any]]) -> None:
+    """Wait until a screen of a kind is on top and takes keys: what is pressed before goes elsewhere."""
+    await until(
+        pilot,
+        lambda: isinstance(app.screen, kind) and app.screen.is_mounted and (app.focused or not app.screen.focus_chain),
+    )
+
+
+async def ended(app: Shell, pilot: Pilot[Any], *keys: str) -> None:
+    """Press keys that run a query, and wait for its end."""
+    before = len(app.state._lines())
+    await pilot.press(*keys)
+    await until(pilot, lambda: len(app.state._lines()) > before)
+
+
 async def run_query(app: Shell, pilot: Pilot[Any], text: str) -> Buffer:
-    """Put a query into the buffer, run it, and wait for its end."""
+    """Put a query into the buffer, run it, and wait for its end; the table of an answer then takes the keys."""
     buffer = current(app)
     buffer.editor.text = text
-    await pilot.press("f5")
-    await until(pilot, lambda: buffer.job is None)
-    await pilot.pause()
+    await ended(app, pilot, "f5")
+    await until(pilot, lambda: buffer.results.result is None or buffer.results.table.has_focus)
     return buffer
 
 

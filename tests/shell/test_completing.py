@@ -31,12 +31,12 @@ async def test_what_fits_is_offered_while_typing(store: Path, tmp_path: Path) ->
         await until(pilot, lambda: offered.display and offered._text == current(app).text)
         assert "rnkg:publishes" in str(offered.get_option_at_index(0).prompt)
         await pilot.press("escape")
-        assert not offered.display
+        await until(pilot, lambda: not offered.display)
         assert current(app).editor.has_focus
         await pilot.press("ctrl+space")
         await until(pilot, lambda: offered.display)
         await pilot.press("down", "up", "tab")
-        assert current(app).text.endswith("SELECT * { ?node rnkg:publishes")
+        await until(pilot, lambda: current(app).text.endswith("SELECT * { ?node rnkg:publishes"))
         await typed(pilot, " ")
         await until(pilot, lambda: not offered.display)
 
@@ -64,15 +64,15 @@ async def test_problems_are_marked_while_typing(store: Path, tmp_path: Path) -> 
         assert "rnkgg:name" in editor.text[editor.problems[0].start : editor.problems[0].end]
         editor.move_cursor((0, 0))
         await pilot.press("ctrl+g")
-        assert editor.cursor_location == (1, 14)
+        await until(pilot, lambda: editor.cursor_location == (1, 14))
         await pilot.press("ctrl+f")
         await until(pilot, lambda: not editor.problems)
         assert editor.text.endswith("SELECT * { ?s rnkg:name ?name }")
         editor.select_all()
         await pilot.press("ctrl+slash")
-        assert editor.text == "# ASK {}\n# SELECT * { ?s rnkg:name ?name }"
+        await until(pilot, lambda: editor.text == "# ASK {}\n# SELECT * { ?s rnkg:name ?name }")
         await pilot.press("ctrl+slash")
-        assert editor.text.startswith("ASK {}\nSELECT")
+        await until(pilot, lambda: editor.text.startswith("ASK {}\nSELECT"))
 
 
 @pytest.mark.parametrize(("name", "sent"), [("next_problem", "\x07"), ("fix", "\x06")])
@@ -91,12 +91,14 @@ async def test_a_buffer_closes_while_it_is_checked(store: Path, tmp_path: Path) 
         await typed(pilot, "ASK {}")
         for pause in (0.0, 0.3):
             await pilot.press("ctrl+n")
+            await until(pilot, lambda: len(app.main.buffers.all) == 2 and current(app).text == "")
+            await until(pilot, lambda: current(app).editor.has_focus)
             await typed(pilot, "SELECT * { ?s rnkgg:na")
             await pilot.pause(pause)
             await pilot.press("ctrl+slash", "f8")
             await until(pilot, lambda: len(app.main.buffers.all) == 1)
             await pilot.pause(0.5)
-        assert current(app).text == "ASK {}"
+        await until(pilot, lambda: current(app).text == "ASK {}")
 
 
 async def test_what_is_typed_is_kept_soon(store: Path, tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from shell.driving import make, until
+from shell.driving import current, make, until
 
 from kg.errors import UsageError
 from kg.shell.actions import ACTIONS, key_named, key_words
@@ -67,7 +67,7 @@ def test_chosen_keys_hold(store: Path, tmp_path: Path) -> None:
         made = make(store, tmp_path / "state")
         app = Shell(made.settings, made.link.layout, made.state, chosen_actions(path))
         async with app.run_test() as pilot:
-            await until(pilot, lambda: app.main.buffers.current is not None)
+            await until(pilot, lambda: current(app).editor.has_focus)
             await pilot.press("f1")
             before = type(app.screen).__name__
             await pilot.press("f6")

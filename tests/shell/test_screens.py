@@ -5,14 +5,17 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from shell.driving import current, run_query, running, typed, until
+from shell.driving import current, ended, opened, run_query, running, typed, until
 from textual.command import CommandPalette
 from textual.widgets import Input, Markdown, OptionList, Tree
 
 from kg.shell.pages import lines_of_row
+from kg.shell.screens.choosing import ChoiceScreen
+from kg.shell.screens.export import ExportScreen
 from kg.shell.screens.find import FindScreen, HitTree
 from kg.shell.screens.help import HelpScreen
 from kg.shell.screens.history import HistoryScreen
+from kg.shell.screens.jump import JumpScreen
 from kg.shell.screens.page import PageScreen, PageTree
 from kg.shell.screens.rules import RulesScreen
 from kg.shell.screens.stored import FormScreen, StoredScreen
@@ -23,6 +26,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from textual.pilot import Pilot
+    from textual.widget import Widget
     from textual.widgets.tree import TreeNode
 
     from kg.shell.app import Shell
@@ -50,17 +54,22 @@ def title(app: Shell) -> str:
 
 async def shown(app: Shell, pilot: Pilot[Any], kind: type[Any], words: str) -> list[str]:
     """Wait until a screen of a kind has a line with these words, and return all lines."""
-    await until(pilot, lambda: isinstance(app.screen, kind))
+    await opened(app, pilot, kind)
     tree = app.screen.query_one(PageTree if kind is PageScreen else Tree)
-    await until(pilot, lambda: any(words in line for line in labels(tree.root)))
+    await until(pilot, lambda: _has(tree, words))
     return labels(tree.root)
 
 
 async def go_to(pilot: Pilot[Any], tree: Tree[Any], words: str) -> None:
-    """Move the cursor of a tree to the first line with these words."""
-    found = next(node for node in _all(tree.root) if words in str(node.label))
-    tree.move_cursor(found)
-    await pilot.pause()
+    """Move the cursor of a tree to the first line with these words, once the tree has counted its lines."""
+
+    def moved() -> bool:
+        found = next((node for node in _all(tree.root) if words in str(node.label)), None)
+        if found is not None:
+            tree.move_cursor(found)
+        return found is not None and tree.cursor_node is found
+
+    await until(pilot, moved)
 
 
 def _all(node: TreeNode[Any]) -> list[TreeNode[Any]]:
@@ -69,6 +78,22 @@ def _all(node: TreeNode[Any]) -> list[TreeNode[Any]]:
 
 def _has(tree: Tree[Any], words: str) -> bool:
     return any(words in line for line in labels(tree.root))
+
+
+def _has_focus(widget: Widget) -> bool:
+    return widget.has_focus
+
+
+def found_by_palette(app: Shell) -> list[str]:
+    """Return the titles of the commands that the palette offers, in small letters."""
+    options = app.screen.query_one(OptionList).options
+    return [str(option.prompt).split("\n")[0].lower() for option in options]
+
+
+async def taking_keys(pilot: Pilot[Any], tree: Tree[Any]) -> None:
+    """Let a tree have the keys that are pressed next."""
+    tree.focus()
+    await until(pilot, lambda: tree.has_focus)
 
 
 async def test_a_row_leads_to_the_line_of_code(store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -95,7 +120,7 @@ async def test_a_row_leads_to_the_line_of_code(store: Path, tmp_path: Path, monk
         await pilot.press("backspace")
         await until(pilot, lambda: title(app) == "Row 1")
         await pilot.press("escape")
-        assert app.screen is app.main
+        await until(pilot, lambda: app.screen is app.main)
 
 
 async def test_a_node_is_a_page_with_proofs(store: Path, tmp_path: Path) -> None:
@@ -121,18 +146,18 @@ async def test_the_tree_opens_level_by_level(store: Path, tmp_path: Path) -> Non
     async with running(store, tmp_path) as (app, pilot):
         tree = app.main.query_one(KnowledgeTree)
         await until(pilot, lambda: "packages 5" in labels(tree.root))
-        tree.focus()
+        await taking_keys(pilot, tree)
         for words, below in (("packages", "rover_robot"), ("rover_robot", "scan_filter"), ("scan_filter", "publishes")):
             await go_to(pilot, tree, words)
             await pilot.press("space")
             await until(pilot, partial(_has, tree, below))
         await go_to(pilot, tree, "scan_filter")
         await pilot.press("i")
-        await until(pilot, lambda: current(app).text.endswith("/scan_filter>"))
-        tree.focus()
+        await until(pilot, lambda: current(app).text.endswith("/scan_filter>") and current(app).editor.has_focus)
+        await taking_keys(pilot, tree)
         await pilot.press("q")
-        await until(pilot, lambda: "SELECT ?property ?value" in current(app).text)
-        tree.focus()
+        await until(pilot, lambda: "SELECT ?property ?value" in current(app).text and current(app).editor.has_focus)
+        await taking_keys(pilot, tree)
         await pilot.press("enter")
         await shown(app, pilot, PageScreen, "Interfaces")
 
@@ -154,6 +179,7 @@ async def test_search_and_rules_have_screens(store: Path, tmp_path: Path) -> Non
     """F2 finds nodes by words with reasons, F4 shows the documentation of rules; help and palette come above both."""
     async with running(store, tmp_path) as (app, pilot):
         await pilot.press("f2")
+        await opened(app, pilot, FindScreen)
         await typed(pilot, "laser scan filter")
         await pilot.press("enter")
         lines = await shown(app, pilot, FindScreen, "rover_robot/scan_filter")
@@ -162,9 +188,9 @@ async def test_search_and_rules_have_screens(store: Path, tmp_path: Path) -> Non
         await pilot.press("enter")
         await shown(app, pilot, PageScreen, "Interfaces")
         await pilot.press("f1")
-        assert isinstance(app.screen, HelpScreen)
+        await opened(app, pilot, HelpScreen)
         await pilot.press("escape")
-        assert isinstance(app.screen, PageScreen)
+        await opened(app, pilot, PageScreen)
         await pilot.press("f4")
         await shown(app, pilot, RulesScreen, "communication")
         assert len(app.screen_stack) == 2
@@ -172,12 +198,13 @@ async def test_search_and_rules_have_screens(store: Path, tmp_path: Path) -> Non
         await go_to(pilot, tree, "communication")
         await pilot.press("space", "down")
         await until(pilot, lambda: "What it infers" in app.screen.query_one(Markdown).source)
-        await pilot.press("escape", "ctrl+p")
-        await until(pilot, lambda: isinstance(app.screen, CommandPalette))
+        await pilot.press("escape")
+        await until(pilot, lambda: app.screen is app.main)
+        await pilot.press("ctrl+p")
+        await opened(app, pilot, CommandPalette)
         await typed(pilot, "full results")
-        await until(pilot, lambda: app.screen.query_one(OptionList).option_count == 1)
-        await pilot.pause()
-        await pilot.press("down", "enter")
+        await until(pilot, lambda: found_by_palette(app) == ["full results"])
+        await pilot.press("enter")
         await until(pilot, lambda: app.main.has_class("full"))
 
 
@@ -185,27 +212,24 @@ async def test_stored_queries_ask_for_their_parameters(store: Path, tmp_path: Pa
     """F3 finds a stored query by letters of its title; the form says what a value is for and refuses a bad one."""
     async with running(store, tmp_path) as (app, pilot):
         await pilot.press("f3")
-        screen = app.screen
-        assert isinstance(screen, StoredScreen)
-        await until(pilot, lambda: screen.entries)
+        await opened(app, pilot, StoredScreen)
+        await until(pilot, lambda: app.screen.query_one(OptionList).option_count > 1)
         await typed(pilot, "who publishes")
-        await pilot.pause()
+        await until(pilot, lambda: app.screen.query_one(OptionList).option_count == 1)
         await pilot.press("enter")
-        await until(pilot, lambda: isinstance(app.screen, FormScreen))
+        await opened(app, pilot, FormScreen)
         await typed(pilot, "scan_filtered")
         await pilot.press("enter")
-        await until(pilot, lambda: '"/scan_filtered"' in current(app).text)
-        await pilot.press("f5")
-        await until(pilot, lambda: current(app).results.result is not None)
+        await until(pilot, lambda: '"/scan_filtered"' in current(app).text and app.screen is app.main)
+        await ended(app, pilot, "f5")
         assert current(app).results.table.row_count == 1
         await pilot.press("ctrl+r")
-        await until(pilot, lambda: isinstance(app.screen, HistoryScreen))
+        await opened(app, pilot, HistoryScreen)
         assert app.screen.query_one(OptionList).option_count == 1
         await typed(pilot, "no such thing")
-        await pilot.pause()
-        assert app.screen.query_one(OptionList).option_count == 0
+        await until(pilot, lambda: app.screen.query_one(OptionList).option_count == 0)
         app.screen.query_one(Input).value = "VALUES"
-        await pilot.pause()
+        await until(pilot, lambda: app.screen.query_one(OptionList).option_count == 1)
         await pilot.press("enter")
         await until(pilot, lambda: len(app.main.buffers.all) == 2)
 
@@ -214,46 +238,55 @@ async def test_answers_are_copied_and_written(store: Path, tmp_path: Path) -> No
     """`y` copies cell or rows in a format; `e` writes all rows, not those of the limit, and replaces only when told."""
     async with running(store, tmp_path / "state", limit="2") as (app, pilot):
         await run_query(app, pilot, "SELECT ?name { ?n a rnkg:NodeType ; rnkg:name ?name } ORDER BY ?name")
-        await pilot.press("y", "enter")
-        await until(pilot, lambda: app.clipboard == "GroundLink" or app.clipboard)
-        assert "\n" not in app.clipboard
-        await pilot.press("y", "down", "enter")
-        await until(pilot, lambda: app.clipboard.startswith("?name\n"))
-        file = tmp_path / "answer.json"
-        for _ in range(2):
-            await pilot.press("e")
-            app.screen.query_one(Input).value = str(file)
-            await pilot.press("enter")
-            if file.exists():
-                await until(
-                    pilot,
-                    lambda: app.screen is app.main or "Enter again" in str(app.screen.query_one(".wrong").render()),
-                )
-                if app.screen is not app.main:
-                    await pilot.press("enter")
-            await until(pilot, lambda: app.screen is app.main)
-        assert len(json.loads(file.read_text())["results"]["bindings"]) > 5
-        await pilot.press("e")
-        app.screen.query_one(Input).value = str(tmp_path / "none" / "answer.csv")
+        await pilot.press("y")
+        await opened(app, pilot, ChoiceScreen)
         await pilot.press("enter")
+        await until(pilot, lambda: app.clipboard and app.screen is app.main)
+        assert "\n" not in app.clipboard
+        await pilot.press("y")
+        await opened(app, pilot, ChoiceScreen)
+        await pilot.press("down", "enter")
+        await until(pilot, lambda: app.clipboard.startswith("?name\n") and app.screen is app.main)
+        file = tmp_path / "answer.json"
+        await exported(app, pilot, file)
+        await until(pilot, lambda: app.screen is app.main)
+        assert len(json.loads(file.read_text())["results"]["bindings"]) > 5
+        file.write_text("")
+        await exported(app, pilot, file)
+        await until(pilot, lambda: "Enter again" in str(app.screen.query_one(".wrong").render()))
+        assert file.read_text() == ""
+        await pilot.press("enter")
+        await until(pilot, lambda: app.screen is app.main)
+        assert len(json.loads(file.read_text())["results"]["bindings"]) > 5
+        await exported(app, pilot, tmp_path / "none" / "answer.csv")
         await until(pilot, lambda: "KG553" in str(app.screen.query_one(".wrong").render()))
         await pilot.press("escape")
+
+
+async def exported(app: Shell, pilot: Pilot[Any], file: Path) -> None:
+    """Ask for the answer in a file."""
+    await pilot.press("e")
+    await opened(app, pilot, ExportScreen)
+    app.screen.query_one(Input).value = str(file)
+    await pilot.press("enter")
 
 
 async def test_small_terminals_and_keys_alone_are_enough(store: Path, tmp_path: Path) -> None:
     """At 80 columns the tree hides until F9; letters lead to panels; the theme that was chosen is there again."""
     async with running(store, tmp_path, size=(80, 24)) as (app, pilot):
         tree = app.main.query_one(KnowledgeTree)
-        assert not tree.display
+        await until(pilot, lambda: not tree.display)
         await pilot.press("f9")
         await until(pilot, lambda: tree.display and tree.has_focus)
-        await pilot.press("ctrl+o", "r")
-        await until(pilot, lambda: current(app).results.table.has_focus)
-        await pilot.press("ctrl+o", "e")
-        await until(pilot, lambda: current(app).editor.has_focus)
+        for letter, panel in (("r", current(app).results.table), ("e", current(app).editor)):
+            await pilot.press("ctrl+o")
+            await opened(app, pilot, JumpScreen)
+            await pilot.press(letter)
+            await until(pilot, partial(_has_focus, panel))
         await pilot.press("f10")
         await until(pilot, lambda: not current(app).editor.display)
         await pilot.press("f10")
+        await until(pilot, lambda: current(app).editor.display)
         app.theme = "ansi-light"
         await pilot.resize_terminal(120, 40)
         await until(pilot, lambda: app.main.has_class("-wide"))

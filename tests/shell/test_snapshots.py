@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from shell.driving import current, make, run_query, until
-from textual.widgets import Static, Tree
+from shell.driving import current, ended, make, opened, run_query, until
+from textual.widgets import Static
 
 from kg.shell.screens.help import HelpScreen
 from kg.shell.screens.page import PageScreen, PageTree
@@ -30,8 +30,7 @@ ORDER BY ?name ?topic"""
 
 async def ready(app: Shell, pilot: Pilot[Any]) -> None:
     """Wait until the first level of the tree is there, and hold the cursor still."""
-    await until(pilot, lambda: app.main.query("Buffers") and app.main.query("Status"))
-    await until(pilot, lambda: app.main.buffers.current is not None and current(app).editor.has_focus)
+    await until(pilot, lambda: current(app).editor.has_focus)
     await until(pilot, lambda: len(app.main.query_one(KnowledgeTree).root.children) > 1)
     current(app).editor.cursor_blink = False
 
@@ -49,7 +48,6 @@ def test_the_main_screen(store: Path, tmp_path: Path, snap_compare: Callable[...
     async def before(pilot: Pilot[Any]) -> None:
         await ready(app, pilot)
         await run_query(app, pilot, QUERY)
-        await until(pilot, lambda: current(app).results.table.has_focus)
         still(app)
         await pilot.pause()
 
@@ -64,8 +62,7 @@ def test_an_error_on_a_small_terminal(store: Path, tmp_path: Path, snap_compare:
         await ready(app, pilot)
         current(app).editor.text = QUERY.replace("rnkg:name", "rnk:name")
         await until(pilot, lambda: current(app).editor.problems)
-        await pilot.press("f5")
-        await until(pilot, lambda: current(app).job is None and current(app).editor.has_focus)
+        await ended(app, pilot, "f5")
         app.main.query_one(Status).update("snapshot 1  ·  ~/robot")
         await pilot.pause()
 
@@ -80,15 +77,18 @@ def test_the_page_of_a_node(store: Path, tmp_path: Path, snap_compare: Callable[
         await ready(app, pilot)
         await run_query(app, pilot, "SELECT ?node { ?node a rnkg:NodeType ; rnkg:name 'scan_filter' }")
         await pilot.press("r")
-        await until(pilot, lambda: isinstance(app.screen, PageScreen) and _filled(app.screen.query_one(PageTree)))
+        await opened(app, pilot, PageScreen)
+        tree = app.screen.query_one(PageTree)
+        await until(pilot, lambda: len(tree.root.children) > 1)
         await pilot.press("down", "down", "down", "down", "down")
-        await pilot.pause()
+        await until(pilot, lambda: tree.cursor_line == 5 and _told(app).startswith(tree.current().text))  # type: ignore[union-attr]  # line 5 is one
 
     assert snap_compare(app, terminal_size=(100, 30), run_before=before)
 
 
-def _filled(tree: Tree[Any]) -> bool:
-    return len(tree.root.children) > 1
+def _told(app: Shell) -> str:
+    """Return what is said of the line under the cursor."""
+    return str(app.screen.query_one(".detail", Static).render())
 
 
 def test_the_help(store: Path, tmp_path: Path, snap_compare: Callable[..., bool]) -> None:
@@ -100,7 +100,7 @@ def test_the_help(store: Path, tmp_path: Path, snap_compare: Callable[..., bool]
         app.theme = "ansi-light"
         still(app)
         await pilot.press("f1")
-        await until(pilot, lambda: isinstance(app.screen, HelpScreen))
+        await opened(app, pilot, HelpScreen)
         await pilot.pause()
 
     assert snap_compare(app, terminal_size=(80, 30), run_before=before)

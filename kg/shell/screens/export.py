@@ -82,10 +82,13 @@ class ExportScreen(ModalScreen[None]):
                 result = await self._link.ask(self._text, job=self._job, rows=None)
             size = await asyncio.to_thread(to_file, result, path, name)
         except KgError as error:
-            self.query_one(".wrong", Static).update(printable(f"{error.code}: {error.message}"))
+            if self.is_attached:
+                self.query_one(".wrong", Static).update(printable(f"{error.code}: {error.message}"))
         else:
             self.app.notify(f"Wrote {size:,} bytes to {path}.", markup=False)
-            self.dismiss(None)
+            # What ends is the screen on top, which is another one once the person has gone back.
+            if self.app.screen is self:
+                self.dismiss(None)
 
     def action_dismiss_screen(self) -> None:
         """Go back; what is being asked ends."""

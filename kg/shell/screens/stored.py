@@ -98,20 +98,26 @@ class FormScreen(ModalScreen[str | None]):
         """Begin in the first field."""
         self.query(Input).first().focus()
 
-    async def on_input_submitted(self) -> None:
+    def on_input_submitted(self) -> None:
         """Bind the values."""
-        await self.action_choose()
+        self.action_choose()
 
-    async def action_choose(self) -> None:
+    def action_choose(self) -> None:
         """Answer with the bound query, or say which value does not fit."""
-        values = {str(one.name): one.value.strip() for one in self.query(Input) if one.value.strip()}
+        self._bind({str(one.name): one.value.strip() for one in self.query(Input) if one.value.strip()})
+
+    @work(exclusive=True)
+    async def _bind(self, values: dict[str, str]) -> None:
         try:
             answer = await self._link.call("stored", name=self._stored["query"], values=values)
         except KgError as error:
             hint = f" {error.hint}" if error.hint else ""
-            self.query_one(".wrong", Static).update(f"{error.code}: {error.message}.{hint}")
+            if self.is_attached:
+                self.query_one(".wrong", Static).update(f"{error.code}: {error.message}.{hint}")
         else:
-            self.dismiss(answer["bound"])
+            # What ends is the screen on top, which is another one once the person has gone on.
+            if self.app.screen is self:
+                self.dismiss(answer["bound"])
 
     def action_dismiss_screen(self) -> None:
         """Go back to the list."""

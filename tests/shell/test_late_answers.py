@@ -1,0 +1,105 @@
+"""Answers that come when the person has gone on: they end no other screen, and the shell goes on too."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from shell.driving import current, opened, run_query, running, typed, until
+from textual.widgets import Input, OptionList
+
+from kg.shell.screens import export
+from kg.shell.screens.export import ExportScreen
+from kg.shell.screens.stored import FormScreen, StoredScreen
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from textual.pilot import Pilot
+
+    from kg.shell.app import Shell
+
+pytestmark = pytest.mark.anyio
+
+
+@pytest.fixture
+def anyio_backend() -> str:
+    """Run on asyncio, as textual does."""
+    return "asyncio"
+
+
+async def filled_form(app: Shell, pilot: Pilot[Any]) -> None:
+    """Open the form of a stored query and type a value."""
+    await pilot.press("f3")
+    await opened(app, pilot, StoredScreen)
+    await until(pilot, lambda: app.screen.query_one(OptionList).option_count > 1)
+    await typed(pilot, "who publishes")
+    await until(pilot, lambda: app.screen.query_one(OptionList).option_count == 1)
+    await pilot.press("enter")
+    await opened(app, pilot, FormScreen)
+    await typed(pilot, "scan_filtered")
+
+
+class Held:
+    """Calls of the store that wait until they are let go; `asked` counts them."""
+
+    def __init__(self, app: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.asked = 0
+        self.go_on = asyncio.Event()
+        self._call = app.link.call
+        monkeypatch.setattr(app.link, "call", self)
+
+    async def __call__(self, view: str, **arguments: Any) -> Any:
+        """Wait, and then call."""
+        self.asked += 1
+        await self.go_on.wait()
+        return await self._call(view, **arguments)
+
+
+async def test_a_form_is_sent_twice(store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Enter once more, while the store is asked, gives one query as Enter does."""
+    async with running(store, tmp_path) as (app, pilot):
+        await filled_form(app, pilot)
+        held = Held(app, monkeypatch)
+        await pilot.press("enter", "enter")
+        await until(pilot, lambda: held.asked == 2)
+        held.go_on.set()
+        await until(pilot, lambda: app.screen is app.main and '"/scan_filtered"' in current(app).text)
+        assert len(app.main.buffers.all) == 1
+
+
+async def test_a_form_is_left_while_it_is_sent(store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Esc goes back to the list at once, and what the store then says ends nothing."""
+    async with running(store, tmp_path) as (app, pilot):
+        await filled_form(app, pilot)
+        held = Held(app, monkeypatch)
+        await pilot.press("enter")
+        await until(pilot, lambda: held.asked)
+        await pilot.press("escape")
+        await opened(app, pilot, StoredScreen)
+        held.go_on.set()
+        await pilot.pause()
+        assert isinstance(app.screen, StoredScreen)
+        assert current(app).text == ""
+
+
+async def test_an_export_is_left_while_it_is_written(
+    store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Esc in the moment in which the file is written leads to the main screen, and the shell goes on."""
+    app: Shell
+
+    def written(*_: object) -> int:
+        app.call_from_thread(app.pop_screen)
+        return 1
+
+    monkeypatch.setattr(export, "to_file", written)
+    async with running(store, tmp_path) as (app, pilot):
+        await run_query(app, pilot, "ASK {}")
+        await pilot.press("e")
+        await opened(app, pilot, ExportScreen)
+        app.screen.query_one(Input).value = str(tmp_path / "answer.json")
+        await pilot.press("enter")
+        await until(pilot, lambda: app.screen is app.main)
+        await run_query(app, pilot, "ASK {}")
