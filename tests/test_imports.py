@@ -8,6 +8,7 @@ import subprocess
 import sys
 
 import pytest
+from patience import patient
 from repository import ROOT
 
 HEAVY = {
@@ -43,7 +44,9 @@ def python(*arguments: str) -> subprocess.CompletedProcess[str]:
     """Run this Python in a process of its own, at the root of the repository."""
     environment = {**os.environ, "NO_COLOR": "1"}
     command = [sys.executable, *arguments]
-    return subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT, env=environment, timeout=120)
+    return subprocess.run(
+        command, capture_output=True, text=True, check=True, cwd=ROOT, env=environment, timeout=patient(30)
+    )
 
 
 def imported(*arguments: str) -> set[str]:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Final
 
 from cli import forking
 from cli.forking import ANSWER
+from patience import patient
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -22,8 +23,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Program", "Run"]
 
-_SECONDS: Final = 120
-"""How long a run may take."""
+_SECONDS: Final = 30
+"""How long a run may take on a machine that is idle."""
 _READ_LATER: Final = {"KG_STORE", "KG_JOBS", "KG_TOKEN"}
 """Variables that no module reads when it is imported."""
 _serving: Final[list[tuple[subprocess.Popen[bytes], socket.socket]]] = []
@@ -64,7 +65,7 @@ class Program:
             capture_output=True,
             text=True,
             check=False,
-            timeout=_SECONDS,
+            timeout=patient(_SECONDS),
         )
         return Run(done.returncode, done.stdout, done.stderr)
 
@@ -84,9 +85,10 @@ def _forked(arguments: Sequence[str], folder: Path, environment: Mapping[str, st
     with out, err, answers, ThreadPoolExecutor(2) as readers:
         said = [readers.submit(stream.read) for stream in (out, err)]
         (number,) = ANSWER.unpack(answers.read(ANSWER.size))
-        if not select([answers], [], [], _SECONDS)[0]:
+        seconds = patient(_SECONDS)
+        if not select([answers], [], [], seconds)[0]:
             os.kill(number, SIGKILL)
-            raise subprocess.TimeoutExpired(["kg", *arguments], _SECONDS)
+            raise subprocess.TimeoutExpired(["kg", *arguments], seconds)
         (code,) = ANSWER.unpack(answers.read(ANSWER.size))
         return Run(code, said[0].result(), said[1].result())
 

@@ -9,6 +9,8 @@ from contextlib import contextmanager
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import TYPE_CHECKING, Final
 
+from patience import patient
+
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
     from pathlib import Path
@@ -93,7 +95,7 @@ def served(root: Path) -> Iterator[tuple[str, Behaviour]]:
             first = path.split("/")[1]
             behaviour.requests.append(self.path)
             if first in behaviour.hanging:
-                behaviour.over.wait(30)
+                behaviour.over.wait(patient(30))
                 return
             if first in behaviour.moved:
                 self.send_response(301)

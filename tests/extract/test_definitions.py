@@ -133,7 +133,9 @@ NAMES = st.text(string.ascii_lowercase, min_size=1, max_size=8)
 TYPES = st.sampled_from(["bool", "float64", "string", "uint8[]", "int32[4]", "std_msgs/Header", "Pose"])
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=25, deadline=None)
+@settings(
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow], max_examples=25, deadline=None
+)
 @given(lines=st.lists(st.one_of(st.tuples(TYPES, NAMES), st.just(("#", "note")), st.just(("", ""))), max_size=12))
 def test_every_field_written_is_found_on_its_line(
     tmp_path_factory: pytest.TempPathFactory, lines: list[tuple[str, str]]
@@ -145,7 +147,9 @@ def test_every_field_written_is_found_on_its_line(
     assert [(f.name, f.line) for f in found] == expected
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=50, deadline=None)
+@settings(
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow], max_examples=50, deadline=None
+)
 @given(data=st.binary(max_size=200))
 def test_no_bytes_stop_the_reading(tmp_path_factory: pytest.TempPathFactory, data: bytes) -> None:
     """Whatever bytes a definition holds, reading it ends with facts and problems."""

@@ -7,6 +7,7 @@ import time
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from patience import patient
 
 from kg.facts.places import Location
 from kg.facts.texts import Description, DescriptionKind
@@ -125,7 +126,7 @@ def test_nothing_to_tag_loads_nothing() -> None:
         "annotate([]); annotate([Description('', DescriptionKind.WIKI, Location('a', 1))]); identity('');"
         "assert 'spacy' not in sys.modules and 'thinc' not in sys.modules"
     )
-    subprocess.run([sys.executable, "-c", code], check=True, timeout=120)
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=patient(30))
 
 
 @given(TEXTS)

@@ -141,7 +141,9 @@ WORDS = st.sampled_from(
 )
 
 
-@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
+@settings(
+    max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow], deadline=None
+)
 @given(st.lists(st.tuples(COMMANDS, st.lists(WORDS, max_size=5)), max_size=6))
 def test_any_commands(tmp_path: Path, commands: list[tuple[str, list[str]]]) -> None:
     """Any sequence of commands with any arguments is run to its end."""

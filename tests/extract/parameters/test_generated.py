@@ -106,7 +106,9 @@ def leaves(tree: dict[str, object], above: tuple[str, ...] = ()) -> list[str]:
     return found
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40, deadline=None)
+@settings(
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow], max_examples=40, deadline=None
+)
 @given(tree=TREES)
 def test_every_leaf_is_a_parameter(tmp_path_factory: pytest.TempPathFactory, tree: dict[str, object]) -> None:
     """Whatever tree is written as YAML, each leaf is found once under its dotted name."""

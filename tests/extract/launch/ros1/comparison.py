@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import yaml
+from patience import patient
 
 from kg.facts import LaunchProblemKind
 
@@ -35,7 +36,8 @@ SPECIAL = re.compile(r"(?:[~/A-Za-z{}]|__?)[\w/{}]*:=.*", re.DOTALL)
 def reason_to_skip() -> str | None:
     """Return why roslaunch cannot be asked, None when it can."""
     try:
-        found = subprocess.run([PYTHON, "-c", "import roslaunch"], capture_output=True, timeout=60, check=False)
+        command = [PYTHON, "-c", "import roslaunch"]
+        found = subprocess.run(command, capture_output=True, timeout=patient(60), check=False)
     except OSError as error:
         return f"{PYTHON}: {error.strerror}"
     return "roslaunch is not installed for the system's Python" if found.returncode else None

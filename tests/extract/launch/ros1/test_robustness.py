@@ -51,7 +51,9 @@ WORDS += [
     "\x00",
     "é",
 ]
-SLOW = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+SLOW = settings(
+    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
+)
 
 
 def kinds(found: LaunchConfiguration) -> set[LaunchProblemKind]:

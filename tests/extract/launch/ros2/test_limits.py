@@ -112,7 +112,7 @@ ELEMENTS = st.recursive(
 )
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow], deadline=None)
 @given(st.lists(ELEMENTS, max_size=5))
 def test_no_launch_file_makes_evaluation_fail(tmp_path: Path, elements: list[str]) -> None:
     """Any elements with any attributes give a configuration, if one with problems."""

@@ -66,7 +66,9 @@ def read(root: Path, text: str | bytes, arguments: dict[str, str] | None = None)
 
 
 @given(parts=st.lists(ELEMENTS, max_size=8))
-@settings(max_examples=80, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    max_examples=80, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
+)
 def test_no_combination_of_commands_raises(tmp_path: Path, parts: list[str]) -> None:
     """Whatever commands stand in one another, there is a result, and the same one again."""
     text = f"<robot>{''.join(parts)}</robot>"
@@ -74,7 +76,9 @@ def test_no_combination_of_commands_raises(tmp_path: Path, parts: list[str]) -> 
 
 
 @given(text=st.binary(max_size=200) | st.text(max_size=200).map(str.encode))
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
+)
 def test_any_text_can_be_read(tmp_path: Path, text: bytes) -> None:
     """A file need not be XML."""
     assert read(tmp_path, text).plugins == ()
