@@ -9,7 +9,7 @@ from __future__ import annotations
 import time
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from kg.errors import StoreError
 from kg.rules.engine.limits import Clock, Limits
@@ -29,6 +29,9 @@ if TYPE_CHECKING:
     from kg.store.remote import RemoteStore
 
 __all__ = ["RemoteReport", "StratumReport", "run"]
+
+_GRACE_SECONDS: Final = 2.0
+"""How long a server has behind the deadline for the update that it is at, which else might come after the clean-up."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,9 +148,9 @@ class _Run:
         return sum(counts.values())
 
     def _update(self, text: str) -> None:
-        """Run an update in the time that is left; StoreError KG225 when the server is silent for longer."""
+        """Run an update in the time that is left, or a moment more; StoreError KG225 when the server is silent."""
         self._clock.check(self._inferred)
-        left = None if self._end is None else max(self._end - time.monotonic(), 0.001)
+        left = None if self._end is None else max(self._end - time.monotonic(), 0.0) + _GRACE_SECONDS
         try:
             self._store.update(text, timeout=left)
         except StoreError:

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import time
+import urllib.request
+from contextlib import contextmanager, suppress
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from threading import Thread
 from typing import TYPE_CHECKING
 
 import pytest
@@ -215,6 +220,49 @@ def test_limits_leave_the_graph_as_it_was(store: RemoteStore) -> None:
             infer(store, [count], limits=limits)
         assert inferred(store) == ":old :was :inferred"
         assert store.read().graphs() == [INFERRED, SOURCE]
+
+
+@contextmanager
+def late(address: str, seconds: float) -> Iterator[str]:
+    """Yield an address that hands on to a server, what inserts with a delay; all was handed on at the end."""
+
+    class Late(BaseHTTPRequestHandler):
+        def do_POST(self) -> None:
+            body = self.rfile.read(int(self.headers["Content-Length"]))
+            if self.path == "/update" and b"INSERT" in body:
+                time.sleep(seconds)
+            kind, accept = self.headers["Content-Type"], self.headers["Accept"] or "*/*"
+            headers = {"Content-Type": kind, "Accept": accept}
+            request = urllib.request.Request(address + self.path, body, headers)  # noqa: S310 - a server of the test
+            with urllib.request.urlopen(request) as answer, suppress(ConnectionError):  # noqa: S310 - the same
+                self.send_response(answer.status)
+                self.send_header("Content-Type", answer.headers["Content-Type"] or "text/plain")
+                self.end_headers()
+                self.wfile.write(answer.read())
+
+        def log_message(self, *_: object) -> None:
+            """Say nothing."""
+
+    class Joining(ThreadingHTTPServer):
+        daemon_threads = False
+
+    with Joining(("127.0.0.1", 0), Late) as server:
+        thread = Thread(target=server.serve_forever, kwargs={"poll_interval": 0.01})
+        thread.start()
+        try:
+            yield f"http://127.0.0.1:{server.server_port}"
+        finally:
+            server.shutdown()
+            thread.join()
+
+
+def test_what_the_server_is_at_does_not_come_after_the_clean_up(store: RemoteStore, address: str) -> None:
+    """An update that the deadline meets is waited for, so that nothing temporary appears after the run."""
+    put(store, ":a :n 1")
+    count = rule("?x :n ?m", "?x :n ?n", Assignment(Variable("m"), expression("?n + 1", mints=True)))
+    with late(address, 0.4) as found, pytest.raises(RuleError, match="KG205"):
+        infer(RemoteStore(f"{found}/query", f"{found}/update"), [count], limits=Limits(deadline=0.2))
+    assert store.read().graphs() == [SOURCE]
 
 
 def test_a_failure_of_the_server_is_told(store: RemoteStore) -> None:
