@@ -10,6 +10,15 @@ __all__ = ["run"]
 
 def run() -> None:
     """Run the command line of this process; even what happens while modules load ends in a line or two."""
+    try:
+        _run()
+    finally:
+        # Python keeps in mind that Ctrl-C came while a text was executed, as when methods of data classes are made, and
+        # `python -m` then ends by the signal, whatever was done about it and with which code. This is another text.
+        exec("")  # noqa: S102 - nothing
+
+
+def _run() -> None:
     _mend_streams()
     try:
         from kg.cli.app import app  # noqa: PLC0415 - so that what goes wrong while this loads is caught

@@ -73,6 +73,14 @@ def test_a_defect_is_reported_in_two_lines_without_traceback(kg: Program) -> Non
     assert "Traceback" in kg.python("-c", broken, "config", "show", KG_DEBUG="1").err
 
 
+def test_ctrl_c_is_an_exit_code_wherever_it_comes(kg: Program, tmp_path: Path) -> None:
+    """Where it interrupts a text that Python executes, as libraries do, the process ends with 130 too."""
+    broken = "import kg.cli.commands.config as c\ndef stop(*_):\n    exec('raise KeyboardInterrupt')\n"
+    (tmp_path / "stopped.py").write_text(f"{broken}c.setting_rows = stop\nfrom kg.cli.main import run\nrun()\n")
+    run = kg.python("-m", "stopped", "config", "show")
+    assert (run.code, run.err) == (130, "\ninterrupted\n")
+
+
 def test_a_closed_pipe_ends_quietly() -> None:
     """`kg ... | head -1` says nothing about the pipe."""
     command = f"{sys.executable} -m kg explain --json | head -c 1"
