@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     import pytest
 
-__all__ = ["example"]
+__all__ = ["copied", "example"]
 
 
 def example(factory: pytest.TempPathFactory, name: str = "examples") -> Path:
@@ -35,3 +35,8 @@ def example(factory: pytest.TempPathFactory, name: str = "examples") -> Path:
             shutil.copytree(folder("examples") / "workspace", root / name)
             build([str(root / name)], EmbeddedStore.create(root / ".kg"), load({}, environment={}))
     return root
+
+
+def copied(store: Path, target: Path) -> None:
+    """Copy the folder of a store that others use, without what they are just writing to its cache, which goes soon."""
+    shutil.copytree(store, target, ignore=shutil.ignore_patterns("*.tmp"))

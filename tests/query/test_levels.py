@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import shutil
 from typing import TYPE_CHECKING
 
 import pytest
-from workspaces import example
+from workspaces import copied, example
 
 from kg.pipeline.inferring import Inference
 from kg.query.ask import ask
@@ -38,7 +37,7 @@ def levels(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[EmbeddedS
 
 def _types_alone(root: Path, full: EmbeddedStore) -> EmbeddedStore:
     """Return a copy of a store without the graphs of launch files, with what follows then."""
-    shutil.copytree(full.layout.root, root / "types")
+    copied(full.layout.root, root / "types")
     store = EmbeddedStore.create(root / "types")
     with store.write("test") as transaction:
         launched = [graph for graph in transaction.graphs() if "/graph/launch/" in graph.value]

@@ -7,7 +7,6 @@ import io
 import json
 import os
 import re
-import shutil
 import signal
 import threading
 import time
@@ -22,6 +21,7 @@ import pytest
 from lxml import etree
 from patience import patient
 from serving import UNASKED, application, served
+from workspaces import copied
 
 from kg.server import protocol_answer
 from kg.store.embedded import EmbeddedStore
@@ -287,7 +287,7 @@ def test_no_tag_for_what_changes(client: TestClient) -> None:
 
 def test_other_data(store: Path, tmp_path: Path) -> None:
     """When the data changes tags change with it; a link to data that is gone says so and links to what is (C31)."""
-    shutil.copytree(store, tmp_path / ".kg")
+    copied(store, tmp_path / ".kg")
     with application(tmp_path / ".kg", log="off") as changing:
         first = changing.get("/sparql", params={"query": COUNT})
         old = first.headers["x-kg-snapshot"]

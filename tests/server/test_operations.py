@@ -5,13 +5,13 @@ from __future__ import annotations
 import json
 import logging
 import re
-import shutil
 from typing import TYPE_CHECKING
 
 import httpx
 from patience import patient
 from serving import TOKEN, application, served
 from starlette.routing import Route
+from workspaces import copied
 
 from kg.query.readers.jobs import Job
 
@@ -53,7 +53,7 @@ def test_what_is_done_unasked_is_no_request_that_runs(store: Path) -> None:
 def test_a_store_that_is_gone(store: Path, tmp_path: Path) -> None:
     """Without its store a server stays alive and says what is wrong."""
     copy = tmp_path / ".kg"
-    shutil.copytree(store, copy)
+    copied(store, copy)
     with application(copy, log="off") as client:
         assert client.get("/health").status_code == 200
         copy.rename(tmp_path / "gone")
@@ -66,7 +66,7 @@ def test_a_store_that_is_gone(store: Path, tmp_path: Path) -> None:
 def test_a_pointer_that_is_damaged(store: Path, tmp_path: Path) -> None:
     """A store that cannot be read is 503, and not a path of this machine."""
     copy = tmp_path / ".kg"
-    shutil.copytree(store, copy)
+    copied(store, copy)
     with application(copy, log="off") as client:
         (copy / "current").write_text("nonsense")
         answer = client.get("/health")
