@@ -11,6 +11,7 @@ from typer import Abort
 from typer.exceptions import TyperException
 
 from kg.cli.diagnostics import defect, report, say
+from kg.cli.main import was_interrupted
 from kg.cli.usage import as_usage_error
 from kg.errors import Exit, KgError, StoreError
 
@@ -30,7 +31,9 @@ def guarded(work: Callable[[], object]) -> int:
     except (KeyboardInterrupt, Abort):
         result = Exit.INTERRUPTED
     except Exception as error:  # noqa: BLE001 - the one place where everything ends
-        return _show(error)
+        if not was_interrupted(error):
+            return _show(error)
+        result = Exit.INTERRUPTED
     if result == Exit.INTERRUPTED:
         say("\ninterrupted")
     return int(result) if isinstance(result, int) else Exit.OK

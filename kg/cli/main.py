@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 
-__all__ = ["run"]
+__all__ = ["run", "was_interrupted"]
 
 
 def run() -> None:
@@ -22,15 +22,20 @@ def _run() -> None:
     _mend_streams()
     try:
         from kg.cli.app import app  # noqa: PLC0415 - so that what goes wrong while this loads is caught
-    except KeyboardInterrupt:
-        sys.stderr.write("\ninterrupted\n")
-        sys.exit(130)
-    except Exception as error:  # noqa: BLE001 - a damaged installation
+    except (KeyboardInterrupt, Exception) as error:  # noqa: BLE001 - Ctrl-C, or a damaged installation
+        if was_interrupted(error):
+            sys.stderr.write("\ninterrupted\n")
+            sys.exit(130)
         from kg.cli.diagnostics import defect  # noqa: PLC0415 - the branch that needs it
 
         defect(error)
         sys.exit(70)
     app()
+
+
+def was_interrupted(error: BaseException) -> bool:
+    """Tell whether an error is Ctrl-C, or what Python before 3.12 makes of it in the middle of a class's definition."""
+    return isinstance(error, KeyboardInterrupt) or isinstance(error.__cause__, KeyboardInterrupt)
 
 
 def _mend_streams() -> None:

@@ -73,10 +73,18 @@ def test_a_defect_is_reported_in_two_lines_without_traceback(kg: Program) -> Non
     assert "Traceback" in kg.python("-c", broken, "config", "show", KG_DEBUG="1").err
 
 
-def test_ctrl_c_is_an_exit_code_wherever_it_comes(kg: Program, tmp_path: Path) -> None:
-    """Where it interrupts a text that Python executes, as libraries do, the process ends with 130 too."""
-    broken = "import kg.cli.commands.config as c\ndef stop(*_):\n    exec('raise KeyboardInterrupt')\n"
-    (tmp_path / "stopped.py").write_text(f"{broken}c.setting_rows = stop\nfrom kg.cli.main import run\nrun()\n")
+@pytest.mark.parametrize(
+    "where",
+    [
+        "raise KeyboardInterrupt",
+        "exec('raise KeyboardInterrupt')",
+        "raise RuntimeError('of a class that was being defined') from KeyboardInterrupt()",
+    ],
+)
+def test_ctrl_c_is_an_exit_code_wherever_it_comes(kg: Program, tmp_path: Path, where: str) -> None:
+    """Where it interrupts a text that Python executes or a class that is defined, the process ends with 130 too."""
+    broken = f"import kg.cli.commands.config as c\ndef stop(*_):\n    {where}\nc.setting_rows = stop\n"
+    (tmp_path / "stopped.py").write_text(f"{broken}from kg.cli.main import run\nrun()\n")
     run = kg.python("-m", "stopped", "config", "show")
     assert (run.code, run.err) == (130, "\ninterrupted\n")
 
