@@ -231,7 +231,7 @@ async def test_stored_queries_ask_for_their_parameters(store: Path, tmp_path: Pa
         app.screen.query_one(Input).value = "VALUES"
         await until(pilot, lambda: app.screen.query_one(OptionList).option_count == 1)
         await pilot.press("enter")
-        await until(pilot, lambda: len(app.main.buffers.all) == 2)
+        await until(pilot, lambda: current(app).number == 2)
 
 
 async def test_answers_are_copied_and_written(store: Path, tmp_path: Path) -> None:
