@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import io
 import json
 import shutil
+import sys
 import threading
+import traceback
 from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final, TypeVar
@@ -18,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Coroutine, Iterator
     from pathlib import Path
 
-    from playwright.async_api import Browser, ConsoleMessage, Page
+    from playwright.async_api import Browser, BrowserContext, ConsoleMessage, Dialog, Page, Request
 
 __all__ = ["Chromium", "Visit", "axe", "chromium"]
 
@@ -36,6 +39,9 @@ _SECONDS: Final = 60
 """What a test does with a page, on an idle machine."""
 _STEP: Final = 30
 """What a page takes to do one thing."""
+_LAST: Final = 5
+"""What a page takes to be told about, and to be closed."""
+_IDLE: Final = "new Promise((done) => requestIdleCallback(() => done(), { timeout: 5000 }))"
 _WATCHING: Final = """
 window.kgViolations = [];
 document.addEventListener("securitypolicyviolation", (event) =>
@@ -46,24 +52,74 @@ _Found = TypeVar("_Found")
 
 @dataclass
 class Visit:
-    """A page that is open: the addresses that it asked for, and what it said to the console or by dialogs."""
+    """A page that is open: the addresses that it asked for, and what it said to the console or by dialogs.
+
+    `asking` are the requests that are not answered yet.
+    """
 
     page: Page
     address: str
     status: int = 0
     requests: list[str] = field(default_factory=list)
     complaints: list[str] = field(default_factory=list)
+    asking: set[Request] = field(default_factory=set)
+
+    def listen(self) -> None:
+        """Write down from now on what the page asks for and says."""
+        self.page.on("request", self.ask)
+        self.page.on("requestfinished", self.answered)
+        self.page.on("requestfailed", self.answered)
+        self.page.on("console", self.hear)
+        self.page.on("pageerror", lambda error: self.complaints.append(f"uncaught: {error}"))
+        self.page.on("crash", lambda _: self.complaints.append("the page crashed"))
+        self.page.on("dialog", self.dismiss)
+
+    def ask(self, request: Request) -> None:
+        """Write down a request; one that listens is never answered whole."""
+        self.requests.append(request.url)
+        if request.resource_type != "eventsource" and request.url.startswith("http"):
+            self.asking.add(request)
+
+    def answered(self, request: Request) -> None:
+        """Note that a request has its answer, or none."""
+        self.asking.discard(request)
 
     def hear(self, message: ConsoleMessage) -> None:
         """Write down an error of the console, with where it came from."""
         if message.type == "error":
             self.complaints.append(f"{message.text} ({message.location.get('url')})")
 
+    async def dismiss(self, dialog: Dialog) -> None:
+        """Write down a dialog and close it: until then the page stands still, and so does all that is asked of it."""
+        self.complaints.append(f"dialog: {dialog.message}")
+        await dialog.dismiss()
+
+    async def rest(self, *, scripts: bool = True) -> None:
+        """Wait until the page is busy with nothing, is owed no answer, and has made something of those that came.
+
+        That nothing was asked for half a second says less: a slow page is as quiet between two questions.
+        """
+        busy = self.page.locator("[aria-busy=true]")
+        while True:
+            await busy.first.wait_for(state="detached")
+            if not self.asking:
+                if scripts:
+                    await self.page.evaluate(_IDLE)
+                if not self.asking and not await busy.count():
+                    return
+            await asyncio.sleep(0.02)
+
     async def told(self) -> str:
-        """Return what is known of a page on which something was not found: how it answered, and how it begins."""
-        text = await self.page.evaluate("document.documentElement.innerText")
+        """Return what is known of a page on which something went wrong: how it answered, and how it begins."""
+        try:
+            async with asyncio.timeout(patient(_LAST)):
+                text = await self.page.evaluate("document.documentElement.innerText")
+        except Exception as error:  # noqa: BLE001 - what went wrong before is what is to be told
+            text = f"nothing, for it does not answer: {error!r}"
         said = "; ".join(self.complaints) or "nothing"
-        return f"{self.page.url} answered {self.status}, complained of {said}, and reads:\n{text[:2_000]}"
+        owed = ", ".join(sorted(one.url for one in self.asking)) or "nothing"
+        head = f"{self.page.url} answered {self.status}, complained of {said}, waits for {owed}, and reads"
+        return f"{head}:\n{text[:2_000]}"
 
     async def troubles(self) -> list[str]:
         """Return what went wrong by now: errors, dialogs, violations of the policy, requests to others."""
@@ -99,27 +155,30 @@ class Chromium:
         context = await self.browser.new_context(
             **{"viewport": {"width": 1200, "height": 800}, "reduced_motion": "reduce", **options}
         )
-        await context.add_init_script(_WATCHING)
-        for script in axe() if tools else ():
-            await context.add_init_script(path=script)
-        context.set_default_timeout(patient(_STEP) * 1000)
         try:
-            page = await context.new_page()
-            visit = Visit(page, address)
-            page.on("request", lambda request: visit.requests.append(request.url))
-            page.on("console", visit.hear)
-            page.on("pageerror", lambda error: visit.complaints.append(f"uncaught: {error}"))
-            page.on("dialog", lambda dialog: visit.complaints.append(f"dialog: {dialog.message}"))
-            answer = await page.goto(address, wait_until="networkidle")
-            visit.status = answer.status if answer else 0
+            visit = await _opened(context, address, tools=tools)
             try:
-                await page.locator("[aria-busy=true]").first.wait_for(state="detached")
+                answer = await visit.page.goto(address, wait_until="networkidle")
+                visit.status = answer.status if answer else 0
+                await visit.rest(scripts=options.get("java_script_enabled", True))
                 yield visit
-            except Exception as error:
+            except (Exception, asyncio.CancelledError) as error:
                 error.add_note(await visit.told())
                 raise
         finally:
-            await context.close()
+            async with asyncio.timeout(patient(_LAST)):
+                await context.close()
+
+
+async def _opened(context: BrowserContext, address: str, *, tools: bool) -> Visit:
+    """Return an empty page that is listened to."""
+    await context.add_init_script(_WATCHING)
+    for script in axe() if tools else ():
+        await context.add_init_script(path=script)
+    context.set_default_timeout(patient(_STEP) * 1000)
+    visit = Visit(await context.new_page(), address)
+    visit.listen()
+    return visit
 
 
 def axe() -> list[Path]:
@@ -142,7 +201,9 @@ def chromium() -> Iterator[Chromium]:
 
     async def start() -> Browser:
         driver = await manager.start()
-        browser: Browser = await driver.chromium.launch(executable_path=program, args=list(_FLAGS))
+        browser: Browser = await driver.chromium.launch(
+            executable_path=program, args=list(_FLAGS), timeout=patient(_STEP) * 1000
+        )
         return browser
 
     try:
@@ -156,9 +217,36 @@ def chromium() -> Iterator[Chromium]:
 
 
 def _result(work: Coroutine[Any, Any, _Found], loop: asyncio.AbstractEventLoop) -> _Found:
-    """Return what a coroutine returns in a loop that runs in a thread; it is ended when that takes too long."""
-    running = asyncio.run_coroutine_threadsafe(work, loop)
+    """Return what a coroutine returns in a loop that runs in a thread.
+
+    What takes too long is ended, and the error shows where it was; where it does not end, what the loop does.
+    """
+    seconds = patient(_SECONDS)
+    running = asyncio.run_coroutine_threadsafe(_within(seconds, work), loop)
     try:
-        return running.result(patient(_SECONDS))
+        return running.result(seconds + 3 * patient(_LAST))
+    except TimeoutError as error:
+        if not running.done():
+            error.add_note(f"It does not end either, after {seconds:.0f} s:\n{_doing(loop)}")
+        raise
     finally:
         running.cancel()
+
+
+async def _within(seconds: float, work: Coroutine[Any, Any, _Found]) -> _Found:
+    try:
+        async with asyncio.timeout(seconds):
+            return await work
+    except TimeoutError as error:  # which would lose where it was on its way to the other thread
+        raise AssertionError(f"it is not done within {seconds:.0f} s") from error
+
+
+def _doing(loop: asyncio.AbstractEventLoop) -> str:
+    """Return where the threads of this process and the tasks of a loop are."""
+    told = io.StringIO()
+    for name, frame in sys._current_frames().items():
+        traceback.print_stack(frame, file=told)
+        told.write(f"in the thread {name}\n")
+    for task in asyncio.all_tasks(loop):
+        task.print_stack(file=told)
+    return told.getvalue()

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 import os
+import select
 import signal
 import subprocess
 import sys
+import tempfile
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import IO, TYPE_CHECKING, Any, Final
 
 from patience import patient
 from starlette.testclient import TestClient
@@ -36,9 +38,13 @@ UNASKED: Final = "from kg.query.readers import pool\npool._PREPARE_SECONDS = 360
 _SECONDS: Final = 30
 """The deadline of queries, which is that of a server of which nothing is said where the machine is idle."""
 
+_BEGINNING: Final = 30
+"""What a server takes until it tells its address."""
+
 _PROGRAM: Final = """
-import json, sys
+import faulthandler, json, sys
 from pathlib import Path
+faulthandler.enable()
 {before}
 from kg.server.options import Options
 from kg.server.running import serve
@@ -60,17 +66,17 @@ def application(store: Path, address: str = ADDRESS, **options: Any) -> Iterator
 
 @dataclass(frozen=True, slots=True)
 class Serving:
-    """A server that runs: its address without the last slash, its port and its process."""
+    """A server that runs: its address without the last slash, its port, its process and its standard error."""
 
     address: str
     port: int
     process: subprocess.Popen[str]
+    said: IO[str]
 
     def stop(self, seconds: float = 30) -> tuple[int, str]:
         """Tell the server to stop; return its exit code and what it said on standard error."""
         self.process.send_signal(signal.SIGTERM)
-        _, said = self.process.communicate(timeout=patient(seconds))
-        return self.process.returncode, said
+        return self.process.wait(patient(seconds)), _read(self.said)
 
 
 @contextmanager
@@ -80,20 +86,34 @@ def served(
     """Run a server on a free port, as `application`; `before` is Python that its process runs first."""
     given = {"port": 0, "seconds": patient(_SECONDS), **options}
     named = {name: str(value) if hasattr(value, "parts") else value for name, value in given.items()}
-    process = subprocess.Popen(
+    # Into a file, since a pipe that nobody reads is full one day: whoever writes to it then stands still.
+    with tempfile.TemporaryFile("a+", encoding="utf-8") as said, subprocess.Popen(
         [sys.executable, "-c", _PROGRAM.format(before=before), str(store), json.dumps(named)],
         stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
+        stderr=said,
         text=True,
         env={**os.environ, **(environment or {})},
-    )
-    assert process.stdout is not None
-    try:
-        address = process.stdout.readline().strip().rstrip("/")
-        if not address:
-            raise AssertionError(process.communicate(timeout=patient(30))[1])
-        yield Serving(address, int(address.rpartition(":")[2]), process)
-    finally:
-        if process.poll() is None:
+    ) as process:  # fmt: skip
+        try:
+            address = _address(process, said)
+            yield Serving(address, int(address.rpartition(":")[2]), process, said)
+        finally:
             process.kill()
-        process.communicate()
+
+
+def _address(process: subprocess.Popen[str], said: IO[str]) -> str:
+    """Return the address that a server tells; where it tells none, what it said, and where it is."""
+    assert process.stdout is not None
+    seconds = patient(_BEGINNING)
+    waited = not select.select([process.stdout], [], [], seconds)[0]
+    if not waited and (address := process.stdout.readline().strip().rstrip("/")):
+        return address
+    if waited:
+        process.send_signal(signal.SIGABRT)
+    process.wait(patient(_BEGINNING))
+    raise AssertionError(f"no address within {seconds:.0f} s:\n{_read(said)}" if waited else _read(said))
+
+
+def _read(said: IO[str]) -> str:
+    said.seek(0)
+    return said.read()

@@ -8,6 +8,7 @@ import httpx
 import pytest
 from browsing import chromium
 from listing import PAGES, Examined, Shown, examine, shown
+from patience import patient
 from serving import served
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ def site(browser: Chromium, store: Path) -> Iterator[str]:  # noqa: ARG001 - no 
 @pytest.fixture(scope="session")
 def things(site: str) -> Shown:
     """What of the example workspace pages are shown about."""
-    with httpx.Client(base_url=site, timeout=30) as client:
+    with httpx.Client(base_url=site, timeout=patient(30)) as client:
         return shown(client)
 
 

@@ -8,6 +8,7 @@ from xml.sax.saxutils import escape
 
 import httpx
 import pytest
+from patience import patient
 from serving import served
 
 from kg.pipeline.build import build
@@ -107,7 +108,7 @@ def _package(folder: Path) -> None:
 
 def _addresses(site: str) -> dict[str, str]:
     """Return the pages that show data of the package."""
-    with httpx.Client(base_url=site, timeout=30) as client:
+    with httpx.Client(base_url=site, timeout=patient(30)) as client:
         (hit, *_) = client.get("/api/find", params={"text": "evil"}).json()["hits"]
     rows = " ".join("'''" + text.replace("\\", "\\\\").replace("'", "\\'") + "'''" for text in HOSTILE)
     query = f"SELECT ?x {{ VALUES ?x {{ {rows} <javascript:{_SCRIPT}> <data:text/html,x> }} }}"
