@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     Work = Callable[[Visit], Coroutine[Any, Any, Any]]
 
-__all__ = ["dragged", "needs_blocks", "offered", "opened", "reads", "said", "visited", "wrote"]
+__all__ = ["dragged", "log_in", "needs_blocks", "offered", "opened", "reads", "said", "still", "visited", "wrote"]
 
 needs_blocks = pytest.mark.skipif(not libraries(), reason=HELP)
 
@@ -29,16 +29,37 @@ needs_blocks = pytest.mark.skipif(not libraries(), reason=HELP)
 async def opened(browser: Chromium, site: str, address: str = "/robot", **options: Any) -> AsyncIterator[Visit]:
     """Log in and open the page; wait until the robot is connected. At the end nothing may have gone wrong."""
     async with browser.visit(f"{site}/login", **options) as visit:
-        await visit.page.locator("input[name=token]").fill(TOKEN)
-        await visit.page.locator("button").click()
+        await log_in(visit.page, site)
         visit.complaints.clear()
         # A page that listens is never at rest.
         await visit.page.goto(site + address, wait_until="load")
         await said(visit.page, "#connection", "^Connected", 60)
         if libraries():
             await visit.page.locator("#abilities [id$=-add]").first.wait_for(state="attached")
+        # What the robot can do was just offered as blocks, with which the program is judged and shown anew.
+        await visit.page.locator("#text-state[aria-busy=false]").wait_for(state="attached")
         yield visit
         assert await visit.troubles() == []
+
+
+async def log_in(page: Page, site: str) -> None:
+    """Log in on the page that asks for the token; return when the server has answered."""
+    await page.locator("input[name=token]").fill(TOKEN)
+    await page.locator("button").click()
+    await page.wait_for_url(f"{site}/")
+
+
+async def still(page: Page, milliseconds: int = 200) -> None:
+    """Return when the page has drawn what was done, and what it does after so long by itself.
+
+    By its own clock: one that is slow has not done in a time of ours what it does in that time otherwise.
+    """
+    await page.evaluate(
+        """(wait) => new Promise((done) => {
+          setTimeout(() => requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(done))), wait);
+        })""",
+        milliseconds,
+    )
 
 
 def visited(browser: Chromium, site: str, work: Work, address: str = "/robot", **options: Any) -> Any:
@@ -64,7 +85,7 @@ async def said(page: Page, selector: str, pattern: str, seconds: float = 10) -> 
 async def wrote(page: Page, text: str) -> None:
     """Write the program as text, and wait until it was judged."""
     await page.locator("#text").fill(text)
-    await page.locator("#text-state[aria-busy=false]").wait_for()
+    await page.locator("#text-state[aria-busy=false]").wait_for(state="attached")
 
 
 async def reads(page: Page, pattern: str) -> str:
@@ -83,7 +104,7 @@ async def dragged(page: Page, block: Locator, x: float, y: float, meanwhile: Awa
     await page.mouse.down()
     await page.mouse.move(box["x"] - 30, box["y"] + 20, steps=5)
     await page.mouse.move(x, y, steps=12)
-    await page.wait_for_timeout(200)
+    await still(page)
     if meanwhile:
         await meanwhile
     await page.mouse.up()
@@ -94,5 +115,5 @@ async def offered(page: Page, category: str, block: str) -> Locator:
     await page.locator(".blocklyToolboxCategory", has_text=category).click()
     found = page.locator(".blocklyFlyout .blocklyDraggable", has_text=block).first
     await found.wait_for()
-    await page.wait_for_timeout(300)
+    await still(page)
     return found

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 from typing import TYPE_CHECKING, Any, Final
 
-from robotpage import dragged, needs_blocks, offered, reads, said, visited, wrote
+from robotpage import dragged, needs_blocks, offered, reads, said, still, visited, wrote
 
 if TYPE_CHECKING:
     from browsing import Chromium, Visit
-    from playwright.async_api import Page
+    from playwright.async_api import Page, Route
 
 # Answers of checks are held until the test lets them through, in the same turn of the page's loop as what it does then.
 HELD: Final = """() => {
@@ -31,13 +32,13 @@ async def held(page: Page, text: str) -> None:
     """Write a program as text whose check has been answered, but not yet to the page."""
     await page.evaluate(HELD)
     await page.locator("#text").fill(text)
-    await page.wait_for_function("() => window.kgHeld === 1")
+    await page.wait_for_function("() => window.kgHeld >= 1")
 
 
 async def let_through(page: Page, act: str = "") -> str:
     """Do something in the page and let the answers through at once; return the text once all was judged."""
     await page.evaluate(f"() => {{ {act}; window.kgLet(); }}")
-    await page.wait_for_timeout(600)
+    await still(page, 600)
     await page.locator("#text-state[aria-busy=false]").wait_for()
     return str(await page.locator("#text").input_value())
 
@@ -77,7 +78,7 @@ def test_a_text_is_not_lost_to_older_blocks(browser: Chromium, robot_site: str) 
         await wrote(page, "wait for 1 s\n")
         await page.evaluate(HELD)
         await page.locator("#write-drivingAtVelocity-add").evaluate("one => one.click()")
-        await page.wait_for_function("() => window.kgHeld === 1")
+        await page.wait_for_function("() => window.kgHeld >= 1")
         await page.locator("#text").press("Control+End")
         await page.keyboard.type("log 'there'")
         text = await let_through(page)
@@ -86,6 +87,34 @@ def test_a_text_is_not_lost_to_older_blocks(browser: Chromium, robot_site: str) 
     text, blocks = visited(browser, robot_site, edit)
     assert text.split() == ["wait", "for", "1", "s", "log", "'there'"]
     assert blocks >= 3
+
+
+@needs_blocks
+def test_a_text_is_not_lost_to_blocks_that_come_late(browser: Chromium, robot_site: str) -> None:
+    """What is written before the blocks are there stays, and becomes blocks."""
+
+    async def hurry(visit: Visit) -> tuple[str, int]:
+        page = visit.page
+        there = asyncio.Event()
+
+        async def hold(route: Route) -> None:
+            await there.wait()
+            await route.continue_()
+
+        await page.route("**/vendor/blockly/**", hold)
+        try:
+            await page.reload(wait_until="domcontentloaded")
+            await wrote(page, "wait 3 s\n")
+        finally:
+            there.set()
+        await page.locator("#run:enabled").wait_for()
+        await page.locator("#text-state[aria-busy=false]").wait_for()
+        text = str(await page.locator("#text").input_value())
+        return text, await page.locator("#blocks .blocklyBlockCanvas .blocklyDraggable").count()
+
+    text, blocks = visited(browser, robot_site, hurry)
+    assert text == "wait 3 s\n"
+    assert blocks >= 2
 
 
 @needs_blocks

@@ -407,6 +407,8 @@ function list() {
 // The beginning
 
 async function begin() {
+  const given = linked("program");
+  $("text").value = given ?? `program "program"\n`;
   $("examples").hidden = !data.examples.length;
   $("open").hidden = false;
   $("examples").addEventListener("click", list);
@@ -416,8 +418,7 @@ async function begin() {
     $("block-tools").hidden = false;
     for (const [id, act] of Object.entries({ undo: () => blocks.undo(false), redo: () => blocks.undo(true), smaller: () => blocks.zoom(-1), larger: () => blocks.zoom(1), fit: () => blocks.zoom(0) })) $(id).addEventListener("click", act);
   }
-  const given = linked("program");
-  await open(given ?? `program "program"\n`);
+  await fromText(); // which somebody may have changed while the blocks came
   if (given !== null) said.log("The program of the link is shown. It does not run until you press Run.");
   window.addEventListener("hashchange", () => { const other = linked("program"); if (other !== null) open(other); });
   if (data.address) listen(heard, () => { listener = null; $("connection").textContent = "The server cannot be reached …"; });
