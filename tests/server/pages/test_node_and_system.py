@@ -45,7 +45,8 @@ def test_why_is_a_link_without_scripts(browser: Chromium, site: str, things: Sho
     async def follow() -> tuple[str, str]:
         async with browser.visit(f"{site}/node?iri={things['node']}", java_script_enabled=False) as visit:
             await visit.page.locator("aside a.why").first.click()
-            return visit.page.url, await visit.page.inner_text("#proof")
+            text = await visit.page.inner_text("#proof")
+            return visit.page.url, text
 
     address, text = browser.run(follow())
     assert "/why?subject=" in address

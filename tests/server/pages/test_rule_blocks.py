@@ -123,6 +123,7 @@ def test_a_rule_is_composed_tried_and_run(browser: Chromium, site: str, store: P
         await _chosen(page, "“name”", "laser", "sensor_msgs/LaserScan")
         text = await _text(page, "LaserScan")
         await page.click("#share")
+        await page.locator("#share-dialog[open]").wait_for()
         return text, (await page.input_value("#share-link")).partition("/rule-blocks")[2]
 
     async def attempt(visit: Visit) -> tuple[str, str, int]:
@@ -199,7 +200,8 @@ def test_text_becomes_blocks(browser: Chromium, site: str) -> None:
         await page.keyboard.press("Control+a")
         await page.keyboard.press("Delete")
         await page.keyboard.insert_text(text)
-        await page.locator("#state", has_text="cannot be shown").wait_for()
+        # A rule without any text, which it was for a moment, cannot be shown either.
+        await page.locator("#state[aria-busy=false]", has_text="cannot be shown").wait_for()
         error = await page.locator("#findings li.error").inner_text()
         await page.keyboard.insert_text(" }")
         await _word(page, "provides").wait_for()

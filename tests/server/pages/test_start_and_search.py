@@ -52,6 +52,7 @@ def test_the_skip_link_comes_first(browser: Chromium, site: str) -> None:
             await visit.page.keyboard.press("Tab")
             first = await visit.page.evaluate("document.activeElement.className")
             await visit.page.keyboard.press("Enter")
+            await visit.page.locator(":focus:not(.skip)").wait_for()
             return first, await visit.page.evaluate("document.activeElement.id")
 
     assert browser.run(walk()) == ("skip", "main")
