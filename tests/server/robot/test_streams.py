@@ -79,4 +79,4 @@ def test_what_was_read_of_a_robot_that_has_gone_is_not_told(monkeypatch: pytest.
         await reading.aclose()
         return told
 
-    assert asyncio.run(scene()) == [1.0, 3.0]
+    assert asyncio.run(asyncio.wait_for(scene(), patient(20))) == [1.0, 3.0]
