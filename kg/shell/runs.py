@@ -76,12 +76,12 @@ class Runs:
             result = await self._link.ask(text, job=job, rows=limit)
         except KgError as error:
             outcome = error.code
-            if buffer.is_attached:
+            if buffer.is_open:
                 _fail(buffer, error, text, offset)
         else:
             rows = len(rows_of(result))
             prefixes = await self._prefixes(text, result)
-            if buffer.is_attached:
+            if buffer.is_open:
                 buffer.mark([])
                 buffer.results.show(result, self._link.settings.base, prefixes)
                 buffer.results.table.focus()

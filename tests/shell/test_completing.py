@@ -101,6 +101,19 @@ async def test_a_buffer_closes_while_it_is_checked(store: Path, tmp_path: Path) 
         await until(pilot, lambda: current(app).text == "ASK {}")
 
 
+async def test_a_buffer_that_is_being_closed_is_left_alone(store: Path, tmp_path: Path) -> None:
+    """The parts of a buffer go first; who keeps and checks all buffers meanwhile does not stumble over it."""
+    async with running(store, tmp_path) as (app, pilot):
+        closing = current(app)
+        closing.editor.text = "ASK {}"
+        await pilot.press("ctrl+n")
+        await until(pilot, lambda: current(app).number == 2)
+        current(app).editor.text = "SELECT"
+        await closing.query("*").remove()
+        app.main.check_text(closing)
+        assert State(tmp_path, str(store)).buffers() == ["SELECT"]
+
+
 async def test_what_is_typed_is_kept_soon(store: Path, tmp_path: Path) -> None:
     """After a pause the text is on disk, so a terminal that is closed takes nothing with it."""
     async with running(store, tmp_path) as (_, pilot):

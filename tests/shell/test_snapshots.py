@@ -48,6 +48,8 @@ def test_the_main_screen(store: Path, tmp_path: Path, snap_compare: Callable[...
     async def before(pilot: Pilot[Any]) -> None:
         await ready(app, pilot)
         await run_query(app, pilot, QUERY)
+        await until(pilot, lambda: not current(app).editor.has_focus)
+        await pilot.pause()
         still(app)
         await pilot.pause()
 

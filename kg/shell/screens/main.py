@@ -251,7 +251,7 @@ class MainScreen(Answering, Browsing):
     def check_text(self, buffer: Buffer) -> None:
         """Mark what is wrong in a buffer, unless it has been closed; keep all for when the terminal goes away."""
         self.keep()
-        if buffer.is_attached:
+        if buffer.is_open:
             self.run_worker(self._check(buffer), group="check", exclusive=True)
 
     async def _check(self, buffer: Buffer) -> None:
@@ -261,7 +261,7 @@ class MainScreen(Answering, Browsing):
         except KgError as error:
             self.log(str(error))
             return
-        if buffer.is_attached and buffer.text == text:
+        if buffer.is_open and buffer.text == text:
             buffer.mark(problems)
 
     @on(AnswerTable.Passed)
