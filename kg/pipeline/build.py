@@ -115,7 +115,7 @@ class _Build:
         roots = named or self._state.roots
         sources = gather(roots, self._store.layout.checkouts, self._report, again=not named)
         workspace = RecordingWorkspace(sources, installed_folders(self._settings))
-        now = version(self._settings.base, self._settings.max_file_bytes, self._settings.nlp_model)
+        now = version(self._settings)
         plan = make_plan(workspace, self._state, self._cache, now)
         self._jobs = max(1, min(self._jobs, len(plan.read)))
         self._report.planned(len(plan.read), len(plan.reused), self._jobs)

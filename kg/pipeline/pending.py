@@ -34,8 +34,7 @@ def pending(layout: Layout, settings: Settings) -> dict[str, tuple[str, ...] | N
         sources = gather(named, layout.checkouts, Silent())
     except SourceError:
         return found
-    now = version(settings.base, settings.max_file_bytes)
-    plan = make_plan(RecordingWorkspace(sources), state, layout.cache, now)
+    plan = make_plan(RecordingWorkspace(sources), state, layout.cache, version(settings))
     for source in sources:
         name = source.repository.name
         found[name] = tuple(package.name for one, package in plan.read if one.repository.name == name)

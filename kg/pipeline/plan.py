@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from kg.corpus.workspace import FileEntry, PackageFolder, Source, Workspace
     from kg.pipeline.state import PackageState, State
+    from kg.settings import Settings
 
 __all__ = ["Key", "Plan", "listing", "make_plan", "shape", "stamp", "version"]
 
@@ -47,17 +48,18 @@ class Plan:
     reused: dict[Key, PackageState] = field(default_factory=dict)
 
 
-def version(base: str, max_file_bytes: int, model: str = "") -> str:
+def version(settings: Settings) -> str:
     """Return what stands for the version of `kg`, its data and the settings that results depend on.
 
-    `model` names the spaCy pipeline in force, which is told by its files or its version.
+    The spaCy pipeline in force is told by its files or its version.
     """
     package = Path(__file__).resolve().parent.parent
     roots = [*(package / name for name in _CODE), resources.folder("ontology")]
     paths = sorted(path for root in roots for path in ([root] if root.is_file() else root.rglob("*.[ptj][oytsl]*")))
     stats = ((path.name, path.stat()) for path in paths)
     marks = [f"{name} {status.st_size} {status.st_mtime_ns}" for name, status in stats]
-    return _digest([installed_version("kg-ros"), base, str(max_file_bytes), identity(model), *marks])
+    set_to = [settings.base, str(settings.max_file_bytes), identity(settings.nlp_model)]
+    return _digest([installed_version("kg-ros"), *set_to, *marks])
 
 
 def shape(sources: Iterable[Source]) -> str:

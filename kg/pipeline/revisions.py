@@ -100,7 +100,7 @@ def _keep(made: Path, root: Path) -> None:
 
 def _key(top: Path, revision: Revision, settings: Settings) -> str:
     """Return a name for all that the content of a store depends on."""
-    read = version(settings.base, settings.max_file_bytes, settings.nlp_model)
+    read = version(settings)
     parts = str(top), read, digest(settings) or ""
     short = blake2b("\0".join(parts).encode(errors="surrogateescape"), digest_size=8).hexdigest()
     return f"{revision}-{short}"

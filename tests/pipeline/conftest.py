@@ -92,7 +92,8 @@ class Bench:
 @pytest.fixture(autouse=True)
 def _one_version(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let results depend on the settings only, so that editing `kg` while tests run does not disturb them."""
-    monkeypatch.setattr("kg.pipeline.build.version", lambda base, limit, model: f"{base} {limit} {model}")
+    for module in ("build", "pending"):
+        monkeypatch.setattr(f"kg.pipeline.{module}.version", lambda to: f"{to.base} {to.max_file_bytes} {to.nlp_model}")
 
 
 @pytest.fixture

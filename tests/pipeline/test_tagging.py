@@ -7,7 +7,7 @@ import pytest
 from kg.errors import UsageError
 from kg.language import annotating
 from kg.pipeline.build import build
-from kg.pipeline.plan import version
+from kg.pipeline.pending import pending
 from kg.settings import load
 from kg.store.embedded import EmbeddedStore
 
@@ -68,10 +68,16 @@ def test_a_pipeline_that_cannot_be_loaded_ends_the_build(tmp_path: Path) -> None
     assert store.layout.current() is None
 
 
-def test_another_pipeline_reads_everything_again() -> None:
-    """The version that results depend on tells pipelines apart."""
-    assert version("https://example.org/", 1, "one") != version("https://example.org/", 1, "two")
-    assert version("https://example.org/", 1) == version("https://example.org/", 1, "")
+def test_another_pipeline_reads_everything_again(tmp_path: Path) -> None:
+    """A build with another pipeline would read each package again, one with the same pipeline none."""
+    (tmp_path / "src").mkdir()
+    (tmp_path / "src" / "package.xml").write_text(MANIFEST, encoding="utf-8")
+    store = EmbeddedStore.create(tmp_path / "store")
+    settings = load({}, environment={}, folder=tmp_path)
+    build([str(tmp_path / "src")], store, settings, rules=False)
+    assert not any(pending(store.layout, settings).values())
+    other = load({"nlp_model": "another_pipeline"}, environment={}, folder=tmp_path)
+    assert list(pending(store.layout, other).values()) == [("eyes",)]
 
 
 def test_paths_of_pipelines_are_relative_to_the_settings(tmp_path: Path) -> None:
