@@ -56,7 +56,9 @@ async function why(event) {
   if (!link || event.ctrlKey || event.metaKey || event.shiftKey) return;
   event.preventDefault();
   const turn = ++asked;
-  const wanted = () => turn === asked;
+  const { open } = panel;
+  // That the panel was closed is told a little later than it was.
+  const wanted = () => turn === asked && (panel.open || !open);
   panel.setAttribute("aria-busy", "true");
   try {
     const { show } = await import("./why.js");

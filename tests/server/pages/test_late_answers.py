@@ -105,6 +105,32 @@ def test_a_block_is_not_lost_to_an_older_text(browser: Chromium, site: str) -> N
 
 
 @_NEEDS_LIBRARIES
+def test_what_is_kept_is_what_was_seen_then(browser: Chromium, site: str) -> None:
+    """Who keeps a rule and begins another in the same moment has kept the first one, and sees the other."""
+
+    async def edit(visit: Visit) -> tuple[str, str]:
+        page = visit.page
+        await page.evaluate(_HELD, "blocks_check")
+        await page.fill("#rule-title", "Another title")
+        await page.press("#rule-title", "Tab")
+        await _held(page, 1)
+        await page.evaluate("""() => {
+          document.getElementById("save").click();
+          document.getElementById("new").click();
+          for (const answer of window.kgHeld) answer();
+          window.kgHeld = { push: (answer) => answer() };
+        }""")
+        await page.wait_for_function("() => document.getElementById('rule-name').value === 'mine/rule'")
+        await _judged(page)
+        names = "Object.keys(localStorage).filter((name) => name.startsWith('kg-rule-blocks '))"
+        return await page.locator("#rule-title").input_value(), await page.evaluate(names)
+
+    title, kept = _composed(browser, site, edit)
+    assert kept == ["kg-rule-blocks communication/feeds"]
+    assert title == ""
+
+
+@_NEEDS_LIBRARIES
 def test_a_text_is_not_lost_to_older_blocks(browser: Chromium, site: str) -> None:
     """What is typed while older blocks or an older form are judged stays in the editor, and becomes the rule."""
 
@@ -269,9 +295,7 @@ def test_the_proof_asked_for_last_is_shown(browser: Chromium, site: str, things:
             own = str(await page.locator("#why-body > p > a").get_attribute("href"))
             await page.locator("#why a[data-why], a.why").first.evaluate("one => one.click()")
             await _held(page, 3)
-            await page.keyboard.press("Escape")
-            await page.locator("#why:not([open])").wait_for(state="attached")
-            await _through(page, 2)
+            await _through(page, 2, "document.getElementById('why').close()")
             return second.partition("?")[2], own.partition("?")[2], await page.locator("#why[open]").count() == 0
 
     second, own, closed = browser.run(prove())
