@@ -137,6 +137,23 @@ def test_what_runs_is_what_is_seen(browser: Chromium, robot_site: str) -> None:
 
 
 @needs_blocks
+def test_what_is_saved_is_what_was_seen_then(browser: Chromium, robot_site: str) -> None:
+    """Who saves a program and begins another in the same moment has saved the first one, and sees the other."""
+
+    async def edit(visit: Visit) -> tuple[str, str]:
+        page = visit.page
+        await held(page, "wait for 3 s\n")
+        both = "for (const act of ['save', 'new']) document.getElementById(act).click()"
+        text = await let_through(page, both)
+        await page.locator("#save-dialog[open]").wait_for()
+        return text, await page.evaluate("localStorage.getItem('kg-robot-program program')")
+
+    text, kept = visited(browser, robot_site, edit)
+    assert kept == "wait for 3 s\n"
+    assert "wait" not in text
+
+
+@needs_blocks
 def test_undo_brings_a_program_back_that_does_not_fit(browser: Chromium, robot_site: str) -> None:
     """A program whose blocks may not be joined by hand comes back whole when the one after it is undone."""
     wrong = "wait 2 m\nlog there\n"

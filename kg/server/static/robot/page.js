@@ -1,6 +1,7 @@
 // The robot page: what its parts tell each other. The server connects, checks and runs; this page shows and asks.
 
 import { file, Kept, link, linked } from "../blocks/kept.js";
+import { Turns } from "../blocks/turns.js";
 import { element } from "../table.js";
 import { Abilities } from "./abilities.js";
 import { examples } from "./examples.js";
@@ -13,6 +14,7 @@ import { workspace } from "./workspace.js";
 
 const $ = (id) => document.getElementById(id);
 const programs = new Kept("kg-robot-program ");
+const turns = new Turns();
 const data = JSON.parse($("robot-page").dataset.page);
 const TYPING = 400;
 const EMPTY = { version: 1, name: "program", body: [] };
@@ -176,6 +178,9 @@ function open(text) {
   return fromText();
 }
 
+/** Open another program once nothing is done any more with the one that is seen. */
+const replace = (text) => turns.replace(() => open(text));
+
 $("text").addEventListener("input", () => {
   begun();
   clearTimeout(typing);
@@ -332,14 +337,11 @@ function again() {
 
 // Programs to open, and where they are kept
 
-async function text() {
-  await settled();
-  return $("text").value;
-}
+/** Do something with the text of the program that is seen, once that was judged. */
+const take = (act) => turns.take(async () => { await settled(); await act($("text").value); });
 
-$("new").addEventListener("click", () => { open(`program "program"\n`); });
-$("save").addEventListener("click", async () => {
-  const shown = await text();
+$("new").addEventListener("click", () => { replace(`program "program"\n`); });
+$("save").addEventListener("click", () => take(async (shown) => {
   const { name } = program;
   programs.keep(name, shown);
   $("save-name").textContent = name;
@@ -352,12 +354,12 @@ $("save").addEventListener("click", async () => {
   }
   $("save-files").replaceChildren(...links.map(([as, content, type, label]) => Object.assign(file(as, content, type), { textContent: label })));
   $("save-dialog").showModal();
-});
-$("share").addEventListener("click", async () => {
-  $("share-link").value = link("program", await text());
+}));
+$("share").addEventListener("click", () => take((shown) => {
+  $("share-link").value = link("program", shown);
   $("share-done").textContent = "";
   $("share-dialog").showModal();
-});
+}));
 $("share-copy").addEventListener("click", async () => {
   try {
     await navigator.clipboard.writeText($("share-link").value);
@@ -374,8 +376,8 @@ $("open-file").addEventListener("change", async ({ target }) => {
   const content = await chosen.text();
   target.value = "";
   $("open-dialog").close();
-  if (!content.trimStart().startsWith("{")) open(content);
-  else tried(async () => open((await ask("/robot/convert", { program: parsed(content), to: "text" })).text));
+  if (!content.trimStart().startsWith("{")) replace(content);
+  else tried(async () => replace((await ask("/robot/convert", { program: parsed(content), to: "text" })).text));
 });
 
 function parsed(content) {
@@ -389,7 +391,7 @@ function parsed(content) {
 function kept() {
   const entries = programs.all().map(([name, content]) => {
     const show = element("button", { type: "button" }, name);
-    show.addEventListener("click", () => { $("open-dialog").close(); open(content); });
+    show.addEventListener("click", () => { $("open-dialog").close(); replace(content); });
     const drop = element("button", { type: "button", className: "link" }, "Forget");
     drop.setAttribute("aria-label", `Forget ${name}`);
     drop.addEventListener("click", () => { programs.forget(name); kept(); });
@@ -401,7 +403,7 @@ function kept() {
 /** List the examples; when a robot is there, judged by what it can do. */
 function list() {
   const able = robot.state === "connected" ? robot.capabilities.filter(({ ways }) => ways.length) : null;
-  return tried(() => examples($("examples-list"), data.examples, able, (content) => { $("examples-dialog").close(); open(content); }));
+  return tried(() => examples($("examples-list"), data.examples, able, (content) => { $("examples-dialog").close(); replace(content); }));
 }
 
 // The beginning
@@ -420,7 +422,7 @@ async function begin() {
   }
   await fromText(); // which somebody may have changed while the blocks came
   if (given !== null) said.log("The program of the link is shown. It does not run until you press Run.");
-  window.addEventListener("hashchange", () => { const other = linked("program"); if (other !== null) open(other); });
+  window.addEventListener("hashchange", () => { const other = linked("program"); if (other !== null) replace(other); });
   if (data.address) listen(heard, () => { listener = null; $("connection").textContent = "The server cannot be reached …"; });
 }
 

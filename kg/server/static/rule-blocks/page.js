@@ -1,6 +1,7 @@
 // The page of rules as blocks: blocks, text and documentation of one rule, what is wrong with it, what it would infer.
 
 import { file, Kept, link, linked } from "../blocks/kept.js";
+import { Turns } from "../blocks/turns.js";
 import { edit } from "../query/editor.js";
 import { Problem, view } from "../query/services.js";
 import { element } from "../table.js";
@@ -12,6 +13,7 @@ import { workspace } from "./workspace.js";
 
 const $ = (id) => document.getElementById(id);
 const rules = new Kept("kg-rule-blocks ");
+const turns = new Turns();
 const TYPING = 500;
 const SAID = ["name", "title", "why", "infers", "mend", "limits", "references", "since"];
 const EMPTY = { version: 1, name: "mine/rule", when: [], then: [] };
@@ -273,6 +275,12 @@ function open(other) {
   wait(check({ rule: plain() }));
 }
 
+/** Show another rule once nothing is done any more with the one that is seen. */
+const replace = (other) => turns.replace(() => open(other));
+
+/** Do something with the rule that is seen, once that is one rule. */
+const take = (act) => turns.take(async () => { await settled(); await act(); });
+
 /** Show the rule as blocks; their identities become those of its parts. */
 function show() {
   if (!blocks) return;
@@ -364,11 +372,11 @@ async function copy(text, told_) {
 }
 
 const ACTS = {
-  new: () => open(EMPTY),
-  save: async () => { await settled(); rules.keep(rule.name, JSON.stringify(plain())); $("said").textContent = `Kept in this browser as ${rule.name}.`; },
-  download: async () => { await settled(); save(fileName(".rq"), editor.text, "application/sparql-query"); $("said").textContent = `Put it into rules/${rule.name.split("/").slice(0, -1).join("/")}/ and run \`kg rules check ${rule.name}\`.`; },
-  copy: async () => { await settled(); await copy(editor.text, $("said")); },
-  share: async () => { await settled(); $("share-link").value = link("rule", JSON.stringify(plain())); $("share-done").textContent = ""; $("share-dialog").showModal(); $("share-link").select(); },
+  new: () => replace(EMPTY),
+  save: () => take(() => { rules.keep(rule.name, JSON.stringify(plain())); $("said").textContent = `Kept in this browser as ${rule.name}.`; }),
+  download: () => take(() => { save(fileName(".rq"), editor.text, "application/sparql-query"); $("said").textContent = `Put it into rules/${rule.name.split("/").slice(0, -1).join("/")}/ and run \`kg rules check ${rule.name}\`.`; }),
+  copy: () => take(() => copy(editor.text, $("said"))),
+  share: () => take(() => { $("share-link").value = link("rule", JSON.stringify(plain())); $("share-done").textContent = ""; $("share-dialog").showModal(); $("share-link").select(); }),
   "share-copy": () => copy($("share-link").value, $("share-done")),
   try: attempt,
   undo: () => blocks.undo(false), redo: () => blocks.undo(true),
@@ -376,9 +384,9 @@ const ACTS = {
 };
 
 function choices() {
-  $("examples-list").replaceChildren(...known.examples.map((one) => entry(one.title, one.comment, $("examples-dialog"), () => open(one.rule))));
+  $("examples-list").replaceChildren(...known.examples.map((one) => entry(one.title, one.comment, $("examples-dialog"), () => replace(one.rule))));
   const mine = rules.all().map(([, text]) => parsed(text)).filter(Boolean).map((one) => {
-    const made = entry(one.title || one.name, one.name, $("open-dialog"), () => open(one));
+    const made = entry(one.title || one.name, one.name, $("open-dialog"), () => replace(one));
     const drop = element("button", { type: "button", className: "link" }, "Forget");
     drop.setAttribute("aria-label", `Forget ${one.name}`);
     drop.addEventListener("click", () => { rules.forget(one.name); choices(); });
@@ -483,7 +491,7 @@ async function ready() {
   });
   const asked = $("rule-page").dataset.rule;
   const given = parsed(linked("rule"));
-  window.addEventListener("hashchange", () => { const other = parsed(linked("rule")); if (other) open(other); });
+  window.addEventListener("hashchange", () => { const other = parsed(linked("rule")); if (other) replace(other); });
   window.addEventListener("pagehide", left);
   if (given) open(given);
   else if (asked) await opened(asked);
