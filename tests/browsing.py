@@ -119,7 +119,7 @@ class Visit:
         said = "; ".join(self.complaints) or "nothing"
         owed = ", ".join(sorted(one.url for one in self.asking)) or "nothing"
         head = f"{self.page.url} answered {self.status}, complained of {said}, waits for {owed}, and reads"
-        return f"{head}:\n{text[:2_000]}"
+        return f"{head}:\n{str(text)[:2_000]}"
 
     async def troubles(self) -> list[str]:
         """Return what went wrong by now: errors, dialogs, violations of the policy, requests to others."""
@@ -160,7 +160,9 @@ class Chromium:
             try:
                 answer = await visit.page.goto(address, wait_until="networkidle")
                 visit.status = answer.status if answer else 0
-                await visit.rest(scripts=options.get("java_script_enabled", True))
+                # In a sandbox without scripts nothing is called back.
+                sealed = "sandbox" in (answer.headers if answer else {}).get("content-security-policy", "")
+                await visit.rest(scripts=options.get("java_script_enabled", True) and not sealed)
                 yield visit
             except (Exception, asyncio.CancelledError) as error:
                 error.add_note(await visit.told())
