@@ -22,7 +22,7 @@ from kg.store.layout import Layout
 
 GOLDEN: Final = Path(__file__).parent / "golden" / "rules"
 CASES: Final = sorted(GOLDEN.glob("*.txt"))
-DURATION: Final = re.compile(r"\b\d+\.\d+(?:e-\d+)?\b(?!\.)")
+DURATION: Final = re.compile(r"\b(?:\d+\.\d+(?:e-\d+)?|\d+e-\d+)\b(?!\.)")
 """Seconds."""
 SHARE: Final = re.compile(r"\b\d+%")
 
