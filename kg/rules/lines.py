@@ -4,16 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-import numpy as np
-
 from kg.rules.engine.facts import Facts, difference, unpack
-from kg.rules.engine.terms import BLANK, TRIPLE
 from kg.rules.form import AUXILIARY
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-
-    from numpy.typing import NDArray
 
     from kg.rules.engine.facts import Keys
     from kg.rules.engine.terms import Dictionary
@@ -44,15 +39,10 @@ def lacking(facts: Facts, others: Facts) -> Facts:
     return found
 
 
-def lines(facts: Facts, dictionary: Dictionary, *, labelled: bool | None = None) -> Iterator[bytes]:
-    """Yield the triples as chunks of N-Triples, predicate by predicate in the order of their spellings.
-
-    With `labelled` only those in which a blank node stands, or with False only the others.
-    """
+def lines(facts: Facts, dictionary: Dictionary) -> Iterator[bytes]:
+    """Yield the triples as chunks of N-Triples, predicate by predicate in the order of their spellings."""
     for predicate in sorted(facts.predicates, key=dictionary.spelling):
         keys = facts.keys(predicate)
-        if labelled is not None:
-            keys = keys[_labelled(keys, dictionary) == labelled]
         middle = b" " + dictionary.spelling(predicate) + b" "
         for begin in range(0, keys.size, _ROWS):
             yield _chunk(keys[begin : begin + _ROWS], middle, dictionary)
@@ -65,10 +55,3 @@ def _chunk(keys: Keys, middle: bytes, dictionary: Dictionary) -> bytes:
     cells[2::4] = dictionary.spellings(objects)
     cells[3::4] = [b" .\n"] * keys.size
     return b"".join(cells)
-
-
-def _labelled(keys: Keys, dictionary: Dictionary) -> NDArray[np.bool_]:
-    """Tell which pairs hold a blank node, or a triple term, which may hold one."""
-    subjects, objects = unpack(keys)
-    found: NDArray[np.bool_] = dictionary.kinds(subjects) == BLANK
-    return found | np.isin(dictionary.kinds(objects), (BLANK, TRIPLE))

@@ -160,17 +160,14 @@ class Runner:
         graph, dictionary = self._names.inferred, outcome.dictionary
         added, removed = report.change.added, report.change.removed
         if len(removed) * _REMOVAL > len(outcome.now) or not len(outcome.now):
-            transaction.replace_graphs({graph: lines(outcome.then, dictionary, labelled=False)})
-            labelled = b"".join(lines(outcome.then, dictionary, labelled=True))
-            if labelled:
-                transaction.patch_exactly(graph, b"", labelled)
+            transaction.replace_graphs({graph: lines(outcome.then, dictionary)})
             return
         gone = b"".join(lines(removed, dictionary))
         if len(added) <= _FEW:
-            transaction.patch_exactly(graph, gone, b"".join(lines(added, dictionary)))
+            transaction.patch_graph(graph, gone, b"".join(lines(added, dictionary)))
             return
-        transaction.patch_exactly(graph, gone, b"".join(lines(added, dictionary, labelled=True)))
-        transaction.load(graph, lines(added, dictionary, labelled=False))
+        transaction.patch_graph(graph, gone, b"")
+        transaction.load(graph, lines(added, dictionary))
 
     def _record(self, transaction: EmbeddedTransaction, outcome: Outcome) -> None:
         ended = datetime.now(UTC)

@@ -164,13 +164,13 @@ def _manifest(layout: Layout, default: Backup) -> Backup:
 
 def _load_file(transaction: EmbeddedTransaction, source: Path) -> None:
     if source.suffix != ".gz":
-        transaction.load_file(source, RdfFormat.N_QUADS)
+        transaction.load_file(source, RdfFormat.N_QUADS, keep_labels=True)
         return
     unpacked = transaction.layout.root / f"restore.{os.getpid()}.tmp"
     try:
         with gzip.open(source) as file, unpacked.open("wb") as output:
             shutil.copyfileobj(file, output)
-        transaction.load_file(unpacked, RdfFormat.N_QUADS)
+        transaction.load_file(unpacked, RdfFormat.N_QUADS, keep_labels=True)
     except (EOFError, gzip.BadGzipFile) as error:
         raise _unusable(source, f"it cannot be unpacked: {error}") from error
     finally:

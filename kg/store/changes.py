@@ -57,9 +57,7 @@ class Changes:
         if self.graphs is None:
             return
         patches = self.graphs.setdefault(graph, [])
-        if b"_:" in removed or b"_:" in added:
-            self.graphs[graph] = None
-        elif patches is not None:
+        if patches is not None:
             patches.append((removed, added))
 
     def follow(self, later: Changes) -> None:

@@ -107,9 +107,13 @@ class EmbeddedSnapshot:
             return serialize(quads, format=rdf_format, prefixes=dict(prefixes)) or b""
         return self._db.dump(format=rdf_format, from_graph=graph, prefixes=dict(prefixes)) or b""
 
-    def dump_default_graph(self) -> bytes:
-        """Return the triples that stand in no named graph, as N-Triples."""
-        return self._db.dump(format=RdfFormat.N_TRIPLES, from_graph=DefaultGraph()) or b""
+    def every_graph(self) -> list[NamedNode | BlankNode | DefaultGraph]:
+        """Return the default graph and all others, also those that blank nodes name."""
+        return [DefaultGraph(), *self._db.named_graphs()]
+
+    def content(self, graph: NamedNode | BlankNode | DefaultGraph) -> bytes:
+        """Return what one graph holds, as N-Triples."""
+        return self._db.dump(format=RdfFormat.N_TRIPLES, from_graph=graph) or b""
 
     def backup(self, folder: str) -> None:
         """Write a copy of the generation to `folder`; its large files are hard links, so this takes milliseconds."""

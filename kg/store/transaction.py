@@ -91,7 +91,11 @@ class EmbeddedTransaction:
         self.changes.forget()
 
     def replace_graphs(self, graphs: Mapping[NamedNode, Iterable[bytes]]) -> None:
-        """Give each named graph a new content, as chunks of N-Triples that end at ends of lines."""
+        """Give each named graph a new content, as chunks of N-Triples that end at ends of lines.
+
+        Blank nodes keep their labels, here and in all that this transaction is given as N-Triples: the same label in
+        two graphs is the same node, and a label that the store has is the node that has it there.
+        """
         with translated(str(self._layout.root)):
             self._begin(frozenset(graphs))
             self.changes.replace(*(graph.value for graph in graphs))
@@ -124,22 +128,16 @@ class EmbeddedTransaction:
             self._loaded += bulk.load_quads(lambda: self._engine, graphs)
 
     def patch_graph(self, graph: NamedNode, removed: bytes, added: bytes) -> None:
-        """Take the N-Triples `removed` out of a graph and put `added` in: for changes small beside the graph."""
+        """Take the N-Triples `removed` out of a graph and put `added` in: for changes small beside the graph.
+
+        Blank nodes keep their labels.
+        """
         with translated(str(self._layout.root)):
             self._begin(frozenset())
             self.changes.patch(graph.value, removed, added)
             if removed.strip():
-                self._engine.update(f"DELETE DATA {{ GRAPH {graph} {{\n{removed.decode()}}} }}")
-            self._engine.load(added, RdfFormat.N_TRIPLES, to_graph=graph)
-
-    def patch_exactly(self, graph: NamedNode, removed: bytes, added: bytes) -> None:
-        """As `patch_graph`, triple by triple, keeping the labels of blank nodes, which loading would exchange."""
-        with translated(str(self._layout.root)):
-            self._begin(frozenset())
-            self.changes.patch(graph.value, removed, added)
-            self._engine.add_graph(graph)
-            bulk.remove_exactly(lambda: self._engine, graph, removed)
-            bulk.add_exactly(lambda: self._engine, graph, added)
+                bulk.remove(lambda: self._engine, graph, removed)
+            bulk.add(lambda: self._engine, graph, added)
 
     def patch_quads(self, removed: Collection[Quad], added: Collection[Quad]) -> None:
         """Take out quads that are there, and put in others that are not; blank nodes keep their labels."""
@@ -150,7 +148,8 @@ class EmbeddedTransaction:
                     serialize((quad.triple for quad in quads if quad.graph_name == graph), format=RdfFormat.N_TRIPLES)
                     for quads in (removed, added)
                 )
-                self.changes.patch(graph.value if isinstance(graph, NamedNode) else "", gone or b"", new or b"")
+                name = "" if isinstance(graph, DefaultGraph) else graph.value
+                self.changes.patch(name, gone or b"", new or b"")
             self._loaded += bulk.exchange(lambda: self._engine, removed, added)
 
     def count(self, graph: NamedNode | DefaultGraph) -> int:
@@ -226,11 +225,11 @@ class EmbeddedTransaction:
             return self._engine.dump(format=RdfFormat.N_TRIPLES, from_graph=graph) or b""
 
     def append(self, graph: NamedNode, triples: bytes) -> None:
-        """Add N-Triples to a graph."""
+        """Add N-Triples to a graph; blank nodes keep their labels."""
         with translated(str(self._layout.root)):
             self._begin(frozenset())
             self.changes.patch(graph.value, b"", triples)
-            self._engine.load(triples, RdfFormat.N_TRIPLES, to_graph=graph)
+            bulk.add(lambda: self._engine, graph, triples)
 
     def drop_graph(self, graph: NamedNode) -> None:
         """Remove a graph with all it holds; nothing happens when there is none of that name."""
@@ -253,10 +252,18 @@ class EmbeddedTransaction:
             self.changes.replace(graph.value if isinstance(graph, NamedNode) else "")
             self._engine.clear_graph(graph)
 
-    def load_file(self, path: Path, rdf_format: RdfFormat | None = None, *, graph: NamedNode | None = None) -> None:
+    def load_file(
+        self,
+        path: Path,
+        rdf_format: RdfFormat | None = None,
+        *,
+        graph: NamedNode | None = None,
+        keep_labels: bool = False,
+    ) -> None:
         """Add the content of a file of RDF: into `graph`, or into the graphs that the file names.
 
-        The format is told from the name of the file when it is not given.
+        The format is told from the name of the file when it is not given. Labels of blank nodes are scoped to the
+        file, so its blank nodes get new ones; with `keep_labels`, which is for an empty store, they keep theirs.
 
         Raises:
             GraphError: KG601 with the line when the file is not valid, or when its format cannot be told.
@@ -273,7 +280,8 @@ class EmbeddedTransaction:
                 raise GraphError(
                     "KG601", f"the format of `{path.name}` is not known", place=Place(str(path)), hint=hint
                 )
-            quads = parse(path=path, format=rdf_format, base_iri=path.absolute().as_uri())
+            base = path.absolute().as_uri()
+            quads = parse(path=path, format=rdf_format, base_iri=base, rename_blank_nodes=not keep_labels)
             target = graph or DefaultGraph()
             with translated(str(self._layout.root)):
                 self._begin(frozenset())
@@ -339,10 +347,12 @@ class EmbeddedTransaction:
                 self._db = Store(folder)
                 return
             self._db = Store(folder)
-            self._engine.bulk_load(base.dump_default_graph(), RdfFormat.N_TRIPLES)
-            for graph in (graph for graph in base.graphs() if graph not in leaving):
-                self._engine.add_graph(graph)
-                bulk.load(lambda: self._engine, graph, [base.dump(RdfFormat.N_TRIPLES, graph=graph)])
+            for graph in base.every_graph():
+                if graph in leaving:
+                    continue
+                if graph != DefaultGraph():
+                    self._engine.add_graph(graph)
+                bulk.load(lambda: self._engine, graph, [base.content(graph)])
 
 
 def _into(target: NamedNode | DefaultGraph, quad: Quad) -> Quad:

@@ -124,5 +124,5 @@ class Keeper:
             return True
         gone, new = self._parts.change(system, self._recognizer.records)
         if gone or new:
-            transaction.patch_exactly(self.graph, gone, new)
+            transaction.patch_graph(self.graph, gone, new)
         return bool(gone or new)

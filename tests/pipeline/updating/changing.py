@@ -58,6 +58,7 @@ def bench(folder: Path) -> Bench:
     (rules / "mine").mkdir(parents=True)
     for name, text in _RULES.items():
         (rules / "mine" / f"{name}.rq").write_text(PREFIX + text)
-    settings = load({"rules": str(rules), "rule_families": "mine"}, environment={}, folder=folder)
+    given = {"store": str(folder), "rules": str(rules), "rule_families": "mine"}
+    settings = load(given, environment={}, folder=folder)
     store = EmbeddedStore.create(folder / ".kg")
     return Bench(store, settings, Applier(store, settings))
