@@ -67,10 +67,9 @@ def change(here: Bench, kind: str, name: str, edges: list[Pair]) -> None:
                 inference.run(transaction)
                 inference.remember(transaction.commit())
         case "insert":
-            stated = " . ".join(f"{one} :partOf {other}" for one, other in edges)
-            here.update(
-                f"INSERT {{ GRAPH :{name} {{ {stated} . ?x :partOf _:new }} }} WHERE {{ GRAPH :h {{ ?x ?p ?y }} }}"
-            )
+            stated = " . ".join(f"{one} :partOf {other}" for one, other in [("?x", edges[0][0]), *edges])
+            where = "SELECT ?x { GRAPH :h { ?x ?p ?y } } LIMIT 1"
+            here.update(f"INSERT {{ GRAPH :g {{ {stated} }} }} WHERE {{ {where} }}")
         case "move":
             here.update("MOVE :g TO :h")
         case "head":
