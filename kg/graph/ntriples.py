@@ -6,32 +6,18 @@ IRIs come from `kg.graph.iris` and `kg.graph.vocabulary`, which give only valid 
 from __future__ import annotations
 
 import math
-import re
 from decimal import Decimal
 from typing import TYPE_CHECKING, Final
 
 from kg.graph.vocabulary import LABEL, TYPE, XSD
+from kg.store.terms import literal
 
 if TYPE_CHECKING:
     from datetime import datetime
 
 __all__ = ["Writer", "boolean", "double", "integer", "literal", "moment", "plain"]
 
-_SPECIAL: Final = re.compile(r'["\\\x00-\x1f\x7f\ud800-\udfff]')
-_ESCAPES: Final = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\r": "\\r", "\t": "\\t", "\b": "\\b", "\f": "\\f"}
 _BOOLEANS: Final = (f'"false"^^<{XSD}boolean>', f'"true"^^<{XSD}boolean>')
-
-
-def _escape(match: re.Match[str]) -> str:
-    character = match[0]
-    if character >= "\ud800":
-        return "\ufffd"
-    return _ESCAPES.get(character) or f"\\u{ord(character):04X}"
-
-
-def literal(text: str) -> str:
-    """Return the string literal of `text`; surrogates (bytes that are no UTF-8) become U+FFFD."""
-    return f'"{_SPECIAL.sub(_escape, text)}"' if _SPECIAL.search(text) else f'"{text}"'
 
 
 def integer(number: int) -> str:

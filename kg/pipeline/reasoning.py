@@ -15,13 +15,13 @@ from kg.graph.ontology_files import ontology_triples
 from kg.graph.vocabulary import RNKG
 from kg.pipeline.inferring import digest
 from kg.query.prefixes import PREFIXES
-from kg.rules.cells import cells
 from kg.rules.explain.proof import Evidence
 from kg.rules.files import RuleSet
 from kg.rules.folders import families_in_force, user_folders
 from kg.rules.reading import discover, packs
 from kg.rules.recording import Names
 from kg.rules.specialise import schema_pattern, schema_query, specialised
+from kg.store.terms import cells
 
 if TYPE_CHECKING:
     from pathlib import Path

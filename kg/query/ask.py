@@ -15,9 +15,10 @@ from kg.similar import did_you_mean
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kg.query.result import Result, Term
+    from kg.query.result import Result
     from kg.query.stored import StoredQuery
     from kg.store.interface import Snapshot
+    from kg.store.terms import Term
 
 __all__ = ["ask", "row", "suggestion"]
 

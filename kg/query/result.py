@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
 if TYPE_CHECKING:
-    from pyoxigraph import BlankNode, Literal, NamedNode, Triple
+    from pyoxigraph import Triple
 
-    Term: TypeAlias = NamedNode | BlankNode | Literal | Triple
+    from kg.store.terms import Term
+
     Row: TypeAlias = tuple[Term | None, ...]
 
 __all__ = ["Boolean", "Graph", "Result", "Solutions"]

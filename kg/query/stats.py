@@ -18,8 +18,8 @@ from kg.query.result import Solutions
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kg.query.result import Term
     from kg.store.interface import Snapshot
+    from kg.store.terms import Term
 
 __all__ = ["Connectivity", "Statistics", "connectivity", "statistics"]
 

@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING, Final, Protocol
 import numpy as np
 from pyoxigraph import Literal, NamedNode
 
-from kg.rules.cells import cells
 from kg.rules.engine.facts import Facts, distinct, pack
-from kg.rules.engine.terms import Dictionary, spell
+from kg.rules.engine.terms import Dictionary
 from kg.rules.form import AUXILIARY, Aggregate, Atom, EngineBlock, Exists
+from kg.store.terms import cells, spell
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import re
 import time
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 import numpy as np
 from pyoxigraph import RdfFormat, parse
@@ -13,12 +12,13 @@ from kg.errors import GraphError, Place, SourceError, UsageError
 from kg.rules.columns import by_predicate
 from kg.rules.engine.evaluate import Limits, Program, evaluate
 from kg.rules.engine.facts import Facts, distinct
-from kg.rules.engine.terms import Dictionary, spell
+from kg.rules.engine.terms import Dictionary
 from kg.rules.lines import lacking, lines, stored
 from kg.rules.patches import stated
 from kg.rules.reports import Difference, RunReport, Seconds
 from kg.store.failure import translated
 from kg.store.layout import write_atomically
+from kg.store.terms import parts_of_lines, spell
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -30,13 +30,6 @@ if TYPE_CHECKING:
 
 __all__ = ["rdf_format", "run_files"]
 
-_TERM: Final = re.compile(
-    rb'<[^\x00-\x20<>"{}|^`\\]*>|_:[^\s<>"]+|"(?:[^"\\\n\r]|\\["\\nrtbf])*"(?:\^\^<[^\x00-\x20<>"{}|^`\\]*>|@[A-Za-z0-9-]+)?'
-)
-"""A term of N-Triples as `kg` and most others write it; whatever else there may be is left to the library."""
-
-_STRANGE: Final = (b"\t", b"\r", b"\n\n", b"\n#", b"_:", b"<<", b"\\u", b"\\U")
-
 
 def run_files(
     files: Sequence[Path], output: Path | None, rule_set: RuleSet, *, limits: Limits | None = None
@@ -45,7 +38,8 @@ def run_files(
 
     The ending of a file names its format; N-Triples are read fastest. Of quads the graph is left out.
 
-    Terms are compared as they are written: in a store `"01"^^xsd:integer` is `"1"^^xsd:integer`, here it is not.
+    Terms are what they would be in a store (`kg.store.terms`). Blank nodes of a single file keep their labels; those
+    of several files get new ones, since each file has labels of its own.
 
     Raises:
         RuleError: KG202, KG203, KG204 for rules that cannot run, KG205 at a limit; `output` is as it was.
@@ -58,7 +52,7 @@ def run_files(
     dictionary = Dictionary()
     columns: dict[int, list[NDArray[np.int64]]] = {}
     for file in files:
-        for predicate, keys in by_predicate(_rows(file, dictionary)):
+        for predicate, keys in by_predicate(_rows(file, dictionary, rename=len(files) > 1)):
             columns.setdefault(predicate, []).append(keys)
     given, asserted = Facts(), stated(rule_set.data, dictionary)
     for predicate, parts in columns.items():
@@ -82,34 +76,15 @@ def run_files(
     return RunReport(len(asserted), size, size, 0, seconds, program.levels, "full", reports, change, program.rules)
 
 
-def _rows(file: Path, dictionary: Dictionary) -> NDArray[np.int64]:
+def _rows(file: Path, dictionary: Dictionary, *, rename: bool) -> NDArray[np.int64]:
     """Return the triples of a file as rows of identifiers."""
     try:
         text = file.read_bytes()
     except OSError as error:
         raise SourceError("KG101", f"cannot be opened: {error.strerror}", place=Place(str(file))) from error
-    known = len(dictionary)
     kind = rdf_format(file)
-    cells = _cells(text) if kind == RdfFormat.N_TRIPLES else None
-    if cells is not None:
-        rows = dictionary.intern_all(cells).reshape(-1, 3)
-        if all(map(_TERM.fullmatch, dictionary.spellings(range(known, len(dictionary))))):
-            return rows
-    return dictionary.intern_all(_parsed(file, text, kind)).reshape(-1, 3)
-
-
-def _cells(text: bytes) -> list[bytes] | None:
-    """Return the terms of a text in which every line is three terms and ` .`, None for one that is less plain.
-
-    What separates terms may stand inside a string too; then there are more separators than the lines have.
-    """
-    number = text.count(b"\n")
-    if text.count(b" .\n") != number or text[-1:] not in {b"\n", b""} or any(one in text for one in _STRANGE):
-        return None
-    parted = text.replace(b" .\n", b"\t").replace(b"> <", b">\t<").replace(b'> "', b'>\t"')
-    found = parted.split(b"\t")
-    found.pop()
-    return found if len(found) == 3 * number else None
+    found = parts_of_lines(text) if kind == RdfFormat.N_TRIPLES else None
+    return dictionary.intern_all(found or _parsed(file, text, kind, rename=rename)).reshape(-1, 3)
 
 
 def rdf_format(file: Path) -> RdfFormat:
@@ -121,10 +96,10 @@ def rdf_format(file: Path) -> RdfFormat:
     return found
 
 
-def _parsed(file: Path, text: bytes, kind: RdfFormat) -> Iterator[bytes]:
+def _parsed(file: Path, text: bytes, kind: RdfFormat, *, rename: bool) -> Iterator[bytes]:
     """Yield the terms of a text as a store spells them."""
     try:
-        for triple in parse(text, kind, base_iri=file.absolute().as_uri()):
+        for triple in parse(text, kind, base_iri=file.absolute().as_uri(), rename_blank_nodes=rename):
             yield from (spell(triple.subject), spell(triple.predicate), spell(triple.object))
     except SyntaxError as error:
         raise GraphError("KG601", error.msg, place=Place(str(file), error.lineno, error.offset)) from error

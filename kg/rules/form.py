@@ -20,10 +20,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final, TypeAlias
 
-from pyoxigraph import BlankNode, Literal, NamedNode, Triple
+from kg.store.terms import Term
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+    from pyoxigraph import NamedNode
 
     from kg.errors import Place
 
@@ -75,7 +77,6 @@ class TripleTerm:
     object: Pattern
 
 
-Term: TypeAlias = NamedNode | BlankNode | Literal | Triple
 Pattern: TypeAlias = Term | Variable | TripleTerm
 """What may stand in a position of an atom. A blank node in a body is a constant (a term of the data): those that a
 notation writes as variables have become variables. A blank node in a head stands for a new one in each solution."""

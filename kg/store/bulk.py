@@ -19,6 +19,8 @@ from typing import TYPE_CHECKING, Final, cast
 
 from pyoxigraph import DefaultGraph, Quad, QueryResultsFormat, RdfFormat, parse
 
+from kg.store.terms import BLANK_MARK
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
     from typing import TypeAlias
@@ -30,8 +32,6 @@ if TYPE_CHECKING:
 
 __all__ = ["add", "exchange", "load", "load_quads", "remove", "table"]
 
-_LABEL: Final = b"_:"
-"""Text without this has no blank node."""
 _THREADS: Final = 2
 _LEAST_BYTES: Final = 4 << 20
 """A batch of at least this size goes to a thread of its own."""
@@ -46,7 +46,7 @@ _FEW: Final = 2500
 def table(engine: Engine, select: str, graph: NamedNode | None) -> bytes:
     """Return the rows of a SELECT over one graph (None: the default graph) as TSV, without the line of names.
 
-    TSV abbreviates numbers and booleans and leaves control characters as they are; see `kg.rules.cells`.
+    TSV abbreviates numbers and booleans and leaves control characters as they are; see `kg.store.terms.cells`.
     """
     rows = cast("QuerySolutions", engine().query(select, default_graph=graph or DefaultGraph()))
     text = cast("bytes", rows.serialize(format=QueryResultsFormat.TSV))
@@ -60,7 +60,7 @@ def load(engine: Engine, graph: Graph, chunks: Iterable[bytes]) -> int:
     """
 
     def one(batch: bytes) -> None:
-        if _LABEL in batch:
+        if BLANK_MARK in batch:
             engine().bulk_extend(_placed(graph, batch))
         else:
             engine().bulk_load(batch, RdfFormat.N_TRIPLES, to_graph=graph, lenient=True)
@@ -86,7 +86,7 @@ def load_quads(engine: Engine, graphs: Mapping[NamedNode, bytes]) -> int:
     size = 0
     for batch in _batches(_quads(graph, content) for graph, content in graphs.items()):
         size += len(batch)
-        if _LABEL in batch:
+        if BLANK_MARK in batch:
             engine().bulk_extend(parse(batch, RdfFormat.N_QUADS, lenient=True))
         else:
             engine().bulk_load(batch, RdfFormat.N_QUADS, lenient=True)
@@ -114,7 +114,7 @@ def add(engine: Engine, graph: NamedNode, lines: bytes) -> None:
 
 def remove(engine: Engine, graph: NamedNode, lines: bytes) -> None:
     """Take N-Triples out of a graph; blank nodes are told by their labels."""
-    if _LABEL not in lines:
+    if BLANK_MARK not in lines:
         # Twice as fast; but an update cannot name a blank node of the store.
         engine().update(f"DELETE DATA {{ GRAPH {graph} {{\n{lines.decode()}}} }}")
         return

@@ -14,13 +14,12 @@ from kg.store.locks import hold_generation
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
     from types import TracebackType
-    from typing import Self, TypeAlias
+    from typing import Self
 
-    from pyoxigraph import BlankNode, Literal, Quad, QueryBoolean, QuerySolutions, QueryTriples, Triple, Variable
+    from pyoxigraph import BlankNode, Quad, QueryBoolean, QuerySolutions, QueryTriples, Variable
 
     from kg.store.layout import Layout
-
-    Term: TypeAlias = NamedNode | BlankNode | Literal | Triple
+    from kg.store.terms import Term
 
 __all__ = ["EmbeddedSnapshot", "MemorySnapshot"]
 

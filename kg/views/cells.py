@@ -6,7 +6,6 @@ import json
 from collections import defaultdict
 from typing import TYPE_CHECKING, Any, Final
 
-import pyoxigraph
 from pyoxigraph import Variable
 
 from kg.errors import UsageError
@@ -16,7 +15,7 @@ from kg.query.prefixes import PREFIXES
 from kg.query.rows import rows
 from kg.views.arguments import whole
 from kg.views.evidence import places as known_places
-from kg.views.terms import called, listing, named_node
+from kg.views.terms import called, given_term, listing, named_node
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -78,16 +77,8 @@ def _things(snapshot: EmbeddedSnapshot, iris: Sequence[str]) -> list[dict[str, A
 def _holds(snapshot: EmbeddedSnapshot, ask: str, names: str, terms: Sequence[str]) -> bool:
     if any(term.startswith("_:") for term in terms):
         return False
-    given = {Variable(name): _term(term) for name, term in zip(names, terms, strict=True)}
+    given = {Variable(name): given_term(term) for name, term in zip(names, terms, strict=True)}
     return bool(snapshot.query(ask, prefixes=PREFIXES, substitutions=given))
-
-
-def _term(text: str) -> Any:
-    """Return the term that N-Triples writes as `text`."""
-    try:
-        return next(iter(pyoxigraph.parse(f"<x:s> <x:p> {text} .", pyoxigraph.RdfFormat.N_TRIPLES))).object
-    except (SyntaxError, StopIteration):
-        raise UsageError("KG003", f"`{text}` is no term", hint="Write terms as N-Triples does.") from None
 
 
 def _lists(given: str | Sequence[Sequence[str]], length: int) -> list[list[str]]:

@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import msgspec
-import pyoxigraph
 
 from kg.errors import UsageError
 from kg.facts import Location
 from kg.rules.explain.rows import why_row as traced
 from kg.views.arguments import whole
 from kg.views.evidence import places
+from kg.views.terms import given_term
 from kg.views.why import explaining
 from kg.views.why_tree import Telling
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kg.rules.form import Term
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
@@ -40,7 +39,7 @@ def why_row(
         RuleError: KG201 for a query that is no SELECT, KG226 for a row that cannot be traced back (of inner groups).
     """
     rules, view = explaining(snapshot, settings)
-    terms = {name: _term(text) for name, text in _row(row).items()}
+    terms = {name: given_term(text) for name, text in _row(row).items()}
     found = traced(view, rules.rules, query, terms)
     telling = Telling(view, rules, places(snapshot), settings.base)
     return {
@@ -66,12 +65,3 @@ def _row(given: str | Mapping[str, str]) -> Mapping[str, str]:
         return msgspec.json.decode(given, type=dict[str, str])
     except msgspec.DecodeError as error:
         raise UsageError("KG003", f"the row is no JSON object of texts: {error}") from None
-
-
-def _term(text: str) -> Term:
-    """Return the term that N-Triples writes as `text`."""
-    try:
-        statement = next(iter(pyoxigraph.parse(f"<x:s> <x:p> {text} .", pyoxigraph.RdfFormat.N_TRIPLES)))
-    except (SyntaxError, StopIteration):
-        raise UsageError("KG003", f"`{text}` is no term", hint="Write terms as N-Triples does.") from None
-    return cast("Term", statement.object)

@@ -11,14 +11,16 @@ from kg.errors import UsageError
 from kg.graph.interfaces import SHAPES
 from kg.query.prefixes import PREFIXES, shorten
 from kg.query.rows import rows
+from kg.store.terms import of_spelling
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from kg.facts import Role
     from kg.store.snapshot import EmbeddedSnapshot
+    from kg.store.terms import Term
 
-__all__ = ["called", "labels", "listing", "named_node", "node_parts", "role_of"]
+__all__ = ["called", "given_term", "labels", "listing", "named_node", "node_parts", "role_of"]
 
 _ROLES: Final = {shape.component: role for role, shape in SHAPES.items()}
 
@@ -32,6 +34,14 @@ def named_node(text: str) -> NamedNode:
     except ValueError:
         hint = "Give it whole, `https://...`, or with a prefix that is known here, `rnkg:feeds`."
         raise UsageError("KG003", f"`{text}` is no IRI", hint=hint) from None
+
+
+def given_term(text: str) -> Term:
+    """Return the term that N-Triples writes as `text`; UsageError KG003 where it writes none."""
+    try:
+        return of_spelling(text)
+    except SyntaxError:
+        raise UsageError("KG003", f"`{text}` is not an RDF term", hint="Use N-Triples syntax.") from None
 
 
 def listing(iris: Iterable[str]) -> str:

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, Final, cast
 
 import msgspec
-import pyoxigraph
 from pyoxigraph import Literal, NamedNode
 
 from kg.errors import KgError, QueryError
@@ -34,6 +33,7 @@ from kg.query.window import Window
 from kg.settings import load
 from kg.store.layout import Layout
 from kg.store.snapshot import EmbeddedSnapshot
+from kg.store.terms import of_spelling
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -180,10 +180,9 @@ class _Reader:
 def _term(name: str, text: str) -> NamedNode | Literal:
     """Return the term that N-Triples writes as `text`; QueryError KG505 when that is no IRI and no literal."""
     try:
-        statements = list(pyoxigraph.parse(f"<x:s> <x:p> {text} .", pyoxigraph.RdfFormat.N_TRIPLES))
+        term = of_spelling(text)
     except SyntaxError:
-        statements = []
-    term = statements[0].object if len(statements) == 1 else None
+        term = None
     if not isinstance(term, NamedNode | Literal):
         raise QueryError("KG505", f"`{text}` for ?{name} is no term of N-Triples", hint='Write <iri> or "text".')
     return term

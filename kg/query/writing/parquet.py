@@ -17,7 +17,8 @@ from kg.query.writing.values import plain, turtle
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from kg.query.result import Row, Term
+    from kg.query.result import Row
+    from kg.store.terms import Term
 
 __all__ = ["NAME", "is_installed", "written"]
 

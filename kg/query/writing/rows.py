@@ -21,7 +21,8 @@ from kg.query.writing.values import XSD, display, plain, quoted_and_mark, turtle
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from kg.query.result import Row, Term
+    from kg.query.result import Row
+    from kg.store.terms import Term
 
 __all__ = ["BOOLEANS", "ROWS", "RowFormat"]
 

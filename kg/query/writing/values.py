@@ -11,7 +11,7 @@ from pyoxigraph import Literal, NamedNode, Triple
 from kg.query.prefixes import shorten
 
 if TYPE_CHECKING:
-    from kg.query.result import Term
+    from kg.store.terms import Term
 
 __all__ = ["STRING", "XSD", "display", "plain", "quoted_and_mark", "turtle"]
 

@@ -14,7 +14,8 @@ from kg.query.writing.values import quoted_and_mark
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kg.query.result import Row, Term
+    from kg.query.result import Row
+    from kg.store.terms import Term
 
 __all__ = ["TAIL", "boolean", "head", "refuse_unwritable", "rows"]
 

@@ -12,7 +12,7 @@ from datetime import UTC, datetime
 from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
-from pyoxigraph import NamedNode, RdfFormat, Store, parse
+from pyoxigraph import DefaultGraph, NamedNode, RdfFormat, Store, parse
 
 from kg.graph import vocabulary as v
 from kg.graph.iris import Iris
@@ -80,13 +80,12 @@ class Knowledge:
         `kg.rules.engine.evaluate` raises.
         """
         store = Store()
-        store.bulk_load(content, RdfFormat.N_TRIPLES)
+        bulk.load(lambda: store, DefaultGraph(), [content])
         _, own = read_columns(_Tables(store), wanted(self.program.rules), [None], self.dictionary)
         found = evaluate(self.program, self.dictionary, union_of([self.ontology, own])).inferred
         shown = stored(found, self.dictionary)
-        written = b"".join(lines(shown, self.dictionary))
-        store.bulk_load(written, RdfFormat.N_TRIPLES, to_graph=self.inferred)
-        store.bulk_load(self.told if whole else self.short, RdfFormat.N_TRIPLES)
+        bulk.load(lambda: store, self.inferred, lines(shown, self.dictionary))
+        bulk.load(lambda: store, DefaultGraph(), [self.told if whole else self.short])
         return Whole(store)
 
 
@@ -131,7 +130,7 @@ class _Same:
 def _known(same: _Same) -> Knowledge:
     content = ontology_triples([path for path in default_ontologies() if path.name not in _LEFT_OUT])
     store = Store()
-    store.bulk_load(content, RdfFormat.N_TRIPLES)
+    bulk.load(lambda: store, DefaultGraph(), [content])
     rules = discover(rule_folders(same.settings), packs(), _families(same.settings), [])
     rules = specialised(rules, schema_of(store))
     dictionary = Dictionary()

@@ -9,8 +9,8 @@ import pyoxigraph as ox
 
 from kg.rules.engine.facts import unpack
 from kg.rules.engine.tables import Table
-from kg.rules.engine.terms import spell
 from kg.rules.sparql import spelling
+from kg.store.terms import spell
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

@@ -11,7 +11,8 @@ from pyoxigraph import BlankNode
 from kg.rules.engine.facts import Facts, distinct, pack
 from kg.rules.engine.plan import Fresh
 from kg.rules.engine.tables import Table, distinct_rows
-from kg.rules.engine.terms import IRI, spell
+from kg.rules.engine.terms import IRI
+from kg.store.terms import spell
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence

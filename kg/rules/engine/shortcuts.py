@@ -11,8 +11,9 @@ import numpy as np
 from pyoxigraph import NamedNode
 
 from kg.rules.engine.facts import distinct
-from kg.rules.engine.terms import BLANK, IRI, LITERAL, datatype, spell
+from kg.rules.engine.terms import BLANK, IRI, LITERAL
 from kg.rules.syntax.lexer import END, token_at
+from kg.store.terms import datatype, spell
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

@@ -1,28 +1,25 @@
-"""Terms as integers: a term is interned by its N-Triples spelling, as the store's engine writes it."""
+"""Terms as integers: a term is interned by its spelling (`kg.store.terms`)."""
 
 from __future__ import annotations
 
-from functools import lru_cache
-from typing import TYPE_CHECKING, Final, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
-from pyoxigraph import Literal, NamedNode, Quad, RdfFormat, Store, Triple, parse
+from pyoxigraph import Triple
+
+from kg.store.terms import of_spelling, spell
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from numpy.typing import NDArray
 
-    from kg.rules.form import Term
+    from kg.store.terms import Term
 
-__all__ = ["BLANK", "IRI", "LITERAL", "MAX_TERMS", "TRIPLE", "Dictionary", "datatype", "spell"]
+__all__ = ["BLANK", "IRI", "LITERAL", "MAX_TERMS", "TRIPLE", "Dictionary"]
 
 MAX_TERMS = 1 << 31
 """Two identifiers share one signed integer of 64 bits."""
-
-_XSD: Final = "http://www.w3.org/2001/XMLSchema#"
-_STRING: Final = f"{_XSD}string"
-_ANYTHING: Final = NamedNode("urn:kg:anything")
 
 IRI, BLANK, LITERAL, TRIPLE = range(1, 5)
 """The kinds of terms; 0 is that of "unbound"."""
@@ -88,7 +85,7 @@ class Dictionary:
 
     def term(self, identifier: int) -> Term:
         """Return a term as one of pyoxigraph's."""
-        return _parsed(self._spellings[identifier])
+        return of_spelling(self._spellings[identifier])
 
     def kinds(self, identifiers: NDArray[np.int64]) -> NDArray[np.int8]:
         """Return the kind of each term. Only spellings of terms that are asked for the first time are looked at."""
@@ -127,41 +124,3 @@ class Dictionary:
             )
             self._parts[identifier] = found
         return found
-
-
-def _parsed(spelling: bytes) -> Term:
-    """Return the term that a spelling stands for."""
-    line = b"<urn:s> <urn:p> " + spelling + b" ."
-    term: Term = next(iter(parse(line, RdfFormat.N_TRIPLES))).object
-    return term
-
-
-def spell(term: Term) -> bytes:
-    """Return the N-Triples spelling of a term of pyoxigraph, the same that a dump of the store has."""
-    if isinstance(term, NamedNode):
-        return b"<" + term.value.encode() + b">"
-    if isinstance(term, Triple):
-        # The library writes a triple as a statement; inside of another triple it writes it as a term.
-        return b"<<( %s %s %s )>>" % (spell(term.subject), spell(term.predicate), spell(term.object))
-    if isinstance(term, Literal) and term.datatype.value.startswith(_XSD) and term.datatype.value != _STRING:
-        term = _stored(term)
-    return str(term).encode()
-
-
-@lru_cache(maxsize=4096)
-def _stored(literal: Literal) -> Literal:
-    """Return a literal as a store gives it back, which keeps values of numbers and times, not how they were written."""
-    store = Store()
-    store.add(Quad(_ANYTHING, _ANYTHING, literal))
-    return cast("Literal", next(iter(store)).object)
-
-
-def datatype(literal: bytes) -> bytes:
-    """Return the spelling of the datatype of a literal that is spelt."""
-    if literal.endswith(b'"'):
-        return b"<http://www.w3.org/2001/XMLSchema#string>"
-    if literal.endswith(b">"):
-        return literal[literal.rindex(b"<") :]
-    # A language tag has no hyphen twice in a row: two of them begin the direction of a text (RDF 1.2).
-    directed = b"--" in literal[literal.rindex(b'"') :]
-    return b"<http://www.w3.org/1999/02/22-rdf-syntax-ns#%s>" % (b"dirLangString" if directed else b"langString")

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from pyoxigraph import BlankNode, Literal, NamedNode, Quad, Store, Triple
 
-from kg.rules.engine.terms import spell
 from kg.rules.form import (
     AUXILIARY,
     Aggregate,
@@ -26,6 +25,7 @@ from kg.rules.form import (
 )
 from kg.rules.scope import bound_in
 from kg.rules.stratify import stratify
+from kg.store.terms import spell
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pyoxigraph import BlankNode, Literal, NamedNode, Triple
 
-from kg.rules.engine.terms import BLANK, IRI, LITERAL, TRIPLE, Dictionary, spell
+from kg.rules.engine.terms import BLANK, IRI, LITERAL, TRIPLE, Dictionary
+from kg.store.terms import spell
 
 if TYPE_CHECKING:
     from kg.rules.form import Term

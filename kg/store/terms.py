@@ -1,0 +1,192 @@
+r"""What a term is in text, in the store and in columns: its spelling, which is that of a dump of the store.
+
+A term is spelt as N-Triples (W3C RDF 1.2 N-Triples) has it, with the escapes of its canonical form, and with the value
+that the store keeps:
+
+    <urn:a>  _:b0  "text"  "text"@en  "text"@ar--rtl  "1"^^<http://www.w3.org/2001/XMLSchema#integer>
+    <<( <urn:a> <urn:p> "x" )>>
+
+The store keeps values of numbers, booleans, dates, times and durations, not how they were written, so these are spelt
+in one way each: `"01"^^xsd:integer`, `"+1"^^xsd:integer` and `"1"^^xsd:byte` all are `"1"^^xsd:integer`. Language
+tags are in lower case. Two terms are the same where their spellings are, wherever rules run.
+
+A label of a blank node is the node's name within one store. Files have labels of their own: whoever reads one gives its
+blank nodes new labels (`rename_blank_nodes`).
+"""
+
+from __future__ import annotations
+
+import re
+from functools import lru_cache
+from typing import TYPE_CHECKING, Final, TypeAlias, cast
+
+from pyoxigraph import BlankNode, Literal, NamedNode, Quad, RdfFormat, Store, Triple, parse
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+__all__ = ["BLANK_MARK", "Term", "cells", "datatype", "literal", "of_spelling", "parts_of_lines", "spell"]
+
+Term: TypeAlias = NamedNode | BlankNode | Literal | Triple
+
+BLANK_MARK: Final = b"_:"
+"""Begins each blank node; text without it has none."""
+
+_XSD: Final = "http://www.w3.org/2001/XMLSchema#"
+_STRING: Final = f"{_XSD}string"
+_XSD_BYTES: Final = _XSD.encode()
+_ANYTHING: Final = NamedNode("urn:kg:anything")
+
+_SPECIAL: Final = re.compile(r'["\\\x00-\x1f\x7f\ud800-\udfff]')
+_ESCAPES: Final = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\r": "\\r", "\t": "\\t", "\b": "\\b", "\f": "\\f"}
+
+_CONTROLS: Final = bytes([*range(9), 11, 12, *range(14, 32), 127])
+"""What a string of TSV holds raw; tabs and ends of lines are escaped in both formats."""
+_NO_CHARACTERS: Final = (b"\xef\xbf\xbe", b"\xef\xbf\xbf")
+"""U+FFFE and U+FFFF, which are escaped in N-Triples too."""
+_ESCAPED: Final = re.compile(rb"[\x00-\x1f\x7f]|\xef\xbf[\xbe\xbf]")
+_INSIDE: Final = re.compile(rb'"(?:[^"\\]|\\.)*"|<[^<>]*>|(?<= )(?:[+-]?[0-9.]+|true|false)(?= \)>>)')
+"""In a triple term: what is passed over, and a short form where the object stands."""
+
+_TERM: Final = re.compile(
+    rb'<[^\x00-\x20<>"{}|^`\\]*>|"(?:[^"\\\n\r]|\\["\\nrtbf])*"(?:\^\^<[^\x00-\x20<>"{}|^`\\]*>|@[A-Za-z0-9-]+)?'
+)
+"""A term of N-Triples as `kg` and most others write it; whatever else there may be is left to the library."""
+_STRANGE: Final = (b"\t", b"\r", b"\n\n", b"\n#", BLANK_MARK, b"<<", b"\\u", b"\\U", *_NO_CHARACTERS)
+_SURE: Final = re.compile(
+    rb'.*"|<.*|"(?:0|-?[1-9][0-9]{0,17})"\^\^<http://www\.w3\.org/2001/XMLSchema#integer>|.*"@[a-z]+', re.DOTALL
+)
+"""Is spelt as the store spells it: IRIs, strings, most integers, texts in a language."""
+
+
+def spell(term: Term) -> bytes:
+    """Return the spelling of a term, the same that a dump of the store has."""
+    if isinstance(term, NamedNode):
+        return b"<" + term.value.encode() + b">"
+    if isinstance(term, Triple):
+        # The library writes a triple as a statement; inside of another triple it writes it as a term.
+        return b"<<( %s %s %s )>>" % (spell(term.subject), spell(term.predicate), spell(term.object))
+    if isinstance(term, Literal) and term.datatype.value.startswith(_XSD) and term.datatype.value != _STRING:
+        term = _stored(term)
+    return str(term).encode()
+
+
+@lru_cache(maxsize=4096)
+def _stored(written: Literal) -> Literal:
+    """Return a literal as a store gives it back."""
+    store = Store()
+    store.add(Quad(_ANYTHING, _ANYTHING, written))
+    return cast("Literal", next(iter(store)).object)
+
+
+def of_spelling(text: str | bytes) -> Term:
+    """Return the one term that N-Triples writes as `text`; SyntaxError where it writes none, or more than that."""
+    written = text.encode() if isinstance(text, str) else text
+    found = list(parse(b"<urn:s> <urn:p> " + written + b" .", RdfFormat.N_TRIPLES))
+    if len(found) != 1:
+        raise SyntaxError("not one term")
+    return cast("Term", found[0].object)
+
+
+def literal(text: str) -> str:
+    """Return the spelling of a string literal; surrogates (bytes that are no UTF-8) become U+FFFD."""
+    return f'"{_SPECIAL.sub(_escape, text)}"' if _SPECIAL.search(text) else f'"{text}"'
+
+
+def _escape(match: re.Match[str]) -> str:
+    character = match[0]
+    if character >= "\ud800":
+        return "\ufffd"
+    return _ESCAPES.get(character) or f"\\u{ord(character):04X}"
+
+
+def datatype(spelling: bytes) -> bytes:
+    """Return the spelling of the datatype of a literal that is spelt."""
+    if spelling.endswith(b'"'):
+        return b"<%sstring>" % _XSD_BYTES
+    if spelling.endswith(b">"):
+        return spelling[spelling.rindex(b"<") :]
+    # A language tag has no hyphen twice in a row: two of them begin the direction of a text (RDF 1.2).
+    directed = b"--" in spelling[spelling.rindex(b'"') :]
+    return b"<http://www.w3.org/1999/02/22-rdf-syntax-ns#%s>" % (b"dirLangString" if directed else b"langString")
+
+
+def parts_of_lines(text: bytes) -> list[bytes] | None:
+    """Return the terms of N-Triples, spelt, three for each line; None for a text that is less plain than most.
+
+    What separates terms may stand inside a string too; then there are more separators than the lines have.
+    """
+    number = text.count(b"\n")
+    if text.count(b" .\n") != number or text[-1:] not in {b"\n", b""} or any(one in text for one in _STRANGE):
+        return None
+    if len(text.translate(None, _CONTROLS)) != len(text):
+        return None
+    parted = text.replace(b" .\n", b"\t").replace(b"> <", b">\t<").replace(b'> "', b'>\t"')
+    found = parted.split(b"\t")
+    found.pop()
+    distinct = set(found)
+    if len(found) != 3 * number or not all(map(_TERM.fullmatch, distinct)):
+        return None
+    try:
+        spelt = _spelt([part for part in distinct if not _SURE.fullmatch(part)])
+    except SyntaxError:
+        return None
+    return [spelt.get(part, part) for part in found] if spelt else found
+
+
+def _spelt(written: list[bytes]) -> dict[bytes, bytes]:
+    """Return how the store spells literals, by how they are written; SyntaxError where one is not valid."""
+    store = Store()
+    lines = b"".join(b"<urn:%d> <urn:p> %s .\n" % (number, one) for number, one in enumerate(written))
+    store.extend(parse(lines, RdfFormat.N_TRIPLES))
+    return {written[int(quad.subject.value[4:])]: str(quad.object).encode() for quad in store}
+
+
+def cells(text: bytes, width: int) -> list[bytes]:
+    """Return the cells of a table in TSV (without its line of names), spelt, row by row.
+
+    Each row has `width` cells, none empty. TSV (SPARQL 1.1 Query Results CSV and TSV Formats, section 4) may write
+    numbers and booleans without quotes and data type, and it leaves control characters in strings, which N-Triples
+    escapes.
+    """
+    found = text.replace(b"\n", b"\t").split(b"\t")
+    found.pop()
+    for repair in _repairs(text):
+        for column in range(width):
+            found[column::width] = map(repair, found[column::width])
+    return found
+
+
+def _repairs(text: bytes) -> list[Callable[[bytes], bytes]]:
+    """Return what has to be done to the cells of a text; a look at it as a whole shows that for most it is nothing."""
+    needed: list[Callable[[bytes], bytes]] = []
+    regular = text.count(b"\t<") + text.count(b'\t"') + text.count(b"\t_")
+    regular += text.count(b"\n<") + text.count(b'\n"') + text.count(b"\n_") + (text[:1] in {b"<", b'"', b"_"})
+    if regular != text.count(b"\t") + text.count(b"\n"):
+        needed.append(_long)
+    if b"<<(" in text:
+        needed.append(_triple)
+    if len(text.translate(None, _CONTROLS)) != len(text) or any(one in text for one in _NO_CHARACTERS):
+        needed.append(_escape_cell)
+    return needed
+
+
+def _long(cell: bytes) -> bytes:
+    if cell[:1] in {b"<", b'"', b"_"}:
+        return cell
+    if cell in {b"true", b"false"}:
+        return b'"%s"^^<%sboolean>' % (cell, _XSD_BYTES)
+    return b'"%s"^^<%s%s>' % (cell, _XSD_BYTES, b"decimal" if b"." in cell else b"integer")
+
+
+def _triple(cell: bytes) -> bytes:
+    return _INSIDE.sub(lambda match: _long(match[0]), cell) if cell.startswith(b"<<(") else cell
+
+
+def _escape_cell(cell: bytes) -> bytes:
+    return cell if cell.startswith(b"<") and not cell.startswith(b"<<(") else _ESCAPED.sub(_escape_bytes, cell)
+
+
+def _escape_bytes(match: re.Match[bytes]) -> bytes:
+    short = {b"\b": b"\\b", b"\f": b"\\f"}.get(match[0])
+    return short or b"\\u%04X" % ord(match[0].decode())
