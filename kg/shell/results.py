@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from textual.binding import BindingType
 
     from kg.errors import KgError
-    from kg.query.result import Result, Term
+    from kg.query.result import Result
+    from kg.store.terms import Term
 
 __all__ = ["PAGE_ROWS", "AnswerTable", "ResultView", "columns_of", "rows_of"]
 

@@ -48,15 +48,12 @@ _ESCAPED: Final = re.compile(rb"[\x00-\x1f\x7f]|\xef\xbf[\xbe\xbf]")
 _INSIDE: Final = re.compile(rb'"(?:[^"\\]|\\.)*"|<[^<>]*>|(?<= )(?:[+-]?[0-9.]+|true|false)(?= \)>>)')
 """In a triple term: what is passed over, and a short form where the object stands."""
 
-_TERM: Final = re.compile(
-    rb'<[^\x00-\x20<>"{}|^`\\]*>|"(?:[^"\\\n\r]|\\["\\nrtbf])*"(?:\^\^<[^\x00-\x20<>"{}|^`\\]*>|@[A-Za-z0-9-]+)?'
+_PLAIN: Final = re.compile(
+    rb'<[^\x00-\x20<>"{}|^`\\]*>|"(?:[^"\\\n\r]|\\["\\nrtbf])*"(?:@[a-z]+)?'
+    rb'|"(?:0|-?[1-9][0-9]{0,17})"\^\^<http://www\.w3\.org/2001/XMLSchema#integer>'
 )
-"""A term of N-Triples as `kg` and most others write it; whatever else there may be is left to the library."""
+"""A term that is written as it is spelt, as most are: an IRI, a string, a text in a language, an integer."""
 _STRANGE: Final = (b"\t", b"\r", b"\n\n", b"\n#", BLANK_MARK, b"<<", b"\\u", b"\\U", *_NO_CHARACTERS)
-_SURE: Final = re.compile(
-    rb'.*"|<.*|"(?:0|-?[1-9][0-9]{0,17})"\^\^<http://www\.w3\.org/2001/XMLSchema#integer>|.*"@[a-z]+', re.DOTALL
-)
-"""Is spelt as the store spells it: IRIs, strings, most integers, texts in a language."""
 
 
 def spell(term: Term) -> bytes:
@@ -124,12 +121,14 @@ def parts_of_lines(text: bytes) -> list[bytes] | None:
     parted = text.replace(b" .\n", b"\t").replace(b"> <", b">\t<").replace(b'> "', b'>\t"')
     found = parted.split(b"\t")
     found.pop()
-    distinct = set(found)
-    if len(found) != 3 * number or not all(map(_TERM.fullmatch, distinct)):
+    if len(found) != 3 * number:
         return None
+    others = [part for part in set(found) if not _PLAIN.fullmatch(part)]
     try:
-        spelt = _spelt([part for part in distinct if not _SURE.fullmatch(part)])
+        spelt = _spelt(others)
     except SyntaxError:
+        return None
+    if len(spelt) != len(others):
         return None
     return [spelt.get(part, part) for part in found] if spelt else found
 

@@ -94,5 +94,5 @@ def test_terms_are_read_back(term: Literal) -> None:
 def written(term: Literal | Triple) -> bytes:
     """Return a term as N-Triples, with the value as it is written."""
     if isinstance(term, Triple):
-        return b"<<( <urn:p> <urn:p> %s )>>" % written(term.object)  # type: ignore[arg-type]
+        return b"<<( <urn:p> <urn:p> %s )>>" % written(term.object)  # type: ignore[arg-type]  # what `terms` has inside
     return str(term).encode()

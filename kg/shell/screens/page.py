@@ -32,9 +32,9 @@ if TYPE_CHECKING:
     from textual.binding import BindingType
     from textual.widgets.tree import TreeNode
 
-    from kg.query.result import Term
     from kg.shell.app import Shell
     from kg.shell.link import Link
+    from kg.store.terms import Term
 
 __all__ = ["LineTree", "PageScreen", "proof_page", "row_page", "thing"]
 
