@@ -51,7 +51,7 @@ def content_of(store: EmbeddedStore) -> set[Quad]:
 
 
 @given(st.sets(quads, max_size=40), st.sets(st.sampled_from(GRAPHS), min_size=1), st.sets(quads, max_size=20))
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=20)
 def test_replacing_any_share_of_a_store_keeps_the_rest(
     before: set[Quad], replaced: set[NamedNode], new: set[Quad]
 ) -> None:
@@ -66,7 +66,7 @@ def test_replacing_any_share_of_a_store_keeps_the_rest(
 
 
 @given(st.sets(quads, max_size=30), st.sets(quads, max_size=30), st.sampled_from(GRAPHS))
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=20)
 def test_every_way_of_writing_keeps_labels(before: set[Quad], added: set[Quad], graph: NamedNode) -> None:
     """Patches, additions and small graphs speak of the nodes that the store has, and so do removals."""
     here = [quad for quad in before if quad.graph_name == graph]
