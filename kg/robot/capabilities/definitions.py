@@ -14,7 +14,7 @@ from kg.query.stored import internal
 from kg.robot.capability import Capability, Parameter
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping
 
     from kg.graph.reading import Properties
     from kg.robot.capability import Way
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 __all__ = ["Askable", "Definition", "definitions"]
 
 _SKOS_ALTERNATIVE: Final = f"{v.SKOS}altLabel"
+_PARTS: Final = {"read": frozenset({"response", "result", "feedback"}), "write": frozenset({"request", "goal"})}
+"""The parts of services and actions that hold what a capability of a modality gives or takes."""
 _TYPES: Final = frozenset({"number", "integer", "boolean", "text", "list"})
 
 
@@ -79,7 +81,8 @@ class Definition:
 
     def fields_of(self, messages: frozenset[str]) -> dict[str, str]:
         """Return the paths of parameters in messages of these names, by the name of the parameter."""
-        found = ((name, _within(texts, messages)) for name, texts in self.fields.items())
+        parts = _PARTS.get(self.modality, frozenset())
+        found = ((name, _path(texts, messages, parts)) for name, texts in self.fields.items())
         return {name: path for name, path in found if path is not None}
 
     def constants_of(self, messages: frozenset[str]) -> dict[str, float | bool | str]:
@@ -87,7 +90,7 @@ class Definition:
         found: dict[str, float | bool | str] = {}
         for text in self.constants:
             place, _, value = text.partition(" = ")
-            path = _within((place,), messages)
+            path = _path((place,), messages, _PARTS.get(self.modality, frozenset()))
             if path is not None:
                 found[path] = _value(value)
         return found
@@ -159,13 +162,17 @@ def _value(text: str) -> float | bool | str:
     return text
 
 
-def _within(texts: tuple[str, ...], messages: frozenset[str]) -> str | None:
-    """Return the path behind the name of one of the messages; names may have two words (`nav_msgs/GetMap request`)."""
+def _path(texts: Iterable[str], messages: frozenset[str], parts: frozenset[str]) -> str | None:
+    """Return the path that one of `texts` declares for one of `messages`.
+
+    A text is `std_msgs/Bool data`, or with a part `std_srvs/SetBool request data`. A context names the service as a
+    whole (`std_srvs/SetBool`), which stands for its `parts`.
+    """
     for text in texts:
-        words = text.split(" ")
-        for length in (2, 1):
-            if len(words) > length and " ".join(words[:length]) in messages:
-                return " ".join(words[length:])
+        message, _, path = text.rpartition(" ")
+        whole, _, part = message.partition(" ")
+        if message in messages or (whole in messages and part in parts):
+            return path
     return None
 
 

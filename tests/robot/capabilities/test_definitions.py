@@ -1,7 +1,9 @@
 from __future__ import annotations
 
 import string
+from typing import Any
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from pyoxigraph import RdfFormat, Store
@@ -9,7 +11,10 @@ from pyoxigraph import RdfFormat, Store
 from kg.graph.ontology_files import ontology_triples
 from kg.robot.capabilities import Definition, definitions
 from kg.robot.capability import Way
+from kg.robot.driving.fields import type_at
+from kg.robot.driving.paths import parse
 from kg.robot.live.whole import Whole
+from kg.robot.messages import Types
 
 _PREFIXES = """
 @prefix : <https://w3id.org/rnkg/capability#> .
@@ -31,6 +36,12 @@ _HOPPING = """
 :way a rnkg:CapabilityParameter ; rnkg:name "way" ; rnkg:order 1 ; rnkg:parameterKind "text" ; rnkg:defaultValue "1" ;
     rnkg:choice "1", "2" .
 """
+_PAIRS = """
+SELECT DISTINCT ?context ?capability ?type WHERE {
+    ?context rnkg:contextMessage ?type ; rnkg:suggests ?capability .
+}
+"""
+_SENT = {"write": ("", "_Request", "_Goal"), "read": ("", "_Response", "_Result", "_Feedback")}
 
 
 def _read(text: str) -> dict[str, Definition]:
@@ -58,6 +69,50 @@ def test_fields_and_constants_are_those_of_the_message() -> None:
     assert hopping.constants_of(frozenset({"a_msgs/Hop"})) == {"mode": 2, "frame": "map"}
     assert hopping.constants_of(frozenset({"a_msgs/Jump request"})) == {"sure": True}
     assert not hopping.fields_of(frozenset({"a_msgs/Other"}))
+
+
+def test_a_service_named_as_a_whole_has_the_fields_of_the_part_that_is_sent() -> None:
+    """A context names a service without its part: a command fills its request, and nothing of its response."""
+    hopping = _read(
+        _HOPPING.replace('"a_msgs/Jump request height"', '"a_msgs/Jump response x", "a_msgs/Jump request y"')
+    )
+    whole = frozenset({"a_msgs/Jump"})
+    assert hopping["hopping"].fields_of(whole) == {"height": "y"}
+    assert hopping["hopping"].constants_of(whole) == {"sure": True}
+
+
+def _every_pair() -> list[tuple[str, str, str]]:
+    store = Store()
+    store.bulk_load(ontology_triples(), RdfFormat.N_TRIPLES)
+    prefixes = _PREFIXES.replace("@prefix", "PREFIX").replace(" .\n", "\n")
+    rows: Any = store.query(prefixes + _PAIRS)
+    return sorted(tuple(row[name].value for name in ("context", "capability", "type")) for row in rows)
+
+
+@pytest.fixture(scope="module")
+def shipped() -> dict[str, Definition]:
+    """The capabilities of the ontologies that kg brings."""
+    store = Store()
+    store.bulk_load(ontology_triples(), RdfFormat.N_TRIPLES)
+    return definitions(Whole(store))
+
+
+@pytest.mark.parametrize("ros", [1, 2])
+def test_what_a_context_suggests_names_fields_of_its_messages(shipped: dict[str, Definition], ros: int) -> None:
+    """For every context, message and capability it suggests, each path exists in a type that kg knows."""
+    types = Types(ros)
+    reached = []
+    for context, capability, name in _every_pair():
+        definition = shipped[capability]
+        paths = [*definition.fields_of(frozenset({name})).values(), *definition.constants_of(frozenset({name}))]
+        sent = [name + part for part in _SENT[definition.modality] if types.knows(name + part)]
+        for path in paths:
+            assert " " not in path, (context, capability, name)
+            if sent:
+                type_at(parse(path), types, sent[0])
+                reached.append(name)
+    assert "std_msgs/Bool" in reached
+    assert "std_srvs/SetBool" in reached
 
 
 def test_parameters_are_those_that_a_way_has_a_field_for() -> None:
@@ -88,13 +143,10 @@ def test_any_text_may_stand_for_a_constant(text: str) -> None:
     assert isinstance(value, bool | int | float | str)
 
 
-def test_every_capability_that_kg_brings_can_be_read() -> None:
+def test_every_capability_that_kg_brings_can_be_read(shipped: dict[str, Definition]) -> None:
     """Each has a label, a modality, a kind, and parameters of different names."""
-    store = Store()
-    store.bulk_load(ontology_triples(), RdfFormat.N_TRIPLES)
-    found = definitions(Whole(store))
-    assert len(found) > 50
-    for one in found.values():
+    assert len(shipped) > 50
+    for one in shipped.values():
         assert one.label
         assert one.modality in {"read", "write"}
         assert one.kinds[0] in {"sensing", "movement", "robot knowledge"}
