@@ -1,19 +1,36 @@
 """What code for rclpy needs, without ROS 2: modules that publish to lists, and messages that are as strict as ROS 2's.
 
-The setters that `rosidl_generator_py` makes assert that a float is a float and a whole number an int; so do these.
+    python -m robot.programs.rclpy_standin PROGRAM MESSAGE...
+
+runs a program and prints what reaches the robot. As with rclpy, the setters of messages assert that a float is a float
+and a whole number an int (`rosidl_generator_py`), nothing is sent once `rclpy.shutdown` was called, callbacks come from
+the executor's thread, and a process that ends while that thread still spins aborts.
 """
 
 from __future__ import annotations
 
+import atexit
+import json
+import os
+import runpy
+import sys
+import threading
 import time
+from functools import partial
 from types import ModuleType, SimpleNamespace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from kg.robot.messages import Types
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 __all__ = ["Node", "message", "modules"]
 
 TYPES = Types(2)
+SUCCEEDED = 4
+_TEARDOWN = 0.1
+"""Seconds that `spin` goes on after the end of its context: it is then within the library, not in Python."""
 
 
 def message(name: str) -> type:
@@ -22,15 +39,125 @@ def message(name: str) -> type:
 
     def begin(self: Any) -> None:
         for field in fields.values():
-            object.__setattr__(self, field.name, message(field.type)() if field.is_message else None)
+            object.__setattr__(self, field.name, message(field.type)() if field.is_message else _empty(field.type))
 
-    def put(_: Any, attribute: str, value: object) -> None:
-        kind = fields[attribute].type
-        wanted = float if kind.startswith("float") else int if "int" in kind else object
+    def put(self: Any, attribute: str, value: object) -> None:
+        wanted = type(_empty(fields[attribute].type))
         assert isinstance(value, wanted), f"The '{attribute}' field must be of type '{wanted.__name__}'"
-        object.__setattr__(_, attribute, value)
+        object.__setattr__(self, attribute, value)
 
     return type(name.rpartition("/")[2], (), {"__init__": begin, "__setattr__": put})
+
+
+def _empty(kind: str) -> object:
+    return 0.0 if kind.startswith("float") else 0 if "int" in kind else False if kind == "bool" else ""
+
+
+def _tell(what: str, value: object = None) -> None:
+    text = "" if value is None else json.dumps(value, default=vars)
+    sys.stdout.write(f"{what} {text}".rstrip() + "\n")
+    sys.stdout.flush()
+
+
+class Library:
+    """What is between `rclpy.init` and `rclpy.shutdown`: it is running, and an executor spins."""
+
+    def __init__(self) -> None:
+        """Run, with nothing to do."""
+        self.running = True
+        self.spinning = 0
+        self.tasks: list[Callable[[], object]] = []
+
+    def ok(self) -> bool:
+        """Tell whether it is running."""
+        return self.running
+
+    def init(self, **_: object) -> None:
+        """Abort the process where it ends too early."""
+        atexit.register(lambda: os.abort() if self.spinning else None)
+
+    def shutdown(self) -> None:
+        """Send nothing any more."""
+        self.running = False
+
+    def executor(self) -> SimpleNamespace:
+        """Return an executor, which does what is to be done until it is shut down."""
+        over = threading.Event()
+
+        def spin() -> None:
+            self.spinning += 1
+            while self.running and not over.wait(0.005):
+                for task in self.tasks[:]:
+                    self.tasks.remove(task)
+                    task()
+            time.sleep(_TEARDOWN)
+            self.spinning -= 1
+
+        return SimpleNamespace(add_node=lambda _: None, spin=spin, shutdown=over.set)
+
+
+LIBRARY = Library()
+
+
+class Future:
+    """What is to come; callbacks are called by the executor."""
+
+    def __init__(self) -> None:
+        """Wait."""
+        self.callbacks: list[Callable[[Future], object]] = []
+        self._result: list[Any] = []
+
+    def done(self) -> bool:
+        """Tell whether it has come."""
+        return bool(self._result)
+
+    def result(self) -> Any:
+        """Return what has come."""
+        return self._result[0]
+
+    def set_result(self, result: object) -> None:
+        """Let it come."""
+        self._result.append(result)
+        LIBRARY.tasks += [partial(callback, self) for callback in self.callbacks]
+
+    def add_done_callback(self, callback: Callable[[Future], object]) -> None:
+        """Have something called when it has come."""
+        self.callbacks.append(callback)
+        if self.done():
+            LIBRARY.tasks.append(partial(callback, self))
+
+
+class ActionClient:
+    """A client of a server that takes goals and never reaches them; of `/late` it takes those that were given up."""
+
+    def __init__(self, _: object, __: type, name: str) -> None:
+        """Be connected."""
+        self.name = name
+
+    def wait_for_server(self, _: float) -> bool:
+        """Tell that there is a server."""
+        return True
+
+    def send_goal_async(self, goal: object) -> Future:
+        """Send a goal."""
+        _tell("goal", goal)
+        sent = Future()
+
+        def cancel() -> None:
+            assert LIBRARY.running, "the context is shut down"
+            _tell("cancel")
+
+        handle = SimpleNamespace(accepted=True, get_result_async=Future, cancel_goal_async=cancel)
+
+        def accept() -> None:
+            if self.name == "/late" and not sent.callbacks:
+                LIBRARY.tasks.append(accept)
+            else:
+                sent.set_result(handle)
+                _tell("accepted")
+
+        LIBRARY.tasks.append(accept)
+        return sent
 
 
 class Node:
@@ -44,27 +171,46 @@ class Node:
     def create_publisher(self, _: type, topic: str, __: int) -> SimpleNamespace:
         """Return a publisher that somebody listens to."""
         kept = self.published.setdefault(topic, [])
-        return SimpleNamespace(publish=kept.append, get_subscription_count=lambda: 1)
+
+        def publish(sent: object) -> None:
+            assert LIBRARY.running, "the context is shut down"
+            kept.append(sent)
+            _tell(topic, sent)
+
+        return SimpleNamespace(publish=publish, get_subscription_count=lambda: 1)
 
     def get_clock(self) -> SimpleNamespace:
         """Return a clock."""
         return SimpleNamespace(now=lambda: SimpleNamespace(nanoseconds=time.monotonic_ns()))
 
+    def get_logger(self) -> SimpleNamespace:
+        """Return a logger."""
+        return SimpleNamespace(info=lambda text: _tell(f"log {text}"))
 
-def modules(*messages: str) -> dict[str, ModuleType]:
-    """Return the modules that code imports, with messages of these names."""
+
+def modules(*names: str) -> dict[str, ModuleType]:
+    """Return the modules that code imports, with messages and actions (`nav2_msgs/action/NavigateToPose`) by name."""
     found: dict[str, dict[str, object]] = {
-        "rclpy": {"ok": lambda: True},
-        "rclpy.executors": {"MultiThreadedExecutor": object},
+        "rclpy": {"ok": LIBRARY.ok, "init": LIBRARY.init, "shutdown": LIBRARY.shutdown},
+        "rclpy.action": {"ActionClient": ActionClient},
+        "rclpy.executors": {"MultiThreadedExecutor": LIBRARY.executor},
         "rclpy.node": {"Node": Node},
-        "rclpy.signals": {"SignalHandlerOptions": object},
+        "rclpy.signals": {"SignalHandlerOptions": SimpleNamespace(NO=0)},
+        "action_msgs": {},
+        "action_msgs.msg": {"GoalStatus": SimpleNamespace(STATUS_SUCCEEDED=SUCCEEDED)},
     }
-    for name in messages:
-        package, _, kind = name.partition("/")
+    for name in names:
+        package, *part, kind = name.split("/")
         found.setdefault(package, {})
-        found.setdefault(f"{package}.msg", {})[kind] = message(name)
+        module = found.setdefault(f"{package}.{part[0] if part else 'msg'}", {})
+        module[kind] = SimpleNamespace(Goal=message(f"{package}/{kind}_Goal")) if part else message(name)
     made = {}
     for name, content in found.items():
         made[name] = ModuleType(name)
         vars(made[name]).update(content)
     return made
+
+
+if __name__ == "__main__":
+    sys.modules.update(modules(*sys.argv[2:]))
+    runpy.run_path(sys.argv[1], run_name="__main__")

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 __all__ = ["convert"]
 
 _METHODS = ("now", "check", "sleep", "until", "ends", "together", "as_soon_as", "whenever", "run", "connect", "halt")
+_OF_SIGNALS = ("on_signal", "over", "status", "wait")
 _OF_A_NODE = (
     "local",
     "deadline",
@@ -55,7 +56,7 @@ def convert(
         if problem.severity == "error":
             where = place(problem.path) if place else None
             raise RobotError(problem.code, problem.message, place=where, hint=problem.hint)
-    names = Names(*_METHODS, *_OF_A_NODE, *_IN_METHODS)
+    names = Names(*_METHODS, *_OF_SIGNALS, *_OF_A_NODE, *_IN_METHODS)
     members = Members(Rospy() if to == "rospy" else Rclpy(), names)
     code = Code(members, Known(capabilities), kinds_of(program, capabilities), program, place)
     run = code.sequence(program.body, "/body")

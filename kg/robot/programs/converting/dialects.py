@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Final, Protocol
 
 if TYPE_CHECKING:
     from kg.robot.capability import Way
 
 __all__ = ["Dialect", "Rclpy", "Rospy"]
+
+_HANDLING: Final = (
+    "for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):",
+    "    if signal.getsignal(number) != signal.SIG_IGN:  # as under nohup",
+    "        signal.signal(number, node.on_signal)",
+)
+"""How both dialects let signals end a program: a handler sets a flag, and every part of the program looks at it."""
 
 
 class Dialect(Protocol):
@@ -16,7 +23,7 @@ class Dialect(Protocol):
     ros: int
     base: str
     clock: str
-    running: str
+    ended: str
 
     def imports(self, *, goals: bool, topics: bool) -> list[str]:
         """Return the imports that every node needs, those of action clients and of subscriptions."""
@@ -75,7 +82,7 @@ class Rospy:
     ros = 1
     base = ""
     clock = "rospy.get_time()"
-    running = "not rospy.is_shutdown()"
+    ended = "rospy.is_shutdown()"
 
     def imports(self, *, goals: bool, topics: bool) -> list[str]:
         """Return the imports that every node needs."""
@@ -117,7 +124,7 @@ class Rospy:
         if way.kind == "topic":
             return [f"self.until(lambda: self.{attribute}.get_num_connections() > 0, 10.0)"]
         if way.kind == "service":
-            return [f"self.{attribute}.wait_for_service(10.0)"]
+            return [f"self.wait(lambda: self.{attribute}.wait_for_service(10.0))"]
         return [f"self.until(lambda: self.{attribute}.wait_for_server(rospy.Duration(0.1)), 10.0)"]
 
     def stamp(self, target: str) -> str:
@@ -134,7 +141,7 @@ class Rospy:
 
     def call(self, attribute: str) -> list[str]:
         """Return the statement that calls a service with `request` and gives `response`."""
-        return [f"response = self.{attribute}(request)"]
+        return [f"response = self.wait(lambda: self.{attribute}(request))"]
 
     def reach(self, attribute: str, label: str) -> list[str]:
         """Return the statements that carry out `goal` within `within` seconds."""
@@ -158,6 +165,8 @@ class Rospy:
         return [
             f'rospy.init_node("{name}", disable_signals=True)',
             f"node = {made}()",
+            "rospy.on_shutdown(node.halt)",
+            *_HANDLING,
             "try:",
             "    node.connect()",
             "    node.run()",
@@ -166,6 +175,7 @@ class Rospy:
             "finally:",
             "    node.halt()",
             '    rospy.signal_shutdown("the program has ended")',
+            "sys.exit(node.status)",
         ]
 
 
@@ -175,7 +185,7 @@ class Rclpy:
     ros = 2
     base = "(Node)"
     clock = "self.get_clock().now().nanoseconds / 1e9"
-    running = "rclpy.ok()"
+    ended = "not rclpy.ok()"
 
     def imports(self, *, goals: bool, topics: bool) -> list[str]:
         """Return the imports that every node needs."""
@@ -245,15 +255,15 @@ class Rclpy:
         """Return the statements that carry out `goal` within `within` seconds."""
         return [
             f"sent = self.{attribute}.send_goal_async(goal)",
-            "self.until(sent.done, within)",
-            "handle = sent.result()",
-            "if not handle.accepted:",
-            f'    raise RuntimeError("the goal to {label} was rejected")',
-            "result = handle.get_result_async()",
             "try:",
+            "    self.until(sent.done, within)",
+            "    handle = sent.result()",
+            "    if not handle.accepted:",
+            f'        raise RuntimeError("the goal to {label} was rejected")',
+            "    result = handle.get_result_async()",
             "    self.until(result.done, within)",
             "except BaseException:",
-            "    handle.cancel_goal_async()",
+            "    sent.add_done_callback(lambda _: sent.result().cancel_goal_async())",
             "    raise",
             "if result.result().status != GoalStatus.STATUS_SUCCEEDED:",
             f'    raise RuntimeError("could not {label}")',
@@ -271,7 +281,9 @@ class Rclpy:
             f"node = {made}()",
             "executor = MultiThreadedExecutor()",
             "executor.add_node(node)",
-            "threading.Thread(target=executor.spin, daemon=True).start()",
+            "spinning = threading.Thread(target=executor.spin, daemon=True)",
+            "spinning.start()",
+            *_HANDLING,
             "try:",
             "    node.connect()",
             "    node.run()",
@@ -279,5 +291,8 @@ class Rclpy:
             "    node.get_logger().info(str(error))",
             "finally:",
             "    node.halt()",
+            "    executor.shutdown()",
             "    rclpy.shutdown()",
+            "    spinning.join()",
+            "sys.exit(node.status)",
         ]

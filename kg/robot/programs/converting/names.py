@@ -9,7 +9,8 @@ from typing import Final
 __all__ = ["Names", "camel", "plain", "snake"]
 
 _TAKEN: Final = frozenset(
-    {"self", "math", "time", "threading", "rospy", "rclpy", "actionlib", "message", "goal", "found", "one", "main"}
+    {"self", "math", "signal", "sys", "time", "threading", "rospy", "rclpy", "actionlib"}
+    | {"message", "goal", "found", "one", "main"}
 )
 _WORD_ENDS: Final = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|[^A-Za-z0-9]+")
 

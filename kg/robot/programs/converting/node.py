@@ -38,10 +38,14 @@ _TIME: Final = '''def now(self) -> float:
     """Return the time in seconds."""
     return {clock}
 
+def on_signal(self, number: int, _: object) -> None:
+    """End the program when a signal asks for it; its parts see that in `check`."""
+    self.over, self.status = True, 128 + number
+
 def check(self) -> None:
     """Raise an error when the program has to end."""
-    if not ({running}):
-        raise StoppedError("the robot is shut down")
+    if self.over or {ended}:
+        raise StoppedError("the program was ended from outside")
 {more}
 def sleep(self, seconds: float) -> None:
     """Wait so many seconds."""
@@ -58,6 +62,20 @@ def until(self, condition: Callable[[], bool], within: float = math.inf) -> None
         if self.now() > end:
             raise TimeoutError("what was waited for did not happen in time")
         self.sleep(0.05)
+'''
+_WAIT: Final = '''def wait(self, call: Callable[[], Any]) -> Any:
+    """Return what a call gives, made in another thread: it may block, and the program may have to end."""
+    answer: Future[Any] = Future()
+
+    def work() -> None:
+        try:
+            answer.set_result(call())
+        except Exception as error:
+            answer.set_exception(error)
+
+    threading.Thread(target=work, daemon=True).start()
+    self.until(answer.done)
+    return answer.result()
 '''
 _ENDS: Final = '''def ends(self) -> tuple[threading.Event, ...]:
     """Return what ends the part of the program that runs in this thread."""
@@ -161,7 +179,7 @@ _DEADLINE: Final = """if self.now() > self.deadline:
 _ANY_END: Final = """if any(end.is_set() for end in self.ends()):
     raise EndedError
 """
-_STANDARD: Final = ("math", "threading", "time")
+_STANDARD: Final = ("math", "signal", "sys", "threading", "time")
 
 
 def module(program: Program, members: Members, used: set[str], run: list[str]) -> str:
@@ -194,6 +212,7 @@ def _imports(members: Members, used: set[str], code: str) -> list[str]:
     standard = [f"import {one}" for one in _STANDARD if f"{one}." in code]
     abstract = ["Callable", *(["Iterator"] if "counted" in used else [])]
     standard.append(f"from collections.abc import {', '.join(abstract)}")
+    standard += ["from concurrent.futures import Future"] if "Future" in code else []
     typing = [one for one in ("Any", "NamedTuple") if one in code]
     standard += [f"from typing import {', '.join(typing)}"] if typing else []
     lines = members.dialect.imports(goals=members.goals, topics=members.topics)
@@ -212,34 +231,34 @@ def _imports(members: Members, used: set[str], code: str) -> list[str]:
 def _class(program: Program, members: Members, used: set[str], run: list[str], made: str) -> list[str]:
     dialect = members.dialect
     parallel = bool(used & _METHODS.keys())
-    constructor = [*dialect.begin(snake(program.name)), *(["self.local = threading.local()"] if parallel else [])]
+    constructor = [*dialect.begin(snake(program.name)), "self.over, self.status = False, 0"]
+    constructor += ["self.local = threading.local()"] if parallel else []
     constructor += ["self.deadline = math.inf"] if program.seconds is not None else []
     begin = [f"self.deadline = self.now() + {program.seconds!r}"] if program.seconds is not None else []
     more = (_DEADLINE.format(seconds=program.seconds) if program.seconds is not None else "") + (
         _ANY_END if parallel else ""
     )
     checks = "\n".join(indented(more.rstrip("\n").split("\n"))) + "\n" if more else ""
-    times = _TIME.format(clock=dialect.clock, running=dialect.running, more=checks)
-    times = times.replace("if not (not rospy.is_shutdown())", "if rospy.is_shutdown()").replace(
-        "if not (rclpy.ok())", "if not rclpy.ok()"
-    )
+    times = _TIME.format(clock=dialect.clock, ended=dialect.ended, more=checks)
+    waits = any("self.wait(" in line for line in (*members.connect, *members.methods))
     inner = [
         f'"""{_sentence(program)}"""',
         "",
         "def __init__(self) -> None:",
         '    """Offer and ask for topics, services and actions."""',
-        *indented([*constructor, *members.made] or ["pass"]),
+        *indented([*constructor, *members.made]),
         "",
         "def connect(self) -> None:",
         '    """Wait until the robot listens."""',
         *indented(members.connect),
         "",
         "def halt(self) -> None:",
-        '    """Stop what moves."""',
-        *indented(members.halt),
+        '    """End all parts of the program, and stop what moves."""',
+        *indented(["self.over = True", *members.halt, "time.sleep(0.2)  # until it has been sent"]),
         "",
         *members.methods,
         *times.split("\n"),
+        *(_WAIT.split("\n") if waits else []),
         *(_ENDS.split("\n") if parallel else []),
     ]
     for name, method in _METHODS.items():
