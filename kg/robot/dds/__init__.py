@@ -2,7 +2,8 @@
 
     connection = await connect("dds://0", "/kg")
     connection = await connect("dds://0?clock=simulated", "/kg")     # the time is that of /clock
-    connection = await connect("dds://0?distribution=humble", "/kg")     # a system of Humble or before
+    connection = await connect("dds://0?distribution=humble", "/kg")     # write as Humble does, whoever is there
+    connection = await connect("dds://0?types=peers", "/kg")     # ask peers for types that are not known
 
 Cyclone DDS is configured as everywhere, by `$CYCLONEDDS_URI`.
 """
@@ -43,7 +44,7 @@ def _joined(address: Address, name: str, types: Types) -> DdsMiddleware:
         hint = 'Install it with `pip install "kg-ros[dds]"`.'
         raise RobotError("KG801", f"Cyclone DDS is not installed: {error}", hint=hint) from None
     try:
-        return DdsMiddleware(address.domain, name, types, humble=address.humble)
+        return DdsMiddleware(address.domain, name, types, humble=address.humble, ask_types=address.ask_types)
     except DDSException as error:
         told = f"the domain {address.domain} of DDS cannot be joined: {error.msg}"
         raise RobotError("KG817", told, hint="See to the network and to $CYCLONEDDS_URI.") from None

@@ -17,7 +17,7 @@ from kg.robot.ros2.names import dds_type
 if TYPE_CHECKING:
     from kg.robot.messages import Field, Types
 
-__all__ = ["HEADER", "OLD", "Classes"]
+__all__ = ["HEADER", "Classes"]
 
 _BASE: Final[dict[str, Any]] = {
     "bool": bool,
@@ -38,9 +38,6 @@ _BASE: Final[dict[str, Any]] = {
 }
 _ARRAY: Final[Any] = idl.array
 _SEQUENCE: Final[Any] = idl.sequence
-OLD: Final = "rmw_dds_common_before_iron"
-"""What we call the package of discovery messages as it was before Iron; on the wire it has the name of today's."""
-_NEW: Final = "rmw_dds_common"
 HEADER: Final = {"guid": idl.uint64, "seq": idl.int64}
 """What rmw_cyclonedds_cpp puts before requests and responses (cdds_request_header_t)."""
 
@@ -58,7 +55,7 @@ class Classes:
             fields = {one.name: self._sort(kind, one) for one in self._types.fields(kind)}
             fields = fields or {"structure_needs_at_least_one_member": idl.uint8}
             name = kind.partition("/")[2] + "_"
-            typename = dds_type(kind).replace(OLD, _NEW).replace("::", ".")
+            typename = dds_type(kind).replace("::", ".")
             before = {one + "_" * (one in fields): sort for one, sort in HEADER.items()} if header else {}
             made = make_idl_struct(name, typename, {**before, **fields}, dataclassify=False)
             self._made[kind, header] = made

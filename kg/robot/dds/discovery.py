@@ -54,6 +54,9 @@ class _Participant:
     address: str
     nodes: dict[str, Ends] = field(default_factory=dict)
     problems: tuple[GraphProblem, ...] = ()
+    ours: bool = False
+    length: int | None = None
+    """How many bytes its identifiers have."""
 
 
 class Discovery:
@@ -61,7 +64,7 @@ class Discovery:
 
     def __init__(self) -> None:
         self._participants: dict[bytes, _Participant] = {}
-        self._told: dict[bytes, Any] = {}
+        self._told: dict[bytes, tuple[Any, int]] = {}
         self._ends: dict[bytes, Endpoint] = {}
         self._handles: dict[int, bytes] = {}
         self._owners: dict[bytes, str] = {}
@@ -71,13 +74,13 @@ class Discovery:
         """Note which participant is our own."""
         self._own = own[:PREFIX]
 
-    def participant(self, key: bytes, address: str) -> None:
-        """Note a participant."""
+    def participant(self, key: bytes, address: str, *, ours: bool = False) -> None:
+        """Note a participant; `ours` when it is one of another process of kg."""
         if key[:PREFIX] == self._own or len(self._participants) >= _MOST:
             return
-        self._participants.setdefault(key[:PREFIX], _Participant(address))
+        self._participants.setdefault(key[:PREFIX], _Participant(address, ours=ours))
         if key[:PREFIX] in self._told:
-            self.told(self._told.pop(key[:PREFIX]))
+            self.told(*self._told.pop(key[:PREFIX]))
 
     def end(self, key: bytes, endpoint: Endpoint) -> None:
         """Note a reader or writer."""
@@ -104,7 +107,11 @@ class Discovery:
         elif key[:PREFIX] in self._participants and key[PREFIX:] == _PARTICIPANT:
             del self._participants[key[:PREFIX]]
 
-    def told(self, value: Any) -> None:
+    def lengths(self) -> set[int]:
+        """Return how many bytes the identifiers of others have; of ours they are as long as those of others."""
+        return {one.length for one in self._participants.values() if one.length is not None and not one.ours}
+
+    def told(self, value: Any, length: int) -> None:
         """Note the nodes that a participant says it holds; what is nonsense in it is reported."""
         key = gid(value["gid"])[:PREFIX]
         if key == self._own:
@@ -112,8 +119,9 @@ class Discovery:
         found = self._participants.get(key)
         if found is None:
             if len(self._told) < _MOST:
-                self._told[key] = value  # its participant comes with another message
+                self._told[key] = value, length  # its participant comes with another message
             return
+        found.length = length
         for each in found.nodes.values():
             for one in (*each[0], *each[1]):
                 self._owners.pop(one, None)

@@ -13,19 +13,20 @@ from cyclonedds.builtin import (
 )
 from cyclonedds.core import DDSStatus, InstanceState
 from cyclonedds.core import Qos as DdsQos
-from cyclonedds.domain import DomainParticipant
 from cyclonedds.qos import Policy
 from cyclonedds.topic import Topic
 
 from kg.errors import RobotError
 from kg.facts import Qos, Role
 from kg.robot.connection import GraphProblem
-from kg.robot.dds.bell import Bell, delete
-from kg.robot.dds.classes import OLD, Classes
+from kg.robot.dds.bell import Bell
+from kg.robot.dds.classes import Classes
 from kg.robot.dds.discovery import Discovery, Endpoint
+from kg.robot.dds.domains import join, leave
 from kg.robot.dds.entities import DdsReader, DdsWriter
+from kg.robot.dds.info import INFO, LONG, SHORT, decode, encode
 from kg.robot.dds.learning import learned
-from kg.robot.dds.qos import from_dds, to_dds, told, user_data
+from kg.robot.dds.qos import from_dds, to_dds, told, user_data, written
 from kg.robot.dds.services import DdsCaller, DdsServer
 from kg.robot.ros2.hashes import type_hash
 from kg.robot.ros2.middleware import ANSWERS
@@ -34,44 +35,42 @@ from kg.robot.ros2.names import dds_topic, replies
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
-    from kg.robot.connection import Value
     from kg.robot.messages import Types
     from kg.robot.ros2.middleware import Deliver, Neighbourhood
     from kg.robot.ros2.watch import Watch
 
 __all__ = ["DdsMiddleware"]
 
-_INFO: Final = "rmw_dds_common/ParticipantEntitiesInfo"
-_OLD_INFO: Final = f"{OLD}/ParticipantEntitiesInfo"
-_OLD_TYPES: Final = {
-    "Gid": "uint8[24] data\n",
-    "NodeEntitiesInfo": "string node_namespace\nstring node_name\nGid[] reader_gid_seq\nGid[] writer_gid_seq\n",
-    "ParticipantEntitiesInfo": "Gid gid\nNodeEntitiesInfo[] node_entities_info_seq\n",
-}
 _TOPIC: Final = "ros_discovery_info"
 _TOLD: Final = Qos("reliable", "transient_local", "keep_last", 1)
 _HEARD: Final = Qos("reliable", "transient_local", "keep_all")
 _SAMPLES: Final = 1000
 _ALIVE: Final = InstanceState.Alive
+_OURS: Final = "kg"
+"""In the user data of a participant: it is one of ours, which reads identifiers of any length."""
 
 
 class DdsMiddleware:
-    """Our participant of a domain, with one node."""
+    """Our participant of a domain, with one node.
 
-    def __init__(self, domain: int, name: str, types: Types, *, humble: bool = False) -> None:
+    It tells of its node with identifiers of the length that the others use: the longer one with `humble`, or while
+    somebody else of the domain does. `ask_types` has it ask peers for types it does not know.
+    """
+
+    def __init__(self, domain: int, name: str, types: Types, *, humble: bool = False, ask_types: bool = False) -> None:
         self.types = types
         self._name = name
-        self._kind, self._length = (_OLD_INFO, 24) if humble else (_INFO, 16)
-        if humble:
-            for one, text in _OLD_TYPES.items():
-                types.define(f"{OLD}/{one}", text)
+        self._domain = domain
+        self._humble = humble
+        self._length = LONG if humble else SHORT
         self._classes = Classes(types)
         self._topics: dict[tuple[str, str, bool], Any] = {}
         self._discovery = Discovery()
         self._readers: set[bytes] = set()
         self._writers: set[bytes] = set()
         self._closed = False
-        self._participant = DomainParticipant(domain, qos=DdsQos(Policy.Userdata(b"enclave=/;")))
+        data = DdsQos(Policy.Userdata(written({"enclave": "/", _OURS: "1"})))
+        self._participant = join(domain, data, by_name=not ask_types)
         self._gid: bytes = self._participant.guid.bytes
         self._discovery.leave_out(self._gid)
 
@@ -84,7 +83,7 @@ class DdsMiddleware:
             self._watching(BuiltinTopicDcpsPublication, self._publications),
             self._watching(BuiltinTopicDcpsSubscription, self._subscriptions),
         ]
-        topic = self._topic(_TOPIC, self._kind)
+        topic = self._topic(_TOPIC, INFO)
         self._info = DdsWriter(self._bell, topic, to_dds(_TOLD, {}), watch.changed)
         self._heard = DdsReader(self._bell, topic, to_dds(_HEARD, {}), self._hear, watch.changed)
         self._tell()
@@ -113,7 +112,8 @@ class DdsMiddleware:
             told = {one.key: one.value for one in sample.qos if isinstance(one, Policy.Property)}
             host = told.get("__Hostname") or sample.key.hex
             process = f" process {told['__Pid']}" if "__Pid" in told else ""
-            self._discovery.participant(sample.key.bytes, host + process)
+            self._discovery.participant(sample.key.bytes, host + process, ours=_OURS in user_data(sample.qos))
+        self._suit()
 
     def _publications(self) -> None:
         self._endpoints(1, writer=True)
@@ -139,27 +139,25 @@ class DdsMiddleware:
 
     def _hear(self, content: bytes, _: int) -> None:
         try:
-            value = self.types.decode(self._kind, content)
+            value, length = decode(self.types, content)
         except RobotError as error:
             self._watch.report(GraphProblem("KG816", _TOPIC, f"what a participant tells is broken: {error.message}"))
             return
-        self._discovery.told(value)
+        self._discovery.told(value, length)
+        self._suit()
         self._watch.changed()
 
     def _tell(self) -> None:
         """Tell others which readers and writers are our node's."""
-        namespace, _, name = self._name.rpartition("/")
-        node = {
-            "node_namespace": namespace or "/",
-            "node_name": name,
-            "reader_gid_seq": [self._spelt(one) for one in sorted(self._readers)],
-            "writer_gid_seq": [self._spelt(one) for one in sorted(self._writers)],
-        }
-        told = {"gid": self._spelt(self._gid), "node_entities_info_seq": [node]}
-        self._info.write(self.types.encode(self._kind, told))
+        node = (self._name, sorted(self._readers), sorted(self._writers))
+        self._info.write(encode(self.types, self._gid, [node], self._length))
 
-    def _spelt(self, identity: bytes) -> Value:
-        return {"data": identity.ljust(self._length, b"\0")}
+    def _suit(self) -> None:
+        """Tell of our node again when others use identifiers of another length than before."""
+        length = LONG if self._humble or LONG in self._discovery.lengths() else SHORT
+        if length != self._length:
+            self._length = length
+            self._tell()
 
     def _topic(self, name: str, kind: str, *, header: bool = False) -> Any:
         if (name, kind, header) not in self._topics:
@@ -229,7 +227,8 @@ class DdsMiddleware:
         """Ask the participants that have an end of that name for its types (DDS XTypes); tell whether they told any.
 
         Of a service these are two, of the request and of the response. Only those can tell it that send type
-        information, as Cyclone DDS for Python does and ROS 2 before Kilted does not.
+        information, as Cyclone DDS for Python does and ROS 2 before Kilted does not; without `ask_types` nobody is
+        asked, for theirs is ignored.
         """
         told = False
         for end in list(self._discovery.endpoints(name)):
@@ -243,7 +242,7 @@ class DdsMiddleware:
         """Leave the domain."""
         self._closed = True
         self._bell.close()
-        delete(self._participant)
+        leave(self._domain, self._participant)
 
 
 def _spelt(identity: int) -> str:

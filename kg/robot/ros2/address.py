@@ -19,6 +19,7 @@ _OPTIONS: Final = {
     "settle": "seconds",
     "domain": "the number of a ROS domain",
     "distribution": "humble",
+    "types": "peers",
 }
 _MAXIMUM: Final = 232
 """The largest number of a domain: the ports of a larger one would be none (DDSI-RTPS 2.5, 9.6.2)."""
@@ -31,7 +32,8 @@ class Address:
 
     `place` is what stands behind the scheme. `simulated` asks for the time of `/clock`; `settle` is how many seconds
     the graph is watched before it is called complete. `humble` says that the system is of that distribution, or of one
-    before it, which writes identifiers of 24 bytes.
+    before it, which writes identifiers of 24 bytes; without it kg does so while somebody else does. `ask_types` has
+    unknown types asked of peers over DDS, on which Cyclone DDS before 11 crashes.
     """
 
     text: str
@@ -40,6 +42,7 @@ class Address:
     simulated: bool = False
     settle: float = SETTLE
     humble: bool = False
+    ask_types: bool = False
 
     @classmethod
     def read(cls, text: str) -> Address:
@@ -56,6 +59,8 @@ class Address:
         if options.get("distribution", "humble") != "humble":
             told = f"`{text}` names the distribution `{options['distribution']}`"
             raise RobotError("KG801", told, hint="Only humble has to be named; leave it out.")
+        if options.get("types", "peers") != "peers":
+            raise RobotError("KG801", f"`{text}` asks `{options['types']}` for types", hint="Write types=peers.")
         if options.get("clock", "wall") not in {"wall", "simulated"}:
             raise RobotError(
                 "KG801", f"`{text}` asks for a clock `{options['clock']}`", hint="Write clock=wall or clock=simulated."
@@ -65,7 +70,12 @@ class Address:
         if domain > _MAXIMUM or domain != int(domain):
             raise RobotError("KG801", f"`{text}`: there is no ROS domain {domain:g}", hint=f"They are 0 to {_MAXIMUM}.")
         settle = _number(text, options.get("settle") or str(SETTLE))
-        return cls(text, place, int(domain), options.get("clock") == "simulated", settle, "distribution" in options)
+        simulated, humble, ask_types = (
+            options.get("clock") == "simulated",
+            "distribution" in options,
+            "types" in options,
+        )
+        return cls(text, place, int(domain), simulated, settle, humble, ask_types)
 
 
 def _number(address: str, text: str) -> float:

@@ -24,8 +24,8 @@ def test_the_type_of_a_service_is_told_by_who_serves_it() -> None:
     """Request and response are learned without the header that they have on the wire, and the service is called."""
 
     async def scene(number: int) -> object:
-        server = await connect(f"dds://{number}?settle=1", name="/server", types=types_for_tests(2))
-        client = await connect(f"dds://{number}?settle=1", name="/client", types=Types(2))
+        server = await connect(f"dds://{number}?settle=1&types=peers", name="/server", types=types_for_tests(2))
+        client = await connect(f"dds://{number}?settle=1&types=peers", name="/client", types=Types(2))
         try:
             await server.serve("/double", "kg_test/Double", _double)
             async with asyncio.timeout(patient(10)):

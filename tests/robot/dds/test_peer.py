@@ -19,6 +19,7 @@ pytest.importorskip("cyclonedds", reason="the extra `dds` is not installed")
 from kg.errors import RobotError
 from kg.facts import Role
 from kg.robot.connecting import connect
+from kg.robot.ros2.middleware import OFFERED
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Iterator
@@ -43,12 +44,12 @@ def _running(number: int) -> Iterator[subprocess.Popen[str]]:
 
 
 @asynccontextmanager
-async def _beside() -> AsyncIterator[tuple[Connection, subprocess.Popen[str]]]:
+async def _beside(options: str = "") -> AsyncIterator[tuple[Connection, subprocess.Popen[str]]]:
     """Give a connection of ours to a domain in which the peer runs."""
     with domain() as number, _running(number) as peer:
         types = types_for_tests(2)
         types.define("example_interfaces/AddTwoInts", "int64 a\nint64 b\n---\nint64 sum\n", "srv")
-        connection = await connect(f"dds://{number}?settle=2", name="/kg", types=types)
+        connection = await connect(f"dds://{number}?settle=2{options}", name="/kg", types=types)
         try:
             await _soon(_whole(connection))
             yield connection, peer
@@ -170,10 +171,10 @@ def test_an_action_of_the_peer_is_carried_out() -> None:
 
 
 def test_a_type_that_is_not_known_is_asked_for() -> None:
-    """A type that does not come with kg is fetched from a peer that sends type information (DDS XTypes)."""
+    """With `types=peers`, a type that does not come with kg is fetched from a peer that sends type information."""
 
     async def scene() -> None:
-        async with _beside() as (connection, _):
+        async with _beside("&types=peers") as (connection, _):
             came = await _soon(_next(connection, "/unheard"))
             assert came == {"parts": [{"x": 0.5, "name": "half"}], "three": [1, 2, 3], "fine": True}
             with pytest.raises(RobotError) as unknown:
@@ -181,6 +182,22 @@ def test_a_type_that_is_not_known_is_asked_for() -> None:
             assert unknown.value.code == "KG804"
             assert unknown.value.hint is not None
             assert "kg build" in unknown.value.hint
+
+    asyncio.run(scene())
+
+
+def test_types_are_compared_by_their_names() -> None:
+    """A publisher whose type has our type's name is matched, whatever its fields: no description is asked for.
+
+    Cyclone DDS before 11 crashes when it overhears the response, whoever asked.
+    """
+
+    async def scene() -> None:
+        async with _beside() as (connection, _):
+            wire: Any = connection.wire  # type: ignore[attr-defined]  # by DDS
+            assert not await wire.learn("unheard_msgs/Whole", "/unheard")
+            connection.types.define("unheard_msgs/Whole", "int32 other\n")
+            await _soon(wire.reader("/unheard", "unheard_msgs/Whole", OFFERED, lambda *_: None).ready())
 
     asyncio.run(scene())
 
