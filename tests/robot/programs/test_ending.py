@@ -38,9 +38,8 @@ TOGETHER = 'at the same time\n  move at a velocity  forward: 1 m/s\nalso\n  wait
 GOING = "go to a pose  x: 9 m"
 
 
-def default(*command: str) -> list[str]:
-    """Return a command that gets the signals as a terminal gives them, whatever the tests themselves ignore."""
-    return ["/usr/bin/env", "--default-signal=INT,TERM,HUP", *command]
+AS_IN_A_TERMINAL = "--default-signal=INT,TERM,HUP"
+"""Programs get signals whatever the tests themselves ignore."""
 
 
 @contextmanager
@@ -83,7 +82,7 @@ def rospy_program(
     file = folder / "program.py"
     file.write_text(convert(parse(f'program "ending"\n{text}'), CAPABILITIES, to="rospy"), encoding="utf-8")
     since = len(said.read_text(encoding="utf-8").splitlines())
-    with started(default(SYSTEM, str(file)), environment) as process:
+    with started(["/usr/bin/env", AS_IN_A_TERMINAL, SYSTEM, str(file)], environment) as process:
         yield process, said, since
 
 
@@ -144,14 +143,16 @@ def action(name: str) -> Capability:
 
 
 @contextmanager
-def rclpy_program(text: str, folder: Path, name: str = "/go") -> Iterator[subprocess.Popen[str]]:
+def rclpy_program(
+    text: str, folder: Path, name: str = "/go", signals: str = AS_IN_A_TERMINAL
+) -> Iterator[subprocess.Popen[str]]:
     """Run a program on the stand-in."""
     file = folder / "program.py"
     others = tuple(one for one in CAPABILITIES.capabilities if one.name != "goingToPose")
     known = replace(CAPABILITIES, capabilities=(*others, action(name)))
     file.write_text(convert(parse(f'program "ending"\n{text}'), known, to="rclpy"), encoding="utf-8")
     messages = ["geometry_msgs/Twist", "nav2_msgs/action/NavigateToPose"]
-    command = default(sys.executable, "-m", "robot.programs.rclpy_standin", str(file), *messages)
+    command = ["/usr/bin/env", signals, sys.executable, "-m", "robot.programs.rclpy_standin", str(file), *messages]
     with started(command, {**os.environ, "PYTHONPATH": str(TESTS)}) as process:
         yield process
 
@@ -218,10 +219,7 @@ def test_an_error_is_no_abort(tmp_path: Path) -> None:
 
 def test_a_signal_that_the_caller_ignores_is_ignored(tmp_path: Path) -> None:
     """Under `nohup` a program goes on when the terminal is closed."""
-    with rclpy_program(f"{MOVING} for 300 ms", tmp_path) as process:
-        process.kill()
-    command = ["/usr/bin/env", "--ignore-signal=HUP", *process.args[2:]]  # type: ignore[index]
-    with started(command, {**os.environ, "PYTHONPATH": str(TESTS)}) as process:
+    with rclpy_program(f"{MOVING} for 300 ms", tmp_path, signals="--ignore-signal=HUP") as process:
         until(process, "/cmd_vel")
         process.send_signal(signal.SIGHUP)
         process.communicate(timeout=patient(10))
