@@ -7,7 +7,7 @@ bytes are zeros, and read as an empty list with something behind it.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final, TypeAlias
+from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import RobotError
 
@@ -15,9 +15,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from kg.robot.messages import Types
-
-    Told: TypeAlias = tuple[str, Iterable[bytes], Iterable[bytes]]
-    """A node, with the identifiers of its readers and writers."""
 
 __all__ = ["INFO", "LONG", "SHORT", "decode", "encode"]
 

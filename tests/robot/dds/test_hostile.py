@@ -135,7 +135,9 @@ def test_types_that_differ() -> None:
     asyncio.run(scene())
 
 
-@pytest.mark.parametrize("address", ["dds://x", "dds://233", "dds://0?colour=red", "dds://1.5", "dds://[::"])
+@pytest.mark.parametrize(
+    "address", ["dds://x", "dds://233", "dds://0?colour=red", "dds://0?types=all", "dds://1.5", "dds://[::"]
+)
 def test_an_address_that_is_none(address: str) -> None:
     """An address of another form is KG801."""
     with pytest.raises(RobotError) as refused:

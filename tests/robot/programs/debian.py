@@ -23,7 +23,7 @@ SYSTEM = "/usr/bin/python3"
 
 def has_ros() -> bool:
     """Tell whether Debian's ROS 1 is installed."""
-    modules = "import rospy, actionlib, move_base_msgs.msg, nav_msgs.msg"
+    modules = "import rospy, actionlib, move_base_msgs.msg, nav_msgs.msg, std_srvs.srv"
     found = Path(SYSTEM).exists() and shutil.which("rosmaster", path="/usr/bin:/bin") is not None
     return found and subprocess.run([SYSTEM, "-c", modules], capture_output=True, check=False).returncode == 0
 

@@ -36,6 +36,13 @@ needs_ros = pytest.mark.skipif(not has_ros(), reason="Debian's ROS 1 (rospy, ros
 MOVING = "move at a velocity  forward: 1 m/s"
 TOGETHER = 'at the same time\n  move at a velocity  forward: 1 m/s\nalso\n  wait 100 s\n  log "late"\nend'
 GOING = "go to a pose  x: 9 m"
+WAITING = Capability(
+    iri="#waiting",
+    name="waiting",
+    label="have it wait",
+    modality="write",
+    ways=(Way(kind="service", name="/wait", type="std_srvs/Trigger", node="/trolley"),),
+)
 
 
 AS_IN_A_TERMINAL = "--default-signal=INT,TERM,HUP"
@@ -79,8 +86,9 @@ def rospy_program(
 ) -> Iterator[tuple[subprocess.Popen[str], Path, int]]:
     """Run a program; give its process, and what the trolley was told so far."""
     environment, said = trolley
+    known = replace(CAPABILITIES, capabilities=(*CAPABILITIES.capabilities, WAITING))
     file = folder / "program.py"
-    file.write_text(convert(parse(f'program "ending"\n{text}'), CAPABILITIES, to="rospy"), encoding="utf-8")
+    file.write_text(convert(parse(f'program "ending"\n{text}'), known, to="rospy"), encoding="utf-8")
     since = len(said.read_text(encoding="utf-8").splitlines())
     with started(["/usr/bin/env", AS_IN_A_TERMINAL, SYSTEM, str(file)], environment) as process:
         yield process, said, since
@@ -115,6 +123,17 @@ def test_a_signal_cancels_the_goal_in_ros_1(
         told(said, since, "cancelled")
     assert "Traceback" not in output + errors
     assert process.returncode == 128 + number
+
+
+@needs_ros
+def test_a_signal_ends_the_wait_for_a_service(trolley: tuple[dict[str, str], Path], tmp_path: Path) -> None:
+    """A service that does not answer keeps no program alive."""
+    with rospy_program("have it wait", trolley, tmp_path) as (process, said, since):
+        told(said, since, "called")
+        process.send_signal(signal.SIGTERM)
+        output, errors = process.communicate(timeout=patient(10))
+    assert "Traceback" not in output + errors
+    assert process.returncode == 128 + signal.SIGTERM
 
 
 @needs_ros

@@ -10,6 +10,7 @@ from move_base_msgs.msg import MoveBaseAction, MoveBaseResult
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import String
+from std_srvs.srv import Trigger, TriggerResponse
 
 STEP = 0.02
 WALL = 3.0
@@ -29,6 +30,13 @@ class Trolley:
         rospy.Subscriber("/say", String, lambda message: print(f"said {message.data}", flush=True))
         self.server = actionlib.SimpleActionServer("/move_base", MoveBaseAction, self.go, auto_start=False)
         self.server.start()
+        rospy.Service("/wait", Trigger, self.wait)
+
+    def wait(self, _: object) -> TriggerResponse:
+        """Answer when it is too late."""
+        print("called", flush=True)
+        rospy.sleep(1000)
+        return TriggerResponse()
 
     def on_velocity(self, message: Twist) -> None:
         """Roll as told."""
