@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Final
 
 import pytest
 from patience import patient
+from ports import own_port
 from w3c import Case, parameters, path_of, put
 from w3c_http import Endpoint, play, prepare
 
@@ -56,15 +57,13 @@ def oxigraph(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Endpoint]:
     program = shutil.which("oxigraph", path=sysconfig.get_path("scripts")) or shutil.which("oxigraph")
     if program is None:
         pytest.skip("oxigraph is not installed (`pip install oxigraph`)")
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
     folder: Path = tmp_path_factory.mktemp("oxigraph")
-    command = [program, "serve", "--location", str(folder), "--bind", f"127.0.0.1:{port}"]
-    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
-        _wait_for(port)
-        yield Endpoint("127.0.0.1", port, query="/query")
-        process.kill()
+    with own_port() as port:
+        command = [program, "serve", "--location", str(folder), "--bind", f"127.0.0.1:{port}"]
+        with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
+            _wait_for(port)
+            yield Endpoint("127.0.0.1", port, query="/query")
+            process.kill()
 
 
 def _wait_for(port: int) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-import socket
 import subprocess
 import sys
 import time
@@ -14,37 +13,31 @@ from typing import TYPE_CHECKING
 
 import pytest
 from patience import patient
+from ports import own_port
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["free_port", "oxigraph_server"]
-
-
-def free_port() -> int:
-    """Return a port that nothing listened to a moment ago."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port: int = probe.getsockname()[1]
-        return port
+__all__ = ["oxigraph_server"]
 
 
 @contextmanager
 def oxigraph_server() -> Iterator[str]:
     """Run `oxigraph serve` in memory and yield its address; skip the test where the program is not installed."""
-    address = f"127.0.0.1:{free_port()}"
     # pip puts it beside the Python that runs the tests, which need not be on the path.
     program = shutil.which("oxigraph", path=str(Path(sys.executable).parent)) or shutil.which("oxigraph")
     if program is None:
         pytest.skip("oxigraph is not installed (pip install oxigraph)")
-    command = [program, "serve", "--bind", address]
-    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    try:
-        _wait(f"http://{address}/")
-        yield f"http://{address}"
-    finally:
-        process.terminate()
-        process.wait()
+    with own_port() as port:
+        address = f"127.0.0.1:{port}"
+        command = [program, "serve", "--bind", address]
+        process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        try:
+            _wait(f"http://{address}/")
+            yield f"http://{address}"
+        finally:
+            process.terminate()
+            process.wait()
 
 
 def _wait(address: str) -> None:

@@ -8,8 +8,9 @@ from http.server import BaseHTTPRequestHandler, HTTPServer
 from typing import TYPE_CHECKING, ClassVar
 
 import pytest
+from ports import own_port
 from pyoxigraph import NamedNode, QueryBoolean, QuerySolutions, QueryTriples, RdfFormat
-from store.servers import free_port, oxigraph_server
+from store.servers import oxigraph_server
 
 from kg.errors import Exit, StoreError
 from kg.store.remote import RemoteStore
@@ -114,9 +115,10 @@ def test_a_refused_request_tells_status_and_first_line(store: RemoteStore) -> No
 
 def test_a_server_that_is_not_there_is_tried_again_and_named_without_password() -> None:
     """Neither user and password nor parameters of the address are shown."""
-    store = RemoteStore(f"http://me:secret@127.0.0.1:{free_port()}/query?key=secret")
-    with pytest.raises(StoreError, match="no connection") as caught:
-        store.read().count()
+    with own_port() as port:
+        store = RemoteStore(f"http://me:secret@127.0.0.1:{port}/query?key=secret")
+        with pytest.raises(StoreError, match="no connection") as caught:
+            store.read().count()
     error = caught.value
     assert error.code == "KG225"
     assert error.exit_code == Exit.STORE

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from patience import patient
+from ports import own_port
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -31,9 +32,11 @@ def has_ros() -> bool:
 @contextmanager
 def ros(folder: Path) -> Iterator[tuple[dict[str, str], Path]]:
     """Run a master and the trolley; once it is ready, give the environment of further nodes and what it says."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
+    with own_port() as port:
+        yield from _running(port, folder)
+
+
+def _running(port: int, folder: Path) -> Iterator[tuple[dict[str, str], Path]]:
     names = {"ROS_IP": "127.0.0.1", "ROS_MASTER_URI": f"http://127.0.0.1:{port}", "HOME": str(folder)}
     environment = {"PATH": "/usr/bin:/bin", "LC_ALL": "C.UTF-8", "PYTHONUNBUFFERED": "1", **names}
     said = folder / "said.txt"

@@ -13,11 +13,12 @@ from typing import TYPE_CHECKING
 
 import pytest
 from patience import patient
+from ports import own_port
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["environment", "free_port", "needs", "needs_debian", "process", "rosmaster", "rospy"]
+__all__ = ["environment", "needs", "needs_debian", "process", "rosmaster", "rospy"]
 
 _PACKAGES = Path("/usr/lib/python3/dist-packages")
 
@@ -40,13 +41,6 @@ needs_debian = needs(
     *(f"/usr/bin/{tool}" for tool in ("rosmaster", "rostopic", "rosservice", "rosparam", "rosnode")),
     *(str(_PACKAGES / package) for package in ("rospy", "actionlib", "std_srvs", "geometry_msgs", "move_base_msgs")),
 )
-
-
-def free_port() -> int:
-    """Return a port that nobody listens on."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 def environment(port: int, home: str) -> dict[str, str]:
@@ -94,8 +88,7 @@ def rospy(port: int, code: str) -> Iterator[subprocess.Popen[str]]:
 @contextmanager
 def rosmaster() -> Iterator[int]:
     """Run a master, and give its port."""
-    port = free_port()
-    with process(port, "/usr/bin/rosmaster", "--core", "-p", str(port)) as started:
+    with own_port() as port, process(port, "/usr/bin/rosmaster", "--core", "-p", str(port)) as started:
         until = time.monotonic() + patient(5)
         while time.monotonic() < until and started.poll() is None:
             with socket.socket() as probe:

@@ -3,24 +3,16 @@
 from __future__ import annotations
 
 import json
-import socket
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import zenoh
+from ports import own_port
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["free_port", "hub", "session"]
-
-
-def free_port() -> int:
-    """Return a port that nobody has."""
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        port: int = one.getsockname()[1]
-        return port
+__all__ = ["hub", "session"]
 
 
 def session(**settings: object) -> zenoh.Session:
@@ -35,6 +27,5 @@ def session(**settings: object) -> zenoh.Session:
 @contextmanager
 def hub() -> Iterator[tuple[str, zenoh.Session]]:
     """Give the place of a peer, and the peer itself."""
-    place = f"127.0.0.1:{free_port()}"
-    with session(**{"listen/endpoints": [f"tcp/{place}"]}) as peer:
-        yield place, peer
+    with own_port() as port, session(**{"listen/endpoints": [f"tcp/127.0.0.1:{port}"]}) as peer:
+        yield f"127.0.0.1:{port}", peer
