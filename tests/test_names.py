@@ -1,14 +1,16 @@
 from __future__ import annotations
 
+import re
+
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from kg.names import is_for_node, join, normalise, resolve
 
 NAMES = st.text("ab/~", max_size=8)
-PARTS = st.lists(st.sampled_from(["a", "b", "ab"]), min_size=1, max_size=4)
-KEYS = st.lists(st.sampled_from(["a", "b", "ab", "*", "**"]), min_size=1, max_size=4)
+FULL = st.text("ab/", max_size=8).map("/".__add__)
+KEYS = st.lists(st.sampled_from(["/", "a", "b", "/*", "/**"]), min_size=1, max_size=5).map("".join)
 
 
 @pytest.mark.parametrize(
@@ -48,19 +50,16 @@ def test_a_name_is_resolved_for_a_node(name: str, expected: str) -> None:
     assert resolve(name, "laser") == expected.replace("/ns", "", 1)
 
 
-def naive(key: list[str], name: list[str]) -> bool:
-    """Match part by part, with all ways in which `**` can be read."""
-    if not key:
-        return not name
-    if key[0] == "**":
-        return any(naive(key[1:], name[taken:]) for taken in range(len(name) + 1))
-    return bool(name) and key[0] in ("*", name[0]) and naive(key[1:], name[1:])
-
-
-@given(KEYS, PARTS)
-def test_wildcards_stand_for_parts_of_names(key: list[str], name: list[str]) -> None:
-    """`*` is one part and `**` any number of them, wherever they stand."""
-    assert is_for_node("/" + "/".join(key), "/" + "/".join(name)) is naive(key, name)
+@given(KEYS, FULL)
+@example("/*b", "/b")
+@example("/**b", "/b")
+@example("/a/*", "/a/")
+@example("/**", "/a//b")
+def test_a_wildcard_matches_parts_that_are_not_empty(key: str, full: str) -> None:
+    """`/*` matches one part and `/**` any number of them, as the regular expression of rclcpp does."""
+    absolute = "/" + key.strip("/")
+    pattern = absolute.replace("/**", r"(/\w+)*").replace("/*", r"(/\w+)")
+    assert is_for_node(key, full) is bool(re.fullmatch(pattern, full))
 
 
 @pytest.mark.parametrize(

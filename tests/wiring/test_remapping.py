@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from kg.facts import Location, Remap, Role
@@ -47,6 +47,19 @@ def test_the_first_rule_whose_left_side_is_the_absolute_name_counts(
     fitting = [target for source, target in pairs if absolute(source, namespace, "n") == wanted]
     expected = absolute(fitting[0], namespace, "n") if fitting else wanted
     assert renamed(name, pairs, namespace, ros) == expected
+
+
+_ABSOLUTE = st.lists(st.sampled_from(["cam", "camera", "x"]), min_size=1, max_size=3).map(lambda p: "/" + "/".join(p))
+
+
+@given(_ABSOLUTE, _ABSOLUTE, _ABSOLUTE)
+@example("/camera/x", "/cam", "/left")
+def test_a_rule_for_a_handle_moves_the_names_below_it_alone(name: str, handle: str, target: str) -> None:
+    """A name is below a handle's namespace by whole parts: `/cam:=/left` moves `/cam/x`, not `/camera/x`."""
+    remapping = Remapping(rules_of(remaps([(handle, target)]), Place("/", "n"), 1), 1)
+    parts, above = name.split("/"), handle.split("/")
+    expected = "/".join([target, *parts[len(above) :]]) if parts[: len(above)] == above else name
+    assert remapping.apply(name, Role.PUBLISHES, handle)[0] == expected
 
 
 @given(_NAME, _PAIRS, _NAMESPACE, st.sampled_from(["rostopic://", "rosservice://", "n:", "other:", "n:rostopic://"]))

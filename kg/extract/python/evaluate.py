@@ -200,10 +200,10 @@ class Evaluator(Invocations):
             return self.evaluate(right, frame, choice)
         found: Alternatives = []
         for value, after in self.evaluate(left, frame, choice):
-            certain = isinstance(value, Text) and value.known
-            if not isinstance(value, Nothing | Unknown) and (plain(value) is None or plain(value)):
+            known = plain(value)
+            if known or (known is None and not isinstance(value, Nothing | Unknown)):
                 found.append((value, after))
-            if not certain:
+            if not known:
                 found.extend(self.evaluate(right, frame, after))
         return found
 

@@ -47,6 +47,7 @@ def combine(inner: SearchStrategy[str]) -> SearchStrategy[str]:
         st.tuples(PLAIN, inner, inner).map(lambda three: f"{three[0]!r}.join([{three[1]}, {three[2]}])"),
         inner.map(lambda one: f"{one}.strip('/').lower()"),
         pairs.map(lambda two: f"({two[0]} if 1 == 1 else {two[1]})"),
+        pairs.map(lambda two: f"({two[0]} or {two[1]})"),
         pairs.map(lambda two: f"[{two[0]}, {two[1]}][-1]"),
         pairs.map(lambda two: f"{{'k': {two[0]}, 'l': {two[1]}}}['l']"),
         inner.map(lambda one: f"str({one})"),
@@ -61,6 +62,19 @@ def test_string_expressions_are_what_python_makes_of_them(expression: str) -> No
     """An expression of constants evaluates to the very string that Python computes."""
     computed = eval(expression)  # noqa: S307 - Python itself is the reference, on expressions made above
     assert [plain(value) for value in values_of(f"x = {expression}\n")] == [computed]
+
+
+@pytest.mark.parametrize("left", ["'a'", "''", "5", "0", "True", "False", "None"])
+def test_a_known_left_side_decides_or(left: str) -> None:
+    """`or` gives its left side where that is known to be true, its right side where it is known to be false."""
+    computed = eval(f"{left} or 'right'")  # noqa: S307 - Python itself is the reference
+    assert [plain(value) for value in values_of(f"x = {left} or 'right'\n")] == [computed]
+
+
+def test_an_unknown_left_side_of_or_leaves_both() -> None:
+    """A value that is known in part can be either side."""
+    values = values_of("import sys\nx = 'a' + sys.argv[1] or 'right'\n")
+    assert [plain(value) for value in values] == [None, "right"]
 
 
 @given(st.lists(st.tuples(PLAIN, PLAIN), min_size=1, max_size=5, unique_by=lambda pair: pair[0]))
