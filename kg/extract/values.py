@@ -9,7 +9,7 @@ The evaluators of C++ and Python share this algebra. An expression evaluates to 
 * `Handle`: a node or node handle, with the namespace that it puts before names.
 * `Unknown`: anything else, with the reason, which ends in the fact that could not be resolved.
 
-Nothing here guesses: what is not known stays a hole or an `Unknown`.
+What is not known stays a hole or an `Unknown`. An evaluator that misses an alternative says nothing of it.
 """
 
 from __future__ import annotations

@@ -2,8 +2,9 @@
 
 `Evaluator.values` returns alternatives, each with the choices that lead to it (`kg.extract.cpp.context`).
 Names are followed by `kg.extract.cpp.flow`, calls of libraries by `kg.extract.cpp.library`, calls that read
-parameters or make node handles by the tables of `kg.extract.cpp.api`. Nothing is guessed: what is not
-understood becomes `Unknown` with a reason. Depth, number of alternatives and number of steps are bounded.
+parameters or make node handles by the tables of `kg.extract.cpp.api`. What is not understood becomes
+`Unknown` with a reason; a write that is not found is missing from the alternatives. Depth, number of
+alternatives and number of steps are bounded.
 """
 
 from __future__ import annotations
