@@ -200,15 +200,15 @@ def test_a_page_that_vanishes_stops_what_it_drives() -> None:
 
 def test_a_page_that_falls_silent_stops_what_it_drives(monkeypatch: pytest.MonkeyPatch) -> None:
     """The robot stops when the page that drives it says nothing for a while, as when its machine was shut (C38)."""
-    silence = patient(0.4)
+    silence = patient(0.6)
     monkeypatch.setattr(hands, "SILENT", silence)
 
     async def fall_silent() -> tuple[int, bool]:
         async with met() as (session, rover):
             page = await drive(session, rover, 60)
-            for _ in range(3):
+            for _ in range(30):
                 session.here(page.identity)
-                await asyncio.sleep(0.6 * silence)
+                await asyncio.sleep(0.05 * silence)
             spoke = rover.commands.count((0.0, 0.0))
             await until(lambda: still(rover), 10 + silence)
             return spoke, still(rover)
