@@ -1,11 +1,13 @@
 """Measures how much of what is known of real nodes `kg` reads from their sources, as one table.
 
     python benchmarks/accuracy SOURCE... --truth DIR_OR_FILE --scorer score_interfaces.py [--misses DIR]
+    python benchmarks/accuracy --mirrors MIRRORS --truth DIR_OR_FILE --scorer score_interfaces.py
 
 A SOURCE is a checkout (a folder); each is a build of its own unless `--together` is given, which lets packages of one
-source use those of another. `--truth` is a folder of `*.jsonl` truth files or one of them, `--scorer` the scoring
-program. A truth record counts when it names a package and its repository is among the sources at the commit that it
-names. Typical uses:
+source use those of another. With `--mirrors`, a folder with a git directory for each repository (`owner+name`,
+`owner/name`, bare or not), the repositories are checked out at the commits that the truth names. `--truth` is a
+folder of `*.jsonl` truth files or one of them, `--scorer` the scoring program. A truth record counts when it names a
+package and its repository is among the sources at the commit that it names. Typical uses:
 
     # the whole table
     python benchmarks/accuracy checkouts/* --truth truth --scorer score_interfaces.py
@@ -20,19 +22,26 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+import tempfile
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
+from accuracy.checkouts import check_out
 from accuracy.reading import Reading, read_sources
 from accuracy.scoring import (
     INTERFACES,
     LEVELS,
+    Record,
     Scores,
     load_scorer,
     score_file,
     without_command_line,
 )
+
+if TYPE_CHECKING:
+    from types import ModuleType
 
 TARGETS = {
     "observed-ros1": ("node", "name+type", 90),
@@ -44,8 +53,19 @@ TARGETS = {
 
 
 def main() -> None:
-    """Read the command line, build, score, print."""
+    """Read the command line, check out what it names, measure."""
     options = _options()
+    scorer = load_scorer(options.scorer)
+    files = sorted(options.truth.glob("*.jsonl")) if options.truth.is_dir() else [options.truth]
+    truths = {file: [truth for truth in scorer.lines(file) if truth.get("package")] for file in files}
+    with tempfile.TemporaryDirectory(prefix="kg-benchmark-") as folder:
+        if options.mirrors:
+            named = [truth for records in truths.values() for truth in records]
+            options.sources += check_out(named, options.mirrors, Path(folder))
+        _measure(options, scorer, truths)
+
+
+def _measure(options: argparse.Namespace, scorer: ModuleType, by_file: dict[Path, list[Record]]) -> None:
     roots = [root for root in options.sources if root.is_dir() and _wanted(root, options.only)]
     if not roots:
         raise SystemExit("none of the sources is a folder (that --only names)")
@@ -55,13 +75,9 @@ def main() -> None:
         _write(options.records, [record for reading in readings for record in reading.records])
     if options.problems:
         options.problems.write_text("\n".join(line for reading in readings for line in reading.problems) + "\n")
-    scorer = load_scorer(options.scorer)
-    files = sorted(options.truth.glob("*.jsonl")) if options.truth.is_dir() else [options.truth]
     rows = []
-    for file in files:
-        truths = [truth for truth in scorer.lines(file) if truth.get("package")]
-        if options.package:
-            truths = [truth for truth in truths if truth["package"] == options.package]
+    for file, named in by_file.items():
+        truths = [truth for truth in named if options.package in (None, truth["package"])]
         for level in LEVELS:
             scores = score_file(scorer, truths, readings, level)
             if not scores.by_source:
@@ -86,7 +102,8 @@ def main() -> None:
 
 def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("sources", nargs="+", type=Path, help="folders to read, each one checkout")
+    parser.add_argument("sources", nargs="*", type=Path, help="folders to read, each one checkout")
+    parser.add_argument("--mirrors", type=Path, help="git directories to check out what the truth names")
     parser.add_argument("--truth", type=Path, required=True, help="folder of truth files (*.jsonl), or one file")
     parser.add_argument("--scorer", type=Path, required=True, help="the scoring program, score_interfaces.py")
     parser.add_argument("--only", metavar="REPO", help="only the sources whose folder or remote has this in its name")

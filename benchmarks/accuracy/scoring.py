@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from accuracy.reading import Reading
 
-__all__ = ["INTERFACES", "LEVELS", "Scores", "load_scorer", "score_file", "without_command_line"]
+__all__ = ["INTERFACES", "LEVELS", "Record", "Scores", "load_scorer", "score_file", "without_command_line"]
 
 INTERFACES = ("publishes", "subscribes", "services", "clients", "action_servers", "action_clients")
 LEVELS = ("node", "package")
