@@ -85,7 +85,7 @@ _SOURCES: Final = "SELECT ?subject ?path WHERE { %s ?node rnkg:hasSource/rnkg:pa
 _EXECUTABLES: Final = (
     "SELECT ?subject ?name WHERE { %s ?node rnkg:hasExecutable/rnkg:name ?name BIND(?node AS ?subject) }"
 )
-# The engine takes most of its time to make texts of terms, so what nobody reads here is left out (docs/benchmarks.md),
+# The engine takes most of its time to make texts of terms, so what nobody reads here is left out,
 # by a join with VALUES that the LIMIT, which no store reaches, keeps from being asked once for each property.
 _NODES: Final = f"""
 SELECT ?subject ?predicate ?object WHERE {{
