@@ -47,6 +47,7 @@ def tell(_):
 rospy.Timer(rospy.Duration(0.02), tell)
 rospy.Subscriber("/cmd_vel", Twist, drive, queue_size=1000)
 def move(goal):
+    print("goal")
     while not server.is_preempt_requested():
         rospy.sleep(0.02)
     server.set_preempted()
@@ -120,7 +121,7 @@ def test_a_rospy_node_is_read(port: int, rover: subprocess.Popen[str]) -> None:
             values = driver.read("sensingPose")
             places = [(await anext(values))["x"] for _ in range(5)]
             await values.aclose()
-            assert places == [places[0] + 0.5 * step for step in range(5)]
+            assert places == sorted(set(places))  # a slow reader loses some
             assert await driver.latest("laserScanning", seconds=patient(5)) == {"nearest": 0.5, "ahead": 2.0}
             assert (await driver.latest("sensingPose", seconds=patient(5)))["x"] > places[-1]
 
@@ -174,7 +175,7 @@ def test_one_thing_moves_a_rospy_node(port: int, rover: subprocess.Popen[str]) -
     async def scene() -> None:
         async with asyncio.timeout(patient(20)), driving(port) as driver:
             going = asyncio.ensure_future(driver.do("goingToPose", {"x": 1}))
-            await asyncio.sleep(0.5)
+            assert await asyncio.to_thread(rover.stdout.readline) == "goal\n"  # type: ignore[union-attr]  # it has one
             with pytest.raises(RobotError) as beside:
                 await driver.do("driving", {"forward": 0.1}, seconds=0.2)
             assert beside.value.code == "KG827"
