@@ -10,7 +10,7 @@ import re
 from functools import lru_cache
 from typing import Final
 
-__all__ = ["FRAMEWORK", "is_for_node", "join", "normalise", "resolve"]
+__all__ = ["FRAMEWORK", "is_for_node", "join", "key", "normalise", "resolve"]
 
 FRAMEWORK: Final = frozenset(
     {"/rosout", "/rosout_agg", "/tf", "/tf_static", "/clock", "/diagnostics", "/diagnostics_agg", "/parameter_events"}
@@ -20,6 +20,11 @@ FRAMEWORK: Final = frozenset(
 _PART: Final = re.compile(r"/\w+")
 _MOST_NAME: Final = 1000
 """Characters of a name of a node, of which ROS takes 255."""
+
+
+def key(name: str) -> str:
+    """Return a name without case, underscores and hyphens: what `laser_scan`, `LaserScan` and `laser-scan` share."""
+    return name.lower().replace("_", "").replace("-", "")
 
 
 def normalise(name: str) -> str:

@@ -5,9 +5,18 @@ In a checkout they stand at the top level; the wheel carries them as `kg/_data`.
 
 from __future__ import annotations
 
+import hashlib
+import os
 from pathlib import Path
+from typing import TYPE_CHECKING, Final
 
-__all__ = ["folder"]
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["digest", "folder"]
+
+_BYTES: Final = 16
+_BYTECODE: Final = "__pycache__"
 
 _PACKAGE = Path(__file__).resolve().parent
 
@@ -16,3 +25,23 @@ def folder(name: str) -> Path:
     """Return the folder `corpus`, `ontology`, `rules`, `queries` or `examples` of this installation."""
     installed = _PACKAGE / "_data" / name
     return installed if installed.is_dir() else _PACKAGE.parent / name
+
+
+def digest(roots: Iterable[Path]) -> str:
+    """Return the digest of the names and contents of files and of all below folders, but Python's bytecode."""
+    found = hashlib.blake2b(digest_size=_BYTES)
+    for root in roots:
+        for path in sorted(_files(root)):
+            content = path.read_bytes()
+            name = str(path.relative_to(root.parent))
+            found.update(f"{len(name)} {len(content)} {name}".encode("utf-8", "surrogateescape"))
+            found.update(content)
+    return found.hexdigest()
+
+
+def _files(root: Path) -> Iterable[Path]:
+    if root.is_file():
+        yield root
+    for folder_path, folders, names in os.walk(root):
+        folders[:] = [name for name in folders if name != _BYTECODE]
+        yield from (Path(folder_path, name) for name in names if not name.endswith(".pyc"))

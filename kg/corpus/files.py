@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from kg.facts import Problem, Repository
 
-__all__ = ["FileEntry", "FilePath", "PackageFolder", "Source", "sort_file"]
+__all__ = ["FileEntry", "FilePath", "PackageFolder", "Place", "Source", "sort_file"]
 
 _ENDINGS: Final = {
     **dict.fromkeys(("cpp", "cc", "cxx", "c", "c++", "h", "hpp", "hh", "hxx", "h++"), FileKind.CPP),
@@ -55,6 +55,14 @@ class FilePath(NamedTuple):
 
     repository: str
     path: str
+
+
+class Place(NamedTuple):
+    """Identifies a package of the build: its repository, the path of its folder in that source, and its name."""
+
+    repository: str
+    path: str
+    name: str
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,6 @@
 """How a package's extraction reads files: once, within limits, as UTF-8, and on record.
 
-Nothing else in extraction opens files, so that `Reader.inputs` is all that the result depends on.
+Nothing else in extraction opens files. A result depends on `Reader.inputs` and the look-ups in the workspace alone.
 """
 
 from __future__ import annotations
@@ -10,18 +10,16 @@ import os
 import stat
 from typing import TYPE_CHECKING, Final
 
-from kg.corpus.files import FilePath
+from kg.corpus.files import FilePath, Place
 from kg.corpus.workspace import INSTALLED, real_inside
 from kg.errors import CATALOGUE
 from kg.facts import Problem
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from kg.corpus.files import PackageFolder, Source
     from kg.corpus.workspace import Workspace
 
-__all__ = ["DEFAULT_LIMIT_BYTES", "Reader", "digest"]
+__all__ = ["DEFAULT_LIMIT_BYTES", "Reader", "digest", "load", "mark"]
 
 DEFAULT_LIMIT_BYTES: Final = 4 << 20
 """Larger than any file that people wrote and smaller than what would stop a build."""
@@ -36,6 +34,45 @@ def digest(data: bytes) -> str:
     return hashlib.blake2b(data, digest_size=_DIGEST_BYTES).hexdigest()
 
 
+def load(workspace: Workspace, file: FilePath, limit_bytes: int) -> bytes | Problem:
+    """Return the bytes of a file of the build, or the problem that keeps it from being read.
+
+    Files outside of the root of their source are never read.
+    """
+    source = workspace.source(file.repository)
+    if source is None and file.repository != INSTALLED:
+        return Problem("KG110", f"{file.repository} is no source of this build", file.path)
+    if source is None:
+        path = f"/{file.path}" if workspace.is_file(file) else None
+    elif workspace.entry(file) is not None:
+        path = f"{source.root}/{file.path}"
+    else:  # the scan checked only those that it lists for leaving the root
+        path = real_inside(source.root, source.root / file.path)
+    if path is None:
+        return Problem("KG110", "the file is not inside of its source", file.path)
+    try:
+        return _read_regular(path, file, limit_bytes)
+    except OSError as error:
+        return Problem("KG110", f"the file cannot be read: {error.strerror}", file.path)
+
+
+def _read_regular(path: str, file: FilePath, limit_bytes: int) -> bytes | Problem:
+    descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+    with os.fdopen(descriptor, "rb", buffering=0) as stream:
+        status = os.fstat(descriptor)
+        if not stat.S_ISREG(status.st_mode):
+            return Problem("KG110", "it is no regular file", file.path)
+        if status.st_size > limit_bytes:
+            message = f"the file has {status.st_size} bytes, more than the limit of {limit_bytes}"
+            return Problem("KG111", message, file.path)
+        return stream.readall()
+
+
+def mark(loaded: bytes | Problem) -> str:
+    """Return what stands for a file in the record: the digest of its bytes, or what keeps it from being read."""
+    return digest(loaded) if isinstance(loaded, bytes) else f"{loaded.code} {loaded.message}"
+
+
 class Reader:
     """Reads files for the extraction of one package; `problems` and `inputs` tell what happened."""
 
@@ -47,18 +84,13 @@ class Reader:
         limit_bytes: int = DEFAULT_LIMIT_BYTES,
     ) -> None:
         self.workspace = workspace
-        self.source = source
+        self.repository = source.repository.name
         self.package = package
+        self.place = Place(self.repository, package.path, package.name)
         self.limit_bytes = limit_bytes
         self._texts: dict[FilePath, bytes | None] = {}
-        self._digests: dict[FilePath, str] = {}
+        self._marks: dict[FilePath, str] = {}
         self._problems: dict[Problem, None] = {}
-
-    def beside(self, source: Source, package: PackageFolder) -> Reader:
-        """Return a reader for another package of the build that keeps the same record."""
-        other = Reader(self.workspace, source, package, self.limit_bytes)
-        other._texts, other._digests, other._problems = self._texts, self._digests, self._problems
-        return other
 
     @property
     def problems(self) -> tuple[Problem, ...]:
@@ -67,23 +99,26 @@ class Reader:
 
     @property
     def inputs(self) -> tuple[tuple[str, str], ...]:
-        """Pairs of `repository:path` and digest of every file read, sorted."""
-        return tuple(sorted((f"{file.repository}:{file.path}", value) for file, value in self._digests.items()))
+        """Pairs of `repository:path` and `mark` of every file that was to be read, sorted."""
+        return tuple(sorted((f"{file.repository}:{file.path}", value) for file, value in self._marks.items()))
 
     def file(self, path: str) -> FilePath:
         """Return the key of a path of this source."""
-        return FilePath(self.source.repository.name, path)
+        return FilePath(self.repository, path)
 
     def read(self, file: FilePath | str) -> bytes | None:
         """Return the text of a file as UTF-8, without a byte order mark; a string is a path of this source.
 
         None, and a problem, for a file that is unreadable, larger than the limit or binary; bytes that are not
-        UTF-8 are read as Latin-1, with a problem. Files outside of the source's root are never read.
+        UTF-8 are read as Latin-1, with a problem.
         """
         key = self.file(file) if isinstance(file, str) else file
         if key not in self._texts:
-            data = self._load(key)
-            self._texts[key] = None if data is None else self._normalise(key, data)
+            loaded = load(self.workspace, key, self.limit_bytes)
+            self._marks[key] = mark(loaded)
+            if isinstance(loaded, Problem):
+                self._problems.setdefault(loaded)
+            self._texts[key] = self._normalise(key, loaded) if isinstance(loaded, bytes) else None
         return self._texts[key]
 
     def problem(self, code: str, message: str, path: str, line: int | None = None) -> None:
@@ -91,45 +126,6 @@ class Reader:
         if code not in CATALOGUE:
             raise LookupError(code)
         self._problems.setdefault(Problem(code, message, path, line))
-
-    def _load(self, file: FilePath) -> bytes | None:
-        source = self.workspace.source(file.repository)
-        if source is None and file.repository != INSTALLED:
-            self.problem("KG110", f"{file.repository} is no source of this build", file.path)
-            return None
-        path = self._inside(source.root, file) if source else self._installed(file)
-        if path is None:
-            self.problem("KG110", "the file is not inside of its source", file.path)
-            return None
-        try:
-            return self._read_regular(path, file)
-        except OSError as error:
-            self.problem("KG110", f"the file cannot be read: {error.strerror}", file.path)
-            return None
-
-    def _inside(self, root: Path, file: FilePath) -> str | None:
-        """Return where a file stands on disk; those that the scan did not list are checked for leaving the root."""
-        if self.workspace.entry(file) is not None:
-            return f"{root}/{file.path}"
-        return real_inside(root, root / file.path)
-
-    def _installed(self, file: FilePath) -> str | None:
-        return f"/{file.path}" if self.workspace.is_file(file) else None
-
-    def _read_regular(self, path: str, file: FilePath) -> bytes | None:
-        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
-        with os.fdopen(descriptor, "rb", buffering=0) as stream:
-            status = os.fstat(descriptor)
-            if not stat.S_ISREG(status.st_mode):
-                self.problem("KG110", "it is no regular file", file.path)
-                return None
-            if status.st_size > self.limit_bytes:
-                message = f"the file has {status.st_size} bytes, more than the limit of {self.limit_bytes}"
-                self.problem("KG111", message, file.path)
-                return None
-            data = stream.readall()
-        self._digests[file] = digest(data)
-        return data
 
     def _normalise(self, file: FilePath, data: bytes) -> bytes | None:
         if data.startswith((b"\xff\xfe", b"\xfe\xff")):

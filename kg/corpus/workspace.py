@@ -1,6 +1,8 @@
 """All sources of a build, and the look-ups that readers of code make in them.
 
-Every index is made when it is first asked for, so that a worker pays only for what it uses.
+Every index is made when it is first asked for, so that a worker pays only for what it uses. Extraction reaches other
+packages through the public look-ups alone, which `kg.pipeline.recording` records; no look-up is built on another public
+one, so the record does not depend on what is indexed already.
 """
 
 from __future__ import annotations
@@ -12,9 +14,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from kg.corpus.documents import Documents
-from kg.corpus.files import FileEntry, FilePath, PackageFolder, Source
+from kg.corpus.files import FileEntry, FilePath, PackageFolder, Place, Source
 from kg.corpus.scanning import scan, scan_tree
 from kg.facts import FileKind
+from kg.names import key
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -24,6 +27,7 @@ __all__ = [
     "FileEntry",
     "FilePath",
     "PackageFolder",
+    "Place",
     "Source",
     "Workspace",
     "real_inside",
@@ -45,17 +49,38 @@ class Workspace:
         """Take the sources, and the folders `installed` (`/opt/ros/jazzy/share`) that hold one folder a package."""
         self.sources = tuple(sources)
         self.installed = tuple(installed)
-        self._includes: dict[tuple[str, str, str], FilePath | None] = {}
-        self._modules: dict[tuple[str, str, str], FilePath | None] = {}
+        self._includes: dict[tuple[str, str, Place | None, str], FilePath | None] = {}
+        self._modules: dict[tuple[str, str, Place | None, str], FilePath | None] = {}
         self._documents: dict[str, Documents] = {}
 
     def source(self, repository: str) -> Source | None:
         """Return the source of that repository name."""
         return self._by_name.get(repository)
 
-    def package(self, name: str, near: str = "") -> tuple[Source, PackageFolder] | None:
-        """Return the package of that name and its source: of several that of the repository `near`, else the first."""
+    def package(self, name: str, near: str = "") -> Place | None:
+        """Return the package of that name: of several that of the repository `near`, else the first."""
         return self._own_packages.get((near, name)) or self._packages.get(name)
+
+    def folder(self, place: Place) -> tuple[Source, PackageFolder]:
+        """Return the folder of a package of the build with all its files, and its source."""
+        return self._by_name[place.repository], self._folders[place]
+
+    def files(self, place: Place, kind: FileKind) -> tuple[FileEntry, ...]:
+        """Return the files of one kind of a package of the build."""
+        return tuple(entry for entry in self._folders[place].files if entry.kind is kind)
+
+    def links(self, repository: str) -> tuple[tuple[str, str], ...]:
+        """Return the folders of a source that are links, with the folders that they lead to."""
+        source = self._by_name.get(repository)
+        return source.links if source else ()
+
+    def is_package(self, repository: str, name: str) -> bool:
+        """Tell whether a source has a package whose name has the same `kg.names.key`."""
+        return key(name) in self._package_keys.get(repository, ())
+
+    def is_alone(self, place: Place) -> bool:
+        """Tell whether a package is the only one of its source."""
+        return len(self._by_name[place.repository].packages) == 1
 
     def installed_package(self, name: str) -> FilePath | None:
         """Return the folder of an installed package; None when it is not installed."""
@@ -68,9 +93,9 @@ class Workspace:
 
     def is_file(self, file: FilePath) -> bool:
         """Tell whether there is such a file, listed by the scan or not, inside the root of its source."""
-        source = self.source(file.repository)
+        source = self._by_name.get(file.repository)
         if source is not None:
-            return self.entry(file) is not None or _is_file_inside(source.root, source.root / file.path)
+            return file in self._owners or _is_file_inside(source.root, source.root / file.path)
         path = Path("/", file.path)
         return file.repository == INSTALLED and any(_is_file_inside(root, path) for root in self.installed)
 
@@ -79,10 +104,9 @@ class Workspace:
         owned = self._owners.get(file)
         return owned[0] if owned else None
 
-    def owner(self, file: FilePath) -> PackageFolder | None:
+    def owner(self, file: FilePath) -> Place | None:
         """Return the package that owns a file; None for loose files and files not in the build."""
-        owned = self._owners.get(file)
-        return owned[1] if owned else None
+        return self._home(file)
 
     def include(self, path: str, *, near: FilePath) -> FilePath | None:
         """Return the file that `#include "path"` in the file `near` means; None when it is not in the build.
@@ -90,19 +114,19 @@ class Workspace:
         Searched are the folder of `near`, `include/` and `src/` of its package and anything else in it that
         ends in the path, then the other packages of the build (of the same source first).
         """
-        folder = posixpath.dirname(near.path)
-        key = (near.repository, folder, path)
-        if key not in self._includes:
-            self._includes[key] = self._find_include(path, near, folder)
-        return self._includes[key]
+        folder, home = posixpath.dirname(near.path), self._home(near)
+        asked = (near.repository, folder, home, path)
+        if asked not in self._includes:
+            self._includes[asked] = self._find_include(path, near, folder, home)
+        return self._includes[asked]
 
     def module(self, dotted: str, *, near: FilePath) -> FilePath | None:
         """Return the file of the Python module `dotted` (leading dots: relative) as imported in the file `near`."""
-        folder = posixpath.dirname(near.path)
-        key = (near.repository, folder, dotted)
-        if key not in self._modules:
-            self._modules[key] = self._find_module(dotted, near, folder)
-        return self._modules[key]
+        folder, home = posixpath.dirname(near.path), self._home(near)
+        asked = (near.repository, folder, home, dotted)
+        if asked not in self._modules:
+            self._modules[asked] = self._find_module(dotted, near, folder, home)
+        return self._modules[asked]
 
     def definition(self, package: str, name: str, kind: str) -> FilePath | None:
         """Return the file that defines the interface `package/name`; `kind` is msg, srv or action."""
@@ -110,7 +134,7 @@ class Workspace:
 
     def documents(self, repository: str, package: str) -> tuple[FilePath, ...]:
         """Return the pages of documentation in the package in that folder of a source, then those around it."""
-        source = self.source(repository)
+        source = self._by_name.get(repository)
         if source is None:
             return ()
         if repository not in self._documents:
@@ -122,30 +146,41 @@ class Workspace:
         return {source.repository.name: source for source in reversed(self.sources)}
 
     @cached_property
-    def _packages(self) -> dict[str, tuple[Source, PackageFolder]]:
-        found: dict[str, tuple[Source, PackageFolder]] = {}
-        for source in self.sources:
-            for package in source.packages:
-                found.setdefault(package.name, (source, package))
-        return found
-
-    @cached_property
-    def _own_packages(self) -> dict[tuple[str, str], tuple[Source, PackageFolder]]:
+    def _folders(self) -> dict[Place, PackageFolder]:
         return {
-            (source.repository.name, package.name): (source, package)
-            for source in reversed(self.sources)
-            for package in reversed(source.packages)
+            Place(source.repository.name, package.path, package.name): package
+            for source in self.sources
+            for package in source.packages
         }
 
     @cached_property
-    def _owners(self) -> dict[FilePath, tuple[FileEntry, PackageFolder | None]]:
-        owners: dict[FilePath, tuple[FileEntry, PackageFolder | None]] = {}
+    def _packages(self) -> dict[str, Place]:
+        return {place.name: place for place in reversed(self._folders)}
+
+    @cached_property
+    def _own_packages(self) -> dict[tuple[str, str], Place]:
+        return {(place.repository, place.name): place for place in reversed(self._folders)}
+
+    @cached_property
+    def _package_keys(self) -> dict[str, frozenset[str]]:
+        return {
+            source.repository.name: frozenset(key(package.name) for package in source.packages)
+            for source in self.sources
+        }
+
+    @cached_property
+    def _owners(self) -> dict[FilePath, tuple[FileEntry, Place | None]]:
+        owners: dict[FilePath, tuple[FileEntry, Place | None]] = {}
         for source in self.sources:
             name = source.repository.name
             owners.update((FilePath(name, entry.path), (entry, None)) for entry in source.loose)
-            for package in source.packages:
-                owners.update((FilePath(name, entry.path), (entry, package)) for entry in package.files)
+        for place, package in self._folders.items():
+            owners.update((FilePath(place.repository, entry.path), (entry, place)) for entry in package.files)
         return owners
+
+    def _home(self, file: FilePath) -> Place | None:
+        owned = self._owners.get(file)
+        return owned[1] if owned else None
 
     @cached_property
     def _definitions(self) -> dict[tuple[str, str, str], FilePath]:
@@ -173,7 +208,7 @@ class Workspace:
                 found.setdefault(_last_part(file.path), []).append(file)
         return found
 
-    def _find_include(self, path: str, near: FilePath, folder: str) -> FilePath | None:
+    def _find_include(self, path: str, near: FilePath, folder: str, home: Place | None) -> FilePath | None:
         candidates = self._headers.get(posixpath.basename(path))
         if not candidates:
             return None
@@ -181,9 +216,8 @@ class Workspace:
         if beside in self._owners:
             return beside
         wanted = posixpath.normpath(path).lstrip("./")
-        home = self.owner(near)
-        for root in _INCLUDE_ROOTS if home else ():
-            inside = FilePath(near.repository, home.join(root + wanted)) if home else beside
+        for root in [self._folders[home].join(root) for root in _INCLUDE_ROOTS] if home else ():
+            inside = FilePath(near.repository, root + wanted)
             if inside in self._owners:
                 return inside
         fits = [
@@ -193,20 +227,20 @@ class Workspace:
         ]
         return min(fits, key=lambda file: self._distance(file, near, home, "include/" + wanted), default=None)
 
-    def _is_reachable(self, file: FilePath, wanted: str, home: PackageFolder | None) -> bool:
+    def _is_reachable(self, file: FilePath, wanted: str, home: Place | None) -> bool:
         """Tell whether a header may be meant: a plain name means one of another package only in its public folder."""
-        if "/" in wanted or (home is not None and self.owner(file) is home):
+        if "/" in wanted or (home is not None and self._home(file) == home):
             return True
         folder, parent = posixpath.dirname(file.path), posixpath.dirname(posixpath.dirname(file.path))
         return "include" in (posixpath.basename(folder), posixpath.basename(parent))
 
-    def _distance(self, file: FilePath, near: FilePath, home: PackageFolder | None, tail: str) -> tuple[object, ...]:
+    def _distance(self, file: FilePath, near: FilePath, home: Place | None, tail: str) -> tuple[object, ...]:
         """Order candidates: own package, own source, public headers, short paths, then by name."""
-        own = home is not None and file.repository == near.repository and self.owner(file) is home
+        own = home is not None and self._home(file) == home
         public = file.path.endswith(tail)
         return (not own, not public, file.repository != near.repository, len(file.path), file)
 
-    def _find_module(self, dotted: str, near: FilePath, folder: str) -> FilePath | None:
+    def _find_module(self, dotted: str, near: FilePath, folder: str, home: Place | None) -> FilePath | None:
         name = dotted.lstrip(".")
         parts = name.replace(".", "/")
         if dotted.startswith("."):
@@ -216,8 +250,7 @@ class Workspace:
             return self._module_at(near.repository, posixpath.join(base, parts))
         if not self._python.get(parts.rpartition("/")[2]):
             return None
-        home = self.owner(near)
-        roots = [folder, *(home.join(root) for root in _MODULE_ROOTS)] if home else [folder]
+        roots = [folder, *(self._folders[home].join(root) for root in _MODULE_ROOTS)] if home else [folder]
         for root in roots:
             found = self._module_at(near.repository, posixpath.join(root, parts))
             if found:
@@ -231,7 +264,7 @@ class Workspace:
                 return FilePath(repository, path)
         return None
 
-    def _module_anywhere(self, parts: str, near: FilePath, home: PackageFolder | None) -> FilePath | None:
+    def _module_anywhere(self, parts: str, near: FilePath, home: Place | None) -> FilePath | None:
         """Return a module whose folder is a possible root of imports, that is, no Python package itself."""
         fits = []
         for file in self._python[parts.rpartition("/")[2]]:

@@ -123,4 +123,4 @@ def _files(reader: Reader, package: PackageFolder) -> Iterator[SourceFile]:
     readable = [entry for entry in ordered if reader.read(entry.path) is not None]
     digests = dict(reader.inputs)
     for entry in readable:
-        yield SourceFile(entry.path, entry.kind, entry.bytes, digests[f"{reader.source.repository.name}:{entry.path}"])
+        yield SourceFile(entry.path, entry.kind, entry.bytes, digests[f"{reader.repository}:{entry.path}"])

@@ -38,8 +38,14 @@ _UNUSED: Final = (
 
 
 def identity(model: str) -> str:
-    """Return what stands for a pipeline and its version; the empty name is the shipped one. Nothing is loaded."""
-    folder = SHIPPED if not model else Path(model).expanduser()
+    """Return what stands for a pipeline and its version; nothing is loaded.
+
+    The empty name is the shipped one, which is part of the code of `kg`. The files of another may be large; they count
+    by size and time.
+    """
+    if not model:
+        return model
+    folder = Path(model).expanduser()
     if (folder / "meta.json").is_file():
         files = sorted(path for path in folder.rglob("*") if path.is_file())
         stats = ((path, path.stat()) for path in files)

@@ -116,7 +116,7 @@ class _Build:
         sources = gather(roots, self._store.layout.checkouts, self._report, again=not named)
         workspace = RecordingWorkspace(sources, installed_folders(self._settings))
         now = version(self._settings)
-        plan = make_plan(workspace, self._state, self._cache, now)
+        plan = make_plan(workspace, self._state, self._cache, now, self._settings.max_file_bytes)
         self._jobs = max(1, min(self._jobs, len(plan.read)))
         self._report.planned(len(plan.read), len(plan.reused), self._jobs)
         results = dict(plan.reused)
@@ -124,7 +124,7 @@ class _Build:
         written: dict[str, Written] = {}
         if changed or gone:
             written = self._write(workspace, plan, changed, gone, results)
-        systems, wired = self._wire(sources, results, gone, changed=bool(changed or gone))
+        systems, wired = self._wire(sources, results, gone, now, changed=bool(changed or gone))
         inferred = self._infer(changed=bool(changed or gone))
         generation = self._transaction.commit()
         self._inference.remember(generation)
@@ -142,7 +142,13 @@ class _Build:
         return BuildReport(reports, generation, 0.0, self._jobs, gone, inferred, wired)
 
     def _wire(
-        self, sources: Sequence[Source], results: dict[Key, PackageState], gone: tuple[str, ...], *, changed: bool
+        self,
+        sources: Sequence[Source],
+        results: dict[Key, PackageState],
+        gone: tuple[str, ...],
+        now: str,
+        *,
+        changed: bool,
     ) -> tuple[Systems, SystemsReport]:
         """Write the systems that launch files make, of the sources of this build and of those that stay."""
         built = {source.repository.name for source in sources}
@@ -158,7 +164,7 @@ class _Build:
 
         iris = Iris(self._settings.base)
         return update_systems(
-            self._transaction, self._cache, iris, packages, self._state.systems, touched=self._touched
+            self._transaction, self._cache, iris, packages, self._state.systems, now, touched=self._touched
         )
 
     def _infer(self, *, changed: bool) -> Inferred | None:
@@ -295,6 +301,7 @@ class _Build:
             listing=listing(package) if outcome.reusable else "",
             stamp=mark,
             inputs=outcome.inputs,
+            outside=tuple(sorted(outcome.outside.items())),
             result=name,
             counts=dict(result.counts),
             unresolved=dict(result.unresolved),

@@ -43,7 +43,7 @@ def pack(
 
     With them go the configurations of the package's launch files, and its annotated descriptions.
     """
-    listed = json.dumps([[*lookup, answer] for lookup, answer in found.items()], separators=(",", ":"))
+    listed = json.dumps([[*lookup, answer] for lookup, answer in sorted(found.items())], separators=(",", ":"))
     encode = msgspec.msgpack.encode
     parts = [
         zlib.compress(part, _LEVEL)

@@ -48,7 +48,7 @@ def forget(
         contents = (shared_of(store.layout.cache, package) for package in packages)
         keep_shared(transaction, iris, contents, left.sources)
         present = {(name, path): one for name, source in left.sources.items() for path, one in source.packages.items()}
-        systems, _ = update_systems(transaction, store.layout.cache, iris, present, state.systems)
+        systems, _ = update_systems(transaction, store.layout.cache, iris, present, state.systems, state.version)
         inferred = inference.run(transaction) if rules else None
         generation = transaction.commit()
         inference.remember(generation)

@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kg.corpus.sources import is_address
+from kg.corpus.workspace import Workspace
 from kg.errors import SourceError
 from kg.pipeline.inferring import digest, last_run
 from kg.pipeline.plan import make_plan, version
-from kg.pipeline.recording import RecordingWorkspace
 from kg.pipeline.report import Silent
-from kg.pipeline.sources import gather
+from kg.pipeline.sources import gather, installed_folders
 from kg.pipeline.state import load
 
 if TYPE_CHECKING:
@@ -34,7 +34,8 @@ def pending(layout: Layout, settings: Settings) -> dict[str, tuple[str, ...] | N
         sources = gather(named, layout.checkouts, Silent())
     except SourceError:
         return found
-    plan = make_plan(RecordingWorkspace(sources), state, layout.cache, version(settings))
+    workspace = Workspace(sources, installed_folders(settings))
+    plan = make_plan(workspace, state, layout.cache, version(settings), settings.max_file_bytes)
     for source in sources:
         name = source.repository.name
         found[name] = tuple(package.name for one, package in plan.read if one.repository.name == name)

@@ -1,20 +1,22 @@
 """Which packages have to be read again: those whose files, or whose look-ups in the build, are not what they were.
 
 Cheap checks come first. Size and time of all files that a result depends on decide for most packages; where these
-differ the digests of the contents do. Look-ups (which file does this include mean?) depend only on the paths of the
-build, so they are repeated only when some path came or went.
+differ the digests of the contents do. Most look-ups (which file does this include mean?) depend only on the paths of
+the build, so they are repeated only when some path came or went; those of files that no scan lists are always repeated.
 """
 
 from __future__ import annotations
 
 import hashlib
+import sys
 from dataclasses import dataclass, field, replace
 from importlib.metadata import version as installed_version
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from kg import resources
-from kg.corpus.reading import digest
+from kg.corpus.files import FilePath
+from kg.corpus.reading import load, mark
 from kg.corpus.workspace import INSTALLED
 from kg.language import identity
 from kg.pipeline import cache
@@ -27,13 +29,21 @@ if TYPE_CHECKING:
     from kg.pipeline.state import PackageState, State
     from kg.settings import Settings
 
-__all__ = ["Key", "Plan", "listing", "make_plan", "shape", "stamp", "version"]
+__all__ = ["CODE", "LIBRARIES", "Key", "Plan", "listing", "make_plan", "shape", "stamp", "version"]
 
 Key = tuple[str, str]
 """Name of the source and path of the package in it."""
 
-_CODE: Final = ("facts", "names.py", "corpus", "extract", "language", "wiring", "graph")
-"""What of `kg` results depend on, besides its data."""
+CODE: Final = (
+    *("facts", "names.py", "yamltext.py", "corpus", "extract", "language", "wiring", "graph"),
+    *("pipeline/cache.py", "pipeline/recording.py", "pipeline/work.py"),
+)
+"""The code of `kg` that results depend on, with the data that belongs to it."""
+LIBRARIES: Final = (
+    *("lxml", "msgspec", "numpy", "pyoxigraph", "pyyaml", "rosbags", "spacy"),
+    *("tree-sitter", "tree-sitter-cpp", "tree-sitter-python"),
+)
+"""The distributions that results depend on."""
 
 _BYTES: Final = 16
 
@@ -49,17 +59,15 @@ class Plan:
 
 
 def version(settings: Settings) -> str:
-    """Return what stands for the version of `kg`, its data and the settings that results depend on.
+    """Return what stands for the code and data of `kg`, its libraries, and the settings that results depend on.
 
-    The spaCy pipeline in force is told by its files or its version.
+    Code and data count by their contents, so that an installation of the same files has the same version.
     """
     package = Path(__file__).resolve().parent.parent
-    roots = [*(package / name for name in _CODE), resources.folder("ontology")]
-    paths = sorted(path for root in roots for path in ([root] if root.is_file() else root.rglob("*.[ptj][oytsl]*")))
-    stats = ((path.name, path.stat()) for path in paths)
-    marks = [f"{name} {status.st_size} {status.st_mtime_ns}" for name, status in stats]
+    own = resources.digest([*(package / name for name in CODE), resources.folder("ontology")])
+    libraries = [f"{name} {installed_version(name)}" for name in ("kg-ros", *LIBRARIES)]
     set_to = [settings.base, str(settings.max_file_bytes), identity(settings.nlp_model)]
-    return _digest([installed_version("kg-ros"), *set_to, *marks])
+    return _digest([own, sys.version, *libraries, *set_to])
 
 
 def shape(sources: Iterable[Source]) -> str:
@@ -69,7 +77,7 @@ def shape(sources: Iterable[Source]) -> str:
         lines.append(f"{source.repository.name} {source.root}")
         for package in source.packages:
             lines.append(f"{package.name} {package.path} {package.manifest}")
-            lines += [f"{entry.kind} {entry.path}" for entry in package.files]
+            lines += [f"{entry.kind} {entry.executable} {entry.path}" for entry in package.files]
         lines += [f"{entry.kind} {entry.path}" for entry in source.loose]
         lines += [f"{link} {target}" for link, target in source.links]
     return _digest(lines)
@@ -95,8 +103,11 @@ def stamp(
     return _digest(lines)
 
 
-def make_plan(workspace: Workspace, state: State, folder: Path, now: str) -> Plan:
-    """Return which packages of `workspace` must be read; `folder` is the cache, `now` the `version` in force."""
+def make_plan(workspace: Workspace, state: State, folder: Path, now: str, limit_bytes: int) -> Plan:
+    """Return which packages of `workspace` must be read; `folder` is the cache, `now` the `version` in force.
+
+    `limit_bytes` is the size above which files are not read.
+    """
     current = shape(workspace.sources)
     entries = entries_by_name(workspace.sources)
     read: list[tuple[Source, PackageFolder]] = []
@@ -106,7 +117,8 @@ def make_plan(workspace: Workspace, state: State, folder: Path, now: str) -> Pla
         known = state.sources[name].packages if name in state.sources and state.version == now else {}
         for package in source.packages:
             earlier = known.get(package.path)
-            same = earlier and _still_holds(workspace, folder, source, package, earlier, entries)
+            kept = earlier if earlier and cache.exists(folder, earlier.result) else None
+            same = kept and _still_holds(workspace, source, package, kept, entries, limit_bytes)
             if same and (state.shape == current or _same_answers(workspace, folder, same)):
                 reused[name, package.path] = same
             else:
@@ -126,29 +138,27 @@ def entries_by_name(sources: Iterable[Source]) -> dict[str, FileEntry]:
 
 def _still_holds(  # noqa: PLR0913, PLR0917 - called in one place
     workspace: Workspace,
-    folder: Path,
     source: Source,
     package: PackageFolder,
     earlier: PackageState,
     entries: dict[str, FileEntry],
+    limit_bytes: int,
 ) -> PackageState | None:
     """Return the earlier result, with its stamp brought up to date, if nothing that it was read from differs."""
-    if earlier.listing != listing(package) or not cache.exists(folder, earlier.result):
+    if earlier.listing != listing(package) or any(answer(workspace, asked) != was for asked, was in earlier.outside):
         return None
     now = stamp(workspace, source.repository.name, package, earlier.inputs, entries)
-    if now == earlier.stamp:
-        return earlier
-    same = all(_content(workspace, key) == before for key, before in earlier.inputs.items())
-    return replace(earlier, stamp=now) if same else None
-
-
-def _content(workspace: Workspace, key: str) -> str | None:
-    """Return the digest of a file as it is now; None when it cannot be read."""
-    path = _path(workspace, key)
-    try:
-        return digest(path.read_bytes()) if path else None
-    except OSError:
+    # Whether a file can be read depends on more than its size and time.
+    doubtful = earlier.inputs if now != earlier.stamp else [key for key, was in earlier.inputs.items() if " " in was]
+    if any(_mark(workspace, key, limit_bytes) != earlier.inputs[key] for key in doubtful):
         return None
+    return earlier if now == earlier.stamp else replace(earlier, stamp=now)
+
+
+def _mark(workspace: Workspace, key: str, limit_bytes: int) -> str:
+    """Return what stands for a file as it is now."""
+    repository, _, path = key.partition(":")
+    return mark(load(workspace, FilePath(repository, path), limit_bytes))
 
 
 def _size_and_time(workspace: Workspace, key: str) -> str:

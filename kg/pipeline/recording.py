@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypeAlias
+import hashlib
+from typing import TYPE_CHECKING, Final, TypeAlias, TypeVar
 
-from kg.corpus.workspace import FileEntry, FilePath, PackageFolder, Source, Workspace
+from kg.corpus.workspace import FileEntry, FilePath, PackageFolder, Place, Source, Workspace
+from kg.facts import FileKind
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -13,103 +15,143 @@ if TYPE_CHECKING:
 __all__ = ["Lookup", "RecordingWorkspace", "answer"]
 
 Lookup: TypeAlias = tuple[str, ...]
-"""The kind of a look-up and what was asked for; see `answer`."""
+"""The name of a method of `Workspace` and its arguments; see `answer`."""
+
+_Found = TypeVar("_Found")
+_BYTES: Final = 16
 
 
 class RecordingWorkspace(Workspace):
-    """A workspace whose `lookups` are those made since the last `forget`, with their answers as text."""
+    """A workspace that records look-ups and their answers, as text, since the last `forget`.
+
+    `lookups` depend on the paths of the build alone, `outside` on files that no scan lists.
+    """
 
     def __init__(self, sources: Iterable[Source], installed: Iterable[Path] = ()) -> None:
         super().__init__(sources, installed)
-        self.lookups: dict[Lookup, str] = {}
+        self.forget()
 
     def forget(self) -> None:
         """Begin a new record, for another package."""
-        self.lookups = {}
+        self.lookups: dict[Lookup, str] = {}
+        self.outside: dict[Lookup, str] = {}
 
     def prepare(self) -> None:
-        """Make the indexes before processes are forked, which then share them."""
+        """Make the indexes before processes are forked, which then share them, and begin a new record."""
         nowhere = FilePath("", "")
         super().package("")
         super().definition("", "", "")
         super().include("", near=nowhere)
         super().module("", near=nowhere)
+        self.forget()
 
-    def package(self, name: str, near: str = "") -> tuple[Source, PackageFolder] | None:
-        """Return the package of that name and its source."""
-        found = super().package(name, near)
-        self.lookups[("package", name, near)] = _place(found)
+    def _record(self, found: _Found, *lookup: str) -> _Found:
+        self.lookups[lookup] = _text(found)
         return found
+
+    def source(self, repository: str) -> Source | None:
+        """Return the source of that repository name."""
+        return self._record(super().source(repository), "source", repository)
+
+    def package(self, name: str, near: str = "") -> Place | None:
+        """Return the package of that name."""
+        return self._record(super().package(name, near), "package", name, near)
+
+    def folder(self, place: Place) -> tuple[Source, PackageFolder]:
+        """Return the folder of a package with all its files, and its source."""
+        return self._record(super().folder(place), "folder", *place)
+
+    def files(self, place: Place, kind: FileKind) -> tuple[FileEntry, ...]:
+        """Return the files of one kind of a package."""
+        return self._record(super().files(place, kind), "files", *place, kind.value)
+
+    def is_alone(self, place: Place) -> bool:
+        """Tell whether a package is the only one of its source."""
+        return self._record(super().is_alone(place), "is_alone", *place)
+
+    def is_package(self, repository: str, name: str) -> bool:
+        """Tell whether a source has a package of such a name."""
+        return self._record(super().is_package(repository, name), "is_package", repository, name)
+
+    def links(self, repository: str) -> tuple[tuple[str, str], ...]:
+        """Return the folders of a source that are links."""
+        return self._record(super().links(repository), "links", repository)
 
     def entry(self, file: FilePath) -> FileEntry | None:
         """Return the entry of a file of the build."""
-        found = super().entry(file)
-        self.lookups[("entry", *file)] = str(found is not None)
-        return found
+        return self._record(super().entry(file), "entry", *file)
+
+    def owner(self, file: FilePath) -> Place | None:
+        """Return the package that owns a file."""
+        return self._record(super().owner(file), "owner", *file)
+
+    def include(self, path: str, *, near: FilePath) -> FilePath | None:
+        """Return the file that an include directive in the file `near` means."""
+        return self._record(super().include(path, near=near), "include", path, *near)
+
+    def module(self, dotted: str, *, near: FilePath) -> FilePath | None:
+        """Return the file of a Python module as imported in the file `near`."""
+        return self._record(super().module(dotted, near=near), "module", dotted, *near)
+
+    def definition(self, package: str, name: str, kind: str) -> FilePath | None:
+        """Return the file that defines an interface."""
+        return self._record(super().definition(package, name, kind), "definition", package, name, kind)
+
+    def documents(self, repository: str, package: str) -> tuple[FilePath, ...]:
+        """Return the pages of documentation of a package and of the folders around it."""
+        return self._record(super().documents(repository, package), "documents", repository, package)
 
     def installed_package(self, name: str) -> FilePath | None:
         """Return the folder of an installed package."""
         found = super().installed_package(name)
-        self.lookups[("installed", name)] = _name(found)
+        self.outside["installed_package", name] = _text(found)
         return found
 
     def is_file(self, file: FilePath) -> bool:
         """Tell whether there is such a file."""
         found = super().is_file(file)
-        self.lookups[("file", *file)] = str(found)
-        return found
-
-    def include(self, path: str, *, near: FilePath) -> FilePath | None:
-        """Return the file that an include directive in the file `near` means."""
-        found = super().include(path, near=near)
-        self.lookups[("include", path, *near)] = _name(found)
-        return found
-
-    def module(self, dotted: str, *, near: FilePath) -> FilePath | None:
-        """Return the file of a Python module as imported in the file `near`."""
-        found = super().module(dotted, near=near)
-        self.lookups[("module", dotted, *near)] = _name(found)
-        return found
-
-    def definition(self, package: str, name: str, kind: str) -> FilePath | None:
-        """Return the file that defines an interface."""
-        found = super().definition(package, name, kind)
-        self.lookups[("definition", package, name, kind)] = _name(found)
-        return found
-
-    def documents(self, repository: str, package: str) -> tuple[FilePath, ...]:
-        """Return the pages of documentation of a package and of the folders around it."""
-        found = super().documents(repository, package)
-        self.lookups[("documents", repository, package)] = _names(found)
+        record = self.outside if super().entry(file) is None else self.lookups
+        record["is_file", *file] = _text(found)
         return found
 
 
 def answer(workspace: Workspace, lookup: Lookup) -> str:
-    """Return what a workspace answers to a look-up that was recorded in another."""
-    kind, *asked = lookup
-    if kind == "package":
-        return _place(workspace.package(*asked))
-    if kind == "entry":
-        return str(workspace.entry(FilePath(*asked)) is not None)
-    if kind == "installed":
-        return _name(workspace.installed_package(asked[0]))
-    if kind == "file":
-        return str(workspace.is_file(FilePath(*asked)))
-    if kind == "definition":
-        return _name(workspace.definition(*asked))
-    if kind == "documents":
-        return _names(workspace.documents(*asked))
-    find = workspace.include if kind == "include" else workspace.module
-    return _name(find(asked[0], near=FilePath(*asked[1:])))
+    """Return the answer of a workspace, as text, to a look-up that was recorded in another."""
+    kind, *arguments = lookup
+    if kind in {"folder", "files", "is_alone"}:
+        place = Place(*arguments[:3])
+        if workspace.package(place.name, place.repository) != place:
+            return "gone"
+        if kind == "files":
+            return _text(workspace.files(place, FileKind(arguments[3])))
+        return _text(workspace.folder(place) if kind == "folder" else workspace.is_alone(place))
+    ask = getattr(workspace, kind)
+    if kind in {"entry", "owner", "is_file"}:
+        return _text(ask(FilePath(*arguments)))
+    if kind in {"include", "module"}:
+        return _text(ask(arguments[0], near=FilePath(*arguments[1:])))
+    return _text(ask(*arguments))
 
 
-def _name(file: FilePath | None) -> str:
-    return "" if file is None else f"{file.repository}:{file.path}"
-
-
-def _names(files: Iterable[FilePath]) -> str:
-    return "\n".join(map(_name, files))
-
-
-def _place(found: tuple[Source, PackageFolder] | None) -> str:
-    return "" if found is None else f"{found[0].repository.name}:{found[1].path}"
+def _text(found: object) -> str:
+    """Return an answer as text: names as they are, the files of a package by their digest."""
+    match found:
+        case None:
+            return ""
+        case bool():
+            return str(found)
+        case Source():
+            return found.repository.name
+        case FileEntry():
+            return found.kind.value
+        case FilePath():
+            return f"{found.repository}:{found.path}"
+        case Place():
+            return f"{found.repository}:{found.path}:{found.name}"
+        case (Source(), PackageFolder() as folder):
+            return _text(folder.files)
+        case tuple() if found and isinstance(found[0], FileEntry):
+            listed = repr([(entry.kind.value, entry.executable, entry.path) for entry in found])
+            return hashlib.blake2b(listed.encode(), digest_size=_BYTES).hexdigest()
+        case _:
+            return str(found)

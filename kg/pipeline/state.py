@@ -17,12 +17,14 @@ from kg.store.layout import write_atomically
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from kg.pipeline.recording import Lookup
+
 __all__ = ["PackageState", "PackageSystems", "SourceState", "State", "Systems", "discard", "load", "save"]
 
 Systems: TypeAlias = "dict[str, dict[str, PackageSystems]]"
 """The systems of each package that has launch files, by source and path of the package."""
 
-_FORM: Final = 2
+_FORM: Final = 3
 _NAME: Final = "state.json"
 
 
@@ -31,7 +33,8 @@ class PackageState:
     """A package as it was read last.
 
     `listing` is a digest of the paths of its files, `stamp` one of size and time of all that was read, `inputs`
-    the digest of each file read (`repository:path`), `result` the name of its result in the cache.
+    the mark of each file read (`repository:path`), `outside` the look-ups, with their answers, of files that no scan
+    lists, `result` the name of its result in the cache.
     """
 
     name: str
@@ -39,6 +42,7 @@ class PackageState:
     listing: str
     stamp: str
     inputs: dict[str, str]
+    outside: tuple[tuple[Lookup, str], ...]
     result: str
     counts: dict[str, int]
     unresolved: dict[str, int]
@@ -136,4 +140,6 @@ def _source(content: dict[str, Any]) -> SourceState:
 
 
 def _package(content: dict[str, Any]) -> PackageState:
-    return PackageState(**{**content, "problems": tuple(Problem(**problem) for problem in content["problems"])})
+    problems = tuple(Problem(**problem) for problem in content["problems"])
+    outside = tuple((tuple(lookup), answer) for lookup, answer in content["outside"])
+    return PackageState(**{**content, "problems": problems, "outside": outside})

@@ -40,22 +40,23 @@ __all__ = ["node_types", "update_systems", "used_packages"]
 _BYTES: Final = 16
 
 
-def update_systems(  # noqa: PLR0913 - all that systems depend on
+def update_systems(  # noqa: PLR0913, PLR0917 - all that systems depend on
     transaction: EmbeddedTransaction,
     folder: Path,
     iris: Iris,
     packages: Mapping[Key, PackageState],
     last: Systems,
+    version: str,
     *,
     touched: frozenset[str] | None = frozenset(),
 ) -> tuple[Systems, SystemsReport]:
     """Write the systems of all `packages` of the store, and take out those of packages that are gone.
 
-    `folder` is the cache, `last` what the last build left, `touched` the graphs that others wrote since then, None
-    where that is not known. Returns what the next one compares with.
+    `folder` is the cache, `last` what the last build left, `version` stands for the code in force, `touched` are the
+    graphs that others wrote since then, None where that is not known. Returns what the next one compares with.
     """
     earlier = {(source, path): one for source, found in last.items() for path, one in found.items()}
-    work = _Work(transaction, folder, iris, packages)
+    work = _Work(transaction, folder, iris, packages, version)
     present = {graph.value for graph in transaction.graphs()}
     intact = set[str]() if touched is None else present - touched
     found = {key: work.kept(key, systems, intact) for key, systems in earlier.items() if key in packages}
@@ -110,12 +111,18 @@ class _Work:
     """What the wiring of one build shares."""
 
     def __init__(
-        self, transaction: EmbeddedTransaction, folder: Path, iris: Iris, packages: Mapping[Key, PackageState]
+        self,
+        transaction: EmbeddedTransaction,
+        folder: Path,
+        iris: Iris,
+        packages: Mapping[Key, PackageState],
+        version: str,
     ) -> None:
         self._transaction = transaction
         self._folder = folder
         self._iris = iris
         self._packages = packages
+        self._version = version
         self._results: dict[str, list[str]] = {}
         for (source, path), package in sorted(packages.items()):
             self._results.setdefault(package.name, []).append(f"{source} {path} {package.result}")
@@ -151,7 +158,8 @@ class _Work:
     def _basis(self, key: Key, uses: Iterable[str]) -> str:
         names = list(uses)
         alike = ",".join(name for use in names if use not in self._results for name in self._names.find(use))
-        return _mark(f"{self._packages[key].result} {self._shared} {self._digest(names)} {alike}".encode())
+        own = self._packages[key].result
+        return _mark(f"{self._version} {own} {self._shared} {self._digest(names)} {alike}".encode())
 
     def _digest(self, names: Iterable[str]) -> str:
         return _mark("\n".join(line for name in names for line in (name, *self._results.get(name, ()))).encode())

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from kg.facts import PackageFacts
-    from kg.pipeline.recording import RecordingWorkspace
+    from kg.pipeline.recording import Lookup, RecordingWorkspace
 
 __all__ = ["Job", "Outcome", "failed", "work"]
 
@@ -44,10 +44,14 @@ class Job:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What comes back of one package: the result packed for the cache, and what the report and the next build need."""
+    """What comes back of one package: the result packed for the cache, and what the report and the next build need.
+
+    `outside` are the look-ups of files that no scan lists, with their answers.
+    """
 
     result: PackageResult
     inputs: dict[str, str]
+    outside: dict[Lookup, str]
     packed: bytes
     reusable: bool = True
 
@@ -80,18 +84,16 @@ def work(job: Job, source: str, path: str, earlier: str = "") -> Outcome:
         problems=facts.problems,
         seconds=time.perf_counter() - began,
     )
-    return Outcome(result, dict(facts.inputs), _packed(job, facts, own, shared))
-
-
-def _packed(job: Job, facts: PackageFacts, own: list[bytes], shared: list[bytes]) -> bytes:
-    return cache.pack(b"".join(own), job.workspace.lookups, b"".join(shared), facts.launches, facts.descriptions)
+    record = job.workspace.lookups
+    packed = cache.pack(b"".join(own), record, b"".join(shared), facts.launches, facts.descriptions)
+    return Outcome(result, dict(facts.inputs), job.workspace.outside, packed)
 
 
 def failed(source: str, name: str, path: str, message: str) -> Outcome:
     """Return the outcome of a package whose worker gave none; it is read again by the next build."""
     problem = Problem("KG121", message, path)
     result = PackageResult(source, name, path, {"problems": 1}, {}, (problem,))
-    return Outcome(result, {}, cache.pack(b"", {}), reusable=False)
+    return Outcome(result, {}, {}, cache.pack(b"", {}), reusable=False)
 
 
 def _reasons(facts: PackageFacts) -> dict[str, int]:

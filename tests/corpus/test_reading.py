@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 
 import pytest
-from extract.workspaces import codes, manifest, reader_of
+from extract.workspaces import codes, reader_of
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -18,8 +18,8 @@ def test_reading_is_on_record(tmp_path: Path) -> None:
     """Every file read stands in the inputs with its digest, once."""
     reader = reader_of(tmp_path, {"a.cpp": "int a;\n", "b.cpp": "int b;\n"})
     assert reader.read("demo/a.cpp") == b"int a;\n"
-    assert reader.read(FilePath(reader.source.repository.name, "demo/a.cpp")) == b"int a;\n"
-    assert reader.inputs == ((f"{reader.source.repository.name}:demo/a.cpp", digest(b"int a;\n")),)
+    assert reader.read(FilePath(reader.repository, "demo/a.cpp")) == b"int a;\n"
+    assert reader.inputs == ((f"{reader.repository}:demo/a.cpp", digest(b"int a;\n")),)
     assert reader.problems == ()
 
 
@@ -41,16 +41,6 @@ def test_content(tmp_path: Path, content: bytes, text: str | None, problem: tupl
     read = reader.read("demo/a.cpp")
     assert (None if read is None else read.decode()) == text
     assert codes(reader.problems) == ([problem] if problem else [])
-
-
-def test_readers_beside_each_other(tmp_path: Path) -> None:
-    """A reader for another package, made from this one, reads its files on the same record."""
-    reader = reader_of(tmp_path, {"../other/package.xml": manifest("other"), "../other/a.cpp": b"\0"})
-    found = reader.workspace.package("other")
-    assert found is not None
-    assert reader.beside(*found).read("other/a.cpp") is None
-    assert codes(reader.problems) == [("KG112", None)]
-    assert len(reader.inputs) == 1
 
 
 def test_missing_file(tmp_path: Path) -> None:
@@ -79,7 +69,7 @@ def test_paths_out_of_the_source(tmp_path: Path) -> None:
     for path in ("../secret", "demo/../../secret", "demo/link", str(tmp_path / "secret")):
         assert reader.read(path) is None
     assert {problem.code for problem in reader.problems} == {"KG110"}
-    assert reader.inputs == ()
+    assert {mark for _, mark in reader.inputs} == {"KG110 the file is not inside of its source"}
 
 
 def test_pipe_does_not_block(tmp_path: Path) -> None:

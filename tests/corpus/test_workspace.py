@@ -105,7 +105,7 @@ def test_packages_and_owners(tmp_path: Path) -> None:
     workspace = Workspace([scan(tmp_path / "one"), scan(tmp_path / "two")])
     found = workspace.package("a")
     assert found is not None
-    assert found[0].repository.name == "local/one"
+    assert found.repository == "local/one"
     assert workspace.package("b") is None
     owner = workspace.owner(FilePath("local/two", "a/n.cpp"))
     assert owner is not None

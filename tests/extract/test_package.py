@@ -26,7 +26,7 @@ def extract(root: Path, files: dict[str, str | bytes]) -> PackageFacts:
     workspace = written(root, {"demo/package.xml": manifest("demo"), **files})
     found = workspace.package("demo")
     assert found is not None
-    return extract_package(workspace, *found)
+    return extract_package(workspace, *workspace.folder(found))
 
 
 def test_everything_of_a_package_is_in_its_facts(tmp_path: Path) -> None:

@@ -37,7 +37,7 @@ def reader_of(root: Path, files: Mapping[str, str | bytes], package: str = "demo
     workspace = written(root, placed)
     found = workspace.package(package)
     assert found is not None
-    return Reader(workspace, *found)
+    return Reader(workspace, *workspace.folder(found))
 
 
 def codes(problems: tuple[Problem, ...]) -> list[tuple[str, int | None]]:

@@ -26,7 +26,7 @@ def _work(_job: Job, source: str, path: str, _earlier: str) -> Outcome:
         raise ValueError("a defect")
     if path == "p5":
         time.sleep(3600)
-    return Outcome(PackageResult(source, path, path, {}, {}), {}, path.encode())
+    return Outcome(PackageResult(source, path, path, {}, {}), {}, {}, path.encode())
 
 
 @pytest.mark.parametrize("jobs", [1, 3])

@@ -13,7 +13,16 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 PACKAGE = PackageState(
-    "p", "a/p", "l", "s", {"local/x:a": "d"}, "r", {"nodes": 1}, {"why": 2}, (Problem("KG110", "m", "f", 3),)
+    "p",
+    "a/p",
+    "l",
+    "s",
+    {"local/x:a": "d"},
+    ((("is_file", "local/x", "b.bin"), "True"),),
+    "r",
+    {"nodes": 1},
+    {"why": 2},
+    (Problem("KG110", "m", "f", 3),),
 )
 SOURCE = SourceState(
     Repository("local/x", "/x", dirty=True), (Problem("KG102", "m", "."),), {"a/p": PACKAGE}, "<a> .\n", 7

@@ -256,10 +256,12 @@ class _Nodes:
         """Return the reading of a package of the build by its name."""
         if package == self._package.name:
             return self
-        found = self._project.reader.workspace.package(package)
-        if found is None or found[0] is not self._project.reader.source:
+        reader = self._project.reader
+        found = reader.workspace.package(package)
+        if found is None or found.repository != reader.repository:
             return None
-        return _Nodes(self._project.reader, found[1], read_build(self._project.reader, found[1]))
+        folder = reader.workspace.folder(found)[1]
+        return _Nodes(reader, folder, read_build(reader, folder))
 
 
 def _last(name: str) -> str:

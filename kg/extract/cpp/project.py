@@ -10,7 +10,7 @@ import re
 from collections import OrderedDict
 from typing import TYPE_CHECKING, Final
 
-from kg.corpus.files import FilePath
+from kg.corpus.files import FilePath, Place
 from kg.extract.cpp.unit import Unit, included
 from kg.facts import FileKind
 
@@ -121,7 +121,8 @@ class Project:
     def __init__(self, reader: Reader, package: PackageFolder) -> None:
         self.reader = reader
         self.package = package
-        self.repository = reader.source.repository.name
+        self.repository = reader.repository
+        self._place = Place(reader.repository, package.path, package.name)
         self._units: dict[FilePath, Unit | None] = {}
         self._headers: dict[FilePath, tuple[FilePath, ...]] = {}
         self._relevant: dict[FilePath, bool] = {}
@@ -129,7 +130,7 @@ class Project:
         self._direct: dict[FilePath, tuple[FilePath, ...]] = {}
         self._holding: dict[tuple[FilePath, str], list[FilePath]] = {}
         self._read: dict[FilePath, list[tuple[FilePath, bytes]]] = {}
-        self._bodies: dict[FilePath, list[FilePath]] = {}
+        self._bodies: dict[Place, list[FilePath]] = {}
 
     def own(self, path: str) -> FilePath:
         """Return the key of a file of this source."""
@@ -137,7 +138,7 @@ class Project:
 
     def is_own(self, file: FilePath) -> bool:
         """Tell whether a file belongs to the package that is read."""
-        return self.reader.workspace.owner(file) is self.package
+        return self.reader.workspace.owner(file) == self._place
 
     def sources(self) -> list[FilePath]:
         """Return the C++ files of the package."""
@@ -151,12 +152,13 @@ class Project:
         return self._units[file]
 
     def _parse(self, file: FilePath, data: bytes) -> Unit:
+        own = self.is_own(file)  # looked up in any case, so that the record does not depend on what is kept
         known = _cache.get(file)
         if known is not None and known.source == data:
             _cache.move_to_end(file)
             return known
         made = Unit(file, data)
-        if not self.is_own(file):
+        if not own:
             _keep(made)
         return made
 
@@ -189,7 +191,7 @@ class Project:
         if found is None:
             return None
         owner = self.reader.workspace.owner(found)
-        framework = owner is not None and owner is not self.package and owner.name in FRAMEWORKS
+        framework = owner is not None and owner != self._place and owner.name in FRAMEWORKS
         return None if framework else found
 
     def _includes(self, file: FilePath) -> tuple[FilePath, ...]:
@@ -227,11 +229,11 @@ class Project:
         owner = self.reader.workspace.owner(header)
         if owner is None:
             return []
-        folder = FilePath(header.repository, owner.path)
-        bodies = self._bodies.get(folder)
+        bodies = self._bodies.get(owner)
         if bodies is None:
-            entries = (entry for entry in owner.files if entry.kind is FileKind.CPP and _is_source(entry.path))
-            bodies = self._bodies[folder] = [FilePath(header.repository, entry.path) for entry in entries]
+            entries = self.reader.workspace.files(owner, FileKind.CPP)
+            sources = [FilePath(owner.repository, entry.path) for entry in entries if _is_source(entry.path)]
+            bodies = self._bodies[owner] = sources
         pattern = f"{name}::".encode()
         return [file for file in bodies if file != header and file not in known and self.contains(file, pattern)]
 

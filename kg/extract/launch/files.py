@@ -26,7 +26,7 @@ class Files:
 
     def __init__(self, reader: Reader) -> None:
         self.reader = reader
-        self._near = reader.source.repository.name
+        self._near = reader.repository
 
     def share(self, package: str) -> str | None:
         """Return the text for the folder of a package; None when it is neither in the build nor installed."""
@@ -37,7 +37,7 @@ class Files:
     def text(self, file: FilePath) -> str:
         """Return the text that names a file of the build, by its package where one owns it."""
         owner = self.reader.workspace.owner(file)
-        if owner is not None and (found := self.reader.workspace.package(owner.name, self._near)) and found[1] is owner:
+        if owner is not None and self.reader.workspace.package(owner.name, self._near) == owner:
             inner = file.path if owner.path == "." else file.path.removeprefix(f"{owner.path}/")
             return f"{SCHEME}{owner.name}/{inner}"
         return f"{_LOOSE}{file.repository.replace('/', '!')}/{file.path}"
@@ -56,7 +56,7 @@ class Files:
             return None
         found = self.reader.workspace.package(head, self._near)
         if found is not None:
-            return _below(found[0].repository.name, "" if found[1].path == "." else found[1].path, inner)
+            return _below(found.repository, "" if found.path == "." else found.path, inner)
         installed = self.reader.workspace.installed_package(head)
         return _below(installed.repository, installed.path, inner) if installed else None
 

@@ -52,7 +52,7 @@ def read_configuration(
 
     None for a file that is no launch file after all. What is wrong stands in `problems` of the result.
     """
-    file = FilePath(reader.source.repository.name, path)
+    file = FilePath(reader.repository, path)
     text = reader.read(file)
     dialect = _dialect_of(file, text or b"", ros)
     if text is None or dialect is None:

@@ -6,9 +6,8 @@ import fnmatch
 import posixpath
 import re
 from collections import deque
-from functools import cache
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Final
-from weakref import WeakKeyDictionary
 
 from kg.corpus.files import FilePath
 from kg.extract.manifests.cmake_run import BINARY, SOURCE, Definition
@@ -21,14 +20,13 @@ if TYPE_CHECKING:
 
     from kg.corpus.files import PackageFolder
     from kg.corpus.reading import Reader
-    from kg.corpus.workspace import Workspace
 
 __all__ = ["CMakeFiles"]
 
 _PLACEHOLDER: Final = re.compile(r"@(\w+)@|\$\{(\w+)\}")
 _SOURCE_ENDINGS: Final = ("cpp", "cc", "cxx", "c", "cu")
-_Library = dict[str, tuple[FilePath, Definition]]
-_LIBRARIES: WeakKeyDictionary[Workspace, dict[str, _Library]] = WeakKeyDictionary()
+_REMEMBERED: Final = 256
+"""Texts whose definitions are kept, for the macros of one package are called by many."""
 
 
 class CMakeFiles:
@@ -43,7 +41,8 @@ class CMakeFiles:
         """Files that configure_file makes, by their path below `BINARY`: the template and the text it becomes."""
         self._parsed: dict[str, list[Statement] | None] = {}
         self._definitions: dict[tuple[str, int], Definition | None] = {}
-        self._links = dict(reader.source.links)
+        self._libraries: dict[str, dict[str, Definition]] = {}
+        self._links = reader.workspace.links(reader.repository)
         self._entries = {entry.path: entry for entry in package.files}
 
     @property
@@ -64,7 +63,7 @@ class CMakeFiles:
         if whole.startswith(BINARY) or not (whole == SOURCE or whole.startswith(SOURCE + "/")):
             return None
         path = whole[len(SOURCE) + 1 :]
-        for link, target in self._links.items():
+        for link, target in self._links:
             if path.startswith(link + "/"):
                 return posixpath.normpath(target + path[len(link) :])
         return path
@@ -123,14 +122,25 @@ class CMakeFiles:
         return self._definitions[key]
 
     def _find_definition(self, name: str) -> Definition | None:
-        workspace = self.reader.workspace
         for package in (self.package.name, *self.packages):
-            library = _library(workspace, package, self.reader)
+            library = self._library(package)
             if name in library:
-                file, definition = library[name]
-                self.reader.read(file)
-                return definition
+                return library[name]
         return _known_macros().get(name)
+
+    def _library(self, package: str) -> dict[str, Definition]:
+        """Return the macros and functions in the `.cmake` files of a package of the build."""
+        if package not in self._libraries:
+            library = self._libraries[package] = {}
+            workspace = self.reader.workspace
+            place = workspace.package(package, self.reader.repository)
+            for entry in workspace.files(place, FileKind.BUILD) if place else ():
+                if place and ".cmake" in entry.path:
+                    text = self.reader.read(FilePath(place.repository, entry.path)) or b""
+                    base = posixpath.dirname(posixpath.join(SOURCE, entry.path))
+                    for name, definition in _definitions(text, base).items():
+                        library.setdefault(name, definition)
+        return self._libraries[package]
 
 
 def _parse(reader: Reader, path: str, text: bytes) -> list[Statement]:
@@ -140,28 +150,16 @@ def _parse(reader: Reader, path: str, text: bytes) -> list[Statement]:
     return statements
 
 
-def _library(workspace: Workspace, package: str, reader: Reader) -> _Library:
-    """Return the macros and functions in the `.cmake` files of a package of the build, read once per build."""
-    libraries = _LIBRARIES.setdefault(workspace, {})
-    if package not in libraries:
-        libraries[package] = {}
-        found = workspace.package(package)
-        if found:
-            source, owner = found
-            for entry in owner.files:
-                if entry.kind is FileKind.BUILD and ".cmake" in entry.path:
-                    file = FilePath(source.repository.name, entry.path)
-                    text = reader.read(file) or b""
-                    base = posixpath.dirname(posixpath.join(SOURCE, entry.path))
-                    for name, definition in _definitions(text, base):
-                        libraries[package].setdefault(name, (file, definition))
-    return libraries[package]
-
-
-def _definitions(text: bytes, base: str) -> Iterator[tuple[str, Definition]]:
+@lru_cache(_REMEMBERED)
+def _definitions(text: bytes, base: str) -> Mapping[str, Definition]:
+    """Return the macros and functions that a file in the folder `base` defines; of two alike the first."""
     lower = text.lower()
-    if b"macro" in lower or b"function" in lower:
-        yield from _collect(parse(text.decode("utf-8", "replace"))[0], base)
+    if b"macro" not in lower and b"function" not in lower:
+        return {}
+    found: dict[str, Definition] = {}
+    for name, definition in _collect(parse(text.decode("utf-8", "replace"))[0], base):
+        found.setdefault(name, definition)
+    return found
 
 
 def _collect(statements: Iterable[Statement], base: str) -> Iterator[tuple[str, Definition]]:
@@ -180,6 +178,5 @@ def _collect(statements: Iterable[Statement], base: str) -> Iterator[tuple[str, 
 
 
 @cache
-def _known_macros() -> dict[str, Definition]:
-    text = (folder("ontology") / "cmake-macros.cmake").read_bytes()
-    return dict(_definitions(text, ""))
+def _known_macros() -> Mapping[str, Definition]:
+    return _definitions((folder("ontology") / "cmake-macros.cmake").read_bytes(), "")

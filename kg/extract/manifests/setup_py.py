@@ -87,7 +87,7 @@ class _Found:
                 if self.reader.workspace.entry(self.reader.file(candidate)):
                     return candidate
         found = self.reader.workspace.module(module, near=self.reader.file(path))
-        return found.path if found and found.repository == self.reader.source.repository.name else None
+        return found.path if found and found.repository == self.reader.repository else None
 
 
 @cache

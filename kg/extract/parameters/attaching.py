@@ -17,7 +17,7 @@ from kg.extract.marks import Extracted, Mark
 from kg.extract.parameters.generated import read_generated
 from kg.extract.parameters.reconfigure import read_configuration
 from kg.extract.python.syntax import captures, code, parse
-from kg.facts import Location, NodeKind, NodeType
+from kg.facts import FileKind, Location, NodeKind, NodeType
 from kg.names import join
 
 if TYPE_CHECKING:
@@ -126,12 +126,12 @@ def _foreign(reader: Reader, marks: tuple[Mark, ...], own: dict[str, tuple[Param
     for mark in marks:
         if mark.key != _LIBRARY or mark.detail in own:
             continue
-        here = reader.source.repository.name
+        here = reader.repository
         repository = mark.location.repository or here
         owner = reader.workspace.owner(FilePath(repository, mark.location.path))
-        if owner is None or owner is reader.package or repository != here:
+        if owner is None or owner == reader.place or repository != here:
             continue
-        libraries = dict(manifests.read_build(reader, owner).parameter_libraries)
+        libraries = dict(manifests.read_build(reader, reader.workspace.folder(owner)[1]).parameter_libraries)
         if mark.detail in libraries:
             found = read_generated(reader, libraries[mark.detail])
             yield from (_prefixed(parameter, mark.namespace) for parameter in found)
@@ -158,9 +158,8 @@ def _configuration_file(reader: Reader, package: PackageFolder, build: BuildMode
     elsewhere = reader.workspace.package(home)
     if elsewhere is None:
         return None
-    source, folder = elsewhere
-    found = _named([entry.path for entry in folder.files], stem)
-    return FilePath(source.repository.name, found) if found else None
+    found = _named((entry.path for entry in reader.workspace.files(elsewhere, FileKind.CONFIG)), stem)
+    return FilePath(elsewhere.repository, found) if found else None
 
 
 def _named(paths: Iterable[str], stem: str) -> str | None:

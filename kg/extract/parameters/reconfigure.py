@@ -84,7 +84,7 @@ class _Module:
 
     def location(self, node: Node) -> Location:
         """Return where a node stands; the name of its source only where it is another one."""
-        here = self.reader.source.repository.name
+        here = self.reader.repository
         other = self.file.repository if self.file.repository != here else None
         return Location(self.file.path, node.start_point.row + 1, other)
 

@@ -122,7 +122,7 @@ def _extract(start: _Start, sites: list[Site], started: set[int]) -> Extracted |
     if not made and not start.hosted:
         return None
     started.update(id(instance.klass) for instance in evaluator.instances.values())
-    declared = declare(sites, evaluator, evaluator.program.reader.source.repository.name)
+    declared = declare(sites, evaluator, evaluator.program.reader.repository)
     sources = {site.frame.scope.unit.file.path for site in sites} | {root.path}
     ros = _ros_version(made or sites, start.scopes)
     return Extracted(_node(root, declared, ros, tuple(sorted(sources))), tuple(declared.marks))

@@ -7,13 +7,14 @@ import re
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.texts.dox import markdown
-from kg.extract.texts.naming import Names, key
+from kg.extract.texts.naming import Names
 from kg.extract.texts.pages import read_page
 from kg.extract.texts.paragraphs import plain
 from kg.extract.texts.prose import is_prose, shortened
 from kg.extract.texts.readme import About, find
 from kg.extract.texts.wiki import is_wiki, moin_markdown, wiki_nodes
 from kg.facts import Description, DescriptionKind, Location
+from kg.names import key
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -34,18 +35,20 @@ _FOLDERS: Final = frozenset({"doc", "docs", "documentation", "doxygen"})
 
 def of_documents(reader: Reader, package: PackageFolder, nodes: tuple[NodeType, ...]) -> Iterator[Description]:
     """Yield the paragraphs of pages that describe the package or one of its nodes."""
-    source = reader.source
-    others = [one.name for one in source.packages if one.name != package.name]
-    repository = posixpath.basename(source.repository.name)
-    names = Names(nodes, [package.name, repository, *others])
-    neighbours = frozenset(map(key, others))
-    for file in reader.workspace.documents(source.repository.name, package.path)[:_MOST_PAGES]:
-        own = reader.workspace.owner(file) is package or len(source.packages) == 1
+    own_key = key(package.name)
+    own_keys = {own_key, key(posixpath.basename(reader.repository))}
+
+    def is_neighbour(name: str) -> bool:
+        return name != own_key and reader.workspace.is_package(reader.repository, name)
+
+    names = Names(nodes, lambda name: name in own_keys or is_neighbour(name))
+    for file in reader.workspace.documents(reader.repository, package.path)[:_MOST_PAGES]:
+        own = reader.workspace.owner(file) == reader.place or reader.workspace.is_alone(reader.place)
         data = reader.read(file)
         if data is None or len(data) > _LARGEST_PAGE or not (own or _concerns(data, package, names)):
             continue
         text = data.decode()
-        about = About(names, package.name, neighbours, own=own and _is_main(file, package))
+        about = About(names, package.name, is_neighbour, own=own and _is_main(file, package))
         yield from _of_page(file, text, about)
 
 

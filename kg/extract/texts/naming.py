@@ -7,12 +7,14 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
+from kg.names import key
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from kg.facts import NodeType
 
-__all__ = ["Names", "key", "last_part"]
+__all__ = ["Names", "last_part"]
 
 _TOKEN: Final = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9_.\-]|::|/)*[A-Za-z0-9]|[A-Za-z0-9]")
 _KINDS: Final = frozenset(
@@ -25,11 +27,6 @@ _SHORTEST_DISTINCT: Final = 5
 _SHORTEST_STEM: Final = 4
 _REMEMBERED: Final = 8192
 """Words whose forms are kept, for pages are read for each package around which they stand."""
-
-
-def key(name: str) -> str:
-    """Return a name without case, underscores and hyphens: what `laser_scan`, `LaserScan` and `laser-scan` share."""
-    return name.lower().replace("_", "").replace("-", "")
 
 
 def last_part(name: str) -> str:
@@ -46,10 +43,13 @@ class _Name:
 
 
 class Names:
-    """The names of the nodes of a package; `common` names (of packages) mean a node only beside the word `node`."""
+    """The names of the nodes of a package.
 
-    def __init__(self, nodes: Iterable[NodeType], common: Iterable[str]) -> None:
-        self._common = {key(name) for name in common}
+    Names that are common (those of packages) mean a node only beside the word `node`; `is_common` is given their `key`.
+    """
+
+    def __init__(self, nodes: Iterable[NodeType], is_common: Callable[[str], bool]) -> None:
+        self._is_common = is_common
         self._found: dict[str, list[_Name]] = {}
         self._words: dict[str, list[bytes]] = {}
         for node in nodes:
@@ -80,7 +80,7 @@ class Names:
         text = re.sub(r"^[\d.]+\s+", "", heading).strip(" :`")
         whole = key(text.replace(" ", ""))
         for candidate in (whole, _SUFFIX.sub("", whole.removesuffix("s"))):
-            if candidate in self._found and candidate not in self._common:
+            if candidate in self._found and not self._is_common(candidate):
                 return self._nodes(candidate)
         tokens = _tokens(text)
         if len([token for token in tokens if key(token) not in _KINDS]) > _LONGEST_HEADING:
@@ -102,7 +102,7 @@ class Names:
         for token in dict.fromkeys(_tokens(text)):
             for candidate in _forms(token):
                 for name in self._found.get(candidate, ()):
-                    common = candidate in self._common
+                    common = self._is_common(candidate)
                     if (
                         not common and (candidate in marked or (name.distinct and _is_distinct(token)))
                     ) or _beside_kind(token, text):
@@ -112,7 +112,7 @@ class Names:
     def _first(self, tokens: Iterable[str], fits: Callable[[_Name, bool], bool]) -> tuple[str, ...]:
         for token in tokens:
             for candidate in _forms(token):
-                names = [n.node for n in self._found.get(candidate, ()) if fits(n, candidate in self._common)]
+                names = [n.node for n in self._found.get(candidate, ()) if fits(n, self._is_common(candidate))]
                 if names:
                     return tuple(names)
         return ()

@@ -11,14 +11,14 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.texts.naming import key
 from kg.extract.texts.pages import Block, BlockKind
 from kg.extract.texts.paragraphs import plain
 from kg.extract.texts.prose import is_prose, shortened
 from kg.extract.texts.sections import is_about, is_interface, is_never, is_telling
+from kg.names import key
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
 
     from kg.extract.texts.naming import Names
 
@@ -38,6 +38,7 @@ _INTERFACE: Final = re.compile(
 """A topic or parameter of a node, in a list of them."""
 _FIELD: Final = re.compile(r"^[a-z][a-z0-9_/]*$")
 """The first word of an item that explains a field, a parameter or a file."""
+_TOKEN: Final = re.compile(r"[\w\-]+")
 _FEWEST_SPACES: Final = 5
 """In an item about a package: shorter ones are a table of contents."""
 _MOST_NODES: Final = 3
@@ -46,14 +47,15 @@ _MOST_NODES: Final = 3
 
 @dataclass(frozen=True, slots=True)
 class About:
-    """What a page is read for: the names of the nodes, of the package and of its neighbours in the repository.
+    """What a page is read for: the names of the nodes and of the package, and which names other packages have.
 
+    `is_neighbour` tells whether another package of the repository has a name, given by its `kg.names.key`.
     `own` tells that the page belongs to the package, `alone` that the package is the only one it can be about.
     """
 
     names: Names
     package: str
-    neighbours: frozenset[str]
+    is_neighbour: Callable[[str], bool]
     own: bool
 
 
@@ -106,18 +108,14 @@ def _section(block: Block, outer: _Section, about: About, *, title: bool) -> _Se
     heading = plain(block.text)
     nodes = about.names.of_heading(heading)
     named = key(heading.replace(" ", "")) in {key(about.package), key(about.package + "package")}
-    other = _tokens_of(heading) & about.neighbours
-    foreign = bool(other) and not named and not nodes if not about.own else False
+    plainly = not (about.own or named or nodes)
+    foreign = plainly and any(about.is_neighbour(key(token)) for token in _TOKEN.findall(heading))
     if nodes or named:
         return _Section(heading, block.level, nodes, package=named or (not nodes and outer.package))
     telling = title or (is_about(heading) and is_telling(heading))
     inherited = outer.nodes if outer.nodes and is_about(heading) else ()
     package = outer.package and telling and not inherited
     return _Section(heading, block.level, inherited, package=package, foreign=foreign or outer.foreign)
-
-
-def _tokens_of(heading: str) -> set[str]:
-    return {key(token) for token in re.findall(r"[\w\-]+", heading)}
 
 
 def _described(block: Block, section: _Section, about: About) -> Iterator[Found]:

@@ -14,9 +14,10 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.texts.cpp import Comments, read_comments
-from kg.extract.texts.naming import key, last_part
+from kg.extract.texts.naming import last_part
 from kg.extract.texts.python import Docstrings, read_docstrings
 from kg.facts import Description, DescriptionKind, FileKind, Location
+from kg.names import key
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

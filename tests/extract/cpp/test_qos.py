@@ -43,7 +43,7 @@ def qos_of(root: Path, before: str, expression: str) -> Qos | None:
     workspace = written(root, files)
     found = workspace.package("demo")
     assert found is not None
-    (node,) = extract_package(workspace, *found).nodes
+    (node,) = extract_package(workspace, *workspace.folder(found)).nodes
     (end,) = [i for i in node.interfaces if i.role is Role.PUBLISHES and not i.implicit]
     return end.qos
 

@@ -60,7 +60,7 @@ def test_loose_code(tmp_path: Path) -> None:
     workspace = written(root, files)
     found = workspace.package("loose")
     assert found is not None
-    assert [(t.name, t.sources) for t in model_of(Reader(workspace, *found)).targets] == [
+    assert [(t.name, t.sources) for t in model_of(Reader(workspace, *workspace.folder(found))).targets] == [
         ("one", ("one/a.cpp",)),
         ("two", ()),
     ]
@@ -72,5 +72,5 @@ def test_package_in_the_root_of_its_source(tmp_path: Path) -> None:
     workspace = written(tmp_path, files)
     found = workspace.package("demo")
     assert found is not None
-    (target,) = model_of(Reader(workspace, *found)).targets
+    (target,) = model_of(Reader(workspace, *workspace.folder(found))).targets
     assert (target.sources, str(target.location)) == (("src/a.cpp",), "CMakeLists.txt:1")

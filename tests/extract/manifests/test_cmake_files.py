@@ -31,7 +31,7 @@ endif()
     reader = reader_of(tmp_path, files)
     assert sources(model_of(reader)) == {"driver_node": ["src/driver.cpp"]}
     assert "tools/cmake/tools-extras.cmake.in" in {name.partition(":")[2] for name, _ in reader.inputs}
-    again = Reader(reader.workspace, reader.source, reader.package)
+    again = Reader(reader.workspace, *reader.workspace.folder(reader.place))
     model_of(again)
     assert again.inputs == reader.inputs
 

@@ -109,7 +109,8 @@ def test_version_of_loose_code(tmp_path: Path, code: str, expected: int) -> None
     workspace = written(tmp_path / "loose", {"a.txt": "x", "b.py": "import os\n", "c.py": code})
     found = workspace.package("loose")
     assert found is not None
-    assert read_package_xml(Reader(workspace, *found), found[1]).package.ros == expected
+    source, folder = workspace.folder(found)
+    assert read_package_xml(Reader(workspace, source, folder), folder).package.ros == expected
 
 
 @pytest.mark.parametrize(

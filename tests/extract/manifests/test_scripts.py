@@ -32,7 +32,7 @@ def test_programs_of_a_package(tmp_path: Path) -> None:
     workspace = written(tmp_path, {})
     found = workspace.package("demo")
     assert found is not None
-    scripts = model_of(Reader(workspace, *found)).scripts
+    scripts = model_of(Reader(workspace, *workspace.folder(found))).scripts
     expected = {"marked.py": "scripts/marked.py", "run.py": "tools/run.py", "talker": "src/talker"}
     assert {script.name: script.path for script in scripts} == {n: f"demo/{path}" for n, path in expected.items()}
 

@@ -16,7 +16,7 @@ NODES = (
     NodeType("Box", NodeKind.NODELET, "cpp", 1, HERE, plugin="filters/CropBox"),
     NodeType("arm", NodeKind.EXECUTABLE, "cpp", 1, HERE, executable="arm"),
 )
-NAMES = Names(NODES, ["arm"])
+NAMES = Names(NODES, {"arm"}.__contains__)
 
 
 @pytest.mark.parametrize(

@@ -175,5 +175,5 @@ class Context:
 
 def place(files: Files, file: FilePath, line: int) -> Location:
     """Return a line of a file as a location: without repository in the configuration's own source."""
-    own = file.repository == files.reader.source.repository.name
+    own = file.repository == files.reader.repository
     return Location(file.path, line, None if own else file.repository)

@@ -58,14 +58,14 @@ def find(context: Context, text: str) -> FilePath | None:
 
 def _installed_elsewhere(files: Files, text: str) -> FilePath | None:
     package, _, rest = text.removeprefix(SCHEME).partition("/")
-    known = files.reader.workspace.package(package, files.reader.source.repository.name)
+    known = files.reader.workspace.package(package, files.reader.repository)
     if known is None or not text.startswith(SCHEME):
         return None
     parts = [part for part in rest.split("/") if part not in ("", ".", "..")]
-    paths = [entry.path for entry in known[1].files]
+    paths = [entry.path for entry in files.reader.workspace.folder(known)[1].files]
     for length in range(len(parts), 0, -1):
         tail = "/" + "/".join(parts[-length:])
         ending = [path for path in paths if f"/{path}".endswith(tail)]
         if ending:
-            return FilePath(known[0].repository.name, ending[0]) if len(ending) == 1 else None
+            return FilePath(known.repository, ending[0]) if len(ending) == 1 else None
     return None

@@ -27,8 +27,9 @@ _MOST_TREES: Final = 4_000
 _MOST_BYTES: Final = 64 << 20
 """Read of launch files for one configuration, each time that one is included."""
 
-_MARKUP: Final[dict[tuple[str, FilePath, bytes], Tree]] = {}
-"""Files of XML and YAML by the source that they are read for, their name and the digest of their text."""
+_MARKUP: Final[dict[tuple[str, FilePath, LaunchDialect, bytes], Tree]] = {}
+"""Files of XML and YAML by all that their trees depend on: the source that they are read for, their name, language
+and the digest of their text."""
 
 _PYTHON: Final[dict[Files, dict[FilePath, Tree]]] = {}
 """Files of Python, for the reader of files that was used last: what is read of them depends on others that they import.
@@ -67,7 +68,7 @@ def read_actions(context: Context, file: FilePath, dialect: LaunchDialect) -> Se
 
 
 def _markup(context: Context, file: FilePath, content: bytes, dialect: LaunchDialect) -> Tree:
-    key = context.files.reader.source.repository.name, file, blake2b(content, digest_size=16).digest()
+    key = context.files.reader.repository, file, dialect, blake2b(content, digest_size=16).digest()
     if key not in _MARKUP:
         problems: list[LaunchProblem] = []
         reader = read_yaml if dialect is LaunchDialect.ROS2_YAML else read_xml
