@@ -41,7 +41,7 @@ CODE: Final = (
 """The code of `kg` that results depend on, with the data that belongs to it."""
 LIBRARIES: Final = (
     *("lxml", "msgspec", "numpy", "pyoxigraph", "pyyaml", "rosbags", "spacy"),
-    *("tree-sitter", "tree-sitter-cpp", "tree-sitter-python"),
+    *("thinc", "tree-sitter", "tree-sitter-cpp", "tree-sitter-python"),
 )
 """The distributions that results depend on."""
 
