@@ -137,7 +137,7 @@ PARAMETERS: Final = "first:\n  ros__parameters:\n    rate: {rate}\n"
 CMAKE: Final = "project({name})\nfind_package(lib REQUIRED)\nadd_robot_node({name})\nadd_other_node({name})\n"
 
 FILES: Final[dict[str, tuple[str | None, ...]]] = {
-    "README.md": (None, "# Robots\n\nThe second node drives the arm over rough ground.\n"),
+    "README.md": (None, "# Robots\n\n## plugins\n\nThe `second_node` drives the arm over rough ground.\n"),
     "lib/package.xml": (manifest("lib"),),
     "lib/CMakeLists.txt": ("project(lib)\nadd_library(lib src/base.cpp)\n",),
     "lib/cmake/lib.cmake": (None, macro("src/node.cpp"), macro("src/other.cpp")),
@@ -273,6 +273,8 @@ def _variants() -> st.SearchStrategy[dict[str, int]]:
     return st.fixed_dictionaries({}, optional=numbers)
 
 
+NODES: Final = {"lib/cmake/lib.cmake": 1}
+"""Edits with which there are C++ nodes."""
 ABSENT: Final = st.sets(st.sampled_from(PACKAGES), max_size=2).map(frozenset)
 KILLED: Final = st.sampled_from(["", "", "the build", *PACKAGES])
 STEPS: Final = st.lists(st.builds(Step, _variants(), ABSENT, st.integers(1, 3), KILLED), min_size=2, max_size=3)
@@ -304,9 +306,9 @@ def test_a_build_after_edits_is_a_clean_one(steps: list[Step]) -> None:
 @pytest.mark.parametrize(
     ("package", "before", "after"),
     [
-        ("first", Step({"lib/cmake/lib.cmake": 1}, frozenset({"lib"})), Step({"lib/cmake/lib.cmake": 1})),
-        ("second", Step({"lib/cmake/lib.cmake": 1}), Step({"lib/cmake/lib.cmake": 1, "lib/cmake/more.cmake": 1})),
-        ("first", Step({"lib/cmake/lib.cmake": 1, "lib/src/base.cpp": 1}), Step({"lib/src/more.cpp": 1})),
+        ("first", Step(NODES, frozenset({"lib"})), Step()),
+        ("second", Step(NODES), Step({"lib/cmake/more.cmake": 1})),
+        ("first", Step({**NODES, "lib/src/base.cpp": 1}), Step({"lib/src/more.cpp": 1})),
         ("plugins", Step({"lib/include/lib/topics.hpp": 1}), Step({"lib/include/package.xml": 1})),
         ("first", Step({"first/config/large.yaml": 2}), Step({"first/config/large.yaml": 3})),
         ("first", Step({"first/config/large.yaml": 1}), Step({"first/config/large.yaml": 2})),
@@ -314,7 +316,7 @@ def test_a_build_after_edits_is_a_clean_one(steps: list[Step]) -> None:
         ("start", Step({"start/launch/shared.py": 0}), Step({"start/launch/shared.py": 1})),
         ("script", Step({"lib/lib/names.py": 1}), Step({"lib/lib/names.py": 2})),
         ("plugins", Step({"lib/include/lib/topics.hpp": 0}), Step({"lib/include/lib/topics.hpp": 1})),
-        ("second", Step({"second/README.md": 1}, frozenset({"lib"})), Step({"second/README.md": 1})),
+        ("second", Step({**NODES, "README.md": 1}, frozenset({"plugins"})), Step()),
     ],
     ids=[
         "package with a macro",
