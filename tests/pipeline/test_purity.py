@@ -22,6 +22,7 @@ from kg.graph.vocabulary import PREFIXES
 from kg.language import prepare
 from kg.pipeline import pool, writing
 from kg.pipeline.build import build
+from kg.pipeline.pending import pending
 from kg.pipeline.recording import RecordingWorkspace
 from kg.pipeline.report import Silent
 from kg.pipeline.state import load as load_state
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
 
     from kg.pipeline.recording import Lookup
     from kg.pipeline.report import PackageResult
+    from kg.settings import Settings
 
 LIMIT: Final = 3_000
 PACKAGES: Final = ("lib", "first", "second", "script", "plugins", "start")
@@ -206,9 +208,12 @@ class Site:
 
     def build(self, store: EmbeddedStore, jobs: int, report: Silent | None = None) -> None:
         """Build the workspace."""
+        build([str(self.sources)], store, self.settings(jobs), report, rules=False)
+
+    def settings(self, jobs: int) -> Settings:
+        """Return the settings of a build with so many workers."""
         options = {"jobs": jobs, "max_file_bytes": LIMIT, "installed": [str(self.folder / "installed")]}
-        chosen = load(options, environment={}, folder=self.folder)
-        build([str(self.sources)], store, chosen, report, rules=False)
+        return load(options, environment={}, folder=self.folder)
 
 
 def results(store: EmbeddedStore) -> dict[str, object]:
@@ -355,8 +360,10 @@ def test_an_installed_package_is_noticed(tmp_path: Path) -> None:
     (tmp_path / "installed" / "lib" / "launch").mkdir(parents=True)
     (tmp_path / "installed" / "lib" / "package.xml").write_text(manifest("lib"))
     (tmp_path / "installed" / "lib" / "launch" / "part.launch.xml").write_text(PART.format(topic="installed"))
+    assert list(pending(store.layout, site.settings(1)).values()) == [("start",)]
     site.build(store, 1)
     assert {path for path, one in results(store).items() if one != first[path]} == {"start"}
+    assert list(pending(store.layout, site.settings(1)).values()) == [()]
 
 
 class Read(NamedTuple):

@@ -213,3 +213,13 @@ def test_what_others_wrote_meanwhile_does_not_stay(site: Site) -> None:
         transaction.append(NamedNode(f"{iri}starts/launch/unknown.launch"), b"<urn:a> <urn:b> <urn:c> .\n")
     site.build()
     assert not different(site.content(), before)
+
+
+def test_other_code_wires_again(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With another version of kg all systems are wired again, also where packages give the same results."""
+    monkeypatch.setattr("kg.pipeline.build.version", lambda *_: "another")
+    monkeypatch.setattr("kg.pipeline.systems.system_triples", lambda *_: b"<urn:a> <urn:b> <urn:c> .\n")
+    site.build()
+    launches = {graph: lines for graph, lines in site.content().items() if "/graph/launch/" in graph}
+    assert launches
+    assert all(lines == ["<urn:a> <urn:b> <urn:c> ."] for lines in launches.values())
