@@ -69,7 +69,7 @@ def _read_regular(path: str, file: FilePath, limit_bytes: int) -> bytes | Proble
 
 
 def mark(loaded: bytes | Problem) -> str:
-    """Return what stands for a file in the record: the digest of its bytes, or what keeps it from being read."""
+    """Return the mark of a file: the digest of its bytes, or the problem that keeps it from being read."""
     return digest(loaded) if isinstance(loaded, bytes) else f"{loaded.code} {loaded.message}"
 
 

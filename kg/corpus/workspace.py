@@ -1,6 +1,6 @@
 """All sources of a build, and the look-ups that readers of code make in them.
 
-Every index is made when it is first asked for, so that a worker pays only for what it uses. Extraction reaches other
+Every index is made when it is first needed, so that a worker pays only for what it uses. Extraction reaches other
 packages through the public look-ups alone, which `kg.pipeline.recording` records; no look-up is built on another public
 one, so the record does not depend on what is indexed already.
 """
@@ -115,18 +115,18 @@ class Workspace:
         ends in the path, then the other packages of the build (of the same source first).
         """
         folder, home = posixpath.dirname(near.path), self._home(near)
-        asked = (near.repository, folder, home, path)
-        if asked not in self._includes:
-            self._includes[asked] = self._find_include(path, near, folder, home)
-        return self._includes[asked]
+        request = (near.repository, folder, home, path)
+        if request not in self._includes:
+            self._includes[request] = self._find_include(path, near, folder, home)
+        return self._includes[request]
 
     def module(self, dotted: str, *, near: FilePath) -> FilePath | None:
         """Return the file of the Python module `dotted` (leading dots: relative) as imported in the file `near`."""
         folder, home = posixpath.dirname(near.path), self._home(near)
-        asked = (near.repository, folder, home, dotted)
-        if asked not in self._modules:
-            self._modules[asked] = self._find_module(dotted, near, folder, home)
-        return self._modules[asked]
+        request = (near.repository, folder, home, dotted)
+        if request not in self._modules:
+            self._modules[request] = self._find_module(dotted, near, folder, home)
+        return self._modules[request]
 
     def definition(self, package: str, name: str, kind: str) -> FilePath | None:
         """Return the file that defines the interface `package/name`; `kind` is msg, srv or action."""

@@ -145,18 +145,22 @@ def _still_holds(  # noqa: PLR0913, PLR0917 - called in one place
     limit_bytes: int,
 ) -> PackageState | None:
     """Return the earlier result, with its stamp brought up to date, if nothing that it was read from differs."""
-    if earlier.listing != listing(package) or any(answer(workspace, asked) != was for asked, was in earlier.outside):
+    if earlier.listing != listing(package) or any(
+        answer(workspace, lookup) != before for lookup, before in earlier.outside
+    ):
         return None
     now = stamp(workspace, source.repository.name, package, earlier.inputs, entries)
-    # Whether a file can be read depends on more than its size and time.
-    doubtful = earlier.inputs if now != earlier.stamp else [key for key, was in earlier.inputs.items() if " " in was]
+    # A mark with a space is a problem: whether a file can be read depends on more than its size and time.
+    doubtful = (
+        earlier.inputs if now != earlier.stamp else [key for key, before in earlier.inputs.items() if " " in before]
+    )
     if any(_mark(workspace, key, limit_bytes) != earlier.inputs[key] for key in doubtful):
         return None
     return earlier if now == earlier.stamp else replace(earlier, stamp=now)
 
 
 def _mark(workspace: Workspace, key: str, limit_bytes: int) -> str:
-    """Return what stands for a file as it is now."""
+    """Return the mark of a file as it is now."""
     repository, _, path = key.partition(":")
     return mark(load(workspace, FilePath(repository, path), limit_bytes))
 
