@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "FAILURES",
+    "Canceller",
     "ComputationGraph",
     "Connection",
     "Goal",
@@ -132,6 +133,13 @@ class Goal(Protocol):
         """Ask the server to end the goal; `result` tells when it has."""
 
 
+class Canceller(Protocol):
+    """Cancels goals of one action, whoever gave them."""
+
+    async def cancel(self, identity: str) -> None:
+        """Ask the server to end a goal; RobotError KG803 when it does not answer."""
+
+
 class Serving(Protocol):
     """A service or action that this node answers."""
 
@@ -185,8 +193,17 @@ class Connection(Protocol):
             RobotError: KG807 when nobody serves it, KG808 when it failed, KG803 when the time was over.
         """
 
-    async def send_goal(self, action: str, kind: str, goal: Value, *, seconds: float) -> Goal:
-        """Give an action a goal; KG807 when nobody serves it within so many seconds, KG809 when it is rejected."""
+    async def send_goal(
+        self, action: str, kind: str, goal: Value, *, seconds: float, identity: str | None = None
+    ) -> Goal:
+        """Give an action a goal; KG807 when nobody serves it within so many seconds, KG809 when it is rejected.
+
+        `identity` is the identity of the goal, 32 hexadecimal digits, by which other nodes can cancel it; by default a
+        random one.
+        """
+
+    async def canceller(self, action: str, kind: str) -> Canceller:
+        """Return what cancels goals of an action by their identities; RobotError KG804 for an unknown type."""
 
     async def serve(self, service: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> Serving:
         """Answer a service; an exception of `answer` is the failure that the client sees."""

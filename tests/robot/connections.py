@@ -17,6 +17,7 @@ import asyncio
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
+from uuid import uuid4
 
 import pytest
 from patience import patient
@@ -333,6 +334,28 @@ class Behaviour:
                 with pytest.raises(RobotError) as ended:
                     await system.soon(goal.result())
                 assert ended.value.code == "KG809"
+
+        asyncio.run(scene())
+
+    def test_another_node_cancels_a_goal(self, system: System) -> None:
+        """A goal is cancelled by its identity, by a node that did not give it; one of another identity goes on."""
+
+        async def scene() -> None:
+            async with system.pair() as (one, two):
+                other = await system.join("/other")
+                await one.serve_action("/count", "kg_test/Count", _count)
+                identity = uuid4().hex
+                goal = await two.send_goal(
+                    "/count", "kg_test/Count", {"until": 10**6}, seconds=patient(system.seconds), identity=identity
+                )
+                canceller = await other.canceller("/count", "kg_test/Count")
+                await system.soon(canceller.cancel(uuid4().hex))
+                await system.soon(anext(aiter(goal.feedback())))
+                await system.soon(canceller.cancel(identity))
+                with pytest.raises(RobotError) as ended:
+                    await system.soon(goal.result())
+                assert ended.value.code == "KG809"
+                await other.aclose()
 
         asyncio.run(scene())
 

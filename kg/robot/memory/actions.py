@@ -14,9 +14,10 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable
 
     from kg.robot.connection import Accepted, Value
+    from kg.robot.memory.bus import Bus
     from kg.robot.memory.node import MemoryConnection
 
-__all__ = ["ActionServer", "MemoryGoal"]
+__all__ = ["ActionServer", "MemoryCanceller", "MemoryGoal"]
 
 _MOST_FEEDBACK: Final = 1000
 """So much feedback waits for who may not read it."""
@@ -50,10 +51,25 @@ class MemoryGoal:
         await asyncio.sleep(0)
 
 
+class MemoryCanceller:
+    """Cancels goals of an action whoever gave them, by their identities."""
+
+    def __init__(self, bus: Bus, action: str) -> None:
+        self._bus = bus
+        self._action = action
+
+    async def cancel(self, identity: str) -> None:
+        """Ask the server to end a goal."""
+        if server := self._bus.actions.get(self._action):
+            server.cancel(identity)
+        await asyncio.sleep(0)
+
+
 class _Work:
     """A goal as its server sees it: `Accepted`."""
 
-    def __init__(self, server: ActionServer, goal: Value) -> None:
+    def __init__(self, server: ActionServer, goal: Value, identity: str | None) -> None:
+        self.identity = identity
         self.goal = goal
         self.cancelled = False
         self.failure: str | None = None
@@ -106,9 +122,9 @@ class ActionServer:
         """Return a value of one of the messages of the action, checked and completed."""
         return self._owner.types.complete(f"{self.kind}_{name}", value)
 
-    def accept(self, client: MemoryConnection, goal: Value) -> MemoryGoal:
+    def accept(self, client: MemoryConnection, goal: Value, identity: str | None) -> MemoryGoal:
         """Take a goal; those before it are cancelled."""
-        work = _Work(self, goal)
+        work = _Work(self, goal, identity)
         for earlier in self._goals:
             earlier.cancelled = True
         self._goals.append(work)
@@ -118,6 +134,11 @@ class ActionServer:
         if self._worker is None or self._worker.done():
             self._worker = spawn(self._work(), f"carrying out {self._name}")
         return MemoryGoal(client, work)
+
+    def cancel(self, identity: str) -> None:
+        """Cancel the goal of an identity."""
+        for work in self._goals:
+            work.cancelled = work.cancelled or work.identity == identity
 
     async def _work(self) -> None:
         while self._goals:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from kg.errors import RobotError
 from kg.robot.clock import within
 from kg.robot.connection import Received
-from kg.robot.memory.actions import ActionServer, MemoryGoal
+from kg.robot.memory.actions import ActionServer, MemoryCanceller, MemoryGoal
 from kg.robot.memory.services import Service
 from kg.robot.memory.topics import MemoryPublication, MemorySubscription, Topic
 
@@ -130,7 +130,9 @@ class MemoryConnection:
         except TimeoutError:
             raise RobotError("KG803", f"`{service}` did not answer within {seconds:g} s") from None
 
-    async def send_goal(self, action: str, kind: str, goal: Value, *, seconds: float) -> MemoryGoal:
+    async def send_goal(
+        self, action: str, kind: str, goal: Value, *, seconds: float, identity: str | None = None
+    ) -> MemoryGoal:
         """Give an action a goal; RobotError KG807 when nobody serves it within so many seconds."""
         self.present()
         value = self.types.complete(f"{kind}_Goal", goal)
@@ -140,7 +142,12 @@ class MemoryConnection:
             raise RobotError("KG807", f"nobody serves the action `{action}`") from None
         if kind != server.kind:
             raise RobotError("KG806", f"`{action}` is of the type {server.kind}, not {kind}")
-        return server.accept(self, value)
+        return server.accept(self, value, identity)
+
+    async def canceller(self, action: str, kind: str) -> MemoryCanceller:  # noqa: ARG002 - all actions cancel alike
+        """Return what cancels goals of an action."""
+        self.present()
+        return MemoryCanceller(self.bus, action)
 
     async def _server(self, action: str) -> ActionServer:
         event = self.bus.watch()

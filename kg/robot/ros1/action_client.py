@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 from collections import deque
 from contextlib import suppress
-from itertools import count
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import RobotError
@@ -19,7 +18,7 @@ if TYPE_CHECKING:
     from kg.robot.ros1.connection import Ros1Connection
     from kg.robot.ros1.subscribing import Ros1Subscription
 
-__all__ = ["ActionClient", "Ros1Goal"]
+__all__ = ["ActionClient", "Ros1Canceller", "Ros1Goal"]
 
 _MOST_FEEDBACK: Final = 1000
 _QUEUE: Final = 50
@@ -84,6 +83,19 @@ class Ros1Goal:
         self._news.set()
 
 
+class Ros1Canceller:
+    """Cancels goals of an action whoever gave them, by their identities."""
+
+    def __init__(self, publication: Publication) -> None:
+        self._publication = publication
+
+    async def cancel(self, identity: str) -> None:
+        """Ask the server to end a goal; it hears of that once it is connected."""
+        while self._publication.peers == 0:  # noqa: ASYNC110 - nothing tells when a peer comes
+            await asyncio.sleep(_POLL)
+        await self._publication.publish({"id": identity})
+
+
 class ActionClient:
     """The client of one action, made for its first goal and kept for those after it."""
 
@@ -91,7 +103,6 @@ class ActionClient:
         self.kind = kind
         self._connection = connection
         self._name = name
-        self._numbers = count(1)
         self._goals: dict[str, Ros1Goal] = {}
         self._writing: dict[str, Publication] = {}
         self._reading: dict[str, Ros1Subscription] = {}
@@ -115,11 +126,9 @@ class ActionClient:
         while not self._is_ready():  # noqa: ASYNC110 - five topics have their peers, and none tells when they come
             await asyncio.sleep(_POLL)
 
-    async def send(self, value: Value) -> Ros1Goal:
+    async def send(self, value: Value, identity: str) -> Ros1Goal:
         """Give a goal, and return it when the server has said a word of it; one that nobody waits for is cancelled."""
-        clock = self._connection.clock
-        now = stamp(clock)
-        identity = f"{self._connection.name}-{next(self._numbers)}-{now['sec']}.{now['nanosec']:09}"
+        now = stamp(self._connection.clock)
         goal = self._goals[identity] = Ros1Goal(self, identity)
         message = {"header": {"stamp": now}, "goal_id": {"stamp": now, "id": identity}, "goal": value}
         try:

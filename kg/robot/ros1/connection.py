@@ -6,11 +6,12 @@ import asyncio
 import secrets
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 from urllib.parse import urlsplit
+from uuid import uuid4
 
 from kg.errors import RobotError
 from kg.robot.clock import SimulatedClock, WallClock, within
 from kg.robot.messages import Types
-from kg.robot.ros1.action_client import ActionClient, Ros1Goal
+from kg.robot.ros1.action_client import ActionClient, Ros1Canceller, Ros1Goal
 from kg.robot.ros1.action_server import ActionServer
 from kg.robot.ros1.graph import Analyzer
 from kg.robot.ros1.http import ask
@@ -181,7 +182,9 @@ class Ros1Connection:
 
         return await self._in_time(work(), seconds, RobotError("KG803", f"`{service}` did not answer in {seconds:g} s"))
 
-    async def send_goal(self, action: str, kind: str, goal: Value, *, seconds: float) -> Ros1Goal:
+    async def send_goal(
+        self, action: str, kind: str, goal: Value, *, seconds: float, identity: str | None = None
+    ) -> Ros1Goal:
         """Give an action a goal."""
         self.node.present()
         action = absolute(action)
@@ -192,10 +195,14 @@ class Ros1Connection:
         await self._in_time(client.ready(), seconds, nobody)
         left = max(seconds - (self.clock.now() - began), 1.0)
         silent = RobotError("KG803", f"`{action}` did not say within {seconds:g} s that it has the goal")
-        return await self._in_time(client.send(goal), left, silent)
+        return await self._in_time(client.send(goal, identity or uuid4().hex), left, silent)
+
+    async def canceller(self, action: str, kind: str) -> Ros1Canceller:  # noqa: ARG002 - all actions cancel alike
+        """Return what cancels goals of an action."""
+        return Ros1Canceller(await self.advertise(f"{action}/cancel", "actionlib_msgs/GoalID"))
 
     async def _client(self, action: str, kind: str) -> ActionClient:
-        """Return our client of an action, of which there is one: two would give their goals the same identities."""
+        """Return our client of an action, which serves all its goals."""
         async with self._opening:
             if (action, kind) not in self._clients:
                 client = ActionClient(self, action, kind)

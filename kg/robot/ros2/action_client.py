@@ -6,7 +6,6 @@ Source: design.ros2.org/articles/actions.html; action_msgs/GoalStatus for the nu
 from __future__ import annotations
 
 import asyncio
-import os
 from contextlib import suppress
 from typing import TYPE_CHECKING, Final
 
@@ -20,11 +19,12 @@ from kg.robot.ros2.middleware import OFFERED
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
+    from kg.robot.clock import Clock
     from kg.robot.connection import Value
     from kg.robot.ros2.connection import Ros2Connection
     from kg.robot.ros2.services import Client
 
-__all__ = ["Ros2Goal", "send_goal"]
+__all__ = ["Ros2Canceller", "Ros2Goal", "canceller", "send_goal"]
 
 _SUCCEEDED: Final = 4
 _STATUS: Final = {0: "is not known to the server", 5: "was cancelled", 6: "was aborted"}
@@ -36,11 +36,13 @@ _CANCELLING: Final = 5.0
 """Seconds that a server may take to say that it has heard of a wish to cancel."""
 
 
-async def send_goal(owner: Ros2Connection, action: str, kind: str, goal: Value, seconds: float) -> Ros2Goal:
+async def send_goal(  # noqa: PLR0913 - what a goal consists of
+    owner: Ros2Connection, action: str, kind: str, goal: Value, seconds: float, identity: str
+) -> Ros2Goal:
     """Give an action a goal; RobotError KG805, KG806, KG807 or KG809. One that nobody waits for is cancelled."""
     await owner.known(kind, f"{kind}_Goal", f"{action}/_action/send_goal")
     owner.types.complete(f"{kind}_Goal", goal)
-    made = Ros2Goal(owner, action, kind)
+    made = Ros2Goal(owner, action, kind, identity)
     try:
         await within(owner.clock, seconds, made.send(goal))
     except TimeoutError:
@@ -55,6 +57,29 @@ async def send_goal(owner: Ros2Connection, action: str, kind: str, goal: Value, 
     return made
 
 
+async def canceller(owner: Ros2Connection, action: str) -> Ros2Canceller:
+    """Return what cancels goals of an action."""
+    client = await owner.client(f"{action}/_action/cancel_goal", "action_msgs/CancelGoal")
+    return Ros2Canceller(client, owner.clock, action)
+
+
+class Ros2Canceller:
+    """Cancels goals of an action whoever gave them, by their identities."""
+
+    def __init__(self, client: Client, clock: Clock, action: str) -> None:
+        self._client = client
+        self._clock = clock
+        self._action = action
+
+    async def cancel(self, identity: str) -> None:
+        """Ask the server to end a goal; RobotError KG803 when it does not answer."""
+        request = {"goal_info": {"goal_id": {"uuid": bytes.fromhex(identity)}}}
+        try:
+            await within(self._clock, _CANCELLING, self._client.call(request))
+        except TimeoutError:
+            raise RobotError("KG803", f"`{self._action}` did not say that it cancels the goal") from None
+
+
 def _late(owner: Ros2Connection, action: str, seconds: float) -> RobotError:
     if owner.ends(Role.ACTION_SERVERS, action):
         return RobotError("KG803", f"`{action}` took no goal within {seconds:g} s")
@@ -64,11 +89,11 @@ def _late(owner: Ros2Connection, action: str, seconds: float) -> RobotError:
 class Ros2Goal:
     """A goal that the server of an action was given."""
 
-    def __init__(self, owner: Ros2Connection, action: str, kind: str) -> None:
+    def __init__(self, owner: Ros2Connection, action: str, kind: str, identity: str) -> None:
         self._owner = owner
         self._action = action
         self._kind = kind
-        self._id = os.urandom(16)
+        self._id = bytes.fromhex(identity)
         self._told: Inbox[Value] = Inbox(_MOST_FEEDBACK, lambda: None)
         self._listening = owner.wire.reader(
             f"{action}/_action/feedback", f"{kind}_FeedbackMessage", OFFERED, self._take
@@ -156,8 +181,4 @@ class Ros2Goal:
 
     async def cancel(self) -> None:
         """Ask the server to end the goal; `result` tells when it has."""
-        client = await self._client("cancel_goal", "action_msgs/CancelGoal")
-        try:
-            await within(self._owner.clock, _CANCELLING, client.call({"goal_info": {"goal_id": {"uuid": self._id}}}))
-        except TimeoutError:
-            raise RobotError("KG803", f"`{self._action}` did not say that it cancels the goal") from None
+        await (await canceller(self._owner, self._action)).cancel(self._id.hex())

@@ -5,12 +5,13 @@ from __future__ import annotations
 import asyncio
 from functools import partial
 from typing import TYPE_CHECKING, Protocol, Self
+from uuid import uuid4
 
 from kg.errors import RobotError
 from kg.facts import Role
 from kg.robot.clock import SimulatedClock, WallClock, within
 from kg.robot.connection import GraphProblem
-from kg.robot.ros2.action_client import send_goal
+from kg.robot.ros2.action_client import Ros2Canceller, canceller, send_goal
 from kg.robot.ros2.action_server import ActionServer
 from kg.robot.ros2.middleware import LATCHED, OFFERED
 from kg.robot.ros2.services import Client, Service
@@ -186,10 +187,17 @@ class Ros2Connection:
             self._open.add(found)
         return found
 
-    async def send_goal(self, action: str, kind: str, goal: Value, *, seconds: float) -> Goal:
+    async def send_goal(
+        self, action: str, kind: str, goal: Value, *, seconds: float, identity: str | None = None
+    ) -> Goal:
         """Give an action a goal; KG807 when nobody serves it within so many seconds, KG809 when it is rejected."""
         self._present()
-        return await send_goal(self, action, kind, goal, seconds)
+        return await send_goal(self, action, kind, goal, seconds, identity or uuid4().hex)
+
+    async def canceller(self, action: str, kind: str) -> Ros2Canceller:  # noqa: ARG002 - all actions cancel alike
+        """Return what cancels goals of an action."""
+        self._present()
+        return await canceller(self, action)
 
     async def serve(self, service: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> Service:
         """Answer a service; RobotError KG804 for a type that is not known."""
