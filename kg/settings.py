@@ -97,6 +97,10 @@ def _seconds(value: object, _base: Path) -> float:
     return _number(value, 0)
 
 
+def _silence(value: object, _base: Path) -> float:
+    return _number(value, 0.1)
+
+
 def _count(value: object, _base: Path) -> int:
     number = _number(value, 0)
     if number != int(number):
@@ -263,6 +267,12 @@ class Settings:
     places: str = field(
         default="",
         metadata=_about(_file, "FILE", "Places that programs for robots call by their names (docs/programs.md)."),
+    )
+    watchdog: float = field(
+        default=0.5,
+        metadata=_about(
+            _silence, "SECONDS", "A robot is stopped when the process that drives it sends no heartbeat for this long."
+        ),
     )
     origins: Mapping[str, Origin] = field(default_factory=dict)
 

@@ -14,7 +14,7 @@ from kg.cli.numbers import frequency, whole
 from kg.cli.numbers import seconds as seconds_of
 from kg.errors import RobotError, UsageError
 from kg.robot.clock import within
-from kg.robot.driving import Driver, Guard, find
+from kg.robot.driving import Driver, Watchdog, find
 from kg.robot.driving.newest import Throttle
 from kg.robot.live import address_of, connected, infer, inhabited
 from kg.robot.programs.names import AT
@@ -112,7 +112,8 @@ async def _driver(settings: Settings) -> AsyncIterator[tuple[Driver, Computation
         graph = await inhabited(connection)
         # In a thread: a loop that stands still would take the time of a simulation for what it was before.
         capabilities = await asyncio.to_thread(infer, graph, settings, address=address)
-        async with Driver(connection, capabilities, guard=Guard(address), graph=graph) as driver:
+        watchdog = Watchdog(address, settings.watchdog)
+        async with Driver(connection, capabilities, watchdog=watchdog, graph=graph) as driver:
             yield driver, graph
 
 
@@ -155,7 +156,7 @@ async def _tell_all(
 
 def do_capability(settings: Settings, name: str, asked: Doing) -> None:
     """Do something and write how it goes; raises as `Driver.do`, and KG003 for a movement without an end."""
-    interruptible(_do(settings, name, asked))
+    interruptible(_do(settings, name, asked), moves=True)
 
 
 async def _do(settings: Settings, name: str, asked: Doing) -> None:

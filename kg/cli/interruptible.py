@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from kg.errors import Exit
+from kg.errors import Exit, RobotError
 
 if TYPE_CHECKING:
     from collections.abc import Coroutine
@@ -16,20 +16,35 @@ if TYPE_CHECKING:
 __all__ = ["interruptible"]
 
 
-def interruptible(work: Coroutine[Any, Any, None]) -> None:
+def interruptible(work: Coroutine[Any, Any, None], *, moves: bool = False) -> None:
     """Run something; Ctrl-C, and a polite kill, cancel it, wait until it has cleaned up, and end with 130.
 
-    So does a terminal that is closed, unless the process was started to outlive it (nohup).
+    So does a terminal that is closed, unless the process was started to outlive it (nohup). What `moves` a robot is
+    ended by Ctrl-Z, too, since the robot would have to be stopped in any case, and must not go on later by itself.
+
+    Raises:
+        RobotError: KG828 when Ctrl-Z has ended it.
     """
     try:
-        asyncio.run(_cancelled_by_signals(work))
+        asyncio.run(_cancelled_by_signals(work, moves=moves))
     except (KeyboardInterrupt, asyncio.CancelledError):
         raise typer.Exit(Exit.INTERRUPTED) from None
 
 
-async def _cancelled_by_signals(work: Coroutine[Any, Any, None]) -> None:
+async def _cancelled_by_signals(work: Coroutine[Any, Any, None], *, moves: bool) -> None:
     task = asyncio.ensure_future(work)
-    for number in (signal.SIGTERM, signal.SIGHUP):
+    received: list[signal.Signals] = []
+
+    def cancel(number: signal.Signals) -> None:
+        received.append(number)
+        task.cancel()
+
+    for number in (signal.SIGTERM, signal.SIGHUP, *([signal.SIGTSTP] if moves else [])):
         if signal.getsignal(number) is not signal.SIG_IGN:
-            asyncio.get_running_loop().add_signal_handler(number, task.cancel)
-    await task
+            asyncio.get_running_loop().add_signal_handler(number, cancel, number)
+    try:
+        await task
+    except asyncio.CancelledError:
+        if signal.SIGTSTP in received:
+            raise RobotError("KG828", "Ctrl-Z ended the command, and the robot was stopped") from None
+        raise

@@ -160,6 +160,12 @@ CODES: Final = {
         "A part of the robot is moved already through another topic or action, and two would tear at it.",
         "Stop what moves it, or wait until that has ended; what moves which part stands in the ontology.",
     ),
+    "KG828": CodeEntry(
+        "controller stood still",
+        "The process that drives the robot was suspended, blocked or killed. Its watchdog stopped the robot: zero "
+        "velocity to every topic that moved, and every goal was cancelled.",
+        "Nothing goes on by itself: give the command again. On a busy machine, allow more silence: `KG_WATCHDOG=2`.",
+    ),
     "KG830": CodeEntry(
         "program cannot be read",
         "The text of a program does not follow the language.",

@@ -46,15 +46,27 @@ def serve(settings: Settings, options: Options, announce: Callable[[str], None] 
     )
     host = f"[{options.host}]" if ":" in options.host else options.host
     ready = partial(announce, f"http://{host}:{listening.getsockname()[1]}/")
-    Server(config, grace=options.grace, ready=ready, leave=partial(_leave, app), end=partial(_end, app)).run(
-        sockets=[listening]
+    server = Server(
+        config,
+        grace=options.grace,
+        ready=ready,
+        leave=partial(_leave, app),
+        suspend=partial(_suspend, app),
+        end=partial(_end, app),
     )
+    server.run(sockets=[listening])
 
 
 async def _leave(app: Starlette) -> None:
     """Stop the robot before anything else."""
     if hasattr(app.state, "server") and app.state.server.robot is not None:
         await app.state.server.robot.leave()
+
+
+async def _suspend(app: Starlette) -> None:
+    """Stop the robot before the process is suspended."""
+    if hasattr(app.state, "server") and app.state.server.robot is not None:
+        await app.state.server.robot.suspend()
 
 
 def _end(app: Starlette) -> None:

@@ -3,6 +3,8 @@
 The first SIGTERM or Ctrl-C: nothing new is taken, and what runs has its grace; then its readers are killed, so that it
 is answered with an error. The second: now. A terminal that is closed (SIGHUP) counts as the first, unless the process
 was started to outlive it (nohup). Either way the process ends as one that did what it was told: exit code 0.
+
+Ctrl-Z (SIGTSTP) suspends it, after what must not go on meanwhile was stopped: a robot.
 """
 
 from __future__ import annotations
@@ -44,16 +46,17 @@ def notify(message: str) -> bool:
 class Server(uvicorn.Server):
     """Uvicorn's server; `ready` is called when it answers, `leave` awaited when it is told to stop.
 
-    `end` ends work that has outlived `grace` seconds.
+    `end` ends work that has outlived `grace` seconds; `suspend` is awaited before the process is suspended.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913 - what happens when
         self,
         config: uvicorn.Config,
         *,
         grace: float,
         ready: Callable[[], None],
         leave: Callable[[], Awaitable[None]],
+        suspend: Callable[[], Awaitable[None]],
         end: Callable[[], None],
     ) -> None:
         config.timeout_graceful_shutdown = int(grace + _LAST_WORDS + 1)
@@ -61,13 +64,34 @@ class Server(uvicorn.Server):
         self._grace = grace
         self._ready = ready
         self._leave = leave
+        self._suspend = suspend
+        self._suspending: asyncio.Task[None] | None = None
         self._end = end
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Begin to listen, and say so."""
         await super().startup(sockets)
+        self._expect_suspension()
         notify("READY=1")
         self._ready()
+
+    def _expect_suspension(self) -> None:
+        mine = threading.current_thread() is threading.main_thread()
+        if mine and signal.getsignal(signal.SIGTSTP) is not signal.SIG_IGN:
+            asyncio.get_running_loop().add_signal_handler(signal.SIGTSTP, self._be_suspended)
+
+    def _be_suspended(self) -> None:
+        if self._suspending is None or self._suspending.done():
+            self._suspending = asyncio.ensure_future(self._suspended())
+
+    async def _suspended(self) -> None:
+        """Stop what must not go on, then do what Ctrl-Z does by default; return when the process runs again."""
+        try:
+            await self._suspend()
+        finally:
+            asyncio.get_running_loop().remove_signal_handler(signal.SIGTSTP)
+            signal.pthread_kill(threading.get_ident(), signal.SIGTSTP)
+            self._expect_suspension()
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """End what runs when its grace is over."""

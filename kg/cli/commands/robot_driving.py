@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from kg.cli.options import Json, Places, Robot
+from kg.cli.options import Json, Places, Robot, WatchdogSeconds
 from kg.cli.session import session
 
 __all__ = ["do", "read"]
@@ -81,12 +81,15 @@ def do(  # noqa: PLR0913 - the options of a command
     dry_run: DryRun = False,
     places: Places = None,
     robot: Robot = None,
+    watchdog: WatchdogSeconds = None,
     json: Json = False,
 ) -> None:
     """Let a robot do something, and wait until it is done.
 
     A movement is kept up for --for seconds and ends with a command to stand still, whatever happens: also on Ctrl-C, on
     an error, and when the robot's node goes away. A goal (an action) tells how far it is, and is cancelled on Ctrl-C.
+    Ctrl-Z ends the command, too. If this process hangs or is killed, a watchdog stops the robot after --watchdog
+    seconds.
     Values out of a parameter's limits are refused. A place stands for its coordinates; a simulated robot knows some,
     others stand in a file (--places). For example:
 
@@ -98,4 +101,4 @@ def do(  # noqa: PLR0913 - the options of a command
     from kg.cli.driving import Doing, do_capability  # noqa: PLC0415 - start-up time
 
     asked = Doing.of(values or [], keep=keep, timeout=timeout, way=way, dry_run=dry_run, json=json)
-    do_capability(session(context).settings(robot=robot, places=places), capability, asked)
+    do_capability(session(context).settings(robot=robot, places=places, watchdog=watchdog), capability, asked)

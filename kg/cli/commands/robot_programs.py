@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from kg.cli.options import Families, Json, Places, Robot, Rules, Store
+from kg.cli.options import Families, Json, Places, Robot, Rules, Store, WatchdogSeconds
 from kg.cli.session import session
 from kg.cli.systems import Arguments, Environment, Launch, given
 from kg.errors import Exit, UsageError
@@ -40,6 +40,7 @@ def run(  # noqa: PLR0913 - the options of a command
     seconds: Seconds = None,
     robot: Robot = None,
     places: Places = None,
+    watchdog: WatchdogSeconds = None,
     rules: Rules = None,
     rule_families: Families = None,
     json: Json = False,
@@ -47,8 +48,9 @@ def run(  # noqa: PLR0913 - the options of a command
 ) -> None:
     """Carry out a program on a robot, and write what happens.
 
-    The program is checked first; with errors nothing is done. Whatever ends it, the robot is stopped: Ctrl-C, an error,
-    a time that is over, a connection that is lost. The exit code is 1 when the program failed. For example:
+    The program is checked first; with errors nothing is done. Whatever ends it, the robot is stopped: Ctrl-C, Ctrl-Z,
+    an error, a time that is over, a connection that is lost. If this process hangs or is killed, a watchdog stops the
+    robot after --watchdog seconds. The exit code is 1 when the program failed. For example:
 
         kg robot run mail.kgp
         kg robot run mail.kgp --dry-run
@@ -62,7 +64,7 @@ def run(  # noqa: PLR0913 - the options of a command
     from kg.robot.programs.executing import execute, limited  # noqa: PLC0415 - start-up time
 
     settings = session(context).settings(
-        store=store, robot=robot, places=places, rules=rules, rule_families=rule_families
+        store=store, robot=robot, places=places, watchdog=watchdog, rules=rules, rule_families=rule_families
     )
     loaded = read(program, json=json)
     wanted = limited(loaded.program, None if seconds is None else number_of_seconds(seconds, "--seconds"))
@@ -79,7 +81,7 @@ def run(  # noqa: PLR0913 - the options of a command
         )
         outcome.append(found)
 
-    interruptible(carry_out())
+    interruptible(carry_out(), moves=True)
     (found,) = outcome
     if found.ended is not None and found.ended.problem is not None:
         report(error_at(found.ended.problem, loaded))

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 import typer
 
 from kg.cli.diagnostics import note
-from kg.cli.options import Store
+from kg.cli.options import Store, WatchdogSeconds
 from kg.cli.session import session
 
 __all__ = ["serve"]
@@ -82,6 +82,7 @@ def serve(  # noqa: PLR0913 - the options of a command
     slow: Slow = None,
     slow_log: SlowLog = None,
     robot: Robot = None,
+    watchdog: WatchdogSeconds = None,
     open_page: Open = False,
     store: Store = None,
 ) -> None:
@@ -115,5 +116,5 @@ def serve(  # noqa: PLR0913 - the options of a command
         union=not no_union,
         robot=robot,
     )
-    settings = session(context).settings(store=store)
+    settings = session(context).settings(store=store, watchdog=watchdog)
     run(settings, chosen, lambda address: announce(address, settings, chosen, say=note, browse=open_page))

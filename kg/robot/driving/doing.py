@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
+from uuid import uuid4
 
 from kg.errors import RobotError
 from kg.robot.clock import within
@@ -16,10 +17,10 @@ if TYPE_CHECKING:
 
     from kg.robot.connection import Connection, Goal
     from kg.robot.driving.channels import Command
-    from kg.robot.driving.guard import Guard
     from kg.robot.driving.parts import Parts
     from kg.robot.driving.plans import Plan
     from kg.robot.driving.routes import Route
+    from kg.robot.driving.watchdog import Watchdog
 
 __all__ = ["Doing", "Feedback"]
 
@@ -39,12 +40,12 @@ class Doing:
     """What is done over one connection."""
 
     def __init__(
-        self, connection: Connection, parts: Parts, guard: Guard | None, *, limit: float, listen: float
+        self, connection: Connection, parts: Parts, watchdog: Watchdog | None, *, limit: float, listen: float
     ) -> None:
         self.channels: dict[str, Channel] = {}
         self._connection = connection
         self._parts = parts
-        self._guard = guard
+        self._watchdog = watchdog
         self._limit = limit
         self._listen = listen
         self._opening = asyncio.Lock()
@@ -78,8 +79,8 @@ class Doing:
             try:
                 await channel.release(command)
             finally:
-                if self._guard is not None and channel.zero is None:
-                    await self._guard.forget(plan.name)
+                if self._watchdog is not None and channel.zero is None:
+                    await self._watchdog.forget(plan.name)
         return {}
 
     async def _channel(self, plan: Plan, route: Route) -> Channel:
@@ -100,11 +101,13 @@ class Doing:
         """Renew a command until its time is over; when the robot's clock is set back its time is over too."""
         clock, period = self._connection.clock, 1 / min(plan.rate, self._limit)
         stood, channel.zero = channel.zero is None, lambda: route.zero(clock.now())
-        if stood and self._guard is not None and plan.afterwards is not None:
-            await self._guard.watch(plan.name, plan.type, plan.afterwards)
+        if stood and self._watchdog is not None and plan.afterwards is not None:
+            await self._watchdog.watch_topic(plan.name, plan.type, plan.afterwards)
         begun = now = clock.now()
         end = float("inf") if plan.seconds is None else begun + plan.seconds
         while begun <= now < end - _SLACK:
+            if self._watchdog is not None and (late := self._watchdog.late()) is not None:
+                raise late
             await channel.send(route.restamped(plan.message, now), command)
             now = clock.now()
             due = begun + (int((now - begun) / period + _SLACK) + 1) * period
@@ -116,7 +119,12 @@ class Doing:
         earlier, self._goals[plan.name] = self._goals.get(plan.name), command
         if earlier is not None:
             earlier.end("taken over")
-        sending = asyncio.ensure_future(self._connection.send_goal(plan.name, plan.type, plan.message, seconds=_SERVED))
+        identity = uuid4().hex
+        if self._watchdog is not None:
+            await self._watchdog.watch_goal(plan.name, plan.type, identity)
+        sending = asyncio.ensure_future(
+            self._connection.send_goal(plan.name, plan.type, plan.message, seconds=_SERVED, identity=identity)
+        )
         command.sent = 1
         done = False
         try:
@@ -130,8 +138,12 @@ class Doing:
         finally:
             if self._goals.get(plan.name) is command:
                 del self._goals[plan.name]
-            if not done:
-                await self._cancel(sending)
+            try:
+                if not done:
+                    await self._cancel(sending)
+            finally:
+                if self._watchdog is not None:
+                    await self._watchdog.forget(identity)
 
     async def _reached(self, goal: Goal, route: Route, plan: Plan, on_feedback: Feedback | None) -> dict[str, Any]:
         async def result() -> dict[str, Any]:
@@ -162,8 +174,8 @@ class Doing:
         try:
             await asyncio.gather(self._cancelling.done(), *(one.aclose() for one in self.channels.values()))
         finally:
-            if self._guard is not None:
-                await self._guard.release()
+            if self._watchdog is not None:
+                await self._watchdog.release()
 
 
 async def _cancelled(sending: asyncio.Future[Goal]) -> None:

@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from kg.robot.capability import Capabilities, Capability, Way
     from kg.robot.connection import ComputationGraph, Connection, GraphProblem, Subscription
     from kg.robot.driving.doing import Feedback
-    from kg.robot.driving.guard import Guard
     from kg.robot.driving.routes import Route
+    from kg.robot.driving.watchdog import Watchdog
 
 __all__ = ["Driver"]
 
@@ -54,7 +54,7 @@ class Driver:
         limit: messages a second that one topic gets at most.
         listen: seconds to wait until a subscriber is connected to a topic that is written to.
         dry_run: whether nothing is sent at all; what would be is in `Outcome.plan`.
-        guard: what stops movements when this process is killed; it ends with the driver.
+        watchdog: what stops movements and goals when this process dies or hangs; it ends with the driver.
         graph: the computation graph that the capabilities are of, so that it is not asked for at once again.
     """
 
@@ -66,14 +66,16 @@ class Driver:
         limit: float = 200.0,
         listen: float = 3.0,
         dry_run: bool = False,
-        guard: Guard | None = None,
+        watchdog: Watchdog | None = None,
         graph: ComputationGraph | None = None,
     ) -> None:
         self.connection = connection
         self.capabilities = capabilities
         self._dry_run = dry_run
+        self._watchdog = watchdog
+        self._interruption: asyncio.Future[RobotError] = asyncio.get_running_loop().create_future()
         self._parts = Parts(capabilities)
-        self._doing = Doing(connection, self._parts, guard, limit=limit, listen=listen)
+        self._doing = Doing(connection, self._parts, watchdog, limit=limit, listen=listen)
         self._newest = NewestMessages(connection)
         self._routes: dict[_Key, Route] = {}
         self._graph: tuple[float, ComputationGraph | None] | None
@@ -86,6 +88,8 @@ class Driver:
 
     async def __aenter__(self) -> Self:
         self._watch = spawn(self._watch_connection(), "watching the connection")
+        if self._watchdog is not None:
+            self._watchdog.open(self.interrupt)
         return self
 
     async def __aexit__(
@@ -319,6 +323,21 @@ class Driver:
             command.end("stopped")
         await self._doing.still(again=True)
         await asyncio.gather(*(command.ended() for command in commands))
+
+    def interrupt(self, error: RobotError) -> None:
+        """End all movements and goals with an error; programs that run on this driver end with it, too.
+
+        The robot must not go on by itself after its controller stood still, since nobody knows what happened meanwhile.
+        """
+        self._interruption.set_result(error)
+        self._interruption = asyncio.get_running_loop().create_future()
+        for command, found in self._commands.items():
+            if found is not None and (found.moves or found.way.kind == "action"):
+                command.end(error)
+
+    async def wait_interrupted(self) -> RobotError:
+        """Return the error of the next interruption."""
+        return await asyncio.shield(self._interruption)
 
     async def _route(
         self, name: str, modality: Literal["read", "write"], way: str | None, arguments: Collection[str] = ()

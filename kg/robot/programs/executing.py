@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import msgspec
 
-from kg.robot.driving import Driver, Guard
+from kg.robot.driving import Driver, Watchdog
 from kg.robot.infrastructure import of_robot
 from kg.robot.live import connected, infer, inhabited
 from kg.robot.programs.check import check
@@ -76,7 +76,8 @@ async def execute(  # noqa: PLR0913 - what a run can say
         on_problems(problems)
         if any(problem.severity == "error" for problem in problems):
             return Execution(problems, None)
-        async with Driver(connection, capabilities, dry_run=dry_run, guard=Guard(address)) as driver:
+        watchdog = Watchdog(address, settings.watchdog)
+        async with Driver(connection, capabilities, dry_run=dry_run, watchdog=watchdog) as driver:
             following = spawn(_follow(driver, settings), "following what the robot can do")
             try:
                 return Execution(problems, await Runner(driver, program, on_event).run())

@@ -135,11 +135,15 @@ class Runner:
         return None
 
     async def _all(self) -> None:
-        await first(self._within_time(), self._lost())
+        await first(self._within_time(), first(self._lost(), self._interrupted()))
 
     async def _lost(self) -> None:
         """Raise RobotError KG803 when the robot is lost, with the reason."""
         raise RobotError("KG803", f"the robot is lost: {await self._driver.connection.wait_lost()}")
+
+    async def _interrupted(self) -> None:
+        """Raise the error of an interruption, which no part of a program can outlive."""
+        raise await self._driver.wait_interrupted()
 
     async def _within_time(self) -> None:
         work = self._statements.program(self._program.body)

@@ -37,7 +37,7 @@ _CANCELLING: Final = 5.0
 
 
 async def send_goal(  # noqa: PLR0913 - what a goal consists of
-    owner: Ros2Connection, action: str, kind: str, goal: Value, seconds: float, identity: str
+    owner: Ros2Connection, action: str, kind: str, goal: Value, *, seconds: float, identity: str
 ) -> Ros2Goal:
     """Give an action a goal; RobotError KG805, KG806, KG807 or KG809. One that nobody waits for is cancelled."""
     await owner.known(kind, f"{kind}_Goal", f"{action}/_action/send_goal")

@@ -192,7 +192,7 @@ class Ros2Connection:
     ) -> Goal:
         """Give an action a goal; KG807 when nobody serves it within so many seconds, KG809 when it is rejected."""
         self._present()
-        return await send_goal(self, action, kind, goal, seconds, identity or uuid4().hex)
+        return await send_goal(self, action, kind, goal, seconds=seconds, identity=identity or uuid4().hex)
 
     async def canceller(self, action: str, kind: str) -> Ros2Canceller:  # noqa: ARG002 - all actions cancel alike
         """Return what cancels goals of an action."""

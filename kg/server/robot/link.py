@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 from kg.errors import RobotError
 from kg.robot.capability import Capabilities
 from kg.robot.connecting import connect
-from kg.robot.driving import Driver, Guard
+from kg.robot.driving import Driver, Watchdog
 from kg.robot.infrastructure import of_robot
 from kg.robot.live import infer
 from kg.robot.programs.places import offered, offers, read_places
@@ -116,7 +116,7 @@ class Link:
         doubted = graph.problems != (self.graph.problems if self.graph else ())
         self.graph = graph
         if self.driver is None:
-            driver = Driver(connection, found, guard=Guard(self.address))
+            driver = Driver(connection, found, watchdog=Watchdog(self.address, self._settings.watchdog))
             await driver.__aenter__()
             self.driver = driver
         elif found != self.capabilities:

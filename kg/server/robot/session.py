@@ -151,6 +151,14 @@ class Session:
         if self._link.driver is not None:
             await self._link.driver.stop()
 
+    async def suspend(self) -> None:
+        """End with KG828 whatever moves, within a few seconds, before the process is suspended."""
+        if (driver := self._link.driver) is not None:
+            driver.interrupt(RobotError("KG828", "Ctrl-Z suspended the server, and the robot was stopped"))
+            with suppress(TimeoutError):
+                async with asyncio.timeout(_LAST):
+                    await driver.stop()
+
     def listen(self) -> Listener:
         """Return a page that looks on from now; RobotError KG847 when there are too many."""
         if len(self.listeners) >= MOST:

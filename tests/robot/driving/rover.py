@@ -14,7 +14,7 @@ from robot.connections import types_for_tests
 
 from kg.robot.capability import Capabilities, Capability, Parameter, Way
 from kg.robot.clock import WallClock
-from kg.robot.driving import Driver, Guard
+from kg.robot.driving import Driver, Watchdog
 from kg.robot.memory import Bus
 
 if TYPE_CHECKING:
@@ -205,13 +205,13 @@ async def rover(
     clock: Clock | None = None,
     *,
     capabilities: Capabilities = CAPABILITIES,
-    guard: Guard | None = None,
+    watchdog: Watchdog | None = None,
     listen: float = 0.3,
 ) -> AsyncIterator[Rover]:
     """Give a rover that listens, serves and counts, with an open driver."""
     with Bus(uuid4().hex, clock=clock or WallClock(), types=types_for_tests(1)) as bus:
         node, face = bus.join("/rover"), bus.join("/face")
-        async with Driver(face, capabilities, listen=listen, guard=guard) as driver:
+        async with Driver(face, capabilities, listen=listen, watchdog=watchdog) as driver:
             made = Rover(bus, node, face, driver)
             await made.listen("/cmd_vel", "geometry_msgs/Twist")
             await node.serve("/double", "kg_test/Double", _double)

@@ -11,7 +11,7 @@ from robot.driving.rover import CAPABILITIES, ONE_PART, rover, until
 
 from kg.facts import Role
 from kg.robot.clock import SimulatedClock
-from kg.robot.driving import Driver, Guard
+from kg.robot.driving import Driver, Watchdog
 
 if TYPE_CHECKING:
     from robot.driving.rover import Rover
@@ -79,21 +79,26 @@ def _fast(robot: Rover) -> dict[str, list[float]]:
     return {topic: robot.speeds(topic) for topic in TOPICS if robot.speeds(topic)}
 
 
-class _Told(Guard):
-    """A guard that only knows what it was told to stop."""
+class _Told(Watchdog):
+    """A watchdog that only knows what it was told to stop."""
 
     def __init__(self) -> None:
-        super().__init__("memory://")
+        super().__init__("memory://", silence=3600)
         self.moved: set[str] = set()
 
-    async def watch(self, topic: str, kind: str, zero: Value) -> None:
+    async def watch_topic(self, topic: str, kind: str, zero: Value) -> None:
         """Know of a topic that is moved."""
         assert (kind, zero.get("twist", zero)["linear"]["x"]) == (TOPICS[topic], 0)
         self.moved.add(topic)
 
-    async def forget(self, topic: str) -> None:
+    async def watch_goal(self, action: str, kind: str, identity: str) -> None:
+        """Know of a goal."""
+        assert (action, kind) == ("/count", "kg_test/Count")
+        self.moved.add(identity)
+
+    async def forget(self, key: str) -> None:
         """Know no more of it."""
-        self.moved.discard(topic)
+        self.moved.discard(key)
 
 
 @settings(deadline=None, max_examples=60)
@@ -105,21 +110,21 @@ class _Told(Guard):
 def test_the_last_thing_is_zero(sequence: list[tuple[object, ...]], end: str, known: Capabilities) -> None:
     """After any sequence, however the block is left, each topic that was moved got a zero command last.
 
-    The guard is told of each as long as it moves.
+    The watchdog is told of each as long as it moves.
     """
 
     async def scene() -> None:
-        clock, guard = SimulatedClock(), _Told()
+        clock, watchdog = SimulatedClock(), _Told()
         robots: list[Rover] = []
 
         async def block() -> None:
-            async with rover(clock, capabilities=known, guard=guard) as robot:
+            async with rover(clock, capabilities=known, watchdog=watchdog) as robot:
                 await robot.listen("/stamped", TOPICS["/stamped"])
                 robots.append(robot)
                 play = _Play(robot, clock)
                 for kind, *values in sequence:
                     await play.step(str(kind), *values)
-                    assert {topic for topic, speeds in _fast(robot).items() if speeds[-1]} <= guard.moved
+                    assert {topic for topic, speeds in _fast(robot).items() if speeds[-1]} <= watchdog.moved
                 if end == "raise":
                     raise ValueError
                 if end == "cancel":
@@ -136,7 +141,7 @@ def test_the_last_thing_is_zero(sequence: list[tuple[object, ...]], end: str, kn
         await _settle()
         assert [speeds[-1] for speeds in _fast(robots[0]).values()] == [0.0] * len(_fast(robots[0]))
         assert robots[0].cancelled == len(robots[0].goals)
-        assert not guard.moved
+        assert not watchdog.moved
 
     asyncio.run(scene())
 

@@ -1,0 +1,269 @@
+"""The watchdog: another process that stops a robot when the one that drives it dies, hangs or is suspended.
+
+The driving process, the controller, sends it heartbeats from the event loop that drives. Without one for a while the
+watchdog sends zero velocity to every topic that moves and cancels every goal, and reports so. The controller then ends
+its commands (KG828): when it runs again nothing moves before a new command.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import signal
+import sys
+import time
+from asyncio.subprocess import PIPE
+from contextlib import suppress
+from functools import partial
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.errors import RobotError
+from kg.robot.connecting import SCHEMES, connect, scheme_of
+from kg.robot.driving.routes import stamp
+from kg.robot.tasks import ended, spawn
+
+if TYPE_CHECKING:
+    from asyncio.subprocess import Process
+    from collections.abc import Callable
+
+    from kg.robot.connection import Canceller, Connection, Publication, Value
+
+__all__ = ["SILENCE", "Watchdog", "main"]
+
+SILENCE: Final = 0.5
+"""Seconds without a heartbeat after which the robot is stopped, where nothing else is set."""
+_BEATS: Final = 5
+"""Heartbeats in that time."""
+_IDLE: Final = 5.0
+"""Seconds that the controller may stand still while nothing moves before its commands end."""
+_TIMES: Final = 5
+"""How often zero is sent: what the controller sent last may still be on its way."""
+_PAUSE: Final = 0.1
+_HEARD: Final = 3.0
+"""Seconds to wait for a subscriber of a topic, or the server of a goal, that was used only just."""
+_ENDS: Final = 5.0
+"""Seconds that the watchdog may take to leave the graph."""
+_CLOCK: Final = getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)
+"""A clock that also counts while the machine sleeps, where there is one."""
+
+
+class Watchdog:
+    """The controller's side: heartbeats while it is open, and the process, started with the first movement or goal.
+
+    A robot in memory ends with the controller and needs no other process.
+
+    Args:
+        address: the robot.
+        silence: seconds without a heartbeat after which the robot is stopped.
+    """
+
+    def __init__(self, address: str, silence: float = SILENCE) -> None:
+        self.silence = silence
+        self._command = (sys.executable, "-P", "-c", f"from {__name__} import main; main()", address, str(silence))
+        self._needed = scheme_of(address) != "memory"
+        self._process: asyncio.Task[Process] | None = None
+        self._watched: set[str] = set()
+        self._beaten = 0.0
+        self._on_silence: Callable[[RobotError], None] = lambda _: None
+        self._tasks: list[asyncio.Task[None]] = []
+
+    def open(self, on_silence: Callable[[RobotError], None]) -> None:
+        """Begin with heartbeats; `on_silence` gets the error KG828 when they have paused for too long."""
+        self._on_silence = on_silence
+        self._beaten = time.clock_gettime(_CLOCK)
+        self._tasks.append(spawn(self._beat(), "sending heartbeats to the watchdog"))
+
+    async def watch_topic(self, topic: str, kind: str, zero: Value) -> None:
+        """Stop a topic with a message when this process is silent or dies, until `forget`."""
+        await self._watch(topic, ["topic", topic, kind, zero])
+
+    async def watch_goal(self, action: str, kind: str, identity: str) -> None:
+        """Cancel a goal when this process is silent or dies, until `forget`."""
+        await self._watch(identity, ["goal", identity, action, kind])
+
+    async def _watch(self, key: str, order: list[Any]) -> None:
+        self._watched.add(key)
+        if self._process is None and self._needed:
+            # In a session of its own no signal to the group of this process reaches it: Ctrl-C, Ctrl-Z, a hang-up.
+            started = asyncio.create_subprocess_exec(*self._command, stdin=PIPE, stdout=PIPE, start_new_session=True)
+            self._process = asyncio.ensure_future(started)
+            self._tasks.append(spawn(self._listen(self._process), "listening to the watchdog"))
+        await self._send(order)
+
+    async def forget(self, key: str) -> None:
+        """Leave a topic, which others may move by now, or a goal alone: it was stopped, or has ended."""
+        self._watched.discard(key)
+        await self._send(["forget", key])
+
+    def late(self) -> RobotError | None:
+        """Return the error KG828 when this process has sent no heartbeat for too long, None otherwise.
+
+        Whatever sends a velocity asks before: the first thing that runs after a pause need not be the heartbeat.
+        """
+        paused = time.clock_gettime(_CLOCK) - self._beaten
+        if paused <= (self.silence if self._watched else max(self.silence, _IDLE)):
+            return None
+        return RobotError("KG828", f"the process that drives the robot stood still for {paused:.1f} s")
+
+    async def _beat(self) -> None:
+        while True:
+            if (error := self.late()) is not None:
+                self._on_silence(error)
+            self._beaten = time.clock_gettime(_CLOCK)
+            if self._watched:
+                await self._send(["beat"])
+            await asyncio.sleep(self.silence / _BEATS)
+
+    async def _listen(self, starting: asyncio.Task[Process]) -> None:
+        """End commands when the watchdog has stopped the robot; its view of what is too late is the one that counts."""
+        with suppress(OSError):  # nothing could be started
+            process = await asyncio.shield(starting)
+            assert process.stdout is not None  # noqa: S101 - it was asked for
+            async for line in process.stdout:
+                message = f"the watchdog stopped the robot: no heartbeat for {float(line):.1f} s"
+                self._on_silence(RobotError("KG828", message))
+
+    async def release(self) -> None:
+        """End the heartbeats and the other process: all that moved stands still, or was told to."""
+        process = await self._send(["end"])
+        await ended(*self._tasks)
+        if process is not None:
+            with suppress(ProcessLookupError):
+                process.terminate()  # where it is only just starting, and reads nothing yet; else it ignores this
+            try:
+                async with asyncio.timeout(_ENDS):
+                    await process.wait()
+            except TimeoutError:
+                process.kill()
+                await process.wait()
+
+    async def _send(self, order: list[Any]) -> Process | None:
+        if self._process is None:
+            return None
+        try:
+            process = await asyncio.shield(self._process)
+        except OSError:  # nothing could be started: the robot is moved without it
+            return None
+        if process.stdin is None or process.returncode is not None:
+            return None
+        # Not drained, since no robot waits for a watchdog that hangs; and it gets no heartbeats that it does not read.
+        if order != ["beat"] or not process.stdin.transport.get_write_buffer_size():
+            process.stdin.write(f"{json.dumps(order)}\n".encode())
+        return process
+
+
+def main() -> None:
+    """Be the watchdog; the address of the robot and the seconds of silence are the arguments."""
+    address, silence = sys.argv[1], float(sys.argv[2])
+    try:
+        import_module(SCHEMES[scheme_of(address)])  # most of the start; until then a signal ends the process at once
+        # From here on the pipe alone does: the node is to leave the graph properly, and to outlive a service manager's
+        # request to all processes of the robot.
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        asyncio.run(_watch(address, silence))
+    except RobotError as error:
+        _report(error.code, f"the watchdog of this process does not work: {error.message}")
+
+
+async def _watch(address: str, silence: float) -> None:
+    connection = await connect(address, name=f"/kg_watchdog_{os.getpid()}")
+    try:
+        await _Watching(connection, silence).run()
+    finally:
+        await connection.aclose()
+
+
+class _Watching:
+    """The process's side: what it has been told to stop, and since when the controller is silent."""
+
+    def __init__(self, connection: Connection, silence: float) -> None:
+        self._connection = connection
+        self._silence = silence
+        self._heard = 0.0
+        self._released = False
+        self._zeros: dict[str, Value] = {}
+        self._goals: dict[str, str] = {}
+        self._publications: dict[str, asyncio.Task[Publication]] = {}
+        self._cancellers: dict[str, asyncio.Task[Canceller]] = {}
+
+    async def run(self) -> None:
+        """Watch until the controller releases this process, or its end of the pipe is closed, as when it dies."""
+        loop = asyncio.get_running_loop()
+        reading = asyncio.ensure_future(self._read())
+        while not reading.done():
+            await asyncio.wait((reading,), timeout=self._silence / (2 * _BEATS))
+            silent = loop.time() - self._heard
+            if (self._zeros or self._goals) and silent > self._silence and not reading.done():
+                with suppress(OSError):
+                    os.write(sys.stdout.fileno(), f"{silent}\n".encode())
+                await self._stop(f"the process that drives the robot was silent for {silent:.1f} s")
+        if not self._released:
+            await self._stop("the process that drives the robot ended without stopping it")
+
+    async def _read(self) -> None:
+        loop = asyncio.get_running_loop()
+        reader = asyncio.StreamReader(limit=1 << 24)
+        await loop.connect_read_pipe(lambda: asyncio.StreamReaderProtocol(reader), sys.stdin)
+        while (line := await reader.readline()).endswith(b"\n"):  # half an order is none
+            self._heard = loop.time()
+            match json.loads(line):
+                case ["topic", topic, kind, zero]:
+                    if topic not in self._publications:
+                        self._publications[topic] = asyncio.ensure_future(self._connection.advertise(topic, kind))
+                        self._publications[topic].add_done_callback(partial(_check, f"stop `{topic}`"))
+                    self._zeros[topic] = zero
+                case ["goal", identity, action, kind]:
+                    if action not in self._cancellers:
+                        self._cancellers[action] = asyncio.ensure_future(self._connection.canceller(action, kind))
+                        self._cancellers[action].add_done_callback(partial(_check, f"cancel goals of `{action}`"))
+                    self._goals[identity] = action
+                case ["forget", key]:
+                    self._zeros.pop(key, None)
+                    self._goals.pop(key, None)
+                case ["end"]:
+                    self._released = True
+                    return
+
+    async def _stop(self, why: str) -> None:
+        """Stop everything at the same time: what cannot be stopped delays nothing else."""
+        zeros, self._zeros = self._zeros, {}
+        goals, self._goals = self._goals, {}
+        if zeros or goals:
+            done = [f"zero velocity was sent to `{topic}`" for topic in zeros]
+            done += [f"a goal of `{action}` was cancelled" for action in goals.values()]
+            _report("KG828", f"{why}: {', '.join(done)}")
+        work = [self._still(topic, zero) for topic, zero in zeros.items()]
+        work += [self._cancelled(identity, action) for identity, action in goals.items()]
+        await asyncio.gather(*work, return_exceptions=True)  # what cannot be reached was reported, or does not listen
+
+    async def _still(self, topic: str, zero: Value) -> None:
+        publication = await self._publications[topic]
+        with suppress(TimeoutError):
+            async with asyncio.timeout(_HEARD):
+                while not publication.peers:  # noqa: ASYNC110 - nothing tells of peers
+                    await asyncio.sleep(_PAUSE)
+        for _ in range(_TIMES):
+            if topic in self._zeros:  # the controller is back and moves it by a new command
+                return
+            if "header" in zero:
+                zero["header"]["stamp"] = stamp(self._connection.clock.now())
+            await publication.publish(zero)
+            await asyncio.sleep(_PAUSE)
+
+    async def _cancelled(self, identity: str, action: str) -> None:
+        async with asyncio.timeout(_HEARD):
+            await (await self._cancellers[action]).cancel(identity)
+            await asyncio.sleep(_PAUSE)  # what was sent leaves before the node does
+
+
+def _check(what: str, task: asyncio.Task[Any]) -> None:
+    if not task.cancelled() and (error := task.exception()) is not None:
+        _report(error.code if isinstance(error, RobotError) else "KG803", f"the watchdog could not {what}: {error}")
+
+
+def _report(code: str, message: str) -> None:
+    """Write a warning where the controller writes its own, if that still exists."""
+    with suppress(OSError):
+        os.write(sys.stderr.fileno(), f"warning[{code}]: {message}\n".encode())

@@ -1,0 +1,91 @@
+"""`kg robot do` and `run` whose process is suspended, blocked or killed: the robot stops, and nothing goes on later."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+import pytest
+from patience import patient
+from robot.driving.drivable import BLOCKABLE, clean, drivable
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from robot.driving.drivable import Drivable
+
+PIPE = subprocess.PIPE
+DO = ("do", "drivingAtVelocity", "forward=0.5", "--for", "600")
+GO = ("do", "goingToPose", "x=1", "y=2", "heading=0")
+RUN = ("run", "endless.kgp")
+PROGRAM = "repeat 9 times\n  move at a velocity  forward: 0.5 m/s for 10 min\nend\n"
+KG = BLOCKABLE + "import runpy, sys; sys.argv[0] = 'kg'; runpy.run_module('kg', run_name='__main__')"
+
+
+@pytest.fixture(params=[1, 2], ids=["ros1", "dds"])
+def robot(request: pytest.FixtureRequest) -> Iterator[Drivable]:
+    """A robot over ROS 1 or DDS."""
+    if request.param == 2:
+        pytest.importorskip("cyclonedds", reason="the extra `dds` is not installed")
+    with drivable(request.param, patient(15)) as found:
+        yield found
+
+
+@contextmanager
+def kg(robot: Drivable, folder: Path, *command: str) -> Iterator[subprocess.Popen[str]]:
+    """Run a command that drives the robot."""
+    (folder / "endless.kgp").write_text(PROGRAM, encoding="utf-8")
+    called = [sys.executable, "-c", KG, "robot", *command, "--robot", robot.address]
+    with subprocess.Popen(called, stdout=PIPE, stderr=PIPE, text=True, env=clean(), cwd=folder) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
+
+
+@pytest.mark.parametrize("command", [DO, RUN], ids=["do", "run"])
+@pytest.mark.parametrize(
+    ("pause", "resume"), [(signal.SIGSTOP, signal.SIGCONT), (signal.SIGUSR1, signal.SIGUSR2)], ids=["stop", "block"]
+)
+def test_a_silent_controller_stops_and_does_not_go_on(
+    robot: Drivable, tmp_path: Path, command: tuple[str, ...], pause: signal.Signals, resume: signal.Signals
+) -> None:
+    """A process that is suspended, or whose loop is blocked, is replaced by zero; when it runs again it ends, KG828."""
+    with kg(robot, tmp_path, *command) as process:
+        robot.until("speed 0.5")
+        process.send_signal(pause)
+        robot.until("speed 0")
+        process.send_signal(resume)
+        _, err = process.communicate(timeout=patient(20))
+    assert process.returncode == 1
+    assert "warning[KG828]: the process that drives the robot was silent for" in err
+    assert "zero velocity was sent to `/cmd_vel`" in err
+    assert "error[KG828]" in err
+    assert robot.rest() <= {"speed 0"}
+
+
+@pytest.mark.parametrize("command", [DO, RUN], ids=["do", "run"])
+def test_ctrl_z_stops_at_once(robot: Drivable, tmp_path: Path, command: tuple[str, ...]) -> None:
+    """SIGTSTP ends the command as Ctrl-C does, with KG828; no watchdog has to."""
+    with kg(robot, tmp_path, *command, "--watchdog", "3600") as process:
+        robot.until("speed 0.5")
+        process.send_signal(signal.SIGTSTP)
+        _, err = process.communicate(timeout=patient(20))
+    assert process.returncode == 1
+    assert "error[KG828]: Ctrl-Z ended the command" in err
+    assert "warning" not in err
+    robot.until("speed 0")
+    assert robot.rest() <= {"speed 0"}
+
+
+@pytest.mark.parametrize("number", [signal.SIGSTOP, signal.SIGKILL, signal.SIGUSR1, signal.SIGTSTP])
+def test_a_goal_is_cancelled(robot: Drivable, tmp_path: Path, number: signal.Signals) -> None:
+    """The goal of a process that is suspended, killed, blocked, or ended by Ctrl-Z is cancelled."""
+    with kg(robot, tmp_path, *GO) as process:
+        robot.until("goal")
+        process.send_signal(number)
+        robot.until("cancelled")

@@ -1,0 +1,134 @@
+"""A robot in a process of its own, over ROS 1 or DDS, that prints the velocities and goals that it gets.
+
+    python drivable.py ADDRESS
+
+Without an address it runs a master of ROS 1. It prints its address first, then `speed X`, `goal`, and `cancelled`, and
+runs until its standard input ends.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import subprocess
+import sys
+from contextlib import contextmanager, nullcontext
+from pathlib import Path
+from threading import Timer
+from typing import TYPE_CHECKING, Final
+
+from kg.robot.connecting import connect
+from kg.robot.ros1 import Master
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kg.robot.connection import Accepted, Value
+
+__all__ = ["BLOCKABLE", "Drivable", "clean", "drivable"]
+
+BLOCKABLE: Final = """
+import signal
+signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGUSR2])
+signal.signal(signal.SIGUSR1, lambda *_: signal.sigwait([signal.SIGUSR2]))
+"""
+"""What a process runs first whose event loop SIGUSR1 is to block until SIGUSR2 comes."""
+_GOALS: Final = {1: ("/move_base", "move_base_msgs/MoveBase"), 2: ("/navigate_to_pose", "nav2_msgs/NavigateToPose")}
+
+
+class Drivable:
+    """The robot: its address, and what it prints."""
+
+    def __init__(self, process: subprocess.Popen[str]) -> None:
+        self._process = process
+        self.address = self._line()
+
+    def _line(self) -> str:
+        assert self._process.stdout is not None
+        return self._process.stdout.readline().strip()
+
+    def until(self, *wanted: str) -> None:
+        """Return when one of these lines was printed; fail when the robot has ended before."""
+        while (line := self._line()) not in wanted:
+            assert line, f"the robot never printed one of {wanted}"
+
+    def rest(self) -> set[str]:
+        """End the robot and return what it has printed since."""
+        return set(self._process.communicate()[0].splitlines())
+
+
+@contextmanager
+def drivable(ros: int, seconds: float) -> Iterator[Drivable]:
+    """Run a robot of ROS 1 or 2, for so many seconds at most."""
+    if ros == 1:
+        isolated = nullcontext("")
+    else:
+        from robot.dds.domain import domain  # noqa: PLC0415 - needs an extra
+
+        isolated = _address(domain())
+    with isolated as address, subprocess.Popen(
+        [sys.executable, __file__, *([address] if address else [])],
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=clean(),
+    ) as process:  # fmt: skip
+        patience = Timer(seconds, process.kill)
+        patience.start()
+        try:
+            yield Drivable(process)
+        finally:
+            patience.cancel()
+            process.kill()
+
+
+@contextmanager
+def _address(domain: object) -> Iterator[str]:
+    with domain as number:  # type: ignore[attr-defined]  # the context manager of `domain`, imported late
+        yield f"dds://{number}?settle=1"
+
+
+def clean() -> dict[str, str]:
+    """Return the environment without settings of kg and ROS, in which modules of tests are found."""
+    kept = {name: value for name, value in os.environ.items() if not name.startswith(("KG_", "ROS_"))}
+    return {**kept, "PYTHONPATH": str(Path(__file__).parents[2])}
+
+
+async def _run(address: str) -> None:
+    node = await connect(address, name="/robot")
+    speeds = await node.subscribe("/cmd_vel", "geometry_msgs/Twist", queue=1000)
+    goal = asyncio.Event()
+
+    async def carry_out(accepted: Accepted) -> Value:
+        goal.set()
+        _print("goal")
+        while not accepted.cancelled:  # noqa: ASYNC110 - nothing tells it
+            await asyncio.sleep(0.02)
+        _print("cancelled")
+        return {}
+
+    await node.serve_action(*_GOALS[node.ros], carry_out)
+    _print(address)
+
+    async def follow() -> None:
+        async for one in speeds:
+            _print(f"speed {one.value['linear']['x']:g}")
+
+    following = asyncio.ensure_future(follow())
+    await asyncio.to_thread(sys.stdin.read)
+    following.cancel()
+    await node.aclose()
+
+
+async def _main() -> None:
+    if sys.argv[1:]:
+        await _run(sys.argv[1])
+    else:
+        async with Master() as master:
+            await _run(master.address)
+
+
+def _print(line: str) -> None:
+    sys.stdout.write(f"{line}\n")
+    sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    asyncio.run(_main())
