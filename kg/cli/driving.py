@@ -16,9 +16,11 @@ from kg.errors import RobotError, UsageError
 from kg.robot.clock import within
 from kg.robot.driving import Driver, Watchdog, find
 from kg.robot.driving.newest import Throttle
+from kg.robot.infrastructure import of_robot
 from kg.robot.live import address_of, connected, infer, inhabited
 from kg.robot.programs.names import AT
 from kg.robot.programs.places import at_place, offered, read_places
+from kg.robot.tasks import ended, spawn
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Mapping, Sequence
@@ -73,6 +75,7 @@ class Doing:
     timeout: float | None
     way: str | None
     dry_run: bool
+    exclusive: bool
     json: bool
 
     @classmethod
@@ -84,6 +87,7 @@ class Doing:
         timeout: str | None,
         way: str | None,
         dry_run: bool,
+        exclusive: bool,
         json: bool,
     ) -> Doing:
         """Return it as a user's options say it; UsageError KG003 for what is no number, or no NAME=VALUE."""
@@ -101,19 +105,20 @@ class Doing:
             None if timeout is None else seconds_of(timeout, "--timeout"),
             way,
             dry_run,
+            exclusive,
             json,
         )
 
 
 @asynccontextmanager
-async def _driver(settings: Settings) -> AsyncIterator[tuple[Driver, ComputationGraph]]:
+async def _driver(settings: Settings, **options: Any) -> AsyncIterator[tuple[Driver, ComputationGraph]]:
     address = address_of(settings)
     async with connected(address) as connection:
         graph = await inhabited(connection)
         # In a thread: a loop that stands still would take the time of a simulation for what it was before.
         capabilities = await asyncio.to_thread(infer, graph, settings, address=address)
         watchdog = Watchdog(address, settings.watchdog)
-        async with Driver(connection, capabilities, watchdog=watchdog, graph=graph) as driver:
+        async with Driver(connection, capabilities, watchdog=watchdog, graph=graph, **options) as driver:
             yield driver, graph
 
 
@@ -161,7 +166,8 @@ def do_capability(settings: Settings, name: str, asked: Doing) -> None:
 
 async def _do(settings: Settings, name: str, asked: Doing) -> None:
     own = read_places(settings.places) if AT in asked.arguments else {}  # landing must not fail for want of a file
-    async with _driver(settings) as (driver, graph):
+    options = {"exclusive": asked.exclusive, "on_problem": lambda one: warn(one, json=asked.json)}
+    async with _driver(settings, **options) as (driver, graph):
         capability = find(driver.capabilities, name, "write")
         arguments = asked.arguments
         if AT in arguments:
@@ -188,5 +194,16 @@ async def _do(settings: Settings, name: str, asked: Doing) -> None:
             if throttle.takes(monotonic()):
                 tell_feedback(told, capability, json=asked.json)
 
-        outcome = await driver.do(name, arguments, seconds=seconds, way=asked.way, on_feedback=feedback)
+        following = spawn(_follow(driver), "following who else drives the robot")
+        try:
+            outcome = await driver.do(name, arguments, seconds=seconds, way=asked.way, on_feedback=feedback)
+        finally:
+            await ended(following)
         show_outcome(outcome, capability, json=asked.json)
+        if outcome.problem is not None:
+            raise outcome.problem
+
+
+async def _follow(driver: Driver) -> None:
+    async for graph in driver.connection.changes():
+        driver.saw(of_robot(graph))

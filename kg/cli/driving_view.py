@@ -61,6 +61,8 @@ def show_outcome(outcome: Outcome, capability: Capability, *, json: bool) -> Non
     """Write how something ended, and what came of it."""
     if json or not terminal():
         found = {"ended": outcome.ended, "sent": outcome.sent, "values": outcome.values}
+        if outcome.moved is not None:
+            found["moved"] = outcome.moved
         sys.stdout.write(json_line(_plain(found)))
         return
     if outcome.values:

@@ -53,6 +53,9 @@ Limit = Annotated[str | None, from_setting("limit", "-n")]
 Format = Annotated[str | None, from_setting("format")]
 Robot = Annotated[str | None, from_setting("robot")]
 Places = Annotated[str | None, from_setting("places")]
+Exclusive = Annotated[
+    bool, typer.Option("--exclusive", help="Refuse to move what another node moves, too, and stop when one comes.")
+]
 WatchdogSeconds = Annotated[str | None, from_setting("watchdog")]
 Queries = Annotated[str | None, from_setting("queries")]
 Rules = Annotated[str | None, from_setting("rules")]

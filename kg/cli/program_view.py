@@ -105,6 +105,8 @@ class Log:
                 return f"  {event['variable']} = {event['shown']}"
             case "log":
                 return f"  {event['message']}"
+            case "warning":
+                return f"  warning[{event['code']}]: {event['message']}"
             case "event":
                 return f"  it happened: {self._heads[path]}"
             case "planned":

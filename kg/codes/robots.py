@@ -124,6 +124,12 @@ CODES: Final = {
         "The library of the middleware cannot open the domain or the session, as without a network.",
         "See to the network, and to $CYCLONEDDS_URI or the router that the address names.",
     ),
+    "KG820": CodeEntry(
+        "robot did not move",
+        "A robot was told a velocity, and measured none. A drone that has landed ignores velocities, as does a base "
+        "whose motors are off, whose emergency stop is pressed, or that something blocks.",
+        "Let a drone take off first (`kg robot do takingOff`); switch motors on; look at the robot.",
+    ),
     "KG821": CodeEntry(
         "robot has no such capability",
         "No capability of the robot has this name, label or alternative label.",
@@ -165,6 +171,12 @@ CODES: Final = {
         "The process that drives the robot was suspended, blocked or killed. Its watchdog stopped the robot: zero "
         "velocity to every topic that moved, and every goal was cancelled.",
         "Nothing goes on by itself: give the command again. On a busy machine, allow more silence: `KG_WATCHDOG=2`.",
+    ),
+    "KG829": CodeEntry(
+        "another controller",
+        "Another node publishes velocities to the same topic: a second `kg`, a joystick, navigation. A base follows "
+        "both by turns.",
+        "Stop the other node, or be refused in such a case: `--exclusive`.",
     ),
     "KG830": CodeEntry(
         "program cannot be read",

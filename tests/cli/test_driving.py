@@ -33,7 +33,14 @@ if TYPE_CHECKING:
     from robot.driving.rover import Rover
 
 ONCE: dict[str, Any] = {"once": False, "count": None, "seconds": None, "rate": None, "way": None, "json": True}
-EARNEST: dict[str, Any] = {"keep": None, "timeout": None, "way": None, "dry_run": False, "json": True}
+EARNEST: dict[str, Any] = {
+    "keep": None,
+    "timeout": None,
+    "way": None,
+    "dry_run": False,
+    "exclusive": False,
+    "json": True,
+}
 ROVER = """
 import asyncio, sys
 from kg.robot.connecting import connect

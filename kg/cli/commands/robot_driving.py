@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from kg.cli.options import Json, Places, Robot, WatchdogSeconds
+from kg.cli.options import Exclusive, Json, Places, Robot, WatchdogSeconds
 from kg.cli.session import session
 
 __all__ = ["do", "read"]
@@ -79,6 +79,7 @@ def do(  # noqa: PLR0913 - the options of a command
     timeout: Within = None,
     way: Way = None,
     dry_run: DryRun = False,
+    exclusive: Exclusive = False,
     places: Places = None,
     robot: Robot = None,
     watchdog: WatchdogSeconds = None,
@@ -100,5 +101,5 @@ def do(  # noqa: PLR0913 - the options of a command
     """
     from kg.cli.driving import Doing, do_capability  # noqa: PLC0415 - start-up time
 
-    asked = Doing.of(values or [], keep=keep, timeout=timeout, way=way, dry_run=dry_run, json=json)
+    asked = Doing.of(values or [], keep=keep, timeout=timeout, way=way, dry_run=dry_run, exclusive=exclusive, json=json)
     do_capability(session(context).settings(robot=robot, places=places, watchdog=watchdog), capability, asked)

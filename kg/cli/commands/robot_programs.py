@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from kg.cli.options import Families, Json, Places, Robot, Rules, Store, WatchdogSeconds
+from kg.cli.options import Exclusive, Families, Json, Places, Robot, Rules, Store, WatchdogSeconds
 from kg.cli.session import session
 from kg.cli.systems import Arguments, Environment, Launch, given
 from kg.errors import Exit, UsageError
@@ -37,6 +37,7 @@ def run(  # noqa: PLR0913 - the options of a command
     program: Program,
     *,
     dry_run: DryRun = False,
+    exclusive: Exclusive = False,
     seconds: Seconds = None,
     robot: Robot = None,
     places: Places = None,
@@ -78,6 +79,7 @@ def run(  # noqa: PLR0913 - the options of a command
             on_event=Log(loaded, json=json),
             on_problems=lambda problems: show_problems(problems, loaded, json=json),
             dry_run=dry_run,
+            exclusive=exclusive,
         )
         outcome.append(found)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Final, Literal, Self, TypeAlias
 
 from kg.errors import RobotError
@@ -12,6 +13,7 @@ from kg.robot.driving.doing import Doing
 from kg.robot.driving.doubts import doubts_of
 from kg.robot.driving.lookup import find
 from kg.robot.driving.newest import NewestMessages, Throttle
+from kg.robot.driving.observing import MEASURED, Observation, other_controllers
 from kg.robot.driving.parts import Parts
 from kg.robot.driving.plans import Outcome, Plan
 from kg.robot.driving.routes import route
@@ -20,7 +22,7 @@ from kg.robot.infrastructure import of_robot
 from kg.robot.tasks import finished, spawn
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncGenerator, Collection, Mapping
+    from collections.abc import AsyncGenerator, Callable, Collection, Mapping
     from types import TracebackType
 
     from kg.robot.capability import Capabilities, Capability, Way
@@ -54,6 +56,8 @@ class Driver:
         limit: messages a second that one topic gets at most.
         listen: seconds to wait until a subscriber is connected to a topic that is written to.
         dry_run: whether nothing is sent at all; what would be is in `Outcome.plan`.
+        exclusive: whether a movement is refused, and ended, with KG829 where another node publishes to its topic.
+        on_problem: is told which other node does, as KG829, where that is not refused; see `saw`.
         watchdog: what stops movements and goals when this process dies or hangs; it ends with the driver.
         graph: the computation graph that the capabilities are of, so that it is not asked for at once again.
     """
@@ -66,12 +70,17 @@ class Driver:
         limit: float = 200.0,
         listen: float = 3.0,
         dry_run: bool = False,
+        exclusive: bool = False,
+        on_problem: Callable[[GraphProblem], None] = lambda _: None,
         watchdog: Watchdog | None = None,
         graph: ComputationGraph | None = None,
     ) -> None:
         self.connection = connection
         self.capabilities = capabilities
         self._dry_run = dry_run
+        self._exclusive = exclusive
+        self._on_problem = on_problem
+        self._others: set[GraphProblem] = set()
         self._watchdog = watchdog
         self._interruption: asyncio.Future[RobotError] = asyncio.get_running_loop().create_future()
         self._parts = Parts(capabilities)
@@ -279,13 +288,22 @@ class Driver:
             plan = self._plan(found, arguments or {}, seconds)
             if dry_run or self._dry_run:
                 return Outcome(plan=plan, ended="planned")
-            return await self._carry_out(command, found, plan, on_feedback)
+            values = given(found.capability, arguments or {})
+            return await self._carry_out(command, found, plan, values, on_feedback)
         finally:
             del self._commands[command]
 
-    async def _carry_out(self, command: Command, found: Route, plan: Plan, on_feedback: Feedback | None) -> Outcome:
+    async def _carry_out(
+        self, command: Command, found: Route, plan: Plan, arguments: Mapping[str, Any], on_feedback: Feedback | None
+    ) -> Outcome:
         if self._lost is not None or self._closed:
             raise self._gone("the driver is closed")
+        if found.moves:
+            graph = await self._seen() if self._exclusive else self._graph and self._graph[1]
+            if graph is not None and (error := self._contested(found, graph)) is not None:
+                raise error
+        observation = Observation(arguments)
+        observing = self._observe(observation, found) if found.moves else None
         try:
             values = await command.begin(self._doing.carry_out(command, found, plan, on_feedback))
         except (asyncio.CancelledError, RobotError):
@@ -295,7 +313,20 @@ class Driver:
             if isinstance(ending, RobotError):
                 raise ending from None
             return Outcome(plan=plan, ended=ending, sent=command.sent)
-        return Outcome(plan=plan, ended="done", values=values, sent=command.sent)
+        finally:
+            if observing is not None:
+                observing.cancel()
+        return Outcome(plan=plan, ended="done", values=values, sent=command.sent, moved=observation.moved)
+
+    def _observe(self, observation: Observation, found: Route) -> asyncio.Task[None] | None:
+        """Begin to compare what the robot does with what it is told, if it measures that."""
+        for one in self.capabilities.capabilities:
+            for way in one.ways if (one.name, one.modality) == (MEASURED, "read") else ():
+                if way.kind == "topic" and self._parts.may_be_one_robot(way.node, found.way.node):
+                    with suppress(RobotError):  # a path that does not fit is an error of who reads it
+                        watching = observation.watch(self._ready(one, way), self._newest, self.connection.clock)
+                        return spawn(watching, "watching whether the robot moves")
+        return None
 
     def _plan(self, found: Route, arguments: Mapping[str, Any], seconds: float | None) -> Plan:
         now, types = self.connection.clock.now(), self.connection.types
@@ -323,6 +354,24 @@ class Driver:
             command.end("stopped")
         await self._doing.still(again=True)
         await asyncio.gather(*(command.ended() for command in commands))
+
+    def saw(self, graph: ComputationGraph) -> None:
+        """Take a newer computation graph: other nodes that drive what is driven here are reported, or end that."""
+        self._graph = (asyncio.get_running_loop().time(), graph)
+        for command, found in self._commands.items():
+            if found is not None and found.moves and (error := self._contested(found, graph)) is not None:
+                command.end(error)
+
+    def _contested(self, found: Route, graph: ComputationGraph) -> RobotError | None:
+        """Report new nodes that publish to the topic of a movement; where it is exclusive, return them as an error."""
+        others = set(other_controllers(found.way.name, graph))
+        if others and self._exclusive:
+            names = ", ".join(f"`{one.subject}`" for one in sorted(others))
+            return RobotError("KG829", f"{names} publishes to `{found.way.name}`, which was to be driven exclusively")
+        for one in sorted(others - self._others):
+            self._on_problem(one)
+        self._others = others
+        return None
 
     def interrupt(self, error: RobotError) -> None:
         """End all movements and goals with an error; programs that run on this driver end with it, too.

@@ -54,8 +54,12 @@ class Parts:
     def _same(self, one: Route, other: Route) -> bool:
         if one.capability.moves is None or one.capability.moves != other.capability.moves:
             return False
-        robots = {self._robot(one.way.node), self._robot(other.way.node)} - {None}
-        return len(robots) <= 1 and (one.way.kind, one.way.name) != (other.way.kind, other.way.name)
+        different = (one.way.kind, one.way.name) != (other.way.kind, other.way.name)
+        return different and self.may_be_one_robot(one.way.node, other.way.node)
+
+    def may_be_one_robot(self, one: str, other: str) -> bool:
+        """Tell whether two nodes do not belong to different robots."""
+        return len({self._robot(one), self._robot(other)} - {None}) <= 1
 
     def _robot(self, node: str) -> str | None:
         namespace = _split(node)[1]

@@ -40,8 +40,8 @@ class Events:
     `enter`, `leave` of a statement; `value` that was read (`capability`, `parameter`, `value`, `unit`); `set` of a
     variable (`variable`, `value` in base units, `shown`); `log` (`message`); `feedback` of a goal (`capability`,
     `values`); `planned` in a dry run; `event` when a watched condition began to hold; `paused`, `resumed`; `error`
-    (`code`, `message`, `hint`); and at the end one of `done`, `stopped`, `failed`, `cancelled` (`seconds`,
-    `statements`).
+    (`code`, `message`, `hint`); `warning` (the same) of what goes on and may not do what was meant; and at the end one
+    of `done`, `stopped`, `failed`, `cancelled` (`seconds`, `statements`).
     """
 
     def __init__(self, tell: Callable[[dict[str, Any]], None] | None, clock: Clock) -> None:

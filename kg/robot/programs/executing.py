@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import msgspec
 
+from kg.errors import CATALOGUE
 from kg.robot.driving import Driver, Watchdog
 from kg.robot.infrastructure import of_robot
 from kg.robot.live import connected, infer, inhabited
@@ -19,7 +20,7 @@ from kg.robot.tasks import ended, spawn
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kg.robot.connection import ComputationGraph
+    from kg.robot.connection import ComputationGraph, GraphProblem
     from kg.robot.programs.events import Ended
     from kg.robot.programs.places import Places
     from kg.robot.programs.problems import Problem
@@ -58,14 +59,21 @@ async def execute(  # noqa: PLR0913 - what a run can say
     on_event: Callable[[dict[str, Any]], None],
     on_problems: Callable[[list[Problem]], None],
     dry_run: bool = False,
+    exclusive: bool = False,
 ) -> Execution:
     """Connect, ask what the robot can do, check the program, and run it if it has no errors.
 
     Places that the robot, or the file of the settings, tells stand for their names. `on_problems` is told what
-    is wrong, and what may come to nothing, before anything moves. Raises as `connected`, `inhabited` and `infer` of
+    is wrong, and what may come to nothing, before anything moves. With `exclusive` no other node may publish to topics
+    that the program moves; without it `on_event` gets a warning. Raises as `connected`, `inhabited` and `infer` of
     `kg.robot.live`, and `read_places`.
     """
     own = read_places(settings.places)
+
+    def warn(problem: GraphProblem) -> None:
+        message, hint = f"{problem.subject}: {problem.message}", CATALOGUE[problem.code].way_out
+        runner.events.tell("warning", code=problem.code, message=message, hint=hint)
+
     async with connected(address) as connection:
         graph = await inhabited(connection)
         places = {**await offered(connection, graph), **own}
@@ -77,17 +85,29 @@ async def execute(  # noqa: PLR0913 - what a run can say
         if any(problem.severity == "error" for problem in problems):
             return Execution(problems, None)
         watchdog = Watchdog(address, settings.watchdog)
-        async with Driver(connection, capabilities, dry_run=dry_run, watchdog=watchdog) as driver:
+        driving = Driver(
+            connection,
+            capabilities,
+            dry_run=dry_run,
+            exclusive=exclusive,
+            on_problem=warn,
+            watchdog=watchdog,
+            graph=graph,
+        )
+        async with driving as driver:
             following = spawn(_follow(driver, settings), "following what the robot can do")
+            runner = Runner(driver, program, on_event)
             try:
-                return Execution(problems, await Runner(driver, program, on_event).run())
+                return Execution(problems, await runner.run())
             finally:
                 await ended(following)
 
 
 async def _follow(driver: Driver, settings: Settings) -> None:
     """Let a program go on with what the robot can do, whatever comes and goes meanwhile."""
-    async for graph in driver.connection.changes():
-        found = await asyncio.to_thread(infer, of_robot(graph), settings, address=driver.connection.address)
+    async for changed in driver.connection.changes():
+        graph = of_robot(changed)
+        driver.saw(graph)
+        found = await asyncio.to_thread(infer, graph, settings, address=driver.connection.address)
         if found != driver.capabilities:
             await driver.take(found)

@@ -35,7 +35,7 @@ class Runner:
     Args:
         driver: the robot; it must be open, and is not closed.
         program: what to do; it should have been checked for the driver's capabilities.
-        on_event: told what happens, as `kg.robot.programs.events` says.
+        on_event: told what happens, as `kg.robot.programs.events` says; `events` tells it more.
     """
 
     def __init__(
@@ -45,9 +45,9 @@ class Runner:
         self._program = program
         self._clock = driver.connection.clock
         self._pace = Pace(self._clock)
-        self._events = Events(on_event, self._clock)
-        evaluation = Evaluation(driver, Known(driver.capabilities), self._events)
-        self._statements = Statements(driver, evaluation, self._pace, self._events)
+        self.events = Events(on_event, self._clock)
+        evaluation = Evaluation(driver, Known(driver.capabilities), self.events)
+        self._statements = Statements(driver, evaluation, self._pace, self.events)
         self._task: asyncio.Task[None] | None = None
         self._cancelled = False
 
@@ -60,12 +60,12 @@ class Runner:
         """Stop what moves, and stand still."""
         if not self.paused:
             self._pace.pause()
-            self._events.tell("paused")
+            self.events.tell("paused")
 
     def resume(self) -> None:
         """Go on where the program stood still."""
         if self.paused:
-            self._events.tell("resumed")
+            self.events.tell("resumed")
             self._pace.resume()
 
     def cancel(self) -> None:
@@ -93,7 +93,7 @@ class Runner:
             ended=how,  # type: ignore[arg-type] # one of its four words
             problem=problem if how == "failed" else None,
             statements=self._statements.count,
-            seconds=self._events.seconds,
+            seconds=self.events.seconds,
         )
 
     async def _end(self, task: asyncio.Task[None]) -> tuple[str, Problem | None]:
@@ -104,7 +104,7 @@ class Runner:
         problem = problem or left_moving
         if problem is not None and how != "cancelled":
             how = "failed"
-        self._events.tell(how, seconds=round(self._events.seconds, 3), statements=self._statements.count)
+        self.events.tell(how, seconds=round(self.events.seconds, 3), statements=self._statements.count)
         return how, problem
 
     def _how(self, task: asyncio.Task[None]) -> tuple[str, Problem | None]:
@@ -120,7 +120,7 @@ class Runner:
                 return "failed", error.problem
             case RobotError():
                 problem = Problem.of(error, "", None)
-                self._events.tell("error", code=error.code, message=error.message, hint=error.hint)
+                self.events.tell("error", code=error.code, message=error.message, hint=error.hint)
                 return "failed", problem
             case _:
                 raise error
@@ -130,7 +130,7 @@ class Runner:
         try:
             await self._driver.stop()
         except RobotError as error:
-            self._events.tell("error", code=error.code, message=error.message, hint=error.hint)
+            self.events.tell("error", code=error.code, message=error.message, hint=error.hint)
             return Problem.of(error, "", None)
         return None
 

@@ -173,13 +173,16 @@ class Statements:
         }
 
     def _came(self, outcome: Outcome, path: str, statement: Statement) -> None:
-        """Tell what a dry run would have sent; RobotError KG838 when the robot was stopped by another."""
+        """Tell what a dry run would have sent, or that a robot did not move; KG838 when another stopped it."""
         plan = outcome.plan
         if outcome.ended == "stopped":
             raise RobotError("KG838", f"`{plan.capability}` was stopped from outside")
         if outcome.ended == "planned":
             where = {"capability": plan.capability, "kind": plan.kind, "name": plan.name, "type": plan.type}
             self._events.tell("planned", path, statement, **where, value=plan.message, seconds=plan.seconds)
+        if (problem := outcome.problem) is not None:
+            told = {"code": problem.code, "message": problem.message, "hint": problem.hint}
+            self._events.tell("warning", path, statement, **told)
 
     async def _with_pauses(self, work: Any, left: float | None, *, moves: bool) -> Outcome | None:
         """Do what takes a while; it is stopped at a pause, and begun again for the time that is left."""

@@ -74,6 +74,8 @@ class Hands:
         error = failure(task, "driving by hand")
         if error is not None:
             self._tell("failed", capability, listener, problem=problem(error))
+        elif not task.cancelled() and (did_not_move := task.result().problem) is not None:
+            self._tell("failed", capability, listener, problem=problem(did_not_move))
         else:
             self._tell("stopped" if task.cancelled() else task.result().ended, capability, listener)
 

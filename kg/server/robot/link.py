@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
     from kg.errors import KgError
-    from kg.robot.connection import ComputationGraph, Connection
+    from kg.robot.connection import ComputationGraph, Connection, GraphProblem
     from kg.robot.programs.places import Places
     from kg.settings import Settings
 
@@ -35,14 +35,20 @@ _PAUSE: Final = 2.0
 class Link:
     """What is known of the robot.
 
-    `changed` is called when that changes, `leave` before a driver is given up. `state` is `connecting`, `connected` or
+    `changed` is called when that changes, `warn` when another node drives the robot, too, `leave` before a driver is
+    given up. `state` is `connecting`, `connected` or
     `lost`; `problem` says why it is not connected. `places` are those of the settings and those that the robot tells,
     by name, `graph` who is there. `driver` is there while the robot can be driven, `picture` when a
     simulation shows itself.
     """
 
     def __init__(
-        self, address: str, settings: Settings, changed: Callable[[], None], leave: Callable[[], Awaitable[None]]
+        self,
+        address: str,
+        settings: Settings,
+        changed: Callable[[], None],
+        warn: Callable[[GraphProblem], None],
+        leave: Callable[[], Awaitable[None]],
     ) -> None:
         self.address = address
         self.state = "connecting"
@@ -57,6 +63,7 @@ class Link:
         self.places = self._own
         self._offers: bool | None = None
         self._changed = changed
+        self._warn = warn
         self._leave = leave
 
     def needed(self) -> Driver:
@@ -113,10 +120,13 @@ class Link:
             self.places = {**await offered(connection, graph), **self._own}
             self._changed()
         found = await asyncio.to_thread(infer, graph, self._settings, address=self.address)
+        if self.driver is not None:
+            self.driver.saw(graph)
         doubted = graph.problems != (self.graph.problems if self.graph else ())
         self.graph = graph
         if self.driver is None:
-            driver = Driver(connection, found, watchdog=Watchdog(self.address, self._settings.watchdog))
+            watchdog = Watchdog(self.address, self._settings.watchdog)
+            driver = Driver(connection, found, on_problem=self._warn, watchdog=watchdog, graph=graph)
             await driver.__aenter__()
             self.driver = driver
         elif found != self.capabilities:

@@ -67,6 +67,8 @@ class Running:
             self._listeners.tell({"event": "value", "capability": event["capability"], "value": value})
         elif kind == "set":
             self._listeners.tell({"event": "step", "variable": event["variable"], "shown": event["shown"]})
+        elif kind == "warning":
+            self._listeners.tell({"event": "step", "log": f"warning[{event['code']}]: {event['message']}"})
         elif kind == "log":
             self._listeners.tell({"event": "step", "log": event["message"]})
 

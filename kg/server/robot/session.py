@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from types import TracebackType
 
     from kg.robot.capability import Capabilities
+    from kg.robot.connection import GraphProblem
     from kg.robot.programs.tree import Program
     from kg.server.robot.listeners import Listener
     from kg.settings import Settings
@@ -47,7 +48,7 @@ class Session:
 
     def __init__(self, address: str, settings: Settings) -> None:
         self.listeners = Listeners()
-        self._link = Link(address, settings, self._changed, self._still)
+        self._link = Link(address, settings, self._changed, self._warn, self._still)
         self._hands = Hands(self.listeners)
         self._readings = Readings(self.listeners)
         self._running = Running(self.listeners)
@@ -205,6 +206,10 @@ class Session:
     def _changed(self) -> None:
         self._readings.follow(self._link.driver)
         self.listeners.tell({"event": "robot"})
+
+    def _warn(self, problem: GraphProblem) -> None:
+        told = f"warning[{problem.code}]: {problem.subject}: {problem.message}"
+        self.listeners.tell({"event": "step", "log": told})
 
     async def _still(self) -> None:
         """End what moves."""
