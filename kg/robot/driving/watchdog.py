@@ -211,7 +211,9 @@ class _Watching:
             match json.loads(line):
                 case ["topic", topic, kind, zero]:
                     if topic not in self._publications:
-                        self._publications[topic] = asyncio.ensure_future(self._connection.advertise(topic, kind))
+                        # Latched as the controller's: a subscriber that adapts to what publishers offer stays as it is.
+                        offering = self._connection.advertise(topic, kind, latch=True)
+                        self._publications[topic] = asyncio.ensure_future(offering)
                         self._publications[topic].add_done_callback(partial(_check, f"stop `{topic}`"))
                     self._zeros[topic] = zero
                 case ["goal", identity, action, kind]:

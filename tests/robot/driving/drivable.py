@@ -52,9 +52,13 @@ class Drivable:
         while (line := self._line()) not in wanted:
             assert line, f"the robot never printed one of {wanted}"
 
-    def rest(self) -> set[str]:
-        """End the robot and return what it has printed since."""
-        return set(self._process.communicate()[0].splitlines())
+    def stands_still(self) -> bool:
+        """End the robot and tell whether zero was the last that it got, and nothing drove it since `until`.
+
+        A reader of DDS that was opened while the controller was suspended may get once what its writer kept.
+        """
+        rest = [line for line in self._process.communicate()[0].splitlines() if line.startswith("speed")]
+        return rest[-1:] in ([], ["speed 0"]) and len([line for line in rest if line != "speed 0"]) <= 1
 
 
 @contextmanager

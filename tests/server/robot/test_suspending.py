@@ -1,0 +1,74 @@
+"""`kg serve --robot` whose process is suspended or blocked while a program runs: the robot stops and stays stopped."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from typing import TYPE_CHECKING, Any
+
+import httpx
+import pytest
+from msgspec import to_builtins
+from patience import patient
+from robot.driving.drivable import BLOCKABLE, drivable
+from serving import TOKEN, served
+
+from kg.robot.programs.parse import parse
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from robot.driving.drivable import Drivable
+
+PROGRAM = "repeat 9 times\n  move at a velocity forward: 0.5 m/s for 10 min\nend\n"
+
+
+@pytest.fixture(params=[1, 2], ids=["ros1", "dds"])
+def robot(request: pytest.FixtureRequest) -> Iterator[Drivable]:
+    """A robot over ROS 1 or DDS."""
+    if request.param == 2:
+        pytest.importorskip("cyclonedds", reason="the extra `dds` is not installed")
+    with drivable(request.param, patient(30)) as found:
+        yield found
+
+
+def _told(client: httpx.Client, wanted: str, part: str = "program") -> dict[str, Any]:
+    """Return what the server tells of the robot, once it, or its program, is in a state."""
+    end = time.monotonic() + patient(20)
+    while time.monotonic() < end:
+        told: dict[str, Any] = client.get("/api/robot").json()
+        if (told["program"] if part == "program" else told)["state"] == wanted and told["capabilities"]:
+            return told
+        time.sleep(0.05)
+    raise AssertionError(f"the {part} is never {wanted}: {told}")
+
+
+@pytest.mark.parametrize(
+    ("pause", "resume"),
+    [
+        (signal.SIGSTOP, signal.SIGCONT),
+        (signal.SIGTSTP, signal.SIGCONT),
+        (signal.SIGUSR1, signal.SIGUSR2),
+    ],
+    ids=["stop", "ctrl-z", "block"],
+)
+def test_a_silent_server_stops_the_robot(
+    robot: Drivable, store: Path, pause: signal.Signals, resume: signal.Signals
+) -> None:
+    """The robot gets zero; when the server runs again its program has failed, and nothing moves."""
+    with served(store, before=BLOCKABLE, log="off", token=TOKEN, robot=robot.address) as server:
+        headers = {"Authorization": f"Bearer {TOKEN}"}
+        with httpx.Client(base_url=server.address, headers=headers, timeout=patient(20)) as client:
+            _told(client, "connected", "robot")
+            assert client.post("/robot/run", json={"program": to_builtins(parse(PROGRAM))}).is_success
+            robot.until("speed 0.5")
+            server.process.send_signal(pause)
+            robot.until("speed 0")
+            if resume is signal.SIGCONT:
+                os.waitid(os.P_PID, server.process.pid, os.WSTOPPED | os.WNOWAIT)  # it stops the robot first
+            server.process.send_signal(resume)
+            _told(client, "failed")
+        server.process.kill()
+    assert robot.stands_still()
