@@ -16,7 +16,6 @@ from kg.errors import RobotError, UsageError
 from kg.robot.clock import within
 from kg.robot.driving import Driver, Watchdog, find
 from kg.robot.driving.newest import Throttle
-from kg.robot.infrastructure import of_robot
 from kg.robot.live import address_of, connected, infer, inhabited
 from kg.robot.programs.names import AT
 from kg.robot.programs.places import at_place, offered, read_places
@@ -206,4 +205,4 @@ async def _do(settings: Settings, name: str, asked: Doing) -> None:
 
 async def _follow(driver: Driver) -> None:
     async for graph in driver.connection.changes():
-        driver.saw(of_robot(graph))
+        driver.saw(graph)

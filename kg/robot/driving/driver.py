@@ -22,7 +22,7 @@ from kg.robot.infrastructure import of_robot
 from kg.robot.tasks import finished, spawn
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncGenerator, Callable, Collection, Mapping
+    from collections.abc import AsyncGenerator, Callable, Collection, Iterator, Mapping
     from types import TracebackType
 
     from kg.robot.capability import Capabilities, Capability, Way
@@ -80,6 +80,7 @@ class Driver:
         self._dry_run = dry_run
         self._exclusive = exclusive
         self._on_problem = on_problem
+        self._whole: ComputationGraph | None = None
         self._others: set[GraphProblem] = set()
         self._watchdog = watchdog
         self._interruption: asyncio.Future[RobotError] = asyncio.get_running_loop().create_future()
@@ -299,11 +300,11 @@ class Driver:
         if self._lost is not None or self._closed:
             raise self._gone("the driver is closed")
         if found.moves:
-            graph = await self._seen() if self._exclusive else self._graph and self._graph[1]
+            graph = await self.connection.graph() if self._exclusive else self._whole
             if graph is not None and (error := self._contested(found, graph)) is not None:
                 raise error
         observation = Observation(arguments)
-        observing = self._observe(observation, found) if found.moves else None
+        observing = list(self._observe(observation, found)) if found.moves else []
         try:
             values = await command.begin(self._doing.carry_out(command, found, plan, on_feedback))
         except (asyncio.CancelledError, RobotError):
@@ -314,19 +315,18 @@ class Driver:
                 raise ending from None
             return Outcome(plan=plan, ended=ending, sent=command.sent)
         finally:
-            if observing is not None:
-                observing.cancel()
+            for one in observing:
+                one.cancel()
         return Outcome(plan=plan, ended="done", values=values, sent=command.sent, moved=observation.moved)
 
-    def _observe(self, observation: Observation, found: Route) -> asyncio.Task[None] | None:
-        """Begin to compare what the robot does with what it is told, if it measures that."""
+    def _observe(self, observation: Observation, found: Route) -> Iterator[asyncio.Task[None]]:
+        """Begin to compare what the robot does with what it is told, by all that measures that."""
         for one in self.capabilities.capabilities:
-            for way in one.ways if (one.name, one.modality) == (MEASURED, "read") else ():
+            for way in one.ways if one.name in MEASURED and one.modality == "read" else ():
                 if way.kind == "topic" and self._parts.may_be_one_robot(way.node, found.way.node):
                     with suppress(RobotError):  # a path that does not fit is an error of who reads it
                         watching = observation.watch(self._ready(one, way), self._newest, self.connection.clock)
-                        return spawn(watching, "watching whether the robot moves")
-        return None
+                        yield spawn(watching, "watching whether the robot moves")
 
     def _plan(self, found: Route, arguments: Mapping[str, Any], seconds: float | None) -> Plan:
         now, types = self.connection.clock.now(), self.connection.types
@@ -356,8 +356,8 @@ class Driver:
         await asyncio.gather(*(command.ended() for command in commands))
 
     def saw(self, graph: ComputationGraph) -> None:
-        """Take a newer computation graph: other nodes that drive what is driven here are reported, or end that."""
-        self._graph = (asyncio.get_running_loop().time(), graph)
+        """Take the computation graph that the connection tells: nodes that drive the same are reported, or end that."""
+        self._whole = graph
         for command, found in self._commands.items():
             if found is not None and found.moves and (error := self._contested(found, graph)) is not None:
                 command.end(error)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 from kg.errors import RobotError
 from kg.facts import Role
 from kg.robot.connection import GraphProblem
+from kg.robot.driving.watchdog import NODES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -19,23 +20,31 @@ if TYPE_CHECKING:
 
 __all__ = ["MEASURED", "Observation", "other_controllers"]
 
-MEASURED: Final = "sensingVelocity"
+_VELOCITY: Final = "sensingVelocity"
 """The capability whose parameters measure what the parameters of the same names command."""
+MEASURED: Final = frozenset({_VELOCITY, "sensingPose"})
+"""The capabilities that show whether a robot moves."""
 _BEGINS: Final = 0.5
 """Seconds of the robot's time that a robot may take to begin to move."""
 _SLOWEST: Final = 0.05
 """The part of a commanded speed that counts as moving."""
+_FARTHEST: Final = 0.02
+"""Metres, or radians, by which the measured place of a robot that stands still may change."""
 _ENOUGH: Final = 2
 """So many measurements without a speed show that a robot does not move."""
-_UNNAMED: Final = "/_participant_"
-"""What names of nodes begin with that DDS has found and that have not told their names yet, as our own watchdog."""
+_NO_CONTROLLERS: Final = (NODES, "/_participant_")
+"""What names of nodes begin with that are watchdogs, or that DDS has found and that have not told their names yet."""
 
 
 class Observation:
-    """Compares the speeds that a robot was told with those that it measures, while `watch` runs."""
+    """Compares the speeds that a robot was told with those that it measures, while `watch` runs.
+
+    A place that changes shows that it moves, too: not everyone who publishes odometry measures speeds.
+    """
 
     def __init__(self, commanded: Mapping[str, Any]) -> None:
         self._commanded = {name: value for name, value in commanded.items() if isinstance(value, float) and value}
+        self._first: dict[str, Any] | None = None
         self._still = 0
         self._moved = False
 
@@ -51,11 +60,20 @@ class Observation:
             following = await newest.of(measuring.way.name, measuring.way.type)
             while not self._moved and not following.ended:
                 await following.news()
-                if following.newest is not None and clock.now() >= begun + _BEGINS:
-                    self.take(measuring.values(following.newest.value))
+                if following.newest is None:
+                    continue
+                measured = measuring.values(following.newest.value)
+                if measuring.capability.name != _VELOCITY:
+                    self._take_place(measured)
+                elif clock.now() >= begun + _BEGINS:
+                    self._take_speeds(measured)
 
-    def take(self, measured: Mapping[str, Any]) -> None:
-        """Take a measurement."""
+    def _take_place(self, measured: dict[str, Any]) -> None:
+        self._first = self._first or measured
+        values = [(self._first[name], measured[name]) for name in measured]
+        self._moved |= any(None not in pair and abs(pair[0] - pair[1]) > _FARTHEST for pair in values)
+
+    def _take_speeds(self, measured: Mapping[str, Any]) -> None:
         speeds = [(self._commanded[name], measured[name]) for name in self._commanded if measured.get(name) is not None]
         if any(abs(speed) >= _SLOWEST * abs(told) for told, speed in speeds):
             self._moved = True
@@ -64,9 +82,13 @@ class Observation:
 
 
 def other_controllers(topic: str, graph: ComputationGraph) -> Iterator[GraphProblem]:
-    """Yield a problem KG829 for each other node that publishes to a topic that moves a robot."""
-    dead = {one.name for one in graph.nodes if one.problem is not None}
+    """Yield a problem KG829 for each other node that publishes to a topic that moves a robot.
+
+    A node that carries out goals, as navigation does, publishes while it has one, and is no controller of its own.
+    """
+    left_out = {one.name for one in graph.nodes if one.problem is not None}
+    left_out |= {one.node for one in graph.ends if one.role is Role.ACTION_SERVERS}
     for end in graph.ends:
         publishes = (end.name, end.role) == (topic, Role.PUBLISHES)
-        if publishes and end.node not in dead and not end.node.startswith(_UNNAMED):
+        if publishes and end.node not in left_out and not end.node.startswith(_NO_CONTROLLERS):
             yield GraphProblem("KG829", end.node, f"it publishes to `{topic}`, too")

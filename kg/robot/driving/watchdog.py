@@ -30,8 +30,10 @@ if TYPE_CHECKING:
 
     from kg.robot.connection import Canceller, Connection, Publication, Value
 
-__all__ = ["SILENCE", "Watchdog", "main"]
+__all__ = ["NODES", "SILENCE", "Watchdog", "main"]
 
+NODES: Final = "/kg_watchdog_"
+"""What the names of watchdogs begin with."""
 SILENCE: Final = 0.5
 """Seconds without a heartbeat after which the robot is stopped, where nothing else is set."""
 _BEATS: Final = 5
@@ -168,7 +170,7 @@ def main() -> None:
 
 
 async def _watch(address: str, silence: float) -> None:
-    connection = await connect(address, name=f"/kg_watchdog_{os.getpid()}")
+    connection = await connect(address, name=f"{NODES}{os.getpid()}")
     try:
         await _Watching(connection, silence).run()
     finally:

@@ -105,9 +105,8 @@ async def execute(  # noqa: PLR0913 - what a run can say
 
 async def _follow(driver: Driver, settings: Settings) -> None:
     """Let a program go on with what the robot can do, whatever comes and goes meanwhile."""
-    async for changed in driver.connection.changes():
-        graph = of_robot(changed)
+    async for graph in driver.connection.changes():
         driver.saw(graph)
-        found = await asyncio.to_thread(infer, graph, settings, address=driver.connection.address)
+        found = await asyncio.to_thread(infer, of_robot(graph), settings, address=driver.connection.address)
         if found != driver.capabilities:
             await driver.take(found)

@@ -103,6 +103,8 @@ class Link:
         """Keep capabilities and driver in step with the computation graph."""
         try:
             async for graph in connection.changes():
+                if self.driver is not None:
+                    self.driver.saw(graph)
                 await self._take(connection, of_robot(graph))
         finally:
             self.proofs.take(None)
@@ -120,8 +122,6 @@ class Link:
             self.places = {**await offered(connection, graph), **self._own}
             self._changed()
         found = await asyncio.to_thread(infer, graph, self._settings, address=self.address)
-        if self.driver is not None:
-            self.driver.saw(graph)
         doubted = graph.problems != (self.graph.problems if self.graph else ())
         self.graph = graph
         if self.driver is None:

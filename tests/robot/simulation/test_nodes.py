@@ -10,9 +10,13 @@ from patience import patient
 
 from kg.errors import RobotError
 from kg.robot.connecting import connect
+from kg.robot.driving import Driver
+from kg.robot.infrastructure import of_robot
+from kg.robot.live import infer
 from kg.robot.simulation.drone import Drone, State
 from kg.robot.simulation.hosting import hosted_in_memory
 from kg.robot.simulation.running import VIEW
+from kg.settings import Settings
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -173,6 +177,25 @@ def test_the_drone_flies_and_lands(ros: int) -> None:
             await face.clock.sleep(6)
             assert drone.state is State.LANDED
             assert drone.pose.x > 3
+
+    asyncio.run(fly())
+
+
+@pytest.mark.parametrize("ros", [1, 2])
+def test_a_landed_drone_does_not_move(ros: int) -> None:
+    """A velocity that a drone ignores on the ground is reported as KG820; in the air it flies."""
+
+    async def fly() -> None:
+        async with simulated("drone", ros) as (_, face):
+            capabilities = infer(of_robot(await face.graph()), Settings(), address=face.address)
+            async with Driver(face, capabilities) as driver:
+                landed = await driver.do("drivingAtVelocity", {"forward": 0.5}, seconds=2)
+                await driver.do("takingOff")
+                await face.clock.sleep(4)
+                flying = await driver.do("drivingAtVelocity", {"forward": 0.5}, seconds=2)
+            assert landed.problem is not None
+            assert landed.problem.code == "KG820"
+            assert (landed.moved, flying.moved) == (False, True)
 
     asyncio.run(fly())
 
