@@ -26,10 +26,10 @@ MEASURED: Final = frozenset({_VELOCITY, "sensingPose"})
 """The capabilities that show whether a robot moves."""
 _BEGINS: Final = 0.5
 """Seconds of the robot's time that a robot may take to begin to move."""
-_SLOWEST: Final = 0.05
-"""The part of a commanded speed that counts as moving."""
-_FARTHEST: Final = 0.02
-"""Metres, or radians, by which the measured place of a robot that stands still may change."""
+_SLOWEST: Final = 0.1
+"""The part of a commanded speed that counts as moving: what stands on smooth ground may slide."""
+_NOISE: Final = 0.15
+"""Metres, or radians, by which the measured place of a robot that stands still may vary."""
 _ENOUGH: Final = 2
 """So many measurements without a speed show that a robot does not move."""
 _NO_CONTROLLERS: Final = (NODES, "/_participant_")
@@ -63,15 +63,19 @@ class Observation:
                 if following.newest is None:
                     continue
                 measured = measuring.values(following.newest.value)
+                seconds = clock.now() - begun
+                way = seconds * max(map(abs, self._commanded.values()), default=0.0)
                 if measuring.capability.name != _VELOCITY:
-                    self._take_place(measured)
-                elif clock.now() >= begun + _BEGINS:
+                    self._take_place(measured, way)
+                elif seconds >= _BEGINS and way >= 2 * _NOISE:
                     self._take_speeds(measured)
 
-    def _take_place(self, measured: dict[str, Any]) -> None:
+    def _take_place(self, measured: dict[str, Any], way: float) -> None:
+        """Compare a place with the first: its axes need not be those of the commands."""
         self._first = self._first or measured
-        values = [(self._first[name], measured[name]) for name in measured]
-        self._moved |= any(None not in pair and abs(pair[0] - pair[1]) > _FARTHEST for pair in values)
+        pairs = [(self._first[name], measured[name]) for name in measured]
+        least = max(_NOISE, _SLOWEST * way)
+        self._moved |= any(None not in pair and abs(pair[0] - pair[1]) >= least for pair in pairs)
 
     def _take_speeds(self, measured: Mapping[str, Any]) -> None:
         speeds = [(self._commanded[name], measured[name]) for name in self._commanded if measured.get(name) is not None]
