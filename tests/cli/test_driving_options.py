@@ -12,4 +12,4 @@ def test_an_argument_is_given_once() -> None:
     """A parameter that is given twice is refused, not taken as the last one says."""
     options = {"keep": "1", "timeout": None, "way": None}
     with pytest.raises(UsageError, match="given twice"):
-        Doing.of(["forward=0.1", "forward=0.2"], **options, dry_run=False, json=False)
+        Doing.of(["forward=0.1", "forward=0.2"], **options, dry_run=False, exclusive=False, json=False)

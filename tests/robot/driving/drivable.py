@@ -64,13 +64,7 @@ class Drivable:
 @contextmanager
 def drivable(ros: int, seconds: float) -> Iterator[Drivable]:
     """Run a robot of ROS 1 or 2, for so many seconds at most."""
-    if ros == 1:
-        isolated = nullcontext("")
-    else:
-        from robot.dds.domain import domain  # noqa: PLC0415 - needs an extra
-
-        isolated = _address(domain())
-    with isolated as address, subprocess.Popen(
+    with nullcontext("") if ros == 1 else _dds() as address, subprocess.Popen(
         [sys.executable, __file__, *([address] if address else [])],
         stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=clean(),
     ) as process:  # fmt: skip
@@ -84,8 +78,10 @@ def drivable(ros: int, seconds: float) -> Iterator[Drivable]:
 
 
 @contextmanager
-def _address(domain: object) -> Iterator[str]:
-    with domain as number:  # type: ignore[attr-defined]  # the context manager of `domain`, imported late
+def _dds() -> Iterator[str]:
+    from robot.dds.domain import domain  # noqa: PLC0415 - needs an extra
+
+    with domain() as number:
         yield f"dds://{number}?settle=1"
 
 
