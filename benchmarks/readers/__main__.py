@@ -158,7 +158,7 @@ async def _asking(layout: Layout, asks: int, within: float, engine: float) -> No
         _say("from nothing to the first answer, ms", f"{(time.perf_counter() - began) * 1e3:.0f}")
         await asyncio.sleep(0.5)
         fleet = readers._fleet  # noqa: SLF001 - what starting one costs is what is measured
-        spawned = [await fleet.take(lambda _: None, 0) for _ in range(fleet.idle)]
+        spawned = [await fleet.take(lambda _: None) for _ in range(fleet.idle)]
         times = await _timed(fleet._spawn, 20)  # noqa: SLF001 - as above
         for process in spawned:
             fleet.put(process)

@@ -15,6 +15,7 @@ from kg.query.formats import GRAPH_FORMATS
 from kg.query.readers.messages import Question
 from kg.server.errors import RequestError
 from kg.server.negotiation import GRAPH, RESULTS, choose
+from kg.server.safety.tokens import client
 from kg.server.state import state
 
 if TYPE_CHECKING:
@@ -145,7 +146,7 @@ async def _counts(request: Request) -> _Counts | None:
 async def _rows(request: Request, text: str) -> list[dict[str, dict[str, str]]]:
     shared = state(request)
     question = Question(text=text, formats={"rows": "json"}, union=shared.options.union)
-    async with shared.readers.ask(question, seconds=shared.options.seconds) as found:
+    async with shared.readers.ask(question, seconds=shared.options.seconds, client=client(request)) as found:
         body = b"".join([part async for part in found.parts()])
     bindings: list[dict[str, dict[str, str]]] = json.loads(body)["results"]["bindings"]
     return bindings

@@ -23,6 +23,7 @@ from kg.server.preconditions import on_condition
 from kg.server.protocol_answer import answer
 from kg.server.protocol_question import Asked, digest
 from kg.server.protocol_update import counted, patience, writer
+from kg.server.safety.tokens import client
 from kg.server.state import state
 
 if TYPE_CHECKING:
@@ -98,7 +99,7 @@ async def _exists(request: Request, graph: NamedNode) -> bool:
     """Tell whether a graph is there, if without triples."""
     shared = state(request)
     question = Question(text=f"ASK {{ GRAPH {graph} {{ }} }}", formats={"boolean": "csv"}, union=False)
-    async with shared.readers.ask(question, seconds=shared.options.seconds) as found:
+    async with shared.readers.ask(question, seconds=shared.options.seconds, client=client(request)) as found:
         return b"true" in b"".join([part async for part in found.parts()])
 
 

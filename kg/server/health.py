@@ -21,7 +21,7 @@ __all__ = ["ROUTES"]
 async def _health(request: Request) -> Response:
     """Answer 200 with the snapshot in force, its age in seconds and the readers; 503 when there is no store.
 
-    What the server does unasked is none of the requests that run, as in the list of jobs.
+    Requests that the server makes itself do not count, as in the list of jobs.
     """
     shared = state(request)
     layout = shared.readers.layout
@@ -29,14 +29,15 @@ async def _health(request: Request) -> Response:
     if generation is None:
         raise StoreError("KG301", "the data of the store is gone")
     jobs = sum(not job.own for job in shared.readers.jobs.values())
+    waiting = shared.readers.stats().waiting
     return JSONResponse(
         {
             "status": "ok",
             "snapshot": str(generation),
             "age": round(time.time() - layout.pointer.stat().st_mtime, 3),
             "readers": shared.options.readers,
-            "running": min(jobs, shared.options.readers),
-            "waiting": max(0, jobs - shared.options.readers),
+            "running": jobs - waiting,
+            "waiting": waiting,
         },
         headers={"Cache-Control": "no-store"},
     )

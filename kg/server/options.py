@@ -40,7 +40,7 @@ class Options:
     token_file: Path | None = None
     open_to_all: bool = False
     readers: int = 2
-    queue: int = 64
+    queue: int = 256
     per_client: int = 32
     seconds: float = 30.0
     update_seconds: float = 300.0

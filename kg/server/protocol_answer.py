@@ -17,11 +17,13 @@ from kg.errors import KgError, QueryError
 from kg.server.errors import RequestError
 from kg.server.leaving import ClientLeftError, while_connected
 from kg.server.records import record
+from kg.server.safety.tokens import client
 from kg.server.state import state
 from kg.store.failure import translated
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
+    from contextlib import AbstractAsyncContextManager
     from typing import IO
 
     from starlette.requests import Request
@@ -131,7 +133,7 @@ async def _whole(request: Request, asked: Asked) -> Response:
     options = state(request).options
     held = Held(options.answer_bytes)
     try:
-        async with state(request).readers.ask(asked.question, seconds=asked.seconds, job=asked.job) as found:
+        async with _asking(request, asked) as found:
             async for part in found.parts():
                 held.add(part)
     except QueryError as error:
@@ -141,6 +143,10 @@ async def _whole(request: Request, asked: Asked) -> Response:
         held.close()
         raise
     return _HeldResponse(held, {**_headers(asked, found), **_counted(request, asked, found)})
+
+
+def _asking(request: Request, asked: Asked) -> AbstractAsyncContextManager[Answer]:
+    return state(request).readers.ask(asked.question, seconds=asked.seconds, job=asked.job, client=client(request))
 
 
 def _changed(request: Request, asked: Asked, error: QueryError) -> KgError:
@@ -193,8 +199,7 @@ async def _streamed(request: Request, asked: Asked) -> Response:
 
 async def _begun(request: Request, asked: Asked, running: AsyncExitStack) -> tuple[Answer, AsyncIterator[bytes], bytes]:
     """Return an answer that `running` ends, its parts but the first, and the first."""
-    asking = state(request).readers.ask(asked.question, seconds=asked.seconds, job=asked.job)
-    found = await running.enter_async_context(asking)
+    found = await running.enter_async_context(_asking(request, asked))
     parts = found.parts()
     return found, parts, await anext(parts, b"")
 

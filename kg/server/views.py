@@ -14,6 +14,7 @@ from starlette.responses import Response
 from kg.server.errors import RequestError
 from kg.server.methods import route
 from kg.server.parameters import media_type
+from kg.server.safety.tokens import client
 from kg.server.state import state
 from kg.views.calls import CALLS
 
@@ -28,7 +29,8 @@ async def answer(request: Request, name: str, /, **arguments: Any) -> bytes:
 
     It goes on when the client leaves: its work is bounded, and a reader that ended would take with it what it knows.
     """
-    return await state(request).readers.call(name, arguments, seconds=state(request).options.seconds)
+    shared = state(request)
+    return await shared.readers.call(name, arguments, seconds=shared.options.seconds, client=client(request))
 
 
 async def _view(request: Request) -> Response:

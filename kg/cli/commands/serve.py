@@ -32,7 +32,7 @@ NoUnion = Annotated[
     bool, typer.Option("--no-union", help="Let the default graph be the unnamed one, not the union of all.")
 ]
 Readers = Annotated[str | None, _option("--readers", "N", "Answer N queries at a time. [default: 2]")]
-Queue = Annotated[str | None, _option("--queue", "N", "Let N queries wait. [default: 64]")]
+Queue = Annotated[str | None, _option("--queue", "N", "Let N queries wait. [default: 256]")]
 Seconds = Annotated[str | None, _option("--timeout", "SECONDS", "End a query after that. [default: 30]")]
 UpdateSeconds = Annotated[
     str | None, _option("--update-timeout", "SECONDS", "End a change after that, undone. [default: 300]")

@@ -5,7 +5,7 @@ the cap of memory and a crash of the engine all end in the same way: the process
 another process takes its place. Faces use `pool.Readers`; docs/query-core.md tells how a query travels.
 
 In a reader: `child` answers, `parts` gives answers out, `forkserver` is what readers are forked from. In the process
-that owns them: `processes` and `fleet` are the readers that there are, `lanes` who may run, `known` and `looks` where a
-request begins, `course` its way, `answers` and `jobs` what callers see of it, `cache` what is known already. `messages`
-is what is said between.
+that owns them: `processes` and `fleet` are the readers that there are, `scheduler` with `slots` and `sharing` decides
+which request runs when, `answers` and `jobs` are what callers see of it, `cache` what is known already. `messages` is
+what is said between.
 """

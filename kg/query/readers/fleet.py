@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-import itertools
-from collections import Counter, defaultdict
+from collections import Counter
 from typing import TYPE_CHECKING
 
 from kg.errors import QueryError
@@ -21,15 +20,14 @@ __all__ = ["Fleet"]
 class Fleet:
     """Readers made by `spawner`; `ready` of them are kept, of which at least one has nothing to do if it can be helped.
 
-    Those that have given way to others cannot take that back; they are kept for other requests that are to be as nice.
-    `spawned` is how many there were so far, `ended` how many of these by what ended them.
+    A reader whose priority was lowered is not used again. `spawned` is how many there were so far, `ended` how many of
+    these by what ended them.
     """
 
     def __init__(self, spawner: Spawner, ready: int) -> None:
         self._spawner = spawner
         self._ready = ready
         self._idle: list[Process] = []
-        self._niced: defaultdict[int, list[Process]] = defaultdict(list)
         self._used: set[Process] = set()
         self._filling: asyncio.Task[None] | None = None
         self._closing = False
@@ -39,18 +37,15 @@ class Fleet:
     @property
     def idle(self) -> int:
         """How many have nothing to do."""
-        return len(self._waiting())
+        return len(self._idle)
 
-    async def take(self, tell: Callable[[asyncio.Future[None]], object], niceness: int) -> Process:
+    async def take(self, tell: Callable[[asyncio.Future[None]], object]) -> Process:
         """Return a reader with nothing to do; while one starts, an exception on what `tell` is given ends the waiting.
-
-        For one that is to be nice a new one is started rather than one taken that waits for those that are not.
 
         Raises:
             QueryError: KG508 when there is none and none can be started.
         """
-        process = self._alive(self._niced[niceness] if niceness else self._idle)
-        process = process or await self._spawn_unless(tell, niceness)
+        process = self._alive() or await self._spawn_unless(tell)
         self._used.add(process)
         self.fill()
         return process
@@ -58,11 +53,10 @@ class Fleet:
     def put(self, process: Process) -> None:
         """Take a reader back that is ready for the next request."""
         self._used.discard(process)
-        kept = self._niced[process.niceness] if process.niceness else self._idle
-        if process.ended or self._closing or len(kept) > self._ready - 2 * bool(process.niceness):
+        if process.ended or process.nice or self._closing or len(self._idle) > self._ready:
             self._close(process, "retired")
         else:
-            kept.append(process)
+            self._idle.append(process)
         self.fill()
 
     def drop(self, process: Process, cause: str) -> None:
@@ -73,7 +67,7 @@ class Fleet:
 
     def refresh(self) -> None:
         """Let the readers with nothing to do take note that the data has changed; the others do so afterwards."""
-        for process in self._waiting():
+        for process in self._idle:
             process.send(frame(Refresh()))
 
     def fill(self) -> None:
@@ -87,29 +81,24 @@ class Fleet:
         if self._filling is not None:
             self._filling.cancel()
             await asyncio.gather(self._filling, return_exceptions=True)
-        for process in [*self._waiting(), *self._used]:
+        for process in [*self._idle, *self._used]:
             process.close()
         self._idle.clear()
-        self._niced.clear()
         self._used.clear()
         await self._spawner.close()
 
-    def _waiting(self) -> list[Process]:
-        """Return all that have nothing to do."""
-        return [*self._idle, *itertools.chain.from_iterable(self._niced.values())]
-
-    def _alive(self, kept: list[Process]) -> Process | None:
+    def _alive(self) -> Process | None:
         """Take the one that was used last, which has the data in its caches; None when there is none."""
-        while kept:
-            process = kept.pop()
+        while self._idle:
+            process = self._idle.pop()
             if not process.ended:
                 return process
             self._close(process, "crashed")
         return None
 
     def _wanted(self) -> int:
-        """Return how many are to have nothing to do, beside those that give way to others."""
-        return max(1, self._ready - sum(not process.niceness for process in self._used))
+        """Return how many are to have nothing to do; readers of long queries do not count."""
+        return max(1, self._ready - sum(not process.nice for process in self._used))
 
     async def _fill(self) -> None:
         try:
@@ -121,11 +110,11 @@ class Fleet:
         finally:
             self._filling = None
 
-    async def _spawn_unless(self, tell: Callable[[asyncio.Future[None]], object], niceness: int) -> Process:
+    async def _spawn_unless(self, tell: Callable[[asyncio.Future[None]], object]) -> Process:
         """Return a new reader; raises what is told meanwhile."""
         told: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         tell(told)
-        starting = asyncio.ensure_future(self._spawn(niceness))
+        starting = asyncio.ensure_future(self._spawn())
         told.add_done_callback(lambda _: starting.cancel())
         try:
             return await starting
@@ -141,17 +130,17 @@ class Fleet:
             if not told.cancel():
                 told.exception()
 
-    async def _spawn(self, niceness: int = 0) -> Process:
+    async def _spawn(self) -> Process:
         # What readers are forked from may end before it has read the order; for the next one it is started anew.
-        process = await self._spawn_once(niceness) or await self._spawn_once(niceness)
+        process = await self._spawn_once() or await self._spawn_once()
         if process is None:
             raise QueryError("KG508", "no process for queries can be started", hint="The log has what it said.")
         self.spawned += 1
         return process
 
-    async def _spawn_once(self, niceness: int) -> Process | None:
+    async def _spawn_once(self) -> Process | None:
         """Return a new reader; None when it has ended before it could be asked."""
-        process = await self._spawner.spawn(niceness)
+        process = await self._spawner.spawn()
         try:
             ready = await process.receive()
         except BaseException:

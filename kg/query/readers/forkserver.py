@@ -4,8 +4,9 @@ It has imported what readers need, and the modules named, so that a new reader c
 of a second that a new Python would; what these modules name as their `MODULES` it imports when no orders come. It holds
 no store and starts no thread, which is what makes forking safe. Orders
 come on standard input, a socket, as `ORDER`: `fork` a reader (two files come along: the socket to serve, and where
-errors go), or end it, or make it give way to others; a reader is known by the number that its owner chose. Each is a
-session of its own, so that its niceness is one among all processes of the machine.
+errors go), or end it, pause it, resume it, or lower its priority; a reader is known by the number that its owner chose.
+Each is a session of its own, so that its niceness is one among all processes of the machine. When the machine runs out
+of memory, Linux ends readers before any other process.
 
 Nothing outlives its owner: where the system has no word for that (Linux has), readers look once a second.
 """
@@ -31,14 +32,20 @@ from kg.query.readers.child import serve
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["END", "FORK", "ORDER", "YIELD", "main"]
+__all__ = ["END", "FORK", "ORDER", "PAUSE", "RESUME", "YIELD", "main"]
 
-ORDER: Final = struct.Struct(">cIB")
-"""What is to be done, the number of the reader it is about, and how nice that one is to be (nice(2), 0 to 19)."""
+ORDER: Final = struct.Struct(">cI")
+"""What is to be done, and the number of the reader."""
 
 FORK: Final = b"F"
 END: Final = b"E"
+PAUSE: Final = b"P"
+RESUME: Final = b"R"
 YIELD: Final = b"Y"
+_SIGNALS: Final = {END: signal.SIGKILL, PAUSE: signal.SIGSTOP, RESUME: signal.SIGCONT}
+
+_NICENESS: Final = 10
+"""The priority of long queries (nice(2)). With a lower one they would not end on a busy machine, such as a robot."""
 
 _STACK_BYTES: Final = 256 << 20
 """The engine recurses over the query; what `kg.query.guard` lets through needs less than this (reserved, not used)."""
@@ -89,17 +96,17 @@ class _ForkServer:
         data, files, _, _ = socket.recv_fds(self._orders, ORDER.size, 2)
         if len(data) < ORDER.size:
             return False
-        what, number, niceness = ORDER.unpack(data)
+        what, number = ORDER.unpack(data)
         if what == FORK:
             # Where the system has no room for another process, the files are closed, which its owner sees.
             with suppress(OSError):
-                self._readers[number] = os.fork() or _become_reader(files, [self._orders, *private], niceness)
+                self._readers[number] = os.fork() or _become_reader(files, [self._orders, *private])
             for file in files:
                 os.close(file)
-        elif number in self._readers and what == END:
-            os.kill(self._readers[number], signal.SIGKILL)
+        elif number in self._readers and what == YIELD:
+            _give_way(self._readers[number])
         elif number in self._readers:
-            _give_way(self._readers[number], niceness)
+            os.kill(self._readers[number], _SIGNALS[what])
         return True
 
     def _bury(self) -> None:
@@ -109,24 +116,24 @@ class _ForkServer:
                 self._readers = {number: other for number, other in self._readers.items() if other != pid}
 
 
-def _give_way(pid: int, niceness: int) -> None:
-    """Let other processes go before a reader."""
+def _give_way(pid: int) -> None:
+    """Lower the priority of a reader."""
     with suppress(OSError):
         # The niceness of a process is that of its first thread on Linux; that of a group is that of all threads.
-        os.setpriority(os.PRIO_PGRP, pid, niceness)
+        os.setpriority(os.PRIO_PGRP, pid, _NICENESS)
     with suppress(OSError):
         # Where Linux groups processes by session, niceness counts inside of the group alone (sched(7), autogroup).
-        Path(f"/proc/{pid}/autogroup").write_text(str(niceness))
+        Path(f"/proc/{pid}/autogroup").write_text(str(_NICENESS))
 
 
-def _become_reader(files: list[int], private: list[socket.socket], niceness: int) -> NoReturn:
+def _become_reader(files: list[int], private: list[socket.socket]) -> NoReturn:
     """Serve on the files that came with the order; this is the child, and does not return."""
     status = 1
     try:
         owner = os.getppid()
         os.setsid()
-        if niceness:
-            _give_way(os.getpid(), niceness)
+        with suppress(OSError):
+            Path("/proc/self/oom_score_adj").write_text("1000")
         signal.set_wakeup_fd(-1)
         signal.signal(signal.SIGCHLD, signal.SIG_DFL)
         for one in private:

@@ -19,11 +19,13 @@ __all__ = ["Job"]
 class Job:
     """A request that waits or runs: `identity` cannot be guessed, `rows` is how many were found so far.
 
-    `cause` is why it was ended, `process` what runs it, `place` where it waits. `own` is one that nobody asked for.
+    `client` is who asked, `cause` why it was ended, `process` what runs it, `place` where it waits. `own` is one that
+    nobody asked for.
     """
 
     identity: str
     text: str
+    client: str = ""
     began: float = field(default_factory=time.monotonic)
     rows: int = 0
     own: bool = False

@@ -6,12 +6,8 @@ async with Readers(layout) as readers:
         body = b"".join([part async for part in answer.parts()])
         answer.end.rows                                     1
 
-There are lanes, so that slow queries do not keep quick ones waiting. Each query begins in the first one, where
-it has a fraction of a second to end. One that has not ended by then goes on in the second lane if that has room, and
-lets processes of the first go first; if not, it is ended, waits for the second lane and begins anew. Nothing of an
-answer is given out before it is whole or in the second lane. Requests that were slow before begin in the second lane;
-those that may be like them have lanes of their own to try that in, so that quick ones do not wait for them. Calls of
-views have one of their own too.
+`scheduler` decides which request runs when. An answer is given out when it is whole, or when its query turns out to be
+long and is sent while it is found.
 """
 
 from __future__ import annotations
@@ -26,11 +22,11 @@ import msgspec
 from kg.errors import KgError, QueryError
 from kg.query.readers.answers import Answer
 from kg.query.readers.cache import AnswerCache, CacheStats, Kept, Pointer
-from kg.query.readers.course import Course, Lanes
 from kg.query.readers.fleet import Fleet
 from kg.query.readers.jobs import Job
 from kg.query.readers.messages import Call, Configuration, Question, frame
 from kg.query.readers.processes import PROGRAM, Spawner
+from kg.query.readers.scheduler import Run, Scheduler
 from kg.query.runner import DeadlineError
 
 if TYPE_CHECKING:
@@ -51,19 +47,18 @@ _CLOSED: Final = "the readers are closed"
 
 
 class Stats(msgspec.Struct, frozen=True):
-    """How the readers do: processes that are `idle`, requests in the first lane or on trial (`quick`), and others.
+    """Figures of the readers: `idle` processes, queries in a slot (`quick`), `long` queries, and `waiting` requests.
 
-    Those in the second lane are `slow`. `waiting` and `waiting_slow` wait for these. `spawned` is how many processes
-    there were, `ended` how many of them by cause: `deadline`, `cancelled`, `left` (whoever asked went away), `memory`,
-    `crashed`, `moved` (its request waits for the second lane), `retired` (not needed any more, or grown large).
-    `snapshot` is the data in force.
+    `views` is the number of calls of views that run. `spawned` is how many processes there were, `ended` how many of
+    them by cause: `deadline`, `cancelled`, `left` (whoever asked went away), `memory`, `crashed`, `busy` (too many long
+    queries), `retired` (not needed any more, grown large, or lowered in priority). `snapshot` is the data in force.
     """
 
     idle: int
     quick: int
-    slow: int
+    long: int
+    views: int
     waiting: int
-    waiting_slow: int
     spawned: int
     ended: dict[str, int]
     cache: CacheStats
@@ -73,8 +68,8 @@ class Stats(msgspec.Struct, frozen=True):
 class Readers:
     """Reader processes of one store.
 
-    `processes` requests run in each of the lanes; `queue` is how many more are taken, half of which may wait for
-    the second lane. `memory` is how many bytes a request may use. `cache` is how many bytes of answers are kept for
+    `processes` is the number of slots for queries, and of long queries that run at a time; at most `queue` queries wait
+    for a slot. `memory` is how many bytes a request may use. `cache` is how many bytes of answers are kept for
     requests that come again while the data is the same; 0 keeps none. `calls` and `settings` are those of
     `messages.Configuration`. `prepare` names a view that works out what the others then find; it is called without a
     deadline soon after the start, and after the data has changed. What readers say on standard error goes to the log
@@ -86,7 +81,7 @@ class Readers:
         layout: Layout,
         *,
         processes: int = 2,
-        queue: int = 64,
+        queue: int = 256,
         memory: int | None = 2 << 30,
         cache: int = 0,
         calls: str = "",
@@ -98,10 +93,9 @@ class Readers:
         self._prepare = prepare
         self._preparing: asyncio.Task[None] | None = None
         self.jobs: dict[str, Job] = {}
-        self._most = processes + queue
         configuration = Configuration(str(layout.root), memory, calls, dict(settings or {}))
         self._fleet = Fleet(Spawner(configuration, program), processes + 1)
-        self._lanes = Lanes.of(processes, self._most, max(1, queue // 2), self._fleet)
+        self._scheduler = Scheduler.of(processes, queue, self._fleet)
         self._cache = AnswerCache(cache)
         self._pointer = Pointer(layout)
         self._looking: asyncio.Task[None] | None = None
@@ -125,20 +119,22 @@ class Readers:
 
     @asynccontextmanager
     async def ask(
-        self, request: Question | Call, *, seconds: float | None = None, job: str | None = None
+        self, request: Question | Call, *, seconds: float | None = None, job: str | None = None, client: str = ""
     ) -> AsyncIterator[Answer]:
         """Send a request and yield its answer, of which the head is there; leaving early ends the work.
 
-        `job` is the identity to cancel it by. The deadline counts from here, waiting included, and until the caller has
-        left: a caller that is slow to take an answer does not hold a reader for longer.
+        `job` is the identity to cancel it by. The `client` is served in turn with others. The deadline counts from
+        here, waiting included, and until the caller has left: a caller that is slow to take an answer does not hold a
+        reader for longer.
 
         Raises:
             KgError: what the reader says; KG503 deadline, KG505 a job of this identity runs, KG507 memory, KG508 the
-                reader ended, KG509 too many wait, KG510 cancelled.
+                reader ended, KG509 busy, KG510 cancelled.
         """
         message = frame(request)
         room = self._cache.largest if isinstance(request, Question) else 0
-        entry = Job(job or secrets.token_urlsafe(16), request.text if isinstance(request, Question) else request.name)
+        text = request.text if isinstance(request, Question) else request.name
+        entry = Job(job or secrets.token_urlsafe(16), text, client)
         entry.own = isinstance(request, Call) and request.name == self._prepare
         kept = self._cache.get(message, self._pointer.snapshot()) if room else None
         if kept is not None:
@@ -146,20 +142,20 @@ class Readers:
             return
         self._admit(entry)
         timer = asyncio.get_running_loop().call_later(seconds, _expire, entry, seconds) if seconds else None
-        course = Course(self._lanes, entry, message, room, view=isinstance(request, Call))
+        run = Run(self._scheduler, entry, message, room, view=isinstance(request, Call))
         try:
-            answer = await course.begin()
+            answer = await run.begin()
             yield answer
             if (body := answer.copy) is not None and answer.end is not None:
                 self._cache.put(message, Kept(answer.head, body, answer.end), self._pointer.snapshot())
         except KgError as error:
-            course.error = error
+            run.error = error
             raise
         finally:
             if timer:
                 timer.cancel()
             self.jobs.pop(entry.identity, None)
-            course.leave()
+            run.leave()
 
     def known(self, question: Question) -> Answer | None:
         """Return the answer to a question if it was asked before of the same data, without waiting; else None."""
@@ -169,9 +165,11 @@ class Readers:
         kept = self._cache.get(message, snapshot)
         return None if kept is None else Answer.of(Job("", question.text), kept)
 
-    async def call(self, name: str, arguments: Mapping[str, Any], *, seconds: float | None = 60) -> bytes:
+    async def call(
+        self, name: str, arguments: Mapping[str, Any], *, seconds: float | None = 60, client: str = ""
+    ) -> bytes:
         """Return the JSON that a view answers; raises as `ask`."""
-        async with self.ask(Call(name, dict(arguments)), seconds=seconds) as answer:
+        async with self.ask(Call(name, dict(arguments)), seconds=seconds, client=client) as answer:
             return b"".join([part async for part in answer.parts()])
 
     def cancel(self, identity: str) -> bool:
@@ -187,13 +185,13 @@ class Readers:
 
     def stats(self) -> Stats:
         """Return how the readers do."""
-        first, slow, fleet = self._lanes.first_ones, self._lanes.slow, self._fleet
+        scheduler, fleet = self._scheduler, self._fleet
         return Stats(
             idle=fleet.idle,
-            quick=sum(lane.held for lane in first),
-            slow=slow.held,
-            waiting=sum(lane.waiting for lane in first),
-            waiting_slow=slow.waiting,
+            quick=scheduler.queries.held,
+            long=scheduler.long.held,
+            views=scheduler.views.held,
+            waiting=scheduler.queries.waiting + scheduler.views.waiting,
             spawned=fleet.spawned,
             ended=dict(fleet.ended),
             cache=self._cache.stats(),
@@ -205,8 +203,6 @@ class Readers:
             raise QueryError("KG510", _CLOSED)
         if job.identity in self.jobs:
             raise QueryError("KG505", "the job of this identity still runs", hint="Choose another identity.")
-        if len(self.jobs) >= self._most:
-            raise QueryError("KG509", f"{len(self.jobs)} queries run or wait already", hint="Try again in a second.")
         self.jobs[job.identity] = job
 
     async def _look(self) -> None:

@@ -14,7 +14,7 @@ from contextlib import ExitStack, suppress
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import QueryError
-from kg.query.readers.forkserver import END, FORK, ORDER, YIELD
+from kg.query.readers.forkserver import END, FORK, ORDER, PAUSE, RESUME, YIELD
 from kg.query.readers.messages import PREFIX, decode, frame
 
 if TYPE_CHECKING:
@@ -74,8 +74,8 @@ class _LastWords:
 class Process:
     """One reader: a socket to speak on, and a way to end it.
 
-    `niceness` is how much it gives way to others (nice(2)), which cannot be taken back; `pid` is what the system calls
-    it, 0 as long as it has not said so. `unread` tells of one that has ended that it had not read what it was sent.
+    `nice` tells that its priority was lowered, which cannot be taken back; `pid` is what the system calls it, 0 as long
+    as it has not said so. `unread` tells of one that has ended that it had not read what it was sent.
     """
 
     def __init__(
@@ -83,8 +83,7 @@ class Process:
         reader: asyncio.StreamReader,
         writer: asyncio.StreamWriter,
         words: _LastWords,
-        order: Callable[[bytes, int], None],
-        niceness: int,
+        order: Callable[[bytes], None],
     ) -> None:
         self._reader = reader
         self._writer = writer
@@ -92,7 +91,7 @@ class Process:
         self._order = order
         self._prefix: tuple[int, int] | None = None
         self.unread = False
-        self.niceness = niceness
+        self.nice = False
         self.pid = 0
 
     def send(self, data: bytes) -> None:
@@ -135,15 +134,22 @@ class Process:
         except OSError:
             return None
 
-    def give_way(self, niceness: int) -> None:
-        """Let other processes go first from now on."""
-        if niceness > self.niceness:
-            self.niceness = niceness
-            self._order(YIELD, niceness)
+    def give_way(self) -> None:
+        """Lower its priority for good."""
+        self.nice = True
+        self._order(YIELD)
+
+    def pause(self) -> None:
+        """Stop it until `resume`."""
+        self._order(PAUSE)
+
+    def resume(self) -> None:
+        """Let it run again after `pause`."""
+        self._order(RESUME)
 
     def kill(self) -> None:
         """End the reader, whatever it does; who waits for it is told at once."""
-        self._order(END, 0)
+        self._order(END)
         self._writer.transport.abort()
 
     def close(self) -> None:
@@ -167,8 +173,8 @@ class Spawner:
         self._words: _LastWords | None = None
         self._numbers = itertools.count()
 
-    async def spawn(self, niceness: int = 0) -> Process:
-        """Return a new reader, which gives way to others from its first moment on if it is to.
+    async def spawn(self) -> Process:
+        """Return a new reader.
 
         Raises:
             QueryError: KG508 when no process can be started.
@@ -179,12 +185,12 @@ class Spawner:
                 near, far, words, said = _channels(ours, theirs)
                 self._start()
                 with suppress(ConnectionError):  # where the server has just ended the reader is seen to have ended
-                    self._send(FORK, number, niceness, [far.fileno(), said])
+                    self._send(FORK, number, [far.fileno(), said])
                 reader, writer = await asyncio.open_connection(sock=near, limit=_BUFFER_BYTES)
                 ours.pop_all()
         except OSError as error:
             raise QueryError("KG508", f"no process for queries can be started: {error}") from error
-        process = Process(reader, writer, words, lambda what, nice: self._tell(what, number, nice), niceness)
+        process = Process(reader, writer, words, lambda what: self._tell(what, number))
         process.send(self._first)
         return process
 
@@ -216,14 +222,14 @@ class Spawner:
         except OSError:
             return False
 
-    def _send(self, what: bytes, number: int, niceness: int, files: Sequence[int] = ()) -> None:
+    def _send(self, what: bytes, number: int, files: Sequence[int] = ()) -> None:
         if self._orders is not None:
-            socket.send_fds(self._orders, [ORDER.pack(what, number, niceness)], files)
+            socket.send_fds(self._orders, [ORDER.pack(what, number)], files)
 
-    def _tell(self, what: bytes, number: int, niceness: int) -> None:
+    def _tell(self, what: bytes, number: int) -> None:
         """Order something of a reader; when the server has ended its readers have too."""
         with suppress(OSError):
-            self._send(what, number, niceness)
+            self._send(what, number)
 
     def _let_go(self) -> None:
         """Close what leads to the server, which ends by that."""

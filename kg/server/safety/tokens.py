@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from kg.server.options import Options
 
-__all__ = ["CHANGING", "LEAST", "MOVING", "Doors", "Tokens", "cookie_name", "is_trusted"]
+__all__ = ["CHANGING", "LEAST", "MOVING", "Doors", "Tokens", "client", "cookie_name", "is_trusted"]
 
 LEAST: Final = 16
 """How many characters a token has at least."""
@@ -93,6 +93,11 @@ def cookie_name(request: HTTPConnection) -> str:
 def is_trusted(request: HTTPConnection) -> bool:
     """Tell whether a request came with the token, for what only its holder may ask."""
     return bool(request.scope.get("kg.trusted"))
+
+
+def client(request: HTTPConnection) -> str:
+    """Return the client that a request counts for: the holder of the token, or the address."""
+    return "token" if is_trusted(request) or request.client is None else request.client.host
 
 
 class Doors:

@@ -31,8 +31,8 @@ class _Starting:
 
     def __init__(self) -> None:
         self.ready: asyncio.Future[Ready] = asyncio.get_running_loop().create_future()
-        self.niceness = self.pid = 0
-        self.ended = self.closed = False
+        self.pid = 0
+        self.nice = self.ended = self.closed = False
 
     async def receive(self) -> Ready:
         return await self.ready
@@ -47,7 +47,7 @@ class _Spawner:
     def __init__(self, process: _Starting) -> None:
         self._process = process
 
-    async def spawn(self, _niceness: int) -> _Starting:
+    async def spawn(self) -> _Starting:
         return self._process
 
     async def close(self) -> None:
@@ -62,7 +62,7 @@ def test_a_reader_that_is_ready_as_its_asker_leaves_is_kept(told: bool) -> None:
         process = _Starting()
         fleet = Fleet(cast("Any", _Spawner(process)), 1)
         places: list[asyncio.Future[None]] = []
-        asking = asyncio.create_task(fleet.take(places.append, 0))
+        asking = asyncio.create_task(fleet.take(places.append))
         await until(lambda: places)
         await asyncio.sleep(0)
         process.ready.set_result(Ready(7))
@@ -126,7 +126,7 @@ def test_what_readers_are_forked_from_is_replaced_at_once(layout: Layout) -> Non
         fleet = Fleet(spawner, 1)
 
         async def taken() -> Process:
-            return await fleet.take(lambda _: None, 0)
+            return await fleet.take(lambda _: None)
 
         for _ in range(3):
             await taken()

@@ -1,0 +1,154 @@
+"""Scheduling of requests on readers: one queue, short first turns, and shared processors for long queries.
+
+Each query waits for a *slot*, and slots go to the clients in turn (`slots.Slots`). In its slot it has a first turn of a
+tenth of a second of processor time, which is enough for most queries. A query that has not ended by then continues in
+its reader, but no longer holds the slot: it is now a *long* query. Readers of long queries have a low priority. As many
+of them run at a time as there are slots, and the others are paused (`sharing.Sharing`). The query that ran least runs
+next. No query is restarted, and no estimate of its costs is made before it runs.
+
+It follows that a query waits for a slot at most as long as the first turns of the requests ahead of it, however many
+long queries there are. A query is refused (KG509) only when the queue is full, or when too many long queries are held.
+Each held query is a process that can use the memory of one query.
+
+Calls of views have slots of their own and no turns, because their work is bounded and a person waits for the page.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from kg.errors import KgError
+from kg.query.readers.answers import Answer
+from kg.query.readers.sharing import Sharing
+from kg.query.readers.slots import Slots
+
+if TYPE_CHECKING:
+    from kg.query.readers.fleet import Fleet
+    from kg.query.readers.jobs import Job
+    from kg.query.readers.processes import Process
+
+__all__ = ["Run", "Scheduler"]
+
+_TURN_SECONDS: Final = 0.1
+"""Processor time of the first turn."""
+_TURN_ROUNDS: Final = 10
+"""The turn lasts at most so many times as long while the reader gets no processor, or waits for the disk."""
+_CHECK_SECONDS: Final = 0.01
+"""Interval at which the end of a turn is checked."""
+_TURN_BYTES: Final = 1 << 20
+"""An answer that grows larger ends the turn: it is sent while it is found."""
+_LONG_PER_SLOT: Final = 32
+"""Long queries held per slot, running and paused. A paused reader uses about 6 MB beside the memory of its query."""
+
+_CAUSES: Final = {"KG503": "deadline", "KG510": "cancelled", "KG507": "memory", "KG508": "crashed", "KG509": "busy"}
+
+
+@dataclass(frozen=True, slots=True)
+class Scheduler:
+    """What the requests share: slots for queries and for views, the readers of long queries, and all readers."""
+
+    queries: Slots
+    views: Slots
+    long: Sharing
+    fleet: Fleet
+
+    @classmethod
+    def of(cls, processes: int, queue: int, fleet: Fleet) -> Scheduler:
+        """Return a scheduler with `processes` slots; at most `queue` queries wait, and as many calls of views."""
+        long = Sharing(processes, processes * _LONG_PER_SLOT)
+        return cls(Slots(processes, queue), Slots(processes + 1, queue), long, fleet)
+
+
+class Run:
+    """One request, sent as `message`; of its answer up to `copied` bytes are copied. `view`: it calls a view."""
+
+    def __init__(self, scheduler: Scheduler, job: Job, message: bytes, copied: int, *, view: bool = False) -> None:
+        self._scheduler = scheduler
+        self._job = job
+        self._message = message
+        self._copied = copied
+        self._view = view
+        self._slots: Slots | None = None
+        self._process: Process | None = None
+        self._answer: Answer | None = None
+        self.error: KgError | None = None
+
+    async def begin(self) -> Answer:
+        """Return the answer, which is whole or that of a long query; raises as `Answer.parts`, and KG509."""
+        try:
+            # Idle readers may have been killed without anybody having noticed yet.
+            for _ in range(1 + self._scheduler.fleet.idle):
+                try:
+                    return await self._run()
+                except KgError:
+                    if self._process is None or not self._process.unread or self._job.cause is not None:
+                        raise
+                    self._leave_reader("crashed")
+                    self._leave_slot()
+            return await self._run()
+        except KgError as error:
+            # What fails because the request was ended is not what its caller wants to hear.
+            raise self._job.cause or error from error
+
+    def leave(self) -> None:
+        """Give back all that is held; what still runs is ended."""
+        self._leave_reader()
+        self._leave_slot()
+
+    async def _run(self) -> Answer:
+        slots = self._scheduler.views if self._view else self._scheduler.queries
+        await slots.take(self._job.client, self._job.wait_at)
+        self._slots = slots
+        self._process = process = await self._scheduler.fleet.take(self._job.wait_at)
+        self._job.run_on(process)
+        process.send(self._message)
+        self._answer = answer = Answer(self._job, process, self._copied)
+        if self._view:
+            await answer.begin()
+        elif await self._ends_in_turn(answer, process):
+            self.leave()
+        else:
+            self._scheduler.long.add(process, self._job.client)
+            self._leave_slot()
+            await answer.begin()
+        return answer
+
+    async def _ends_in_turn(self, answer: Answer, process: Process) -> bool:
+        """Wait for the end of an answer until its first turn is over; return whether it came."""
+        began, before = time.monotonic(), process.processor_seconds()
+        seconds = _TURN_SECONDS
+        while not await answer.collect(seconds, _TURN_BYTES):
+            now, elapsed = process.processor_seconds(), time.monotonic() - began
+            used = elapsed if now is None or before is None else now - before
+            if answer.held_bytes > _TURN_BYTES or used >= _TURN_SECONDS or elapsed >= _TURN_SECONDS * _TURN_ROUNDS:
+                return False
+            seconds = _CHECK_SECONDS
+        return True
+
+    def _leave_reader(self, cause: str | None = None) -> None:
+        process, self._process, self._job.process = self._process, None, None
+        if process is None:
+            return
+        self._scheduler.long.remove(process)
+        if cause or not self._is_ready():
+            self._scheduler.fleet.drop(process, cause or self._why())
+        else:
+            self._scheduler.fleet.put(process)
+
+    def _is_ready(self) -> bool:
+        """Return whether the reader can take another request."""
+        settled = self._answer is not None and self._answer.settled and not self._answer.last
+        return settled and self._job.cause is None and (self.error is None or self.error.code != "KG507")
+
+    def _why(self) -> str:
+        """Return what ends the reader."""
+        error = self._job.cause or self.error
+        settled = self._answer is not None and self._answer.settled
+        return _CAUSES.get(error.code if error else "", "retired" if settled else "left")
+
+    def _leave_slot(self) -> None:
+        if self._slots is not None:
+            self._slots.give_back()
+            self._slots = None

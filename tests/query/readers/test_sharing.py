@@ -1,0 +1,175 @@
+"""Tests of how long queries share the processor."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING, Any, cast
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from kg.errors import QueryError
+from kg.query.readers.sharing import Sharing
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kg.query.readers.processes import Process
+
+
+class _Reader:
+    """A reader that records what it is ordered."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.nice = False
+        self.runs = True
+
+    def give_way(self) -> None:
+        self.nice = True
+
+    def pause(self) -> None:
+        assert self.runs
+        self.runs = False
+
+    def resume(self) -> None:
+        assert not self.runs
+        self.runs = True
+
+
+class _Shared:
+    """Readers that share, with a clock that a test moves."""
+
+    def __init__(self, slots: int, most: int = 100) -> None:
+        self.now = 1000.0
+        self.sharing = Sharing(slots, most, lambda: self.now)
+        self.readers: list[_Reader] = []
+
+    def add(self, name: str, client: str = "") -> _Reader:
+        reader = _Reader(name)
+        self.sharing.add(_process(reader), client)
+        self.readers.append(reader)
+        return reader
+
+    def remove(self, reader: _Reader) -> None:
+        self.sharing.remove(_process(reader))
+        self.readers.remove(reader)
+
+    def after(self, seconds: float) -> str:
+        """Return the names of the readers that run after a turn of so many seconds."""
+        self.now += seconds
+        self.sharing.turn()
+        return self.running
+
+    @property
+    def running(self) -> str:
+        return "".join(reader.name for reader in self.readers if reader.runs)
+
+
+def _process(reader: _Reader) -> Process:
+    return cast("Process", reader)
+
+
+def _in_a_loop(test: Callable[[], None]) -> None:
+    async def run() -> None:
+        test()
+
+    asyncio.run(run())
+
+
+def test_as_many_run_as_there_are_slots() -> None:
+    """The others are paused, in their process, and continue when there is room."""
+
+    def test() -> None:
+        shared = _Shared(2)
+        readers = [shared.add(name) for name in "abc"]
+        assert (shared.running, shared.sharing.held) == ("ab", 3)
+        assert all(reader.nice for reader in readers)
+        shared.remove(readers[0])
+        assert (shared.running, shared.sharing.held) == ("bc", 2)
+
+    _in_a_loop(test)
+
+
+def test_the_query_that_ran_least_runs_next() -> None:
+    """C13: long queries take turns, and a new one does not wait for those that ran before."""
+
+    def test() -> None:
+        shared = _Shared(1)
+        shared.add("a")
+        assert shared.after(5.0) == "a"
+        shared.add("b")
+        assert shared.running == "b"
+        assert shared.after(4.9) == "b"
+        assert shared.after(0.2) == "a"
+        assert shared.after(0.2) == "b"
+
+    _in_a_loop(test)
+
+
+def test_clients_share_alike() -> None:
+    """A client with one long query has as much of the processor as a client with many."""
+
+    def test() -> None:
+        shared = _Shared(1)
+        for name in "abcd":
+            shared.add(name, "many")
+        shared.add("x", "one")
+        ran = [shared.after(0.1) for _ in range(100)]
+        assert 48 <= ran.count("x") <= 52
+        assert min(ran.count(name) for name in "abcd") >= 11
+
+    _in_a_loop(test)
+
+
+def test_too_many_are_refused() -> None:
+    """C13: beyond the limit a long query is refused with KG509, and those that are held continue."""
+
+    def test() -> None:
+        shared = _Shared(1, most=2)
+        shared.add("a")
+        shared.add("b")
+        with pytest.raises(QueryError, match="KG509"):
+            shared.add("c")
+        assert (shared.running, shared.sharing.held) == ("a", 2)
+
+    _in_a_loop(test)
+
+
+@given(st.lists(st.tuples(st.sampled_from(["add", "remove", "turn"]), st.integers(0, 9)), max_size=40))
+def test_no_reader_is_left_paused_without_need(steps: list[tuple[str, int]]) -> None:
+    """Whatever comes and goes: as many run as can."""
+
+    def test() -> None:
+        shared = _Shared(2, most=6)
+        for step, number in steps:
+            if step == "add" and len(shared.readers) < 6:
+                shared.add(str(number), str(number % 3))
+            elif step == "remove" and shared.readers:
+                shared.remove(shared.readers[number % len(shared.readers)])
+            elif step == "turn":
+                shared.after(number / 10)
+            assert len(shared.running) == min(2, len(shared.readers))
+
+    _in_a_loop(test)
+
+
+def test_turns_pass_without_being_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """While more are held than run, the running ones are chosen again and again; afterwards nothing is left to do."""
+    monkeypatch.setattr("kg.query.readers.sharing._TURN_SECONDS", 0.001)
+
+    async def run() -> None:
+        sharing = Sharing(1, 10)
+        readers: list[Any] = [_Reader("a"), _Reader("b")]
+        for reader in readers:
+            sharing.add(reader, "")
+        ran = set()
+        while len(ran) < 2:
+            ran |= {reader.name for reader in readers if reader.runs}
+            await asyncio.sleep(0)
+        for reader in readers:
+            sharing.remove(reader)
+        assert sharing._timer is None
+
+    asyncio.run(run())
