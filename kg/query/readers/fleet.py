@@ -18,7 +18,7 @@ __all__ = ["Fleet"]
 
 
 class Fleet:
-    """Readers made by `spawner`; `ready` of them are kept, of which at least one has nothing to do if it can be helped.
+    """Readers made by `spawner`, of which `ready` are kept idle, so that no request has to wait for one to start.
 
     A reader whose priority was lowered is not used again. `spawned` is how many there were so far, `ended` how many of
     these by what ended them.
@@ -72,7 +72,7 @@ class Fleet:
 
     def fill(self) -> None:
         """See to it, in the background, that there are enough."""
-        if self._filling is None and not self._closing and len(self._idle) < self._wanted():
+        if self._filling is None and not self._closing and len(self._idle) < self._ready:
             self._filling = asyncio.get_running_loop().create_task(self._fill())
 
     async def close(self) -> None:
@@ -96,14 +96,10 @@ class Fleet:
             self._close(process, "crashed")
         return None
 
-    def _wanted(self) -> int:
-        """Return how many are to have nothing to do; readers of long queries do not count."""
-        return max(1, self._ready - sum(not process.nice for process in self._used))
-
     async def _fill(self) -> None:
         try:
-            while len(self._idle) < self._wanted():
-                self._idle.insert(0, await self._spawn())
+            while (missing := self._ready - len(self._idle)) > 0:
+                self._idle[:0] = await asyncio.gather(*(self._spawn() for _ in range(missing)))
         except QueryError:
             # Whoever needs a reader tries again and is told.
             return

@@ -91,6 +91,7 @@ class Process:
         self._order = order
         self._prefix: tuple[int, int] | None = None
         self.unread = False
+        self._began = 0.0
         self.nice = False
         self.pid = 0
 
@@ -125,14 +126,22 @@ class Process:
         self._words.listen()
         return any(words in self._words.text for words in _OUT_OF_MEMORY)
 
-    def processor_seconds(self) -> float | None:
-        """Return the processor time that all its threads have used, None where the system does not tell."""
+    def start(self, request: bytes) -> None:
+        """Send a request; `used` counts from now on."""
+        self._began = self._clock()
+        self.send(request)
+
+    def used(self) -> float:
+        """Return the processor seconds used since `start`, by all threads; seconds where the system does not tell."""
+        return self._clock() - self._began
+
+    def _clock(self) -> float:
         if sys.platform != "linux":
-            return None
+            return time.monotonic()
         try:
             return time.clock_gettime(~self.pid << 3 | _PROCESSOR_CLOCK)
-        except OSError:
-            return None
+        except OSError:  # it has ended
+            return self._began
 
     def give_way(self) -> None:
         """Lower its priority for good."""

@@ -1,10 +1,10 @@
 """Scheduling of requests on readers: one queue, short first turns, and shared processors for long queries.
 
-Each query waits for a *slot*, and slots go to the clients in turn (`slots.Slots`). In its slot it has a first turn of a
-tenth of a second of processor time, which is enough for most queries. A query that has not ended by then continues in
-its reader, but no longer holds the slot: it is now a *long* query. Readers of long queries have a low priority. As many
-of them run at a time as there are slots, and the others are paused (`sharing.Sharing`). The query that ran least runs
-next. No query is restarted, and no estimate of its costs is made before it runs.
+Each query waits for a *slot*, and slots go to the clients in turn (`slots.Slots`). In its slot it has a first turn:
+20 ms of processor time while others wait, else 100 ms. Most queries end in it. A query that does not continues in its
+reader, but no longer holds the slot: it is now a *long* query. As many long queries run at a time as there are slots,
+and the others are paused (`sharing.Sharing`). The one that ran least runs next, and after 100 ms of processor time its
+reader has a lower priority. No query is restarted, and its costs are not estimated before it runs.
 
 It follows that a query waits for a slot at most as long as the first turns of the requests ahead of it, however many
 long queries there are. A query is refused (KG509) only when the queue is full, or when too many long queries are held.
@@ -31,15 +31,16 @@ if TYPE_CHECKING:
 
 __all__ = ["Run", "Scheduler"]
 
-_TURN_SECONDS: Final = 0.1
-"""Processor time of the first turn."""
-_TURN_ROUNDS: Final = 10
+_TURN_SECONDS: Final = 0.02
+_LONE_TURN_SECONDS: Final = 0.1
+"""Processor time of the first turn, while other queries wait and while none does."""
+_TURN_ROUNDS: Final = 3
 """The turn lasts at most so many times as long while the reader gets no processor, or waits for the disk."""
 _CHECK_SECONDS: Final = 0.01
 """Interval at which the end of a turn is checked."""
 _TURN_BYTES: Final = 1 << 20
 """An answer that grows larger ends the turn: it is sent while it is found."""
-_LONG_PER_SLOT: Final = 32
+_LONG_PER_SLOT: Final = 40
 """Long queries held per slot, running and paused. A paused reader uses about 6 MB beside the memory of its query."""
 
 _CAUSES: Final = {"KG503": "deadline", "KG510": "cancelled", "KG507": "memory", "KG508": "crashed", "KG509": "busy"}
@@ -103,7 +104,7 @@ class Run:
         self._slots = slots
         self._process = process = await self._scheduler.fleet.take(self._job.wait_at)
         self._job.run_on(process)
-        process.send(self._message)
+        process.start(self._message)
         self._answer = answer = Answer(self._job, process, self._copied)
         if self._view:
             await answer.begin()
@@ -117,14 +118,12 @@ class Run:
 
     async def _ends_in_turn(self, answer: Answer, process: Process) -> bool:
         """Wait for the end of an answer until its first turn is over; return whether it came."""
-        began, before = time.monotonic(), process.processor_seconds()
-        seconds = _TURN_SECONDS
-        while not await answer.collect(seconds, _TURN_BYTES):
-            now, elapsed = process.processor_seconds(), time.monotonic() - began
-            used = elapsed if now is None or before is None else now - before
-            if answer.held_bytes > _TURN_BYTES or used >= _TURN_SECONDS or elapsed >= _TURN_SECONDS * _TURN_ROUNDS:
+        began = time.monotonic()
+        while not await answer.collect(_CHECK_SECONDS, _TURN_BYTES):
+            turn = _TURN_SECONDS if self._scheduler.queries.waiting else _LONE_TURN_SECONDS
+            late = time.monotonic() - began >= turn * _TURN_ROUNDS
+            if late or process.used() >= turn or answer.held_bytes > _TURN_BYTES:
                 return False
-            seconds = _CHECK_SECONDS
         return True
 
     def _leave_reader(self, cause: str | None = None) -> None:

@@ -18,12 +18,15 @@ __all__ = ["Sharing"]
 
 _TURN_SECONDS: Final = 0.1
 """Interval at which the running readers are chosen again."""
+_NICE_SECONDS: Final = 0.1
+"""Processor time after which a reader gets a lower priority, for good. It then takes no further query."""
 
 
 class Sharing:
     """Readers of long queries. `slots` of them run at a time, the others are paused; at most `most` are held.
 
-    The reader that ran least runs next: first by the time of all long queries of its client, then by its own.
+    The reader that ran least runs next: first by the time of all long queries of its client, then by its own. Time
+    counts while a reader may run, whether it works or waits, so that no reader keeps its turn by waiting.
     """
 
     def __init__(self, slots: int, most: int, clock: Callable[[], float] = time.monotonic) -> None:
@@ -42,7 +45,7 @@ class Sharing:
         return len(self._clients)
 
     def add(self, process: Process, client: str) -> None:
-        """Hold a reader that runs a query of `client`, at a lower priority than other processes.
+        """Hold a reader that runs a query of `client`.
 
         Raises:
             QueryError: KG509 when as many are held as allowed.
@@ -50,14 +53,13 @@ class Sharing:
         if self.held >= self._most:
             raise QueryError("KG509", f"{self.held} long queries are running", hint="Try again in a few seconds.")
         self._charge()
-        process.give_way()
         self._clients[process] = client
         self._seconds[process] = 0.0
         self._running.add(process)
         self._choose()
 
     def remove(self, process: Process) -> None:
-        """Release a reader, if it is held; it is not used for another query."""
+        """Release a reader, if it is held; it may be paused."""
         if process in self._clients:
             self._charge()
             del self._clients[process], self._seconds[process]
@@ -73,6 +75,8 @@ class Sharing:
         now = self._clock()
         for process in self._running:
             self._seconds[process] += now - self._since
+            if not process.nice and process.used() >= _NICE_SECONDS:
+                process.give_way()
         self._since = now
 
     def _choose(self) -> None:
@@ -89,5 +93,5 @@ class Sharing:
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
-        if self.held > self._slots:
+        if self.held:
             self._timer = asyncio.get_running_loop().call_later(_TURN_SECONDS, self.turn)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import OrderedDict, deque
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from kg.errors import QueryError
 
@@ -13,18 +13,26 @@ if TYPE_CHECKING:
 
 __all__ = ["Slots"]
 
+_OLDEST: Final = 4
+"""While many wait, one of so many grants is for the oldest request of a client."""
+
 
 class Slots:
     """`slots`, each held by one request at a time; at most `queue` requests wait.
 
-    Free slots go to the waiting clients in turn, and to the requests of one client in their order. When the queue is
-    full, the client with the most waiting requests loses its newest one. One client cannot fill the queue for others.
+    Free slots go to the waiting clients in turn. Of the requests of one client, those that wait longest go first. If
+    more of them wait than there are slots, only every fourth grant is for the oldest request, and the others are for the
+    newest: a burst delays neither what comes behind it for long, nor is any of it left behind.
+
+    When the queue is full, the client with the most waiting requests loses its newest one. One client cannot fill the
+    queue for others.
     """
 
     def __init__(self, slots: int, queue: int) -> None:
         self.held = 0
         self._slots = slots
         self._queue = queue
+        self._grants = 0
         self._waiting: OrderedDict[str, deque[asyncio.Future[None]]] = OrderedDict()
 
     @property
@@ -60,7 +68,8 @@ class Slots:
         while self._waiting:
             client, places = next(iter(self._waiting.items()))
             self._waiting.move_to_end(client)
-            place = places[0]
+            self._grants += 1
+            place = places[-1 if len(places) > self._slots and self._grants % _OLDEST else 0]
             self._forget(client, place)
             if not place.done():
                 place.set_result(None)

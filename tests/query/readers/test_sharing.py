@@ -25,6 +25,10 @@ class _Reader:
         self.name = name
         self.nice = False
         self.runs = True
+        self.worked = 0.0
+
+    def used(self) -> float:
+        return self.worked
 
     def give_way(self) -> None:
         self.nice = True
@@ -85,7 +89,6 @@ def test_as_many_run_as_there_are_slots() -> None:
         shared = _Shared(2)
         readers = [shared.add(name) for name in "abc"]
         assert (shared.running, shared.sharing.held) == ("ab", 3)
-        assert all(reader.nice for reader in readers)
         shared.remove(readers[0])
         assert (shared.running, shared.sharing.held) == ("bc", 2)
 
@@ -104,6 +107,19 @@ def test_the_query_that_ran_least_runs_next() -> None:
         assert shared.after(4.9) == "b"
         assert shared.after(0.2) == "a"
         assert shared.after(0.2) == "b"
+
+    _in_a_loop(test)
+
+
+def test_a_reader_that_worked_long_has_a_lower_priority() -> None:
+    """What counts is its processor time, not how long it was held."""
+
+    def test() -> None:
+        shared = _Shared(2)
+        working, waiting = shared.add("a"), shared.add("b")
+        working.worked, waiting.worked = 0.11, 0.01
+        shared.after(10.0)
+        assert (working.nice, waiting.nice) == (True, False)
 
     _in_a_loop(test)
 

@@ -44,7 +44,7 @@ async def _held(slots: int, queue: int) -> Slots:
     return found
 
 
-def test_requests_of_one_client_are_served_in_order() -> None:
+def test_few_requests_of_one_client_are_served_in_order() -> None:
     """A freed slot goes to the request that waited longest."""
 
     async def run() -> None:
@@ -55,16 +55,37 @@ def test_requests_of_one_client_are_served_in_order() -> None:
             await slots.take("client", lambda _: None)
             order.append(number)
 
-        tasks = [asyncio.create_task(one(number)) for number in range(3)]
+        tasks = [asyncio.create_task(one(number)) for number in range(2)]
         await asyncio.sleep(0)
-        assert (slots.held, slots.waiting, order) == (2, 3, [])
-        for _ in range(3):
+        assert (slots.held, slots.waiting, order) == (2, 2, [])
+        for _ in range(2):
             slots.give_back()
         await asyncio.gather(*tasks)
-        assert (slots.held, slots.waiting, order) == (2, 0, [0, 1, 2])
+        assert (slots.held, slots.waiting, order) == (2, 0, [0, 1])
         for _ in range(2):
             slots.give_back()
         assert slots.held == 0
+
+    asyncio.run(run())
+
+
+def test_a_burst_delays_neither_the_newest_nor_the_oldest_for_long() -> None:
+    """C13: while many wait, three of four slots go to the newest request of a client, one to its oldest."""
+
+    async def run() -> None:
+        slots = await _held(1, 100)
+        order: list[int] = []
+
+        async def one(number: int) -> None:
+            await slots.take("client", lambda _: None)
+            order.append(number)
+            slots.give_back()
+
+        tasks = [asyncio.create_task(one(number)) for number in range(8)]
+        await asyncio.sleep(0)
+        slots.give_back()
+        await asyncio.gather(*tasks)
+        assert order == [7, 6, 5, 0, 4, 3, 2, 1]
 
     asyncio.run(run())
 
