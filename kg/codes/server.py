@@ -75,8 +75,8 @@ CODES: Final = {
         "Send the request again on a faster connection.",
     ),
     "KG533": CodeEntry(
-        "too many connections",
-        "The server has as many connections open as it may have.",
+        "too many requests at a time",
+        "The server is answering as many requests as it may. It still answers /health and /metrics.",
         "Try again in a moment.",
     ),
     "KG534": CodeEntry(

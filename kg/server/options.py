@@ -23,7 +23,8 @@ class Options:
     deadline of a query and `update_seconds` that of a change, `rows` the cap of an answer and `answer_bytes` its size,
     `memory` that of a reader in bytes, `cache` that of answers kept for who asks the same again, `body` the size of a
     request. With `union` the default graph is the union of all graphs, else the unnamed one. `grace` is how many
-    seconds requests have to end when the server stops, `connections` how many may be open.
+    seconds requests have to end when the server stops. At most `connections` are answered at a time, and as many wait
+    for a request.
 
     With `robot`, the address of one, pages show it; who has the token may move it.
 

@@ -1,17 +1,24 @@
 """What guards a connection below the application: how many there are, how slowly they may speak, how much at once.
 
 The application sees a request when its headers are whole, so what never gets that far has to be ended here.
+
+A connection is *waiting* until a request on it is whole, and *answering* from then until the end of the answer. Each
+kind has a limit of its own, so that connections without a request use up no capacity for requests. Above the first
+limit the oldest waiting connection is closed, of the address that has the most of them: a new connection is never
+refused. Above the second limit a request is refused (KG533), but not one for `/health` or `/metrics`.
 """
 
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass, field
 from http import HTTPStatus
 from typing import TYPE_CHECKING, Any, Final
 
 from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
 
 from kg.server.errors import STATUS, RequestError, problem
+from kg.server.safety.floods import ALWAYS
 from kg.server.safety.headers import HEADERS
 
 if TYPE_CHECKING:
@@ -33,10 +40,42 @@ LINGER_BYTES: Final = 1 << 20
 """How much we throw away meanwhile."""
 
 
-class Guarded(HttpToolsProtocol):
-    """HTTP/1.1 of uvicorn, with bounds on time, size and number; `most` is how many connections may be open."""
+@dataclass(slots=True)
+class Crowd:
+    """The connections of a server; `most` of them may wait, and as many be answered."""
 
-    most = 256
+    most: int
+    waiting: dict[str, dict[Guarded, None]] = field(default_factory=dict)
+    answering: set[Guarded] = field(default_factory=set)
+
+    def wait(self, connection: Guarded, address: str) -> None:
+        """Count a connection as waiting, and close the oldest one where that is too many."""
+        self.answering.discard(connection)
+        self.waiting.setdefault(address, {})[connection] = None
+        if sum(map(len, self.waiting.values())) > self.most:
+            longest = max(self.waiting, key=lambda name: len(self.waiting[name]))
+            oldest = next(iter(self.waiting[longest]))
+            self.forget(oldest, longest)
+            oldest.make_room()
+
+    def answer(self, connection: Guarded, address: str) -> None:
+        """Count a connection as one that is answered."""
+        self.forget(connection, address)
+        self.answering.add(connection)
+
+    def forget(self, connection: Guarded, address: str) -> None:
+        """Count a connection no more."""
+        self.answering.discard(connection)
+        connections = self.waiting.get(address, {})
+        connections.pop(connection, None)
+        if not connections:
+            self.waiting.pop(address, None)
+
+
+class Guarded(HttpToolsProtocol):
+    """HTTP/1.1 of uvicorn, with bounds on time, size and number; `crowd` has all connections of the server."""
+
+    crowd: Crowd
 
     def __init__(self, *args: Any, **named: Any) -> None:
         super().__init__(*args, **named)
@@ -48,17 +87,27 @@ class Guarded(HttpToolsProtocol):
         self._timers: dict[str, asyncio.TimerHandle] = {}
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]  # as uvicorn does
-        """Take a connection, or refuse it where there are too many: KG533."""
+        """Take a connection."""
         super().connection_made(transport)
-        if len(self.connections) > self.most:
-            self._refuse("KG533", f"{self.most} connections are open already")
+        self._start("head", HEAD_SECONDS, self._head_is_late)
+        self.crowd.wait(self, self._address)
+
+    @property
+    def _address(self) -> str:
+        return self.client[0] if self.client else ""
+
+    def make_room(self) -> None:
+        """Close the connection, which waits for longer than the others."""
+        if self._whole:
+            self.transport.close()
         else:
-            self._start("head", HEAD_SECONDS, self._head_is_late)
+            self.transport.abort()
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Forget what was waited for."""
         for name in tuple(self._timers):
             self._stop(name)
+        self.crowd.forget(self, self._address)
         super().connection_lost(exc)
 
     def data_received(self, data: bytes) -> None:
@@ -84,9 +133,12 @@ class Guarded(HttpToolsProtocol):
         super().on_message_begin()
 
     def on_headers_complete(self) -> None:
-        """Hand the request to the application."""
+        """Hand the request to the application; KG533 where too many are answered already."""
         self._in_head = False
         self._stop("head")
+        path = self.url.partition(b"?")[0].decode("latin-1")
+        if len(self.crowd.answering) >= self.crowd.most and path not in ALWAYS and not self._refused:
+            self._refuse("KG533", f"{self.crowd.most} requests are being answered already")
         if not self._refused:
             self._answering = True
             super().on_headers_complete()
@@ -100,6 +152,8 @@ class Guarded(HttpToolsProtocol):
         """Note that the request is whole."""
         self._whole = True
         self._stop("rest")
+        if self._answering and not self._refused:
+            self.crowd.answer(self, self._address)
         if not self._refused:
             super().on_message_complete()
 
@@ -107,6 +161,8 @@ class Guarded(HttpToolsProtocol):
         """Wait for the rest of a body that nobody reads, not for ever."""
         self._answering = bool(self.pipeline)
         super().on_response_complete()
+        if not self._answering and not self.transport.is_closing():
+            self.crowd.wait(self, self._address)
         if not self._whole and not self._in_head and not self.transport.is_closing():
             self._start("rest", REST_SECONDS, self.transport.abort)
 
@@ -160,5 +216,5 @@ class Guarded(HttpToolsProtocol):
 
 
 def guarded(most: int) -> type[Guarded]:
-    """Return the protocol of a server that may have `most` connections open."""
-    return type("Guarded", (Guarded,), {"most": most})
+    """Return the protocol of a server that may have `most` connections waiting, and as many being answered."""
+    return type("Guarded", (Guarded,), {"crowd": Crowd(most)})

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from starlette.requests import HTTPConnection
 
@@ -13,7 +13,10 @@ from kg.server.safety.hosts import is_loopback
 if TYPE_CHECKING:
     from starlette.types import ASGIApp, Receive, Scope, Send
 
-__all__ = ["Floods"]
+__all__ = ["ALWAYS", "Floods"]
+
+ALWAYS: Final = frozenset({"/health", "/metrics"})
+"""Paths that are answered however busy the server is: a supervisor must not take a busy server for a dead one."""
 
 
 class Floods:
@@ -30,7 +33,7 @@ class Floods:
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Count a request while it is answered."""
         client = (scope.get("client") or ("localhost", 0))[0] if scope["type"] == "http" else "localhost"
-        if is_loopback(client):
+        if is_loopback(client) or scope["path"] in ALWAYS:
             await self._app(scope, receive, send)
             return
         if self._open[client] >= self._most:

@@ -7,11 +7,15 @@ import sys
 import time
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from patience import patient
 from serving import TOKEN, Serving, served
+
+from kg.server.safety import connections
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -26,7 +30,7 @@ bodies._PAUSE = 1.0
 
 @pytest.fixture(scope="module")
 def server(store: Path) -> Iterator[Serving]:
-    """A server with little patience and room for eight connections."""
+    """A server with little patience, of which eight connections may wait."""
     with served(store, before=PATIENT, connections=8, body=100_000, write=True, token=TOKEN, log="off") as found:
         yield found
 
@@ -166,22 +170,84 @@ def test_what_is_no_request(server: Serving, said: bytes) -> None:
     assert is_alive(server)
 
 
-def test_more_connections_than_there_may_be(store: Path) -> None:
-    """Connections above the limit are answered 503 at once; those before them go on."""
-    # A server that is patient, and of which nobody has left without its having noticed.
-    before = "from kg.server.safety import connections; connections.HEAD_SECONDS = 3600.0"
-    with served(store, before=before, connections=8, log="off") as server:
-        held = [opened(server, b"GET /health HTTP/1.1\r\nHost: localhost\r\n") for _ in range(8)]
-        answer = heard(opened(server))
-        assert b" 503 " in answer
-        assert b"retry-after" in answer
-        held[0].sendall(b"Connection: close\r\n\r\n")
-        assert b" 200 OK" in heard(held[0])
-        for one in held[1:]:
+HALF = b"GET /health HTTP/1.1\r\nHost: localhost\r\n"
+CHEAP = b"GET /sparql?query=ASK{} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n"
+UNHURRIED = "from kg.server.safety import connections; connections.HEAD_SECONDS = 3600.0"
+"""A server that does not end a connection for being slow."""
+
+
+def test_half_open_connections_keep_nobody_out(store: Path) -> None:
+    """C26: however many connections wait with half a request, a new one is answered; the oldest are closed."""
+    with served(store, before=UNHURRIED, connections=8, log="off") as server:
+        held = [opened(server, HALF) for _ in range(40)]
+        assert is_alive(server)
+        assert b" 200 OK" in heard(opened(server, CHEAP))
+        held[-1].sendall(b"Connection: close\r\n\r\n")
+        assert b" 200 OK" in heard(held[-1])
+        assert heard(held[0]) == b""
+        for one in held[1:-1]:
             one.close()
-        end = time.monotonic() + patient(10)
-        while not is_alive(server):
-            assert time.monotonic() < end
+
+
+def test_bodies_that_dribble_keep_nobody_out(store: Path) -> None:
+    """C26: a request without the end of its body counts as one that waits."""
+    head = b"POST /sparql HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/sparql-query\r\n"
+    with served(store, connections=4, log="off") as server:
+        held = [opened(server, head + b"Content-Length: 99\r\n\r\nASK") for _ in range(20)]
+        assert b" 200 OK" in heard(opened(server, CHEAP))
+        for one in held:
+            one.close()
+
+
+def test_a_busy_server_is_healthy(store: Path) -> None:
+    """C26: above the limit requests are refused with 503, but a supervisor is answered."""
+    endless = "SELECT (COUNT(*) AS ?n) {" + " ".join(f"?a{i} ?b{i} ?c{i} ." for i in range(14)) + "}"
+    with served(store, connections=2, seconds=600.0, log="off") as server:
+        lines = f"POST /sparql HTTP/1.1\r\nHost: localhost\r\nContent-Length: {len(endless)}\r\n"
+        query = f"{lines}Content-Type: application/sparql-query\r\n\r\n{endless}".encode()
+        held = [opened(server, query) for _ in range(2)]
+        closing = b"HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n"
+        while b'"running":2' not in heard(opened(server, b"GET /health " + closing)):
+            pass
+        refused = heard(opened(server, CHEAP))
+        assert b" 503 " in refused
+        assert b"KG533" in refused
+        assert b"retry-after" in refused
+        for path in (b"/health", b"/health?full", b"/metrics"):
+            assert b" 200 OK" in heard(opened(server, b"GET " + path + b" " + closing))
+        held.pop().close()
+        while b" 200 OK" not in heard(opened(server, CHEAP)):
+            pass
+        held.pop().close()
+
+
+class _Connection:
+    """A connection that notes that it was closed."""
+
+    closed = False
+
+    def make_room(self) -> None:
+        self.closed = True
+
+
+@given(st.lists(st.tuples(st.sampled_from("abc"), st.sampled_from(["wait", "answer", "forget"])), max_size=60))
+def test_the_address_with_most_waiting_connections_loses_one(steps: list[tuple[str, str]]) -> None:
+    """C26: never more wait than may, and what is closed is the oldest of an address with no fewer than any other."""
+    crowd = connections.Crowd(4)
+    waiting: dict[str, list[Any]] = {name: [] for name in "abc"}
+    for address, step in steps:
+        if step == "wait":
+            waiting[address].append(_Connection())
+            most = max(map(len, waiting.values()))
+            crowd.wait(waiting[address][-1], address)
+            for one in waiting.values():
+                if one and one[0].closed:
+                    assert len(one) == most
+                    del one[0]
+        elif waiting[address]:
+            getattr(crowd, step)(waiting[address].pop(), address)
+        assert {name: list(found) for name, found in crowd.waiting.items()} == {k: v for k, v in waiting.items() if v}
+        assert sum(map(len, waiting.values())) <= 4
 
 
 def holds(server: Serving, connection: socket.socket) -> bool:
