@@ -15,6 +15,7 @@ from kg.query.formats import GRAPH_FORMATS
 from kg.query.readers.messages import Question
 from kg.server.errors import RequestError
 from kg.server.negotiation import GRAPH, RESULTS, choose
+from kg.server.parameters import Parameters
 from kg.server.safety.tokens import client
 from kg.server.state import state
 
@@ -61,8 +62,7 @@ async def description(request: Request) -> Response:
     Raises:
         RequestError: KG523 when the client accepts none of these.
     """
-    parameters = request.query_params
-    choices = choose(request.headers.get("accept"), parameters.get("format") or parameters.get("output"))
+    choices = choose(request.headers.get("accept"), Parameters(request.scope["query_string"]).formats)
     if "graph" not in choices:
         types = ", ".join(dict.fromkeys(media_type for media_type, _ in GRAPH))
         raise RequestError("KG523", "the service description is a graph", hint=f"Accept one of {types}.")

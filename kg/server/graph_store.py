@@ -74,7 +74,7 @@ def _raw_path(request: Request) -> str:
 async def _get(request: Request) -> Response:
     parameters = Parameters(request.scope["query_string"])
     graph = _graph(request, parameters)
-    choices = choose(request.headers.get("accept"), parameters.one("format") or parameters.one("output"))
+    choices = choose(request.headers.get("accept"), parameters.formats)
     if "graph" not in choices:
         types = ", ".join(dict.fromkeys(media_type for media_type, _ in GRAPH))
         raise RequestError("KG523", "graphs are written in other formats", hint=f"Accept one of {types}.")

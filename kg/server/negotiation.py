@@ -49,7 +49,9 @@ GRAPH: Final[Sequence[tuple[str, str]]] = (
 )
 """Media type and format of graphs, the one that is preferred first."""
 
-_KINDS: Final = {"rows": RESULTS, "boolean": RESULTS, "graph": GRAPH}
+_N3: Final = (("text/n3", "turtle"), ("text/rdf+n3", "turtle"))
+"""Media types of Notation3, of which Turtle is a part."""
+_KINDS: Final = {"rows": RESULTS, "boolean": RESULTS, "graph": (*GRAPH, *_N3)}
 
 _NAMES: Final = {
     "ttl": "turtle",
@@ -60,6 +62,8 @@ _NAMES: Final = {
     "json-ld": "jsonld",
     "rdf": "rdfxml",
     "rdf/xml": "rdfxml",
+    "rdf+xml": "rdfxml",
+    "n3": "turtle",
     "srj": "json",
     "srx": "xml",
     "md": "markdown",
@@ -169,21 +173,22 @@ def best(accept: Sequence[Range], offered: Iterable[tuple[str, str]]) -> Choice 
 
 
 @lru_cache(maxsize=1024)
-def choose(accept: str | None, named: str | None = None) -> Mapping[str, Choice]:
+def choose(accept: str | None, named: tuple[str, ...] = ()) -> Mapping[str, Choice]:
     """Return the format of each kind of answer (`rows`, `boolean`, `graph`) that the client takes.
 
-    `accept` is the header; `named` is a format by name or media type, and wins over it.
+    `named` has formats by name or media type. The first known one wins; clients such as SPARQLWrapper send several.
+    Without one, `accept` decides, the header. If it allows anything, an unknown name is an error.
 
     Raises:
         RequestError: KG523 when there is no format for any kind.
     """
-    if named:
-        found = _named(named.strip().lower())
-        if not found:
-            names = sorted({name for _, name in (*RESULTS, *GRAPH)})
-            raise RequestError("KG523", f"there is no format `{named}`", hint=f"Use one of {', '.join(names)}.")
-        return found
+    for name in named:
+        if found := _named(name.strip().lower()):
+            return found
     wanted = ranges(accept) if accept else []
+    if any(named) and all(one.type == "*" for one in wanted):
+        names = sorted({name for _, name in (*RESULTS, *GRAPH)})
+        raise RequestError("KG523", f"there is no format `{named[0]}`", hint=f"Use one of {', '.join(names)}.")
     if not wanted:
         return {kind: Choice(offered[0][1], offered[0][0]) for kind, offered in _KINDS.items()}
     found = _accepted(wanted)

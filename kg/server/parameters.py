@@ -56,6 +56,11 @@ class Parameters:
             raise RequestError("KG520", f"the parameter `{name}` stands {len(values)} times; once is allowed")
         return values[0] if values else None
 
+    @property
+    def formats(self) -> tuple[str, ...]:
+        """The formats that are named, of which some may be unknown or empty."""
+        return tuple(filter(None, self.all("format") + self.all("output")))
+
     def starting(self, prefix: str) -> dict[str, str]:
         """Return the parameters whose names start with `prefix`, without it."""
         return {name.removeprefix(prefix): self.one(name) or "" for name in self._values if name.startswith(prefix)}

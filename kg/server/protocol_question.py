@@ -104,7 +104,7 @@ async def _asked(request: Request) -> Asked | None:
     job = parameters.one("job")
     if job is not None and not _JOB.fullmatch(job):
         raise RequestError("KG520", "`job` takes 16 to 128 letters, digits, _ and -, which nobody can guess")
-    choices = choose(request.headers.get("accept"), parameters.one("format") or parameters.one("output"))
+    choices = choose(request.headers.get("accept"), parameters.formats)
     question = _question(request, parameters, text, choices)
     return Asked(
         question=question,

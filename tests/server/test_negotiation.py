@@ -35,6 +35,7 @@ TYPES = sorted({media_type for media_type, _ in (*RESULTS, *GRAPH)})
         ("text/csv;charset=utf-16, */*;q=0.1", "application/sparql-results+json", "text/turtle"),
         ('text/csv;header="present, or not"', "text/csv", None),
         ("TEXT/CSV", "text/csv", None),
+        ("text/n3", None, "text/n3"),
         ("text/csv;q=2, text/tab-separated-values", "text/tab-separated-values", None),
         ("no media type", "application/sparql-results+json", "text/turtle"),
         ("application/sparql-results+xml,application/sparql-results+json", "application/sparql-results+xml", None),
@@ -69,20 +70,29 @@ def test_nothing_acceptable(accept: str) -> None:
         ("jsonld", "json", "jsonld"),
         ("text/csv", "csv", None),
         ("application/sparql-results+xml", "xml", None),
+        ("rdf+xml", "xml", "rdfxml"),
+        ("n3", None, "turtle"),
     ],
 )
 def test_names(name: str, rows: str | None, graph: str | None) -> None:
     """A name in a link wins over the header, and stands for what it can of each kind of answer."""
-    found = choose("image/png", name)
+    found = choose("image/png", (name,))
     assert (found.get("rows") and found["rows"].format) == rows
     assert (found.get("graph") and found["graph"].format) == graph
 
 
 @pytest.mark.parametrize("name", ["jsn", "application/pdf", "a/b/c"])
-def test_unknown_name(name: str) -> None:
-    """A name that no format has is refused."""
+@pytest.mark.parametrize("accept", [None, "*/*"])
+def test_unknown_name(name: str, accept: str | None) -> None:
+    """A name that no format has is refused where the client would take anything else."""
     with pytest.raises(RequestError, match="no format"):
-        choose(None, name)
+        choose(accept, (name,))
+
+
+@pytest.mark.parametrize("named", [("tsv", "csv"), ("jsn", "tsv"), ("a/b", "", "tsv"), ("jsn",), ("a/b", "")])
+def test_the_first_known_name_counts(named: tuple[str, ...]) -> None:
+    """Names that no format has are left out, as long as another one or the header says what the client takes."""
+    assert choose("text/tab-separated-values", named)["rows"].format == "tsv"
 
 
 def test_pages() -> None:

@@ -21,8 +21,8 @@ class Slots:
     """`slots`, each held by one request at a time; at most `queue` requests wait.
 
     Free slots go to the waiting clients in turn. Of the requests of one client the oldest goes first. If more of them
-    wait than there are slots, only every fourth grant is for the oldest, and the others are for the newest. A burst does
-    not delay later requests for long, and each of its requests has its turn.
+    wait than there are slots, every fourth grant is for the oldest and the others are for the newest. A burst does not
+    delay later requests for long, and each of its requests has its turn.
 
     When the queue is full, the client with the most waiting requests loses its newest one. One client cannot fill the
     queue for others.
