@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
     from kg.store.layout import Layout
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["existing", "layout_of", "reading", "writable"]
+__all__ = ["existing", "layout_of", "or_empty", "reading", "writable"]
 
 
 def layout_of(settings: Settings) -> Layout:
@@ -42,6 +43,35 @@ def existing(settings: Settings) -> EmbeddedStore:
 def reading(settings: Settings) -> EmbeddedSnapshot:
     """Return the content of the store in force, for a `with` statement."""
     return existing(settings).read()
+
+
+@contextmanager
+def or_empty(settings: Settings) -> Iterator[Settings]:
+    """Yield the settings, with an empty temporary store where none is named or found.
+
+    Raises:
+        StoreError: KG301 when the settings name a store that is not there.
+    """
+    from kg.errors import StoreError  # noqa: PLC0415 - start-up time
+
+    try:
+        layout_of(settings)
+    except StoreError:
+        if settings.store is not None:
+            raise
+    else:
+        yield settings
+        return
+    import tempfile  # noqa: PLC0415 - with the branch that needs it
+
+    from kg.store.embedded import EmbeddedStore  # noqa: PLC0415 - start-up time
+    from kg.store.layout import FOLDER  # noqa: PLC0415 - start-up time
+
+    with tempfile.TemporaryDirectory(prefix="kg-") as folder:
+        store = EmbeddedStore.create(Path(folder) / FOLDER)
+        with store.write("kg serve") as transaction:
+            transaction.replace_graphs({})
+        yield replace(settings, store=store.layout.root)
 
 
 @contextmanager

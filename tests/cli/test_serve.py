@@ -9,9 +9,11 @@ import subprocess
 import sys
 from typing import TYPE_CHECKING
 
+import httpx
 import pyoxigraph
 import pytest
 from patience import patient
+from serving import TOKEN
 
 from kg.cli.serving import announce, options
 from kg.errors import UsageError
@@ -49,6 +51,34 @@ def test_no_store(tmp_path: Path) -> None:
     code, said = run(cwd=tmp_path)
     assert code == 4
     assert "KG301" in said
+
+
+@pytest.mark.parametrize("arguments", [["--write"], ["--store", "elsewhere"]])
+def test_no_store_to_change_or_of_that_name(tmp_path: Path, arguments: list[str]) -> None:
+    """A robot does not replace a store that is to be changed, or that is named."""
+    code, said = run("--robot", "memory://none", *arguments, cwd=tmp_path, KG_TOKEN=TOKEN)
+    assert code == 4
+    assert "KG301" in said
+
+
+def test_a_robot_needs_no_store(tmp_path: Path) -> None:
+    """In a folder without a store, the pages of a robot are served with an empty one, which is gone afterwards."""
+    program = "from kg.cli.main import run; run()"
+    command = [sys.executable, "-c", program, "serve", "--port", "0", "--log", "off", "--robot", "memory://none"]
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    environment = {**os.environ, "TMPDIR": str(temporary)}
+    with subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True, env=environment) as process:
+        assert process.stderr is not None
+        assert "no store" in process.stderr.readline()
+        address = process.stderr.readline().rpartition(" at ")[2].strip()
+        with httpx.Client(base_url=address, timeout=patient(30)) as client:
+            assert [client.get(path).status_code for path in ("/", "/robot", "/health")] == [200, 200, 200]
+            assert client.get("/sparql", params={"query": "ASK { ?s ?p ?o }"}).json()["boolean"] is False
+        process.send_signal(signal.SIGTERM)
+        assert process.wait(patient(30)) == 0
+    assert not (tmp_path / ".kg").exists()
+    assert not any(entry.name.startswith("kg-") for entry in temporary.iterdir())
 
 
 def test_port_in_use(store: Path) -> None:

@@ -1,5 +1,6 @@
 """`kg serve`: the SPARQL endpoint and the pages."""
 
+from contextlib import nullcontext
 from typing import Annotated, Any
 
 import typer
@@ -89,7 +90,7 @@ def serve(  # noqa: PLR0913 - the options of a command
     """Serve the store: pages for people, a SPARQL endpoint for programs.
 
     It listens on this machine only and changes nothing, until told otherwise. It follows builds: each
-    request is answered from the newest data. Ctrl-C ends it. For example:
+    request is answered from the newest data. With --robot it needs no store. Ctrl-C ends it. For example:
 
         kg serve
         kg serve --port 0 --open
@@ -99,6 +100,7 @@ def serve(  # noqa: PLR0913 - the options of a command
     """
     from kg.cli.serving import announce, options  # noqa: PLC0415 - start-up time
     from kg.server.running import serve as run  # noqa: PLC0415 - start-up time
+    from kg.store.opening import or_empty  # noqa: PLC0415 - start-up time
 
     texts = {
         "port": port, "token_file": token_file, "readers": readers, "queue": queue, "timeout": timeout,
@@ -117,4 +119,8 @@ def serve(  # noqa: PLR0913 - the options of a command
         robot=robot,
     )
     settings = session(context).settings(store=store, watchdog=watchdog)
-    run(settings, chosen, lambda address: announce(address, settings, chosen, say=note, browse=open_page))
+    # A robot can be used without a store; changes are refused without one, for they would be lost.
+    with or_empty(settings) if robot and not write else nullcontext(settings) as served:
+        if served is not settings:
+            note("no store found: serving an empty one; `kg build` makes one")
+        run(served, chosen, lambda address: announce(address, served, chosen, say=note, browse=open_page))
