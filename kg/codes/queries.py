@@ -51,8 +51,8 @@ CODES: Final = {
     ),
     "KG509": CodeEntry(
         "busy",
-        "As many queries run and wait as may at a time.",
-        "Try again in a moment, or raise `--readers`.",
+        "As many queries wait as may, or as many long queries run.",
+        "Try again in a moment, or raise `--readers` or `--queue`.",
     ),
     "KG510": CodeEntry(
         "cancelled",

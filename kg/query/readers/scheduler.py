@@ -1,9 +1,9 @@
 """Scheduling of requests on readers: one queue, short first turns, and shared processors for long queries.
 
 Each query waits for a *slot*, and slots go to the clients in turn (`slots.Slots`). In its slot it has a first turn:
-20 ms of processor time while others wait, else 100 ms. Most queries end in it. A query that does not continues in its
+10 ms of processor time while others wait, else 100 ms. Most queries end in it. A query that does not continues in its
 reader, but no longer holds the slot: it is now a *long* query. As many long queries run at a time as there are slots,
-and the others are paused (`sharing.Sharing`). The one that ran least runs next, and after 100 ms of processor time its
+and the others are paused (`sharing.Sharing`). Those that ran least run next, and after 100 ms of processor time a
 reader has a lower priority. No query is restarted, and its costs are not estimated before it runs.
 
 It follows that a query waits for a slot at most as long as the first turns of the requests ahead of it, however many
@@ -31,12 +31,12 @@ if TYPE_CHECKING:
 
 __all__ = ["Run", "Scheduler"]
 
-_TURN_SECONDS: Final = 0.02
+_TURN_SECONDS: Final = 0.01
 _LONE_TURN_SECONDS: Final = 0.1
 """Processor time of the first turn, while other queries wait and while none does."""
 _TURN_ROUNDS: Final = 3
 """The turn lasts at most so many times as long while the reader gets no processor, or waits for the disk."""
-_CHECK_SECONDS: Final = 0.01
+_CHECK_SECONDS: Final = 0.005
 """Interval at which the end of a turn is checked."""
 _TURN_BYTES: Final = 1 << 20
 """An answer that grows larger ends the turn: it is sent while it is found."""

@@ -25,8 +25,11 @@ _NICE_SECONDS: Final = 0.1
 class Sharing:
     """Readers of long queries. `slots` of them run at a time, the others are paused; at most `most` are held.
 
-    The reader that ran least runs next: first by the time of all long queries of its client, then by its own. Time
-    counts while a reader may run, whether it works or waits, so that no reader keeps its turn by waiting.
+    Those run that ran least: first by the time of all long queries of their client, then by their own. Times of one
+    query count as equal up to a factor of two, and the oldest goes first. So queries that take about the same time run
+    one after the other, and a query that is longer does not delay them.
+
+    Time counts while a reader may run, whether it works or waits, so that no reader keeps its turn by waiting.
     """
 
     def __init__(self, slots: int, most: int, clock: Callable[[], float] = time.monotonic) -> None:
@@ -83,7 +86,7 @@ class Sharing:
         of_client: defaultdict[str, float] = defaultdict(float)
         for process, client in self._clients.items():
             of_client[client] += self._seconds[process]
-        order = sorted(self._clients, key=lambda one: (of_client[self._clients[one]], self._seconds[one]))
+        order = sorted(self._clients, key=lambda one: (of_client[self._clients[one]], _level(self._seconds[one])))
         chosen = set(order[: self._slots])
         for process in self._running - chosen:
             process.pause()
@@ -95,3 +98,8 @@ class Sharing:
             self._timer = None
         if self.held:
             self._timer = asyncio.get_running_loop().call_later(_TURN_SECONDS, self.turn)
+
+
+def _level(seconds: float) -> int:
+    """Return 0 for less than a turn, and one more each time that `seconds` doubles."""
+    return int(seconds / _TURN_SECONDS).bit_length()

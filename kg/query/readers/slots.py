@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import OrderedDict, deque
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 from kg.errors import QueryError
 
@@ -13,16 +13,13 @@ if TYPE_CHECKING:
 
 __all__ = ["Slots"]
 
-_OLDEST: Final = 4
-"""While many wait, one of so many grants is for the oldest request of a client."""
-
 
 class Slots:
     """`slots`, each held by one request at a time; at most `queue` requests wait.
 
     Free slots go to the waiting clients in turn. Of the requests of one client the oldest goes first. If more of them
-    wait than there are slots, every fourth grant is for the oldest and the others are for the newest. A burst does not
-    delay later requests for long, and each of its requests has its turn.
+    wait than there are slots, grants are for the newest and the oldest in turn. A burst does not delay later requests
+    for long, and each of its requests has its turn.
 
     When the queue is full, the client with the most waiting requests loses its newest one. One client cannot fill the
     queue for others.
@@ -32,7 +29,7 @@ class Slots:
         self.held = 0
         self._slots = slots
         self._queue = queue
-        self._grants = 0
+        self._newest = False
         self._waiting: OrderedDict[str, deque[asyncio.Future[None]]] = OrderedDict()
 
     @property
@@ -68,8 +65,8 @@ class Slots:
         while self._waiting:
             client, places = next(iter(self._waiting.items()))
             self._waiting.move_to_end(client)
-            self._grants += 1
-            place = places[-1 if len(places) > self._slots and self._grants % _OLDEST else 0]
+            self._newest = not self._newest
+            place = places[-1 if self._newest and len(places) > self._slots else 0]
             self._forget(client, place)
             if not place.done():
                 place.set_result(None)

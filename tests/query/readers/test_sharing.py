@@ -96,7 +96,7 @@ def test_as_many_run_as_there_are_slots() -> None:
 
 
 def test_the_query_that_ran_least_runs_next() -> None:
-    """C13: long queries take turns, and a new one does not wait for those that ran before."""
+    """C13: a new long query does not wait for one that ran before; when it ran about as long, they take turns."""
 
     def test() -> None:
         shared = _Shared(1)
@@ -104,9 +104,22 @@ def test_the_query_that_ran_least_runs_next() -> None:
         assert shared.after(5.0) == "a"
         shared.add("b")
         assert shared.running == "b"
-        assert shared.after(4.9) == "b"
-        assert shared.after(0.2) == "a"
-        assert shared.after(0.2) == "b"
+        assert shared.after(3.0) == "b"
+        assert shared.after(0.5) == "a"
+        assert shared.after(2.0) == "b"
+
+    _in_a_loop(test)
+
+
+def test_queries_that_take_the_same_time_run_one_after_the_other() -> None:
+    """Later ones do not delay the first: in a crowd of equals, each ends after those before it."""
+
+    def test() -> None:
+        shared = _Shared(1)
+        shared.add("a")
+        for name in "bcd":
+            shared.add(name)
+            assert shared.after(0.02) == "a"
 
     _in_a_loop(test)
 
@@ -134,7 +147,7 @@ def test_clients_share_alike() -> None:
         shared.add("x", "one")
         ran = [shared.after(0.1) for _ in range(100)]
         assert 48 <= ran.count("x") <= 52
-        assert min(ran.count(name) for name in "abcd") >= 11
+        assert min(ran.count(name) for name in "abcd") >= 5
 
     _in_a_loop(test)
 
