@@ -193,7 +193,7 @@ def test_turns_pass_without_being_asked_for(monkeypatch: pytest.MonkeyPatch) -> 
         readers: list[Any] = [_Reader("a"), _Reader("b")]
         for reader in readers:
             sharing.add(reader, "")
-        ran = set()
+        ran: set[str] = set()
         while len(ran) < 2:
             ran |= {reader.name for reader in readers if reader.runs}
             await asyncio.sleep(0)
