@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from kg.graph.systems_reading import SystemName
 
-__all__ = ["assignments", "check_given", "find", "matching", "unknown_launch"]
+__all__ = ["assignments", "check_given", "find", "matching", "several_launches", "unknown_launch"]
 
 _SHOWN: Final = 8
 
@@ -31,21 +31,37 @@ def find(names: Sequence[SystemName], text: str, roots: Mapping[str, str]) -> Sy
     if not found:
         raise unknown_launch(names, text)
     if len(found) > 1:
-        ways = "\n".join(f"`--launch {one.name}`  ({one.repository}:{one.path})" for one in found[:_SHOWN])
-        raise UsageError("KG003", f"{len(found)} launch files are called `{text}`; say which", hint=ways)
+        raise several_launches(names, found, text, option="--launch ")
     return found[0]
+
+
+def several_launches(
+    names: Sequence[SystemName], found: Sequence[SystemName], text: str, option: str = ""
+) -> UsageError:
+    """Return the error KG003: `text` means all of `found`; the hint has a text for each that means it alone."""
+    ways = [f"`{option}{_shortest(names, one)}`  ({one.repository}:{one.path})" for one in found[:_SHOWN]]
+    if len(found) > _SHOWN:
+        ways.append(f"... and {len(found) - _SHOWN} more")
+    return UsageError("KG003", f"{len(found)} launch files are called `{text}`; say which", hint="\n".join(ways))
+
+
+def _shortest(names: Sequence[SystemName], one: SystemName) -> str:
+    """Return the name of a launch file if it is the only one so called, else its path, else that with its source."""
+    whole = f"{one.repository}:{one.path}"
+    return next((text for text in (one.name, one.path) if matching(names, text) == [one]), whole)
 
 
 def matching(names: Sequence[SystemName], text: str) -> list[SystemName]:
     """Return those of `names` that `text` may mean, by the first of these ways that fits any.
 
-    It is a name (`package/launch/x.launch`) or a path in a source, the end of either by whole segments, or
-    `package x.launch` as roslaunch takes it.
+    It is `source:path`, a name (`package/launch/x.launch`) or a path in a source, the end of one of the two by whole
+    segments, or `package x.launch` as roslaunch takes it.
     """
     words = text.split()
     wanted = "/".join(words)
     return (
-        [one for one in names if wanted in {one.name, one.path}]
+        [one for one in names if text == f"{one.repository}:{one.path}"]
+        or [one for one in names if wanted in {one.name, one.path}]
         or [one for one in names if f"/{one.name}".endswith(f"/{wanted}") or f"/{one.path}".endswith(f"/{wanted}")]
         or [one for one in names if _package_and_file(one, words)]
     )

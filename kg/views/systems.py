@@ -5,17 +5,14 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING, Any, Final
 
-from kg.errors import UsageError
 from kg.graph.iris import Iris
 from kg.graph.systems_reading import included, system_names
-from kg.pipeline.launch_names import matching, unknown_launch
+from kg.pipeline.launch_names import matching, several_launches, unknown_launch
 from kg.query.rows import rows
 from kg.views.arguments import whole
 from kg.views.remembered import once
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from kg.graph.systems_reading import SystemName
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
@@ -23,7 +20,6 @@ if TYPE_CHECKING:
 __all__ = ["included_names", "known_names", "system_named", "systems"]
 
 _MOST: Final = 1000
-_SHOWN: Final = 8
 _STARTED: Final = """SELECT ?system (COUNT(?instance) AS ?count) {
   GRAPH ?g { ?system rnkg:hasInstance ?instance }
 } GROUP BY ?system"""
@@ -85,12 +81,8 @@ def system_named(snapshot: EmbeddedSnapshot, name: str, repository: str = "", ba
     if not found:
         raise unknown_launch(names, name)
     if len(found) > 1:
-        raise UsageError("KG003", f"{len(found)} launch files are called `{name}`; say which", hint=_ways(found))
+        raise several_launches(names, found, name)
     return found[0]
-
-
-def _ways(found: Sequence[SystemName]) -> str:
-    return "\n".join(f"`{one.name}`  ({one.repository}:{one.path})" for one in found[:_SHOWN])
 
 
 def _counts(snapshot: EmbeddedSnapshot, query: str) -> Counter[str]:

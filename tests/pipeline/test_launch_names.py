@@ -1,8 +1,11 @@
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
 
 from kg.errors import UnknownNameError, UsageError
 from kg.graph.systems_reading import SystemName
@@ -49,6 +52,28 @@ def test_what_several_are_called_is_refused_with_all_of_them() -> None:
     assert caught.value.hint is not None
     assert BASE.name in caught.value.hint
     assert OTHER.name in caught.value.hint
+
+
+_FOLDERS = st.lists(st.sampled_from(("a", "b", "launch")), max_size=3).map(lambda parts: "/".join([*parts, "x.launch"]))
+
+
+@given(
+    st.lists(
+        st.builds(SystemName, st.sampled_from(("one", "two")), _FOLDERS, _FOLDERS, st.just(1)),
+        min_size=2,
+        max_size=6,
+        unique_by=lambda one: (one.repository, one.path),
+    )
+)
+def test_each_way_that_is_offered_leads_to_one_launch_file(names: list[SystemName]) -> None:
+    """KG003 offers each launch file once, by a text that means it alone, also where names and paths are the same."""
+    several = matching(names, "x.launch")
+    assume(len(several) > 1)
+    with pytest.raises(UsageError, match="KG003") as caught:
+        find(names, "x.launch", {})
+    ways = re.findall(r"`--launch (.*?)`", caught.value.hint or "")
+    meant = [find(names, way, {}) for way in ways]
+    assert sorted(meant, key=names.index) == several
 
 
 def test_what_none_is_called_is_refused_with_what_was_meant() -> None:
