@@ -56,11 +56,17 @@ def read_wanted(path: Path) -> tuple[Wanted, ...]:
 def wanted_among(addresses: Iterable[str]) -> tuple[Wanted, ...]:
     """Return the repositories of some addresses, each once.
 
-    Refused are those whose folder differs from another's by case only, or lies in another's.
+    Refused are those whose folder is that of another repository or of another ref of the same one, differs from
+    another's by case only, or lies in another's.
     """
     found: dict[str, Wanted] = {}
     for one in map(_wanted, addresses):
-        found.setdefault(one.name, one)
+        first = found.setdefault(one.name, one)
+        if _differs(one, first):
+            whole = _whole(one)
+            found.setdefault(
+                whole, Wanted(whole, one.url, one.ref, f"its folder {one.name} is that of {_whole(first)}")
+            )
     folders: dict[str, str] = {}
     for name, one in found.items():
         first = folders.setdefault(name.casefold(), name)
@@ -69,6 +75,16 @@ def wanted_among(addresses: Iterable[str]) -> tuple[Wanted, ...]:
             problem = f"its folder is in that of {above}" if above else f"its folder is that of {first} but for case"
             found[name] = Wanted(name, one.url, one.ref, problem)
     return tuple(found.values())
+
+
+def _differs(one: Wanted, other: Wanted) -> bool:
+    """Tell whether two of one name are not the same files; names of hosts say which repository, others do not."""
+    urls = {each.url.rstrip("/").removesuffix(".git") for each in (one, other)}
+    return one.ref != other.ref or (one.name.startswith("local/") and len(urls) > 1)
+
+
+def _whole(one: Wanted) -> str:
+    return f"{one.url}@{one.ref}" if one.ref else one.url
 
 
 def _wanted(address: str) -> Wanted:

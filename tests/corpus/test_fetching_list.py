@@ -75,6 +75,22 @@ def test_one_folder_for_each() -> None:
     assert found["h/a/c"].ref == "v1"
 
 
+_REPOSITORIES = ("file:///srv/b.git", "file:///opt/b", "file:///opt/c", "https://h/a/b", "git@h:a/b", "ssh://h/a/c")
+
+
+@given(st.lists(st.tuples(st.sampled_from(_REPOSITORIES), st.sampled_from(("", "@v1", "@v2"))), max_size=6))
+def test_no_address_is_dropped(addresses: list[tuple[str, str]]) -> None:
+    """Each address with its ref is fetched into the folder of its name, or refused with what has that folder."""
+    found = wanted_among(url + ref for url, ref in addresses)
+    fetched = {one.name: one for one in found if not one.problem}
+    for url, ref in addresses:
+        (own,) = wanted_among([url + ref])
+        held = fetched[own.name]
+        is_fetched = held.ref == own.ref and (held.url == own.url or not own.name.startswith("local/"))
+        refused = [one for one in found if (one.url, one.ref) == (own.url, own.ref) and one.problem]
+        assert is_fetched or held.url in refused[0].problem
+
+
 @given(st.text(max_size=80))
 def test_any_text_as_address(text: str) -> None:
     """No address, however odd, stops the reading or gets a folder outside."""
