@@ -61,12 +61,10 @@ def wanted_among(addresses: Iterable[str]) -> tuple[Wanted, ...]:
     """
     found: dict[str, Wanted] = {}
     for one in map(_wanted, addresses):
-        first = found.setdefault(one.name, one)
-        if _differs(one, first):
+        held = found.setdefault(one.name, one)
+        if _differs(one, held):
             whole = _whole(one)
-            found.setdefault(
-                whole, Wanted(whole, one.url, one.ref, f"its folder {one.name} is that of {_whole(first)}")
-            )
+            found.setdefault(whole, Wanted(whole, one.url, one.ref, f"its folder {one.name} is that of {_whole(held)}"))
     folders: dict[str, str] = {}
     for name, one in found.items():
         first = folders.setdefault(name.casefold(), name)
