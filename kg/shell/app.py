@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import os
 import subprocess
+import traceback
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from textual.app import App, SuspendNotSupported, SystemCommand
 from textual.command import CommandPalette
 from textual.filter import NoColor
+from textual.theme import ThemeProvider
+from textual.worker import WorkerFailed, get_current_worker
 
 from kg.errors import KgError, UsageError
 from kg.render.text import printable
 from kg.shell.actions import ACTIONS, bindings, key_words
+from kg.shell.delivery import guard, is_late
 from kg.shell.link import Link
 from kg.shell.opening import command_for
 from kg.shell.screens.main import MainScreen
@@ -23,8 +27,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from textual.binding import Binding, BindingType
+    from textual.dom import DOMNode
     from textual.filter import LineFilter
     from textual.screen import Screen
+    from textual.widget import Widget
 
     from kg.settings import Settings
     from kg.shell.actions import Action
@@ -33,6 +39,8 @@ if TYPE_CHECKING:
 __all__ = ["Shell"]
 
 _THEME: Final = "textual-dark"
+_MOST_FAILURES: Final = 50
+"""Unexpected errors after which the shell ends: one in what draws the screen would come again with every notice."""
 
 
 class Shell(App[None]):
@@ -55,6 +63,9 @@ class Shell(App[None]):
         self.link = Link(settings, layout)
         self.state = state or State(state_folder(), str(layout.root))
         self._opened = False
+        self.failures: list[BaseException] = []
+        """Unexpected errors that were shown instead of ending the shell; of a sound shell there are none."""
+        guard(self, self)
 
     def get_default_screen(self) -> MainScreen:
         """Return the main screen."""
@@ -82,6 +93,31 @@ class Shell(App[None]):
         """End the readers."""
         if self._opened:
             await self.link.close()
+
+    def _register_child(self, parent: DOMNode, child: Widget, before: int | None, after: int | None) -> None:
+        """Guard the handlers of every widget and screen that joins."""
+        super()._register_child(parent, child, before, after)
+        guard(child, self)
+
+    def _handle_exception(self, error: Exception) -> None:
+        """Show an unexpected error where textual would end the application."""
+        if isinstance(error, WorkerFailed):
+            self.fail(error.error, get_current_worker().node)
+        else:
+            self.fail(error)
+
+    def fail(self, error: BaseException, place: object = None) -> None:
+        """Show an unexpected error of a widget and keep its traceback.
+
+        Before the first screen is there the shell ends as usual. Errors of what closes are of no interest.
+        """
+        if not self._opened or len(self.failures) == _MOST_FAILURES:
+            super()._handle_exception(error)  # type: ignore[arg-type]  # workers may fail by any
+        elif self.is_running and not self._exit and not is_late(error, place):
+            self.failures.append(error)
+            path = self.state.keep_failure("".join(traceback.format_exception(error)))
+            hint = f"The shell goes on. Please report it with {path}."
+            self.report(KgError("KG900", f"{type(error).__name__}: {error}".partition("\n")[0], hint=hint))
 
     @property
     def main(self) -> MainScreen:
@@ -144,6 +180,19 @@ class Shell(App[None]):
             self.copy(chosen, "the selection")
         else:
             self.notify("Nothing runs. Ctrl+Q leaves the shell.", timeout=3)
+
+    def action_command_palette(self) -> None:
+        """Find actions by name."""
+        from kg.shell.screens.palette import Palette  # noqa: PLC0415 - start-up time
+
+        if not isinstance(self.screen, Palette):
+            self.push_screen(Palette())
+
+    def search_themes(self) -> None:
+        """Find themes by name."""
+        from kg.shell.screens.palette import Palette  # noqa: PLC0415 - start-up time
+
+        self.push_screen(Palette([ThemeProvider], placeholder="Search for themes …"))
 
     def action_help(self) -> None:
         """Show every key."""

@@ -11,7 +11,7 @@ from textual.widgets import Static, TabbedContent, TabPane
 from kg.query.lexer import normalise
 from kg.render.text import count, printable
 from kg.shell.editor import Problem, QueryEditor
-from kg.shell.results import AnswerTable, ResultView
+from kg.shell.results import ResultView
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -51,17 +51,12 @@ class Buffer(TabPane):
         return self.query_one(ResultView)
 
     @property
-    def is_open(self) -> bool:
-        """Whether it has all its parts, which go before it goes itself when it is closed."""
-        parts = (QueryEditor, AnswerTable, ".problem", ".remark")
-        return self.is_mounted and self.is_attached and all(self.query(part) for part in parts)
-
-    @property
     def text(self) -> str:
-        """The query as it stands, its lines ended by line feeds; empty for one that is being closed."""
-        if not (self.is_mounted and self.is_attached):
-            return self._first_text
-        return normalise(self.editor.text) if self.is_open else ""
+        """The query with line feeds as line ends; empty once the editor is removed."""
+        editors = self.query(QueryEditor)
+        if editors:
+            return normalise(editors.first().text)
+        return "" if self.is_mounted else self._first_text
 
     @property
     def title(self) -> str:

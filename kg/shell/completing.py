@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 from rich.text import Text
 from textual.geometry import Offset
-from textual.widgets import OptionList
 from textual.widgets.option_list import Option
 
 from kg.query.statements import segment_at
 from kg.render.text import printable
+from kg.shell.delivery import deliver
+from kg.shell.options import Options
 
 if TYPE_CHECKING:
+    from kg.query.statements import Statement
     from kg.shell.editor import QueryEditor
     from kg.shell.link import Link
 
@@ -27,7 +30,7 @@ def begins_word(text: str) -> bool:
     return bool(text) and (text[-1].isalnum() or text[-1] in _WORD_BEGINS)
 
 
-class Completions(OptionList):
+class Completions(Options):
     """What can stand where the cursor of `editor` is; shown only while there is something to choose."""
 
     can_focus = False
@@ -41,11 +44,15 @@ class Completions(OptionList):
         self._base = 0
         self._range = (0, 0)
 
-    async def offer(self, editor: QueryEditor, link: Link) -> None:
+    def offer(self, editor: QueryEditor, link: Link) -> None:
         """Ask the store what fits and show it, unless the text has changed meanwhile."""
         text, offset = editor.text, editor.offset_of_cursor
         part = segment_at(text, offset)
-        answer = await link.call("complete", text=part.text, position=offset - part.start)
+        request = partial(link.call, "complete", text=part.text, position=offset - part.start)
+        show = partial(self._show, editor, text, offset, part)
+        deliver(editor, request, show, lambda error: self.log(str(error)), latest="complete")
+
+    def _show(self, editor: QueryEditor, text: str, offset: int, part: Statement, answer: dict[str, Any]) -> None:
         if (editor.text, editor.offset_of_cursor) != (text, offset) or not editor.has_focus:
             return
         self._editor, self._text = editor, text

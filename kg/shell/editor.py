@@ -131,25 +131,25 @@ class QueryEditor(TextArea):
             changed = [_COMMENT + line for line in lines]
         self.replace("\n".join(changed), (first, 0), (last, len(lines[-1])))
 
-    def action_next_problem(self) -> None:
+    def go_to_next_problem(self) -> None:
         """Go to the problem behind the cursor, or from the last to the first."""
         if self.problems:
             offset = self.offset_of_cursor
             following = [one for one in self.problems if one.start > offset]
             self.move_cursor(self.location_at((following or self.problems)[0].start))
 
-    def action_fix(self) -> None:
+    def fix(self) -> None:
         """Mend the problem under the cursor, where it is known how."""
         problem = self.problem_at_cursor()
         for start, end, text in sorted(problem.edits if problem else (), reverse=True):
             self.replace(text, self.location_at(start), self.location_at(end))
 
-    def action_leave(self) -> None:
+    async def action_leave(self) -> None:
         """Leave the shell from an empty buffer; delete ahead in another."""
         if self.text:
             self.action_delete_right()
         else:
-            self.app.exit()
+            await self.app.run_action("app.quit")
 
     async def _on_key(self, event: Key) -> None:
         if self.completing and event.key in _COMPLETING:

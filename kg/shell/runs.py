@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING
 
 from kg.errors import KgError
 from kg.query.prefixes import PREFIXES
+from kg.query.result import Boolean
 from kg.query.statements import statement_at
+from kg.shell.delivery import is_open
 from kg.shell.editor import Problem
 from kg.shell.results import rows_of
 from kg.shell.state import Entry
@@ -72,25 +74,31 @@ class Runs:
         clock = time.perf_counter()
         job = buffer.job or ""
         buffer.asked = text
+        before = _place(buffer)
         try:
             result = await self._link.ask(text, job=job, rows=limit)
         except KgError as error:
             outcome = error.code
-            if buffer.is_open:
-                _fail(buffer, error, text, offset)
+            if is_open(buffer):
+                _fail(buffer, error, text, offset, at_hand=self._is_at_hand(buffer, before))
         else:
             rows = len(rows_of(result))
             prefixes = await self._prefixes(text, result)
-            if buffer.is_open:
-                buffer.mark([])
+            if is_open(buffer):
                 buffer.results.show(result, self._link.settings.base, prefixes)
-                buffer.results.table.focus()
+                self._screen.check_text(buffer)  # marks of an error before are gone, hints about an empty answer stay
+                if (rows or isinstance(result, Boolean)) and self._is_at_hand(buffer, before):
+                    buffer.results.table.focus()
         finally:
             buffer.job = None
         seconds = time.perf_counter() - clock
         self._state.remember(Entry(text, began, str(self._link.layout.root), rows, seconds, outcome))
         self._screen.keep()
         self.tell()
+
+    def _is_at_hand(self, buffer: Buffer, before: tuple[str, object]) -> bool:
+        """Tell whether the person waits for an answer: keys typed since then, or into another buffer, stay there."""
+        return buffer is self._screen.buffers.current and _place(buffer) == before
 
     async def _prefixes(self, text: str, result: Result) -> dict[str, str]:
         """Return the prefixes that shorten an answer: those of its query come first, and stand in place of others."""
@@ -107,16 +115,22 @@ def _declared(text: str) -> dict[str, str]:
     return {name: iri for name, iri in re.findall(r"(?i)\bPREFIX\s+([\w-]*):\s*<([^>]*)>", text) if iri}
 
 
-def _fail(buffer: Buffer, error: KgError, text: str, offset: int) -> None:
-    """Show an error, with its place marked and the cursor there."""
+def _place(buffer: Buffer) -> tuple[str, object]:
+    """Return the text of a buffer with what is selected in it, or where the cursor is."""
+    return buffer.text, buffer.editor.selection
+
+
+def _fail(buffer: Buffer, error: KgError, text: str, offset: int, *, at_hand: bool) -> None:
+    """Show an error, with its place marked, and the cursor there if the person waits for it."""
     problem = _problem(error, text, offset)
     location = buffer.editor.location_at(problem.start) if problem else None
     buffer.results.show_error(error, location)
     if problem and location:
         if not any(one.start == problem.start for one in buffer.editor.problems):
             buffer.mark([problem])
-        buffer.editor.move_cursor(location)
-        buffer.editor.focus()
+        if at_hand:
+            buffer.editor.move_cursor(location)
+            buffer.editor.focus()
 
 
 def _problem(error: KgError, text: str, offset: int) -> Problem | None:

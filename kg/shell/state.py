@@ -85,6 +85,11 @@ class State:
             self._guarded(lambda: _write(self._folder / "history.jsonl", "\n".join(lines[-_KEPT:]) + "\n"))
         self._guarded(lambda: _append(self._made() / "history.jsonl", json.dumps(asdict(entry)) + "\n"))
 
+    def keep_failure(self, words: str) -> Path:
+        """Keep the traceback of the last unexpected error; return its file."""
+        self._guarded(lambda: _write(self._made() / "failure.txt", words))
+        return self._folder / "failure.txt"
+
     def _buffers_name(self) -> str:
         return f"buffers-{hashlib.sha256(self._store.encode()).hexdigest()[:16]}.json"
 

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import asyncio
+from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from rich.text import Text
 from textual.widgets import Tree
 
-from kg.errors import KgError
 from kg.render.text import printable
 from kg.shell.actions import bindings
+from kg.shell.delivery import deliver
 
 if TYPE_CHECKING:
     from textual.binding import BindingType
     from textual.widgets.tree import TreeNode
 
+    from kg.errors import KgError
     from kg.shell.link import Link
 
 __all__ = ["KnowledgeTree"]
@@ -52,21 +54,21 @@ class KnowledgeTree(Tree[dict[str, Any]]):
 
     def read(self, parent: TreeNode[dict[str, Any]]) -> None:
         """Fill an entry with what stands below it, once that is known."""
-        self.run_worker(self._read(parent))
-
-    async def _read(self, parent: TreeNode[dict[str, Any]]) -> None:
-        arguments = (parent.data or {}).get("open") or {}
         waiting = parent.add_leaf("reading …", {})
         parent.expand()
+        arguments = (parent.data or {}).get("open") or {}
+        deliver(self, partial(self._children, arguments), partial(self._fill, waiting), partial(_fail, waiting))
+
+    async def _children(self, arguments: dict[str, Any]) -> Any:
         try:
-            found = await self._link.call("tree", **arguments)
-        except KgError as error:
-            waiting.set_label(f"{error.code}: {printable(error.message)}")
-            return
+            return await self._link.call("tree", **arguments)
         finally:
             self.begun.set()
-        if not self.is_attached or waiting not in parent.children:
-            return
+
+    def _fill(self, waiting: TreeNode[dict[str, Any]], found: dict[str, Any]) -> None:
+        """Put the entries in the place of the one that waits for them."""
+        parent = waiting.parent
+        assert parent is not None  # noqa: S101 - it was added to one
         waiting.remove()
         for item in found["children"]:
             if item["open"]:
@@ -81,6 +83,10 @@ class KnowledgeTree(Tree[dict[str, Any]]):
     def entry(self) -> dict[str, Any]:
         """The entry under the cursor; empty without one."""
         return (self.cursor_node.data if self.cursor_node else None) or {}
+
+
+def _fail(waiting: TreeNode[dict[str, Any]], error: KgError) -> None:
+    waiting.set_label(f"{error.code}: {printable(error.message)}")
 
 
 def _label(item: dict[str, Any]) -> Text:

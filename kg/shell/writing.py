@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kg.errors import Place, UsageError
@@ -10,11 +12,11 @@ from kg.query.result import Boolean, Graph, Solutions
 from kg.query.writing import parquet
 
 if TYPE_CHECKING:
-    from pathlib import Path
+    from collections.abc import Iterator
 
     from kg.query.result import Result
 
-__all__ = ["copied", "file_formats_of", "format_of_name", "formats_of", "to_file"]
+__all__ = ["copied", "file_formats_of", "format_of_name", "formats_of", "is_taken", "to_file"]
 
 _ENDINGS = {
     "tsv": ".tsv",
@@ -57,12 +59,24 @@ def copied(result: Result, name: str) -> str:
     return write(result, name).decode("utf-8", errors="replace")
 
 
-def to_file(result: Result, path: Path, name: str) -> int:
+def is_taken(path: str) -> bool:
+    """Tell whether a file exists; UsageError KG553 when that cannot be found out."""
+    with _reported(path):
+        return Path(path).expanduser().exists()
+
+
+def to_file(result: Result, path: str, name: str) -> int:
     """Write an answer to a file and return how many bytes that are; UsageError KG553 when it cannot be written."""
     content = write(result, name)
+    with _reported(path):
+        return Path(path).expanduser().write_bytes(content)
+
+
+@contextmanager
+def _reported(path: str) -> Iterator[None]:
+    """Report what is wrong with a path as KG553; the home of an unknown user is a RuntimeError."""
     try:
-        path.write_bytes(content)
-    except OSError as error:
-        message = f"the file cannot be written: {error.strerror or error}"
-        raise UsageError("KG553", message, place=Place(str(path)), hint="Name another file.") from error
-    return len(content)
+        yield
+    except (OSError, RuntimeError, ValueError) as error:
+        message = f"the file cannot be written: {getattr(error, 'strerror', None) or error}"
+        raise UsageError("KG553", message, place=Place(path), hint="Name another file.") from error

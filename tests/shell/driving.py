@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Any, Final
 from patience import patient
 from textual.css.query import NoMatches
 
+from kg.query.result import Graph, Solutions
 from kg.settings import load
 from kg.shell.app import Shell
+from kg.shell.results import rows_of
 from kg.shell.state import State
 from kg.store.layout import Layout
 
@@ -55,6 +57,7 @@ async def running(
     async with app.run_test(size=size, notifications=True) as pilot:
         await until(pilot, lambda: current(app).editor.has_focus)
         yield app, pilot
+        assert not app.failures
         app.exit()
 
 
@@ -100,11 +103,13 @@ async def ended(app: Shell, pilot: Pilot[Any], *keys: str) -> None:
 
 
 async def run_query(app: Shell, pilot: Pilot[Any], text: str) -> Buffer:
-    """Put a query into the buffer, run it, and wait for its end; the table of an answer then takes the keys."""
+    """Put a query into the buffer, run it, and wait for its end; a table with rows then takes the keys."""
     buffer = current(app)
     buffer.editor.text = text
     await ended(app, pilot, "f5")
-    await until(pilot, lambda: buffer.results.result is None or buffer.results.table.has_focus)
+    view = buffer.results
+    empty = isinstance(view.result, Solutions | Graph) and not rows_of(view.result)
+    await until(pilot, lambda: view.result is None or empty or view.table.has_focus)
     return buffer
 
 

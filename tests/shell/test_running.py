@@ -1,9 +1,10 @@
 from __future__ import annotations
 
+import asyncio
 import shutil
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 from cli.program import Program
@@ -110,6 +111,90 @@ async def test_an_error_is_marked_where_it_is(store: Path, tmp_path: Path) -> No
         await until(pilot, lambda: buffer.editor.has_focus)
         # Where lines begin is counted when they are painted.
         await until(pilot, lambda: any("underline" in str(span.style) for span in buffer.editor.get_line(4).spans))
+
+
+async def test_an_empty_answer_keeps_what_was_probably_meant(store: Path, tmp_path: Path) -> None:
+    """With no rows the mark of a misspelt name stays, its keys work from the table too, and typing goes on."""
+    async with running(store, tmp_path) as (app, pilot):
+        buffer = await run_query(app, pilot, "SELECT ?s { ?s rnkg:publishs ?o }")
+        assert buffer.results.table.row_count == 0
+        await until(pilot, lambda: "Did you mean" in words(app, ".problem"))
+        assert buffer.editor.has_focus
+        buffer.results.table.focus()
+        await pilot.press("ctrl+g")
+        await until(pilot, lambda: buffer.editor.cursor_location == (0, 15))
+        buffer.results.table.focus()
+        await pilot.press("ctrl+f")
+        await until(pilot, lambda: "rnkg:publishes " in buffer.text)
+        assert buffer.editor.has_focus
+
+
+async def test_esc_in_the_editor_leaves_the_keys_there(store: Path, tmp_path: Path) -> None:
+    """However often Esc is pressed where one writes, what is typed next is written."""
+    async with running(store, tmp_path) as (app, pilot):
+        await run_query(app, pilot, "ASK {}")
+        await pilot.press("escape", "escape", "escape", "e", "y")
+        await until(pilot, lambda: "ey" in current(app).text)
+        assert app.screen is app.main
+
+
+async def test_an_answer_does_not_take_keys_from_who_types(
+    store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Who goes on typing while a query runs is not moved to its answer."""
+    async with running(store, tmp_path) as (app, pilot):
+        held, ask = asyncio.Event(), app.link.ask
+
+        async def late(*values: Any, **named: Any) -> Any:
+            await held.wait()
+            return await ask(*values, **named)
+
+        monkeypatch.setattr(app.link, "ask", late)
+        buffer = current(app)
+        buffer.editor.text = "ASK {}"
+        await pilot.press("f5", "#")
+        held.set()
+        await until(pilot, lambda: buffer.results.result is not None)
+        await pilot.press("x")
+        await until(pilot, lambda: buffer.text == "#xASK {}")
+
+
+async def test_leaving_while_a_buffer_opens_is_no_error(store: Path, tmp_path: Path) -> None:
+    """The shell ends with 0, and its buffers are kept, however early in the opening of another it is left."""
+    for turns in range(12):
+        async with running(store, tmp_path / str(turns)) as (app, pilot):
+            current(app).editor.text = "ASK {}"
+            app.main.call_later(app.main.open_text, "SELECT")
+            for _ in range(turns):
+                await asyncio.sleep(0)
+            await app.action_quit()
+            await app.action_quit()
+            await pilot.pause()
+        assert not app.return_code
+        assert "ASK {}" in State(tmp_path / str(turns), str(store)).buffers()
+
+
+async def test_an_unexpected_error_is_shown_and_the_shell_goes_on(
+    store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An error of a key, of a message and of a worker has its code, its traceback is kept, and keys work after it."""
+
+    def fail(*_: object) -> None:
+        raise ValueError("a defect")
+
+    async def fail_late() -> None:
+        fail()
+
+    async with running(store, tmp_path) as (app, pilot):
+        monkeypatch.setattr(app.main, "action_toggle_tree", fail)
+        await pilot.press("f9")
+        current(app).editor.call_later(fail)
+        app.main.run_worker(fail_late())
+        await until(pilot, lambda: len(app.failures) == 3)
+        assert "KG900" in {one.title for one in app._notifications}
+        assert "a defect" in (tmp_path / "failure.txt").read_text()
+        await run_query(app, pilot, "ASK {}")
+        app.failures.clear()
 
 
 def _span(problem: object) -> tuple[int, int]:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from pyoxigraph import Literal, NamedNode
 from textual.screen import Screen
 
-from kg.errors import KgError
 from kg.query.formats import display
 from kg.query.result import Graph, Solutions
 from kg.shell.buffers import Buffers
+from kg.shell.delivery import deliver
 from kg.shell.results import columns_of
 from kg.shell.writing import copied, formats_of
 
@@ -81,7 +82,7 @@ class Answering(Screen[None]):
         elif view:
             self.app.notify("The cell names no thing; Enter shows the whole row.", timeout=3)
 
-    async def action_edit_place(self) -> None:
+    def action_edit_place(self) -> None:
         """Open the line that the row names."""
         view = self._view()
         row = view.row() if view else None
@@ -92,12 +93,9 @@ class Answering(Screen[None]):
         if not isinstance(file, Literal):
             self.app.notify("A row needs the column ?file (and ?line); Enter shows what it rests on.", timeout=5)
             return
-        try:
-            place = await self.link.call("place", path=file.value, line=display(line))
-        except KgError as error:
-            self.app.report(error)
-        else:
-            self.app.edit(place)
+        deliver(
+            self, partial(self.link.call, "place", path=file.value, line=display(line)), self.app.edit, self.app.report
+        )
 
     def action_copy_as(self) -> None:
         """Copy the cell, or the rows in a format."""

@@ -10,6 +10,8 @@ from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
 from kg.shell.actions import bindings
+from kg.shell.options import Options
+from kg.shell.screens.base import UpperScreen
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -20,7 +22,7 @@ if TYPE_CHECKING:
 __all__ = ["ChoiceScreen"]
 
 
-class ChoiceScreen(ModalScreen[str | None]):
+class ChoiceScreen(ModalScreen[str | None], UpperScreen[str]):
     """Asks for one of `choices`; its answer is None when the person chose nothing."""
 
     CONTEXTS = ("list",)
@@ -35,7 +37,7 @@ class ChoiceScreen(ModalScreen[str | None]):
         """Yield the list."""
         with Vertical(classes="dialog small"):
             yield Static(self._title, classes="title", markup=False)
-            yield OptionList(*(Option(choice, id=choice) for choice in self._choices), markup=False)
+            yield Options(*(Option(choice, id=choice) for choice in self._choices), markup=False)
             yield Static("Enter chooses, Esc goes back.", classes="hint")
 
     def on_mount(self) -> None:
@@ -49,7 +51,3 @@ class ChoiceScreen(ModalScreen[str | None]):
     def action_choose(self) -> None:
         """Answer with what is highlighted."""
         self.query_one(OptionList).action_select()
-
-    def action_dismiss_screen(self) -> None:
-        """Answer with nothing."""
-        self.dismiss(None)

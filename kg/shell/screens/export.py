@@ -4,35 +4,35 @@ from __future__ import annotations
 
 import asyncio
 import secrets
-from pathlib import Path
+from functools import partial
 from typing import TYPE_CHECKING, ClassVar
 
 from textual.containers import Vertical
 from textual.screen import ModalScreen
 from textual.widgets import Input, Select, Static
 
-from kg.errors import KgError
 from kg.render.text import printable
 from kg.shell.actions import bindings
-from kg.shell.writing import file_formats_of, format_of_name, to_file
+from kg.shell.delivery import deliver
+from kg.shell.screens.base import UpperScreen
+from kg.shell.writing import file_formats_of, format_of_name, is_taken, to_file
 
 if TYPE_CHECKING:
     from textual.app import ComposeResult
     from textual.binding import BindingType
 
+    from kg.errors import KgError
     from kg.query.result import Result
-    from kg.shell.app import Shell
     from kg.shell.link import Link
 
 __all__ = ["ExportScreen"]
 
 
-class ExportScreen(ModalScreen[None]):
+class ExportScreen(ModalScreen[None], UpperScreen[None]):
     """Asks for file and format; an answer that the limit cut is asked for again without limit."""
 
     CONTEXTS = ("list",)
     BINDINGS: ClassVar[list[BindingType]] = bindings("list")
-    app: Shell
 
     def __init__(self, link: Link, result: Result, text: str) -> None:
         super().__init__()
@@ -58,43 +58,41 @@ class ExportScreen(ModalScreen[None]):
         if meant := format_of_name(event.value, self._result):
             self.query_one(Select).value = meant
 
-    async def on_input_submitted(self) -> None:
+    def on_input_submitted(self) -> None:
         """Write the file."""
-        await self.action_choose()
+        self.action_choose()
 
-    async def action_choose(self) -> None:
-        """Write the file, unless one is there that nobody said may be replaced."""
-        typed = self.query_one(Input).value.strip()
-        if not typed:
-            return
-        path = _path(typed)
-        if await asyncio.to_thread(path.exists) and self._replace != typed:
+    def action_choose(self) -> None:
+        """Write the file, unless it exists and the person has not confirmed its replacement."""
+        if typed := self.query_one(Input).value.strip():
+            request = partial(self._write, typed, str(self.query_one(Select).value))
+            deliver(self, request, self._answer, self._fail, latest="export")
+
+    async def _write(self, typed: str, name: str) -> int | None:
+        """Return how many bytes were written, None where the file exists."""
+        if self._replace != typed and await asyncio.to_thread(is_taken, typed):
             self._replace = typed
-            self.query_one(".wrong", Static).update("The file is there. Enter again replaces it.")
-            return
-        self.run_worker(self._write(path, str(self.query_one(Select).value)), exclusive=True)
+            return None
+        result = self._result
+        if result.limit is not None:
+            self._say("Asking for all rows …")
+            result = await self._link.ask(self._text, job=self._job, rows=None)
+        return await asyncio.to_thread(to_file, result, typed, name)
 
-    async def _write(self, path: Path, name: str) -> None:
-        try:
-            result = self._result
-            if result.limit is not None:
-                self.query_one(".wrong", Static).update("Asking for all rows …")
-                result = await self._link.ask(self._text, job=self._job, rows=None)
-            size = await asyncio.to_thread(to_file, result, path, name)
-        except KgError as error:
-            if self.is_attached:
-                self.query_one(".wrong", Static).update(printable(f"{error.code}: {error.message}"))
+    def _answer(self, size: int | None) -> None:
+        if size is None:
+            self._say("The file is there. Enter again replaces it.")
         else:
-            self.app.notify(f"Wrote {size:,} bytes to {path}.", markup=False)
-            # What ends is the screen on top, which is another one once the person has gone back.
-            if self.app.screen is self:
-                self.dismiss(None)
+            self.app.notify(f"Wrote {size:,} bytes to {self.query_one(Input).value.strip()}.", markup=False)
+            self.dismiss()
+
+    def _fail(self, error: KgError) -> None:
+        self._say(f"{error.code}: {error.message}")
+
+    def _say(self, words: str) -> None:
+        self.query_one(".wrong", Static).update(printable(words))
 
     def action_dismiss_screen(self) -> None:
         """Go back; what is being asked ends."""
         self._link.stop(self._job)
-        self.dismiss(None)
-
-
-def _path(typed: str) -> Path:
-    return Path(typed).expanduser()
+        self.dismiss()

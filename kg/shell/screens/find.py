@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from textual import work
-from textual.screen import Screen
 from textual.widgets import Footer, Input, Static
 
-from kg.errors import KgError
 from kg.render.text import count, printable
 from kg.shell.actions import bindings
+from kg.shell.delivery import deliver
 from kg.shell.pages import Line
+from kg.shell.screens.base import UpperScreen
 from kg.shell.screens.page import LineTree, PageScreen, thing
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from textual.binding import BindingType
     from textual.events import Key
 
-    from kg.shell.app import Shell
+    from kg.errors import KgError
 
 __all__ = ["FindScreen"]
 
@@ -32,12 +32,11 @@ class HitTree(LineTree):
     BINDINGS: ClassVar[list[BindingType]] = bindings("find")
 
 
-class FindScreen(Screen[None]):
+class FindScreen(UpperScreen[None]):
     """Asks the view `find`, and opens what it found."""
 
     CONTEXTS = ("find",)
     BINDINGS: ClassVar[list[BindingType]] = bindings("find")
-    app: Shell
 
     def compose(self) -> ComposeResult:
         """Yield the field, what was understood, and the hits."""
@@ -53,8 +52,9 @@ class FindScreen(Screen[None]):
     def on_input_submitted(self, event: Input.Submitted) -> None:
         """Search."""
         if event.value.strip():
-            self.query_one(".hint", Static).update("searching …")
-            self._search(event.value)
+            self._hint("searching …")
+            request = partial(self.app.link.call, "find", text=event.value, limit=str(_SHOWN))
+            deliver(self, request, self._answer, self._fail, latest="find")
 
     def on_key(self, event: Key) -> None:
         """Go from the field to the hits and back."""
@@ -66,21 +66,19 @@ class FindScreen(Screen[None]):
             event.stop()
             self.query_one(Input).focus()
 
-    @work(exclusive=True)
-    async def _search(self, text: str) -> None:
-        hint, tree = self.query_one(".hint", Static), self.query_one(HitTree)
-        try:
-            found = await self.app.link.call("find", text=text, limit=str(_SHOWN))
-        except KgError as error:
-            hint.update(printable(f"{error.code}: {error.message} {error.hint or ''}"))
-            return
-        if not self.is_attached:
-            return
-        hint.update(printable(_understood(found)))
+    def _answer(self, found: dict[str, Any]) -> None:
+        tree = self.query_one(HitTree)
+        self._hint(_understood(found))
         tree.fill([_hit(one) for one in found["hits"]])
         if found["hits"]:
             tree.cursor_line = 0
             tree.focus()
+
+    def _fail(self, error: KgError) -> None:
+        self._hint(f"{error.code}: {error.message} {error.hint or ''}")
+
+    def _hint(self, words: str) -> None:
+        self.query_one(".hint", Static).update(printable(words))
 
     def on_tree_node_selected(self) -> None:
         """Open the chosen hit."""
@@ -99,10 +97,6 @@ class FindScreen(Screen[None]):
         """Open the line of code."""
         line = self.query_one(HitTree).current()
         self.app.edit(line.place if line else None)
-
-    def action_dismiss_screen(self) -> None:
-        """Return to the main screen."""
-        self.dismiss(None)
 
 
 def _understood(found: dict[str, Any]) -> str:

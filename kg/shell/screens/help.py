@@ -12,6 +12,7 @@ from textual.screen import ModalScreen
 from textual.widgets import Static
 
 from kg.shell.actions import CONTEXTS, key_words
+from kg.shell.screens.base import UpperScreen
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -20,16 +21,14 @@ if TYPE_CHECKING:
     from textual.binding import BindingType
 
     from kg.shell.actions import Action
-    from kg.shell.app import Shell
 
 __all__ = ["HelpScreen"]
 
 
-class HelpScreen(ModalScreen[None]):
+class HelpScreen(ModalScreen[None], UpperScreen[None]):
     """The registry of actions as a page."""
 
-    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape,f1,q", "close", "Close")]
-    app: Shell
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape,f1,q", "dismiss_screen", "Close")]
 
     def compose(self) -> ComposeResult:
         """Yield a table for each context."""
@@ -43,10 +42,6 @@ class HelpScreen(ModalScreen[None]):
     def on_mount(self) -> None:
         """Let arrows scroll."""
         self.query_one(VerticalScroll).focus()
-
-    def action_close(self) -> None:
-        """Go back."""
-        self.dismiss(None)
 
 
 def _table(actions: Iterable[Action]) -> Table:

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 from textual.screen import ModalScreen
 from textual.widgets import Label
 
+from kg.shell.screens.base import UpperScreen
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
@@ -17,7 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["JumpScreen"]
 
 
-class JumpScreen(ModalScreen[Any]):
+class JumpScreen(ModalScreen[Any], UpperScreen[Any]):
     """Its answer is the panel whose letter was typed, or None."""
 
     def __init__(self, panels: Mapping[str, Widget]) -> None:

@@ -13,6 +13,8 @@ from textual.widgets.option_list import Option
 
 from kg.render.text import printable
 from kg.shell.actions import bindings
+from kg.shell.options import Options
+from kg.shell.screens.base import UpperScreen
 
 if TYPE_CHECKING:
     from textual.app import ComposeResult
@@ -25,7 +27,7 @@ _MOST = 500
 _MOVES = {"up": "cursor_up", "down": "cursor_down", "pageup": "page_up", "pagedown": "page_down"}
 
 
-class ListScreen(ModalScreen[str | None]):
+class ListScreen(ModalScreen[str | None], UpperScreen[str]):
     """Entries with a title and a note, found by words or parts of them; the preview shows the one highlighted."""
 
     CONTEXTS = ("list",)
@@ -55,7 +57,7 @@ class ListScreen(ModalScreen[str | None]):
         with Vertical(classes="dialog"):
             yield Static(self.TITLE_WORDS, classes="title", markup=False)
             yield Input(placeholder="type to search", select_on_focus=False)
-            yield OptionList(markup=False)
+            yield Options(markup=False)
             yield Static("", classes="preview", markup=False)
             yield Static("Enter chooses, Up and Down move, Esc goes back.", classes="hint")
 
@@ -107,10 +109,6 @@ class ListScreen(ModalScreen[str | None]):
         number = self.query_one(OptionList).highlighted
         if number is not None and number < len(self._shown):
             self.choose(self._shown[number])
-
-    def action_dismiss_screen(self) -> None:
-        """Go back."""
-        self.dismiss(None)
 
 
 def _option(title: str, note: str) -> Option:

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from textual import on
 from textual.containers import Horizontal
 from textual.widgets import Footer, TabbedContent, TextArea
 
-from kg.errors import KgError
 from kg.shell.actions import bindings
 from kg.shell.buffers import Buffer, Buffers
 from kg.shell.completing import Completions, begins_word
+from kg.shell.delivery import deliver, is_open
 from kg.shell.editor import QueryEditor
 from kg.shell.problems import diagnosed
 from kg.shell.results import AnswerTable
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
     from textual.binding import BindingType
     from textual.timer import Timer
 
+    from kg.errors import KgError
+    from kg.shell.editor import Problem
     from kg.shell.link import Link
     from kg.shell.state import State
 
@@ -70,15 +73,20 @@ class MainScreen(Answering, Browsing):
         self.set_interval(_FOLLOW_SECONDS, self.follow)
         self.set_interval(_RUNNING_SECONDS, self.runs.tell)
         self.call_after_refresh(self._begin)
-        self.run_worker(self._prepare())
+        self._prepare()
 
-    async def _prepare(self) -> None:
-        """Have the store counted for completion, before the first is wanted."""
-        await self.query_one(KnowledgeTree).begun.wait()
-        try:
+    def _prepare(self) -> None:
+        """Have the store counted for completion before the first is wanted, but after the tree is there."""
+        tree = self.query_one(KnowledgeTree)
+
+        async def counted() -> None:
+            await tree.begun.wait()
             await self.link.call("complete", fresh="yes")
-        except KgError as error:
-            self.log(str(error))
+
+        deliver(self, counted, lambda _: None, self._log_error)
+
+    def _log_error(self, error: KgError) -> None:
+        self.log(str(error))
 
     def _begin(self) -> None:
         if self.buffers.current:
@@ -106,7 +114,7 @@ class MainScreen(Answering, Browsing):
             self.status.tell(found, "" if found is None or back else "the store was built again")
             if found is not None:
                 self.query_one(KnowledgeTree).reload()
-                self.run_worker(self._prepare())
+                self._prepare()
 
     def action_run(self) -> None:
         """Run the selection, or the query at the cursor."""
@@ -123,14 +131,22 @@ class MainScreen(Answering, Browsing):
         return self.runs.stop(self.buffers.current)
 
     def action_stop(self) -> None:
-        """Stop what runs; else go back from full results, or between editor and results."""
-        buffer = self.buffers.current
-        if self.stop() or buffer is None:
-            return
-        if self.has_class("full"):
+        """Stop what runs; else go back from full results, and to the editor."""
+        if not self.stop() and self.buffers.current:
             self.remove_class("full")
-        aim = buffer.results.table if buffer.editor.has_focus else buffer.editor
-        aim.focus()
+            self.buffers.current.editor.focus()
+
+    def action_next_problem(self) -> None:
+        """Go to the next mark in the query."""
+        if self.buffers.current:
+            self.buffers.current.editor.focus()
+            self.buffers.current.editor.go_to_next_problem()
+
+    def action_fix(self) -> None:
+        """Mend what is wrong at the cursor of the query."""
+        if self.buffers.current:
+            self.buffers.current.editor.focus()
+            self.buffers.current.editor.fix()
 
     async def action_new_buffer(self) -> None:
         """Open an empty buffer."""
@@ -140,6 +156,7 @@ class MainScreen(Answering, Browsing):
         """Close the buffer on the screen."""
         self.stop()
         await self.buffers.close_current()
+        self.keep()
 
     def action_next_buffer(self) -> None:
         """Go right."""
@@ -197,7 +214,7 @@ class MainScreen(Answering, Browsing):
 
     @on(TextArea.Changed)
     def _changed(self, event: TextArea.Changed) -> None:
-        if not isinstance(event.text_area, QueryEditor) or not event.text_area.is_attached:
+        if not isinstance(event.text_area, QueryEditor) or not is_open(event.text_area):
             return
         editor = event.text_area
         buffer = editor.query_ancestor(Buffer)
@@ -214,7 +231,7 @@ class MainScreen(Answering, Browsing):
 
     @on(TextArea.SelectionChanged)
     def _moved(self, event: TextArea.SelectionChanged) -> None:
-        if isinstance(event.text_area, QueryEditor) and event.text_area.is_attached:
+        if isinstance(event.text_area, QueryEditor) and is_open(event.text_area):
             event.text_area.query_ancestor(Buffer).say_problem()
 
     @on(QueryEditor.CompletionKey)
@@ -239,30 +256,20 @@ class MainScreen(Answering, Browsing):
 
     def offer(self, editor: QueryEditor) -> None:
         """Offer completions at the cursor, unless its buffer has been closed."""
-        if editor.is_attached:
-            self.run_worker(self._offer(editor), group="complete", exclusive=True)
-
-    async def _offer(self, editor: QueryEditor) -> None:
-        try:
-            await self.completions.offer(editor, self.link)
-        except KgError as error:
-            self.log(str(error))
+        if is_open(editor):
+            self.completions.offer(editor, self.link)
 
     def check_text(self, buffer: Buffer) -> None:
         """Mark what is wrong in a buffer, unless it has been closed; keep all for when the terminal goes away."""
         self.keep()
-        if buffer.is_open:
-            self.run_worker(self._check(buffer), group="check", exclusive=True)
+        if is_open(buffer):
+            text = buffer.text
 
-    async def _check(self, buffer: Buffer) -> None:
-        text = buffer.text
-        try:
-            problems = await diagnosed(self.link, text)
-        except KgError as error:
-            self.log(str(error))
-            return
-        if buffer.is_open and buffer.text == text:
-            buffer.mark(problems)
+            def mark(problems: list[Problem]) -> None:
+                if buffer.text == text:
+                    buffer.mark(problems)
+
+            deliver(buffer, partial(diagnosed, self.link, text), mark, self._log_error, latest="check")
 
     @on(AnswerTable.Passed)
     def _page_passed(self) -> None:

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 from pyoxigraph import BlankNode, NamedNode
 from rich.text import Text
-from textual import work
-from textual.screen import Screen
 from textual.widgets import Footer, Static, Tree
 
-from kg.errors import KgError
 from kg.query.formats import display
 from kg.render.text import printable
 from kg.shell.actions import bindings
+from kg.shell.delivery import deliver
 from kg.shell.pages import (
     Line,
     Page,
@@ -24,6 +23,7 @@ from kg.shell.pages import (
     place_words,
     title_of,
 )
+from kg.shell.screens.base import UpperScreen
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from textual.binding import BindingType
     from textual.widgets.tree import TreeNode
 
+    from kg.errors import KgError
     from kg.shell.app import Shell
     from kg.shell.link import Link
     from kg.store.terms import Term
@@ -131,12 +132,11 @@ class PageTree(LineTree):
     BINDINGS: ClassVar[list[BindingType]] = bindings("page")
 
 
-class PageScreen(Screen[None]):
+class PageScreen(UpperScreen[None]):
     """One page, and those that were followed from it."""
 
     CONTEXTS = ("page",)
     BINDINGS: ClassVar[list[BindingType]] = bindings("page")
-    app: Shell
 
     def __init__(self, link: Link, page: Page) -> None:
         super().__init__()
@@ -163,25 +163,22 @@ class PageScreen(Screen[None]):
         self.query_one(".title", Static).update(printable(page.title))
         self.query_one(LineTree).fill(page.lines or (Line("reading …"),))
         self._problem("")
+        self.workers.cancel_node(self)  # the answer for the page before
         if page.view:
-            self._read(page)
+            request = partial(self._link.call, page.view, **page.arguments)
+            deliver(self, request, partial(self._answer, page), partial(self._fail, page))
 
-    @work(exclusive=True)
-    async def _read(self, page: Page) -> None:
-        try:
-            found = await self._link.call(page.view, **page.arguments)
-        except KgError as error:
-            if self.is_attached and page is self._page:
-                if not page.lines:
-                    self.query_one(LineTree).fill(())
-                self._problem(f"{error.code}: {error.message}" + (f"\n{error.hint}" if error.hint else ""))
-            return
-        if self.is_attached and page is self._page:
-            tree = self.query_one(LineTree)
-            tree.fill((*page.lines, *_LINES[page.view](found)))
-            tree.cursor_line = 0
-            if title := title_of(page.view, found):
-                self.query_one(".title", Static).update(printable(title))
+    def _answer(self, page: Page, found: dict[str, Any]) -> None:
+        tree = self.query_one(LineTree)
+        tree.fill((*page.lines, *_LINES[page.view](found)))
+        tree.cursor_line = 0
+        if title := title_of(page.view, found):
+            self.query_one(".title", Static).update(printable(title))
+
+    def _fail(self, page: Page, error: KgError) -> None:
+        if not page.lines:
+            self.query_one(LineTree).fill(())
+        self._problem(f"{error.code}: {error.message}" + (f"\n{error.hint}" if error.hint else ""))
 
     def on_tree_node_highlighted(self, event: Tree.NodeHighlighted[Line]) -> None:
         """Show the whole of the line under the cursor."""
@@ -242,7 +239,7 @@ class PageScreen(Screen[None]):
     async def action_ask_page(self) -> None:
         """Put a query for these facts into a buffer."""
         if self._page.query:
-            self.dismiss(None)
+            self.dismiss()
             await self.app.main.open_text(self._page.query)
 
     def action_back(self) -> None:
@@ -250,8 +247,4 @@ class PageScreen(Screen[None]):
         if self._before:
             self.show(self._before.pop())
         else:
-            self.dismiss(None)
-
-    def action_dismiss_screen(self) -> None:
-        """Return to the screen below."""
-        self.dismiss(None)
+            self.dismiss()

@@ -2,33 +2,30 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from textual import work
 from textual.containers import Horizontal, VerticalScroll
-from textual.screen import Screen
 from textual.widgets import Footer, Markdown, Static, Tree
 
-from kg.errors import KgError
 from kg.render.text import count, printable
 from kg.shell.actions import bindings
+from kg.shell.delivery import deliver
+from kg.shell.screens.base import UpperScreen
 
 if TYPE_CHECKING:
     from textual.app import ComposeResult
     from textual.binding import BindingType
 
-    from kg.shell.app import Shell
-
 __all__ = ["RulesScreen"]
 
 
-class RulesScreen(Screen[None]):
+class RulesScreen(UpperScreen[None]):
     """The rules of the view `rules`."""
 
     CONTEXTS = ("rules",)
     BINDINGS: ClassVar[list[BindingType]] = bindings("rules")
-    app: Shell
 
     def compose(self) -> ComposeResult:
         """Yield the families and the page of a rule."""
@@ -44,17 +41,9 @@ class RulesScreen(Screen[None]):
     def on_mount(self) -> None:
         """Ask for the rules."""
         self.query_one(Tree).focus()
-        self._read()
+        deliver(self, partial(self.app.link.call, "rules"), self._answer, self.app.report)
 
-    @work
-    async def _read(self) -> None:
-        try:
-            found = await self.app.link.call("rules")
-        except KgError as error:
-            self.app.report(error)
-            return
-        if not self.is_attached:
-            return
+    def _answer(self, found: dict[str, Any]) -> None:
         tree: Tree[dict[str, Any]] = self.query_one(Tree)
         for family in found["families"]:
             state = "" if family["in_force"] else " (not in force)"
@@ -83,10 +72,6 @@ class RulesScreen(Screen[None]):
         node = self.query_one(Tree).cursor_node
         file = node.data.get("file") if node and node.data else None
         self.app.edit({"file": str(Path(file)), "path": file, "line": 1} if file else None)
-
-    def action_dismiss_screen(self) -> None:
-        """Return to the main screen."""
-        self.dismiss(None)
 
 
 def _manual(rule: dict[str, Any]) -> str:

@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from textual import work
 from textual.containers import Vertical, VerticalScroll
 from textual.screen import ModalScreen
 from textual.widgets import Input, Label, Static
 
-from kg.errors import KgError
 from kg.shell.actions import bindings
+from kg.shell.delivery import deliver
+from kg.shell.screens.base import UpperScreen
 from kg.shell.screens.listing import ListScreen
 
 if TYPE_CHECKING:
     from textual.app import ComposeResult
     from textual.binding import BindingType
 
-    from kg.shell.app import Shell
+    from kg.errors import KgError
     from kg.shell.link import Link
 
 __all__ = ["FormScreen", "StoredScreen"]
@@ -28,7 +29,6 @@ class StoredScreen(ListScreen):
 
     TITLE_WORDS = "Stored queries"
     EMPTY = "Reading the stored queries …"
-    app: Shell
 
     def __init__(self, link: Link) -> None:
         super().__init__()
@@ -37,14 +37,10 @@ class StoredScreen(ListScreen):
     def on_mount(self) -> None:
         """Ask for the queries."""
         super().on_mount()
-        self._read()
+        deliver(self, partial(self._link.call, "stored"), self._answer, self.app.report)
 
-    @work
-    async def _read(self) -> None:
-        try:
-            self.entries = (await self._link.call("stored"))["queries"]
-        except KgError as error:
-            self.app.report(error)
+    def _answer(self, found: dict[str, Any]) -> None:
+        self.entries = found["queries"]
         self.fill()
 
     def words(self, entry: dict[str, Any]) -> tuple[str, str]:
@@ -68,12 +64,11 @@ class StoredScreen(ListScreen):
             self.dismiss(text)
 
 
-class FormScreen(ModalScreen[str | None]):
+class FormScreen(ModalScreen[str | None], UpperScreen[str]):
     """Asks for the parameters of a stored query; its answer is the text with their values in it."""
 
     CONTEXTS = ("list",)
     BINDINGS: ClassVar[list[BindingType]] = bindings("list")
-    app: Shell
 
     def __init__(self, link: Link, query: dict[str, Any]) -> None:
         super().__init__()
@@ -104,21 +99,10 @@ class FormScreen(ModalScreen[str | None]):
 
     def action_choose(self) -> None:
         """Answer with the bound query, or say which value does not fit."""
-        self._bind({str(one.name): one.value.strip() for one in self.query(Input) if one.value.strip()})
+        values = {str(one.name): one.value.strip() for one in self.query(Input) if one.value.strip()}
+        request = partial(self._link.call, "stored", name=self._stored["query"], values=values)
+        deliver(self, request, lambda answer: self.dismiss(answer["bound"]), self._fail, latest="bind")
 
-    @work(exclusive=True)
-    async def _bind(self, values: dict[str, str]) -> None:
-        try:
-            answer = await self._link.call("stored", name=self._stored["query"], values=values)
-        except KgError as error:
-            hint = f" {error.hint}" if error.hint else ""
-            if self.is_attached:
-                self.query_one(".wrong", Static).update(f"{error.code}: {error.message}.{hint}")
-        else:
-            # What ends is the screen on top, which is another one once the person has gone on.
-            if self.app.screen is self:
-                self.dismiss(answer["bound"])
-
-    def action_dismiss_screen(self) -> None:
-        """Go back to the list."""
-        self.dismiss(None)
+    def _fail(self, error: KgError) -> None:
+        hint = f" {error.hint}" if error.hint else ""
+        self.query_one(".wrong", Static).update(f"{error.code}: {error.message}.{hint}")

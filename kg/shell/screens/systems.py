@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from textual import work
 from textual.containers import Horizontal, Vertical
-from textual.screen import Screen
 from textual.widgets import Footer, Static, Tree
 
-from kg.errors import KgError
 from kg.render.text import count, printable
 from kg.shell.actions import bindings
+from kg.shell.delivery import deliver
 from kg.shell.pages import lines_of_system, place_words
+from kg.shell.screens.base import UpperScreen
 from kg.shell.screens.page import LineTree, PageScreen, proof_page, thing
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from textual.app import ComposeResult
     from textual.binding import BindingType
 
-    from kg.shell.app import Shell
     from kg.shell.pages import Line
 
 __all__ = ["SystemsScreen"]
@@ -35,12 +36,11 @@ class FindingTree(LineTree):
     BINDINGS: ClassVar[list[BindingType]] = bindings("systems")
 
 
-class SystemsScreen(Screen[None]):
+class SystemsScreen(UpperScreen[None]):
     """The views `systems`, `tree` and `lint`."""
 
     CONTEXTS = ("systems",)
     BINDINGS: ClassVar[list[BindingType]] = bindings("systems")
-    app: Shell
 
     def compose(self) -> ComposeResult:
         """Yield configurations and findings."""
@@ -57,33 +57,31 @@ class SystemsScreen(Screen[None]):
     def on_mount(self) -> None:
         """Ask for the configurations."""
         self.query_one("#system-tree").focus()
-        self._read()
+        self._read(0)
 
-    @work
-    async def _read(self) -> None:
-        begin, total = 0, 1
-        while begin < total:
-            try:
-                found = await self.app.link.call("systems", offset=str(begin), limit=str(_PART))
-            except KgError as error:
-                self.app.report(error)
-                return
-            if not self.is_attached:
-                return
-            begin, total = begin + _PART, found["total"]
-            tree: Tree[dict[str, Any]] = self.query_one("#system-tree", Tree)
-            for one in found["systems"]:
-                tree.root.add_leaf(printable(f"{one['name']}  {_counts(one)}"), one)
-            tree.root.expand()
-            tree.cursor_line = max(tree.cursor_line, 0)
-        self.query_one(".title", Static).update(f"Systems: {count(total, 'launch configuration')}")
+    def _read(self, begin: int) -> None:
+        """Ask for the configurations from a number on."""
+        request = partial(self.app.link.call, "systems", offset=str(begin), limit=str(_PART))
+        deliver(self, request, partial(self._answer, begin), self.app.report)
+
+    def _answer(self, begin: int, found: dict[str, Any]) -> None:
+        tree: Tree[dict[str, Any]] = self.query_one("#system-tree", Tree)
+        for one in found["systems"]:
+            tree.root.add_leaf(printable(f"{one['name']}  {_counts(one)}"), one)
+        tree.root.expand()
+        tree.cursor_line = max(tree.cursor_line, 0)
+        if begin + _PART < found["total"]:
+            self._read(begin + _PART)
+        else:
+            self.query_one(".title", Static).update(f"Systems: {count(found['total'], 'launch configuration')}")
 
     def on_tree_node_highlighted(self, event: Tree.NodeHighlighted[Any]) -> None:
         """Show what is in a configuration, and the whole of a finding."""
         found = event.node.data
         if event.control.id == "system-tree":
             if found:
-                self._show(found)
+                tree = self.query_one(FindingTree)
+                deliver(self, partial(self._lines, found), tree.fill, self.app.report, latest="system")
         elif found is not None:
             self._tell(found)
 
@@ -91,16 +89,10 @@ class SystemsScreen(Screen[None]):
         parts = [line.text, line.note, place_words(line.place)]
         self.query_one(".detail", Static).update("\n".join(printable(part) for part in parts if part))
 
-    @work(exclusive=True, group="system")
-    async def _show(self, system: dict[str, Any]) -> None:
-        try:
-            below = await self.app.link.call("tree", parent=system["iri"])
-            findings = await self.app.link.call("lint", system=system["iri"])
-        except KgError as error:
-            self.app.report(error)
-            return
-        if self.is_attached:
-            self.query_one(FindingTree).fill(lines_of_system(system, below["children"], findings))
+    async def _lines(self, system: dict[str, Any]) -> Sequence[Line]:
+        below = await self.app.link.call("tree", parent=system["iri"])
+        findings = await self.app.link.call("lint", system=system["iri"])
+        return lines_of_system(system, below["children"], findings)
 
     def on_tree_node_selected(self, event: Tree.NodeSelected[Any]) -> None:
         """Go to the findings; from there to the thing, or to why it is found."""
@@ -121,10 +113,6 @@ class SystemsScreen(Screen[None]):
         """Open the line of code."""
         line = self.query_one(FindingTree).current()
         self.app.edit(line.place if line else None)
-
-    def action_dismiss_screen(self) -> None:
-        """Return to the main screen."""
-        self.dismiss(None)
 
 
 def _counts(one: dict[str, Any]) -> str:
