@@ -44,6 +44,7 @@ def checks(settings: Settings) -> Iterator[Check]:
     yield _python()
     yield from _dependencies()
     yield _data()
+    yield _pages()
     yield _git()
     yield _java()
     yield _language(settings)
@@ -94,6 +95,15 @@ def _data() -> Check:
     if missing:
         return Check("data files", "wrong", f"missing: {', '.join(missing)}", f"install {_DISTRIBUTION} again")
     return Check("data files", "ok", str(folder("ontology").parent))
+
+
+def _pages() -> Check:
+    from kg.server.libraries import HELP, libraries  # noqa: PLC0415 - start-up time
+
+    if not libraries():
+        finding = "their libraries are missing: there are no pictures, and the editor is a plain field"
+        return Check("pages", "note", finding, HELP)
+    return Check("pages", "ok", count(len(libraries()), "library", "libraries"))
 
 
 def _said(*command: str) -> str:

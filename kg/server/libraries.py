@@ -17,7 +17,10 @@ import msgspec
 
 __all__ = ["HELP", "Library", "import_map", "import_map_source", "libraries"]
 
-HELP: Final = "Install Node.js with npm, then run `python frontend/build.py` in a checkout, or install kg from a wheel."
+HELP: Final = (
+    "Releases of kg have them. For an installation from sources install Node.js with npm, then run"
+    " `python frontend/build.py` there, and install again."
+)
 _VENDOR: Final = Path(__file__).parent / "vendor"
 
 

@@ -7,6 +7,10 @@ from typing import TYPE_CHECKING
 import pytest
 from cli.rover import build
 
+from kg.cli.checks import checks as checked
+from kg.server import libraries
+from kg.settings import load
+
 if TYPE_CHECKING:
     from pathlib import Path
 
@@ -48,6 +52,18 @@ def test_a_missing_program_is_wrong(kg: Program) -> None:
     assert run.code == 1
     assert checks(run.out)["git"]["state"] == "wrong"
     assert checks(run.out)["Java"]["state"] == "note"
+
+
+def test_missing_libraries_of_the_pages_are_reported(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """An installation that was made without Node.js says so, and how to make it whole."""
+    monkeypatch.setattr(libraries, "_VENDOR", tmp_path)
+    libraries._manifest.cache_clear()
+    try:
+        found = {one.subject: one for one in checked(load({}, environment={}, folder=tmp_path))}["pages"]
+    finally:
+        libraries._manifest.cache_clear()
+    assert found.state == "note"
+    assert "Node.js" in found.way_out
 
 
 def test_no_store_is_no_fault(kg: Program) -> None:
