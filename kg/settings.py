@@ -117,6 +117,10 @@ def _bytes(value: object, _base: Path) -> int:
     return number
 
 
+def _bytes_or_none(value: object, base: Path) -> int:
+    return 0 if str(value).strip() == "0" else _bytes(value, base)
+
+
 def _path(value: object, base: Path) -> Path:
     if not isinstance(value, str | Path) or not str(value).strip():
         raise _FormError("a path")
@@ -198,6 +202,12 @@ class Settings:
     max_file_bytes: int = field(
         default=4 << 20,
         metadata=_about(_bytes, "SIZE", "Source files larger than this (bytes, or 500K, 4M) are reported, not read."),
+    )
+    memory: int = field(
+        default=0,
+        metadata=_about(
+            _bytes_or_none, "SIZE", "Memory of a build or a run of rules, with all its processes; 0 is without limit."
+        ),
     )
     nlp_model: str = field(
         default="",

@@ -12,6 +12,7 @@ from typer.exceptions import TyperException
 
 from kg.cli.diagnostics import defect, report, say
 from kg.cli.main import was_interrupted
+from kg.cli.supervising import MemoryLimitError, is_out_of_memory
 from kg.cli.usage import as_usage_error
 from kg.errors import Exit, KgError, StoreError
 
@@ -52,6 +53,8 @@ def _show(error: Exception) -> int:
         if error.filename is None:
             hang_up()
         error = StoreError("KG304", f"no space left on the device ({error.filename or 'output'})")
+    elif not isinstance(error, KgError) and is_out_of_memory(error):
+        error = MemoryLimitError("KG004", "the command failed to allocate memory")
     if isinstance(error, KgError):
         report(error)
         return error.exit_code

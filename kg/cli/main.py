@@ -20,14 +20,22 @@ def run() -> None:
 
 def _run() -> None:
     _mend_streams()
+    from kg.cli.supervising import MemoryLimitError, address_space, is_out_of_memory, supervise  # noqa: PLC0415 - as below
+
     try:
+        if address_space():
+            supervise()
         from kg.cli.app import app  # noqa: PLC0415 - so that what goes wrong while this loads is caught
     except (KeyboardInterrupt, Exception) as error:  # noqa: BLE001 - Ctrl-C, or a damaged installation
         if was_interrupted(error):
             sys.stderr.write("\ninterrupted\n")
             sys.exit(130)
-        from kg.cli.diagnostics import defect  # noqa: PLC0415 - the branch that needs it
+        from kg.cli.diagnostics import defect, report  # noqa: PLC0415 - the branch that needs it
 
+        if isinstance(error, MemoryLimitError) or is_out_of_memory(error):
+            limit = MemoryLimitError("KG004", "the command failed to allocate memory")
+            report(error if isinstance(error, MemoryLimitError) else limit)
+            sys.exit(limit.exit_code)
         defect(error)
         sys.exit(70)
     app()

@@ -15,6 +15,7 @@ __all__ = [
     "Json",
     "Limit",
     "MaxFileBytes",
+    "Memory",
     "NlpModel",
     "NoRules",
     "PackageName",
@@ -46,6 +47,7 @@ Store = Annotated[str | None, from_setting("store", "-s")]
 Base = Annotated[str | None, from_setting("base")]
 Jobs = Annotated[str | None, from_setting("jobs", "-j")]
 MaxFileBytes = Annotated[str | None, from_setting("max_file_bytes")]
+Memory = Annotated[str | None, from_setting("memory")]
 NlpModel = Annotated[str | None, from_setting("nlp_model")]
 SearchModel = Annotated[str | None, from_setting("search_model", "--model")]
 Timeout = Annotated[str | None, from_setting("timeout")]

@@ -24,4 +24,9 @@ CODES: Final = {
         "The command was called with arguments that do not go together.",
         "See the command's `--help`.",
     ),
+    "KG004": CodeEntry(
+        "out of memory",
+        "The command needs more memory than the setting `memory` or `ulimit -v` allows. The store is as it was before.",
+        "Raise the limit, read fewer packages at a time (`--jobs 1`), or build fewer sources at once.",
+    ),
 }

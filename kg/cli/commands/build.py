@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from kg.cli.diagnostics import note, say
-from kg.cli.options import Base, Families, Jobs, Json, MaxFileBytes, NlpModel, NoRules, Rules, Store
+from kg.cli.options import Base, Families, Jobs, Json, MaxFileBytes, Memory, NlpModel, NoRules, Rules, Store
 from kg.cli.output import Column, json_lines, listing, terminal
 from kg.cli.session import session
+from kg.cli.supervising import supervise
 from kg.errors import Exit
 from kg.render.text import count
 from kg.store.opening import layout_of, writable
@@ -44,6 +45,7 @@ def build(  # noqa: PLR0913 - the options of a command
     problems: Problems = False,
     jobs: Jobs = None,
     max_file_bytes: MaxFileBytes = None,
+    memory: Memory = None,
     nlp_model: NlpModel = None,
     base: Base = None,
     watch: Watch = False,
@@ -57,7 +59,7 @@ def build(  # noqa: PLR0913 - the options of a command
 
     What their nodes declare is found in the source code; nothing is compiled or run. A second build reads only
     what has changed. Files that cannot be read as they should are reported, the rest is built. Rules then infer what
-    follows. Interrupted at any moment, it leaves the store as it was. For example:
+    follows. Interrupted at any moment, or ended by the limit `memory`, it leaves the store as it was. For example:
 
         kg build ~/catkin_ws/src
         kg build https://github.com/ros-planning/navigation.git@noetic-devel
@@ -68,11 +70,14 @@ def build(  # noqa: PLR0913 - the options of a command
         store=store,
         jobs=jobs,
         max_file_bytes=max_file_bytes,
+        memory=memory,
         nlp_model=nlp_model,
         base=base,
         rules=rules,
         rule_families=rule_families,
     )
+    if given.memory:
+        supervise(given.memory)
     checkouts, whole = _checkouts(corpus) if corpus else ([], True)
     named = [*(sources or ()), *checkouts]
     sound = _build(named, given, problems=problems, infer=not no_rules, json=json) and whole

@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from kg.cli.diagnostics import note, say
-from kg.cli.options import Families, Json, Rules, Store, Timeout
+from kg.cli.options import Families, Json, Memory, Rules, Store, Timeout
 from kg.cli.output import Column, json_lines, listing, terminal
 from kg.cli.session import session
+from kg.cli.supervising import supervise
 from kg.errors import UsageError
 from kg.render.text import count
 from kg.store.opening import layout_of
@@ -66,6 +67,7 @@ def run(  # noqa: PLR0913 - the options of a command
     data: Data = None,
     output: Output = None,
     max_triples: MaxTriples = None,
+    memory: Memory = None,
     rules: Rules = None,
     rule_families: Families = None,
     timeout: Timeout = None,
@@ -85,12 +87,16 @@ def run(  # noqa: PLR0913 - the options of a command
         kg rules run --data all.ttl --output inferred.nt
     """
     _agree(remote=remote, update_url=update_url, data=data, output=output, dry_run=dry_run)
-    settings = session(context).settings(store=store, rules=rules, rule_families=rule_families, timeout=timeout)
+    settings = session(context).settings(
+        store=store, rules=rules, rule_families=rule_families, timeout=timeout, memory=memory
+    )
     limits = limits_of(settings, max_triples)
     usual = not (full or dry_run or remote or data or max_triples)
     if usual and (done := _nothing_to_do(settings)):
         _show(done, verbose=verbose, json=json)
         return
+    if settings.memory:
+        supervise(settings.memory)
     from kg.cli.progress import waiting  # noqa: PLC0415 - start-up time
     from kg.pipeline import rule_runs  # noqa: PLC0415 - start-up time
 
