@@ -90,4 +90,4 @@ def _blank_once_removed(widget: Widget) -> None:
     def drawn(crop: Region) -> list[Strip]:
         return draw(crop) if widget.is_attached else [Strip.blank(crop.width)] * crop.height
 
-    widget.render_lines = drawn  # type: ignore[method-assign]
+    widget.render_lines = drawn  # type: ignore[method-assign]  # of this one widget
