@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from textual.widgets.tree import TreeNode
 
     from kg.errors import KgError
-    from kg.shell.app import Shell
     from kg.shell.link import Link
     from kg.store.terms import Term
 
