@@ -12,12 +12,13 @@ from textual.app import App, SuspendNotSupported, SystemCommand
 from textual.command import CommandPalette
 from textual.filter import NoColor
 from textual.theme import ThemeProvider
+from textual.widget import Widget
 from textual.worker import WorkerFailed, get_current_worker
 
 from kg.errors import KgError, UsageError
 from kg.render.text import printable
 from kg.shell.actions import ACTIONS, bindings, key_words
-from kg.shell.delivery import guard, is_late
+from kg.shell.delivery import guard, is_late, is_open
 from kg.shell.link import Link
 from kg.shell.opening import command_for
 from kg.shell.screens.main import MainScreen
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
     from textual.dom import DOMNode
     from textual.filter import LineFilter
     from textual.screen import Screen
-    from textual.widget import Widget
 
     from kg.settings import Settings
     from kg.shell.actions import Action
@@ -98,6 +98,12 @@ class Shell(App[None]):
         """Guard the handlers of every widget and screen that joins."""
         super()._register_child(parent, child, before, after)
         guard(child, self)
+
+    async def _dispatch_action(self, namespace: DOMNode, action_name: str, params: Any) -> bool:
+        """Ignore a key for a screen or widget that is not composed yet, or closes."""
+        if isinstance(namespace, Widget) and not is_open(namespace):
+            return False
+        return await super()._dispatch_action(namespace, action_name, params)
 
     def _handle_exception(self, error: Exception) -> None:
         """Show an unexpected error where textual would end the application."""
