@@ -55,7 +55,7 @@ class Runs:
         buffer.job = secrets.token_hex(8)
         buffer.results.say("running …")
         limit = None if whole else self._link.settings.limit or None
-        self._screen.run_worker(self._run(buffer, text, offset, limit), group=buffer.job)
+        self._screen.run_worker(self._run(buffer, text, offset, limit, _place(buffer)), group=buffer.job)
 
     def stop(self, buffer: Buffer | None) -> bool:
         """End what a buffer runs; False when it runs nothing."""
@@ -69,12 +69,11 @@ class Runs:
             self._screen.status.run(job, job.rows if job else 0)
         self._was_running = job is not None
 
-    async def _run(self, buffer: Buffer, text: str, offset: int, limit: int | None) -> None:
+    async def _run(self, buffer: Buffer, text: str, offset: int, limit: int | None, before: tuple[str, object]) -> None:
         began, outcome, rows = time.time(), "ok", 0
         clock = time.perf_counter()
         job = buffer.job or ""
         buffer.asked = text
-        before = _place(buffer)
         try:
             result = await self._link.ask(text, job=job, rows=limit)
         except KgError as error:
