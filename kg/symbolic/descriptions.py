@@ -1,0 +1,205 @@
+"""Descriptions of framework calls: the files `ontology/calls/*.toml`, and those that users add.
+
+docs/calls.md lists the columns. `kg.symbolic.effects` applies the descriptions.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections import defaultdict
+from dataclasses import dataclass, field
+from functools import cache
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.facts import Access, Role
+from kg.resources import folder
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["CallDescription", "ClassDescription", "Descriptions", "Effect", "shipped"]
+
+_ROLES: Final = {role.value: role for role in Role}
+_ACCESSES: Final = {"reads": Access.READ, "writes": Access.WRITE, "declares": Access.DECLARE}
+
+
+@dataclass(frozen=True, slots=True)
+class Effect:
+    """An interface or a parameter that a call creates, by the indexes of its arguments."""
+
+    role: Role | None = None
+    access: Access | None = None
+    name: int | None = None
+    fixed: str | None = None
+    types: tuple[str, ...] = ()
+    qos: int | None = None
+    default: int | None = None
+    output: int | None = None
+    prefix: int | None = None
+    listed: bool = False
+    weak: bool = False
+    camera: bool = False
+    implicit: bool = False
+    depth: int | None = None
+    """The depth of the queue where the call gives none."""
+    specification: int | None = None
+    """The argument whose template argument is a class with the name, the type and the quality of service."""
+    ros: int = 0
+    """The version of ROS of the description; 0 for either."""
+
+
+@dataclass(frozen=True, slots=True)
+class CallDescription:
+    """A function or method of a framework."""
+
+    names: tuple[str, ...]
+    on: tuple[str, ...] = ()
+    scopes: tuple[str, ...] = ()
+    least: int = 0
+    most: int = 99
+    effects: tuple[Effect, ...] = ()
+    node: int | str | None = None
+    returns: str | None = None
+    node_name: int | None = None
+    mark: str | None = None
+    copies: tuple[int, int] | None = None
+    loads: bool = False
+    """Whether it loads the nodelet that its second argument names."""
+    options: bool = False
+    """Whether it stores the interface in its object, for a call that receives the object."""
+
+
+@dataclass(frozen=True, slots=True)
+class ClassDescription:
+    """A class of a framework."""
+
+    name: str
+    is_a: str = ""
+    like: str | None = None
+    """Another class whose methods it has."""
+    node_name: int | None = None
+    runs: tuple[str, ...] = ()
+    effects: tuple[Effect, ...] = ()
+    node: int | str | None = None
+    least: int = 0
+    most: int = 99
+    mark: str | None = None
+    gives: tuple[tuple[str, int, tuple[tuple[int, str], ...]], ...] = ()
+    """The node handles that it passes to its methods: name, number of parameters, and index with namespace."""
+    members: tuple[tuple[str, str], ...] = ()
+    """Members that it sets to node handles, with their namespaces."""
+    unless: int | None = None
+    """The argument that turns the effects off if it is `false`."""
+
+
+@dataclass(slots=True)
+class Descriptions:
+    """All descriptions, by the last part of the described name."""
+
+    calls: dict[str, list[CallDescription]] = field(default_factory=lambda: defaultdict(list))
+    classes: dict[str, list[ClassDescription]] = field(default_factory=lambda: defaultdict(list))
+
+    def read(self, text: str) -> None:
+        """Add the descriptions of a file."""
+        data = tomllib.loads(text)
+        ros = data.get("ros", 0)
+        for row in data.get("class", ()):
+            for name in _names(row):
+                self.classes[name.rpartition("::")[2]].append(_class(name, row, ros))
+        for row in data.get("call", ()):
+            described = _call(row, ros)
+            for name in described.names:
+                self.calls[name].append(described)
+
+    def class_named(self, names: tuple[str, ...]) -> ClassDescription | None:
+        """Return the description of a class by its qualified name; the namespaces that both have must agree."""
+        listed = self.classes.get(names[-1] if names else "", ())
+        return next((one for one in listed if _agree(tuple(one.name.split("::")), names)), None)
+
+
+def _agree(described: tuple[str, ...], names: tuple[str, ...]) -> bool:
+    count = min(len(described), len(names))
+    return described[-count:] == names[-count:]
+
+
+def _effects(row: dict[str, Any], ros: int) -> tuple[Effect, ...]:
+    found = []
+    for key, value in row.items():
+        if key in _ROLES or key in _ACCESSES:
+            for entry in value if isinstance(value, list) else [value]:
+                given = dict(entry)
+                types = tuple(given.pop("type", ()))
+                found.append(Effect(_ROLES.get(key), _ACCESSES.get(key), types=types, ros=row.get("ros", ros), **given))
+    return tuple(found)
+
+
+def _call(row: dict[str, Any], ros: int) -> CallDescription:
+    least, most = row.get("arguments", (0, 99))
+    copies = row.get("copies")
+    return CallDescription(
+        tuple(_names(row)),
+        tuple(row.get("on", ())),
+        tuple(row.get("in", ())),
+        least,
+        most,
+        _effects(row, ros),
+        row.get("node"),
+        row.get("returns"),
+        row.get("node_name"),
+        row.get("mark"),
+        (copies[0], copies[1]) if copies else None,
+        row.get("loads", False),
+        row.get("options", False),
+    )
+
+
+def _names(row: dict[str, Any]) -> list[str]:
+    return row["name"] if isinstance(row["name"], list) else [row["name"]]
+
+
+def _class(name: str, row: dict[str, Any], ros: int) -> ClassDescription:
+    least, most = row.get("arguments", (0, 99))
+    return ClassDescription(
+        name,
+        row.get("is", ""),
+        row.get("like"),
+        row.get("node_name"),
+        tuple(row.get("runs", ())),
+        _effects(row, ros),
+        row.get("node"),
+        least,
+        most,
+        row.get("mark"),
+        tuple(
+            (one["method"], one["arguments"], tuple((int(k), v) for k, v in one["handles"].items()))
+            for one in row.get("gives", ())
+        ),
+        tuple(row.get("members", {}).items()),
+        row.get("unless"),
+    )
+
+
+def shipped() -> Descriptions:
+    """Return the descriptions that come with kg."""
+    return _read(tuple(sorted((folder("ontology") / "calls").glob("*.toml"))))
+
+
+@cache
+def _read(files: tuple[Any, ...]) -> Descriptions:
+    found = Descriptions()
+    for file in files:
+        found.read(file.read_text(encoding="utf-8"))
+    return found
+
+
+def merged(texts: Iterable[str]) -> Descriptions:
+    """Return the shipped descriptions, after those of other files, which take precedence."""
+    found = Descriptions()
+    for text in texts:
+        found.read(text)
+    base = shipped()
+    for name, calls in base.calls.items():
+        found.calls[name] += calls
+    for name, classes in base.classes.items():
+        found.classes[name] += classes
+    return found

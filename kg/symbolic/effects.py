@@ -1,0 +1,428 @@
+"""Effects of described framework calls: interfaces and parameters, with the calls that led to them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
+
+from kg.facts import Access, Qos
+from kg.symbolic import durations, qos
+from kg.symbolic.messages import message_type, type_name
+from kg.symbolic.names import (
+    EMPTY,
+    below,
+    camera_info,
+    handle_namespace,
+    namespace_of,
+    with_node_name,
+)
+from kg.symbolic.parameters import Parameters, listed, type_of_value
+from kg.symbolic.results import result
+from kg.symbolic.state import Arguments, Invocation
+from kg.symbolic.values import (
+    Bound,
+    Closure,
+    Kind,
+    Mapping,
+    Number,
+    Object,
+    Sequence,
+    Text,
+    Truth,
+    TypeValue,
+    Unknown,
+    Value,
+    alternatives,
+    combinations,
+    join,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from kg.symbolic.descriptions import CallDescription, ClassDescription, Descriptions, Effect
+    from kg.symbolic.machine import Machine
+    from kg.symbolic.state import Site
+
+__all__ = ["Declared", "Framework"]
+
+_NODES: Final = ("node", "handle")
+_UNKNOWN_NODE: Final = Unknown("it has no node")
+
+
+@dataclass(frozen=True, slots=True)
+class Declared:
+    """An interface or parameter with its node, and the calls that led to it, the outermost first."""
+
+    effect: Effect
+    name: Text | Unknown
+    type: str | None
+    node: Object | None
+    stack: tuple[Site, ...]
+    qos: Qos | None = None
+    default: Value | None = None
+    guards: tuple[str, ...] = ()
+    value_type: str | None = None
+
+
+class Framework:
+    """The frameworks in one interpretation. `host` is the node that loads the plugin, if the root is a plugin."""
+
+    machine: Machine
+
+    def __init__(self, descriptions: Descriptions, host: Object | None = None) -> None:
+        self.descriptions = descriptions
+        self.host = host
+        self.declared: list[Declared] = []
+        self.marks: list[tuple[str, Object | None, tuple[Site, ...], Value | None]] = []
+        self.parameters = Parameters()
+        self.node_names: list[Value] = []
+        self.nodes: list[Object] = []
+        self.loaded: list[tuple[Value, ...]] = []
+        self._option_sites: dict[int, tuple[Site, ...]] = {}
+        """The calls that gave an options object the name of its interface."""
+        self._described: dict[object, list[ClassDescription]] = {}
+
+    def progress(self) -> tuple[int, ...]:
+        """Return the number of results so far: if it changes while a function runs, the function has effects."""
+        return (
+            len(self.declared),
+            len(self.marks),
+            len(self.nodes),
+            len(self.loaded),
+            len(self.node_names),
+            len(self.machine.queued),
+        )
+
+    # Classes
+
+    def described(self, kind: Kind) -> list[ClassDescription]:
+        """Return the descriptions of the framework classes that a type is or derives from."""
+        key = kind.cls or kind.names
+        found = self._described.get(key)
+        if found is None:
+            outside = self.machine.language.chain(kind)[1]
+            found = [one for base in outside if (one := self.descriptions.class_named(base.names)) is not None]
+            if not found and kind.cls is not None and (own := self.descriptions.class_named(kind.names)) is not None:
+                found.append(own)
+            self._described[key] = found
+        return found
+
+    def _classes(self, of: Object) -> list[ClassDescription]:
+        """Return the descriptions of an object's classes, and of the classes that these are like."""
+        found = list(self.described(of.kind))
+        for one in found:
+            like = self.descriptions.class_named(tuple(one.like.split("::"))) if one.like is not None else None
+            if like is not None and like not in found:
+                found.append(like)
+        return found
+
+    def is_node(self, of: Value) -> bool:
+        """Check whether an object is a node or a node handle."""
+        return isinstance(of, Object) and any(one.is_a in _NODES for one in self._classes(of))
+
+    def _is_profile(self, of: Object) -> bool:
+        return "qos" in of.native or any(one.is_a == "qos" for one in self.described(of.kind))
+
+    # Values that frameworks supply
+
+    def given(self, kind: Kind, name: str) -> Value | None:
+        """Return the value that a framework passes to a plugin for a type: its node, or a handle."""
+        if kind.cls is not None:
+            described = next((one for one in self.described(kind) if one.is_a in _NODES), None)
+            return self.host if described is not None and described.is_a == "node" else None
+        found = self.descriptions.class_named(kind.names)
+        if found is not None and found.is_a == "handle":
+            private = "priv" in name or name.startswith("pn") or name.endswith("_p")
+            return Object(kind, native={"namespace": Text.of("~" if private else "")})
+        return self.host_node() if found is not None and found.is_a == "node" else None
+
+    def host_node(self) -> Object:
+        """Return the node that loads the plugin."""
+        if self.host is None:
+            self.host = Object(Kind(("rclcpp", "Node")), native={"namespace": EMPTY})
+        return self.host
+
+    def handed(self, of: Object, name: str, count: int) -> dict[int, Value]:
+        """Return the node handles that a framework passes to a method, by the index of the parameter."""
+        for described in self._classes(of):
+            for method, arguments, handles in described.gives:
+                if method == name and arguments == count:
+                    return {index: _handle(namespace) for index, namespace in handles}
+        return {}
+
+    def constant(self, names: tuple[str, ...]) -> Value | None:
+        """Return a constant of a framework: a profile or a policy of the quality of service, or a duration."""
+        name = names[-1]
+        if name in qos.PROFILES:
+            return qos.rmw_profile(qos.PROFILES[name])
+        return durations.duration(durations.CONSTANTS[name]) if name in durations.CONSTANTS else qos.policy(names)
+
+    def copied(self, value: Value) -> Value:
+        """Return the value that a variable receives: a copy of a quality of service."""
+        return qos.copied(value) if isinstance(value, Object) else value
+
+    # Construction
+
+    def constructs(self, kind: Kind) -> bool:
+        """Check whether a type is a framework class."""
+        return kind.cls is None and self.descriptions.class_named(kind.names) is not None
+
+    def construct(self, kind: Kind, arguments: list[Value]) -> Value | None:
+        """Return an object of a framework class, and apply the effects of its construction."""
+        described = self.descriptions.class_named(kind.names)
+        if described is None:
+            return None
+        what, _, detail = described.is_a.partition(":")
+        first = arguments[0] if arguments else None
+        if what in _NODES and len(arguments) == 1 and isinstance(first, Object) and first.kind.names == kind.names:
+            return first
+        if what == "value":
+            return arguments[int(detail)] if int(detail) < len(arguments) else Unknown("it has no value")
+        if what == "pair":
+            return Sequence(tuple(arguments[:2])) if arguments else Unknown("it has no value")
+        if what == "duration":
+            return durations.made_duration(kind, float(detail), arguments)
+        made = Object(kind, line=self.machine.stack[-1].line if self.machine.stack else 0)
+        self._construct(made, kind, described, arguments)
+        return made
+
+    def construct_base(self, made: Object, kind: Kind, arguments: list[Value]) -> None:
+        """Run the constructor of a framework class for an object of a class that derives from it."""
+        described = self.descriptions.class_named(kind.names)
+        if described is not None:
+            self._construct(made, kind, described, arguments)
+        else:
+            self.machine.language.escape(arguments)
+
+    def constructed(self, made: Object) -> None:
+        """Schedule the methods of an object that a framework calls after construction."""
+        language = self.machine.language
+        for described in self._classes(made):
+            for name in described.runs:
+                if language.methods(made.kind, name):
+                    language.escape([Bound(name, made)])
+
+    def _construct(self, made: Object, kind: Kind, described: ClassDescription, arguments: list[Value]) -> None:
+        for name, namespace in described.members:
+            made.fields[name] = _handle(namespace)
+        if described.is_a == "handle":
+            made.native["namespace"] = handle_namespace(arguments)
+        elif described.is_a == "node":
+            self._construct_node(made, described, arguments)
+        elif described.is_a == "carrier":
+            made.native["node"] = arguments[0] if arguments else _UNKNOWN_NODE
+        elif described.is_a == "qos":
+            qos.construct(made, kind, arguments)
+        if described.mark is not None:
+            detail = next(iter(arguments if described.mark == "bond" else kind.arguments), None)
+            nodes = [one for value in arguments for one in alternatives(value) if isinstance(one, Object)]
+            owner = next((one for one in nodes if self.is_node(one)), None)
+            self.marks.append((described.mark, owner, tuple(self.machine.stack), detail))
+        off = described.unless is not None and arguments[described.unless : described.unless + 1] == [Truth(False)]
+        node, rest = self._shifted(described.node, arguments)
+        if described.effects and not off and described.least <= len(rest) <= described.most:
+            for effect in described.effects:
+                for row in combinations(rest):
+                    self._apply(effect, Invocation(node, Arguments(list(row)), kind))
+        self.machine.language.escape(arguments)
+
+    def _construct_node(self, made: Object, described: ClassDescription, arguments: list[Value]) -> None:
+        made.native["namespace"] = EMPTY
+        if described.node_name is not None and len(arguments) > described.node_name:
+            made.native["name"] = arguments[described.node_name]
+        if made in self.nodes:
+            return
+        self.nodes.append(made)
+        running = (site.this for site in self.machine.stack)
+        outer = next(
+            (one for one in running if isinstance(one, Object) and one is not made and one in self.nodes), None
+        )
+        if outer is not None:
+            made.native["within"] = outer
+
+    def _shifted(self, node: int | str | None, arguments: list[Value]) -> tuple[Value | None, list[Value]]:
+        """Return the node or handle of a call, and the arguments as the description counts them."""
+        if node == "host":
+            return self.host_node(), arguments
+        if node == "first handle":
+            if arguments and any(isinstance(one, Object) for one in alternatives(arguments[0])):
+                return arguments[0], arguments[1:]
+            return None, arguments
+        return (arguments[node] if isinstance(node, int) and node < len(arguments) else None), arguments
+
+    # Calls
+
+    def knows_method(self, of: Object, name: str) -> bool:
+        """Check whether a method that an object calls on itself is described."""
+        if any(self._applies(one, of) for one in self.descriptions.calls.get(name, ()) if one.on):
+            return True
+        return name in qos.METHODS and self._is_profile(of)
+
+    def _applies(self, described: CallDescription, of: Object) -> bool:
+        names = {one.name for one in self._classes(of)}
+        return any(on in names for on in described.on)
+
+    def call_method(self, of: Object, name: str, given: Arguments) -> Value | None:
+        """Apply the effects of a method of a framework class; None if it is not described."""
+        if self._is_profile(of):
+            changed = qos.changed_profile(self.machine, of, name, given.values)
+            if changed is not None:
+                return changed
+        for described in self.descriptions.calls.get(name, ()):
+            if described.least <= len(given.values) <= described.most and self._applies(described, of):
+                node: Value | None = of
+                if described.node is not None:
+                    node, rest = self._shifted(described.node, given.values)
+                    given = replace(given, values=rest)
+                return self._run(described, Invocation(node, given, of.kind))
+        return None
+
+    def call_function(self, names: tuple[str, ...], given: Arguments) -> Value | None:
+        """Apply the effects of a function of a framework; None if it is not described."""
+        uses = given.frame.unit.uses if given.frame is not None else ()
+        for described in self.descriptions.calls.get(names[-1], ()):
+            count = described.least <= len(given.values) <= described.most
+            if count and described.scopes and _in_scope(described.scopes, names[:-1], uses):
+                node, rest = self._shifted(described.node, given.values)
+                return self._run(described, Invocation(node, replace(given, values=rest)))
+        return None
+
+    def _run(self, described: CallDescription, call: Invocation) -> Value:
+        given = call.arguments
+        if described.node_name is not None and described.node_name < len(given.values):
+            self.node_names.append(given.values[described.node_name])
+        if described.loads and len(given.values) > 1:
+            self.loaded.append(tuple(given.values))
+        if described.options and given.values:
+            return self._options(described, call)
+        if described.mark is not None:
+            topic = call.argument(described.effects[0].name or 0) if described.effects else None
+            owner = call.node if isinstance(call.node, Object) else None
+            detail = below(namespace_of(owner), topic) if topic is not None else None
+            self.marks.append((described.mark, owner, tuple(self.machine.stack), detail))
+        value: Value | None = None
+        for effect in described.effects:
+            nodes: tuple[Value | None, ...] = alternatives(call.node) if call.node is not None else (None,)
+            rows = [replace(given, values=list(row)) for row in combinations(given.values)]
+            results = [self._apply(effect, replace(call, node=one, arguments=row)) for one in nodes for row in rows]
+            values = [one for one in results if one is not None]
+            value = join(*values) if values else None
+        self.machine.language.escape(given.values)
+        if described.copies is not None and given.frame is not None and described.copies[1] < len(given.written):
+            source, target = described.copies
+            self.machine.put(given.written[target], given.values[source], given.frame)
+        return result(self, described.returns, call, value)
+
+    def _options(self, described: CallDescription, call: Invocation) -> Object:
+        """Store the name and type of an interface in an options object."""
+        options = call.node if isinstance(call.node, Object) else Object(Kind(("ros", "SubscribeOptions")))
+        effect = described.effects[0]
+        kind = message_type(self.machine.language, effect, call)
+        self._option_sites[id(options)] = tuple(self.machine.stack)
+        options.native["options name"] = call.arguments.values[effect.name or 0]
+        options.native["options type"] = Text.of(kind) if kind is not None else Unknown("its type is not known")
+        self.machine.language.escape(call.arguments.values)
+        return options
+
+    # Effects
+
+    def defaulted(self, parameter: str, value: Value) -> None:
+        """Record the value that the code uses if a parameter is not set, after the parameter was read."""
+        for index, one in enumerate(self.declared):
+            read = one.effect.access is Access.READ and one.default is None
+            if read and isinstance(one.name, Text) and one.name.shown == parameter:
+                self.declared[index] = replace(one, default=value, value_type=one.value_type or type_of_value(value))
+
+    def _apply(self, effect: Effect, call: Invocation) -> Value | None:
+        """Add the interface or parameter of one effect; return the value of the parameter."""
+        owner = call.node if isinstance(call.node, Object) else None
+        if owner is not None and isinstance(carried := owner.native.get("node"), Object):
+            owner = carried
+        if call.node is not None and owner is None and effect.role and not isinstance(call.node, Unknown):
+            return None
+        if effect.listed:
+            single = replace(effect, listed=False, name=0, default=1)
+            for key, value in listed(effect, call):
+                self._apply(single, Invocation(owner, Arguments([key, value])))
+            return None
+        if effect.specification is not None:
+            self._specified(effect, owner, call)
+            return None
+        name = Text.of(effect.fixed) if effect.fixed is not None else call.argument(effect.name)
+        if name is None:
+            return None
+        stack = tuple(self.machine.stack)
+        if isinstance(name, Object) and "options name" in name.native:
+            stack = self._option_sites.get(id(name), stack)
+            name = name.native["options name"]
+        if effect.access is not None:
+            return self._parameter(effect, owner, name, call)
+        if isinstance(name, Closure | Bound | Sequence | Mapping):
+            return None
+        kind = message_type(self.machine.language, effect, call)
+        whole = with_node_name(below(namespace_of(owner), name), owner)
+        profile = self._profile(effect, call)
+        self._add(Declared(effect, _shown(whole), kind, owner, stack, profile))
+        if effect.camera:
+            info = _shown(camera_info(whole))
+            self._add(Declared(effect, info, "sensor_msgs/CameraInfo", owner, stack, profile))
+        return None
+
+    def _add(self, declared: Declared) -> None:
+        self.declared.append(replace(declared, guards=tuple(self.machine.guards)))
+
+    def _profile(self, effect: Effect, call: Invocation) -> Qos | None:
+        given = call.argument(effect.qos)
+        if given is not None:
+            return qos.profile_of(given)
+        return Qos("reliable", "volatile", "keep_last", effect.depth) if effect.depth is not None else None
+
+    def _specified(self, effect: Effect, owner: Object | None, call: Invocation) -> None:
+        """Add the interface of a class: `Message` or `Service`, `name`, `depth`, `reliability`, `durability`."""
+        language = self.machine.language
+        declared = call.declared(effect.specification, language)
+        inner = declared.arguments[0] if declared is not None and declared.arguments else None
+        if not isinstance(inner, TypeValue) or inner.kind.cls is None:
+            return
+        kinds = [language.nested_type(inner.kind, name) for name in ("Message", "Service")]
+        kind = next((type_name(one) for one in kinds if one is not None), None)
+        name = language.static_member(inner.kind, "name")
+        known = name.known if isinstance(name, Text) else None
+        policies = ("depth", "reliability", "durability")
+        fields = {one: value for one in policies if (value := language.static_member(inner.kind, one)) is not None}
+        profile = qos.with_fields(Qos(history="keep_last"), fields) if isinstance(fields.get("depth"), Number) else None
+        shown = Text.of(known) if known else Unknown("it is not specified")
+        self._add(Declared(effect, shown, kind, owner, tuple(self.machine.stack), profile))
+
+    def _parameter(self, effect: Effect, owner: Object | None, name: Value, call: Invocation) -> Value:
+        """Record an access to a parameter, and write its value to the output argument."""
+        machine, given = self.machine, call.arguments
+        reading = self.parameters.read(machine.language, effect, owner, name, call)
+        value = reading.value
+        if effect.access is Access.WRITE and any(term.startswith("?") for term in machine.guards):
+            return value
+        stack = tuple(machine.stack)
+        self._add(Declared(effect, reading.name, None, owner, stack, default=reading.default, value_type=reading.type))
+        if effect.output is not None and given.frame is not None and effect.output < len(given.written):
+            written = value
+            if isinstance(value, Unknown) and isinstance(reading.before, Text):
+                written = Text.hole(value.reason, parameter=value.parameter)
+            machine.put(given.written[effect.output], written, given.frame)
+        return value
+
+
+def _handle(namespace: str) -> Object:
+    return Object(Kind(("ros", "NodeHandle")), native={"namespace": Text.of(namespace)})
+
+
+def _shown(name: Value) -> Text | Unknown:
+    return name if isinstance(name, Text | Unknown) else Unknown("it is not a text")
+
+
+def _in_scope(scopes: tuple[str, ...], scope: tuple[str, ...], uses: Iterable[tuple[str, ...]]) -> bool:
+    """Check whether a function that is called with a scope is in one of some namespaces."""
+    full = [tuple(one.split("::")) for one in scopes]
+    if scope:
+        return scopes == ("*",) or any(one[-len(scope) :] == scope or scope[-len(one) :] == one for one in full)
+    return scopes == ("*",) or not {*full}.isdisjoint(uses)

@@ -1,0 +1,52 @@
+"""Types that point to others: smart pointers, and the pointer aliases that generated messages have."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from kg.symbolic.values import Kind, TypeValue
+
+__all__ = ["POINTERS", "POINTER_ALIASES", "pointee"]
+
+POINTERS: Final = frozenset(
+    {
+        "shared_ptr",
+        "unique_ptr",
+        "weak_ptr",
+        "scoped_ptr",
+        "intrusive_ptr",
+        "optional",
+        "reference_wrapper",
+        "atomic",
+        "RealtimeBuffer",
+        "RealtimeBox",
+    }
+)
+"""Templates whose objects behave like the object that they hold."""
+POINTER_ALIASES: Final = frozenset(
+    {
+        "SharedPtr",
+        "ConstSharedPtr",
+        "UniquePtr",
+        "ConstUniquePtr",
+        "WeakPtr",
+        "ConstWeakPtr",
+        "Ptr",
+        "ConstPtr",
+        "SharedFuture",
+    }
+)
+"""Types within a class that point to it: `Image::SharedPtr`."""
+_DEEPEST: Final = 6
+
+
+def pointee(kind: Kind) -> Kind:
+    """Return the type that a pointer points to; other types are returned as they are."""
+    for _ in range(_DEEPEST):
+        if kind.cls is None and kind.name in POINTERS and kind.arguments and isinstance(kind.arguments[0], TypeValue):
+            kind = kind.arguments[0].kind
+        elif kind.cls is None and kind.name in POINTER_ALIASES and len(kind.names) > 1:
+            kind = Kind(kind.names[:-1], kind.arguments)
+        else:
+            return kind
+    return kind

@@ -1,0 +1,529 @@
+"""The interpreter: runs the intermediate form forward from what starts a node, over abstract values and objects.
+
+If the condition of a branch is known, one side runs. Otherwise every side runs on the state before the branch, and the
+journal joins their writes. Loops over known collections run once for each element; others run once, and their counters
+become unknown. Limits on steps, depth and turns end an interpretation; `bounds` contains the limits that were reached.
+"""
+
+from __future__ import annotations
+
+from collections import Counter, deque
+from contextlib import contextmanager
+from functools import partial
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.symbolic import form
+from kg.symbolic.operators import (
+    NULL,
+    compute,
+    for_each,
+    logical,
+    negate,
+    negated_term,
+    negative,
+    terms_of,
+    truth,
+)
+from kg.symbolic.state import Alias, Frame, Journal, Site
+from kg.symbolic.values import (
+    Closure,
+    Either,
+    Kind,
+    Mapping,
+    Number,
+    Object,
+    Pack,
+    Sequence,
+    Text,
+    Truth,
+    TypeValue,
+    Unknown,
+    Value,
+    alternatives,
+    combinations,
+    join,
+    number,
+    read_back,
+    whole_parameter,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator
+
+    from kg.symbolic.effects import Framework
+    from kg.symbolic.form import Expression, Function, Statement
+    from kg.symbolic.language import Language
+    from kg.symbolic.state import Holder, Slot, Variables, Written
+
+__all__ = ["Machine"]
+
+MOST_STEPS: Final = 1_500_000
+DEEPEST: Final = 70
+MOST_TURNS: Final = 64
+MOST_REPEATS: Final = 2
+MOST_FRUITLESS: Final = 6
+"""How often a function runs that declares nothing and returns only numbers, truth values or unknown values."""
+_COUNTS: Final = Unknown("it counts the turns of a loop")
+
+
+class Machine:
+    """One interpretation. `language` resolves names, `framework` evaluates calls of frameworks."""
+
+    def __init__(self, language: Language, framework: Framework) -> None:
+        self.language = language
+        self.framework = framework
+        self.stack: list[Site] = []
+        self.running: Counter[int] = Counter()
+        self.queue: deque[Callable[[], object]] = deque()
+        self.queued: set[object] = set()
+        self.guards: list[str] = []
+        self.bounds: set[str] = set()
+        self.fruitless: Counter[int] = Counter()
+        self.executed: set[int] = set()
+        """The functions that have run, by identity."""
+        self.steps = 0
+        self.globals: dict[object, Variables] = {}
+        self._journal = Journal(self._joined)
+        self._values: dict[type, Callable[[Any, Frame], Value]] = {
+            form.Literal: self._literal,
+            form.Name: self._name,
+            form.Member: self._member,
+            form.Call: self._call,
+            form.Construct: self._construct,
+            form.Unary: self._unary,
+            form.Binary: self._binary,
+            form.Choice: self._choice,
+            form.Index: self._index,
+            form.Display: self._display,
+            form.Pairs: self._pairs,
+            form.Lambda: self._lambda,
+            form.Assign: self._assignment,
+            form.Opaque: self._opaque,
+            form.Type: self._type,
+        }
+
+    def write(self, holder: Holder, name: str, value: Slot) -> None:
+        """Set a variable or a field."""
+        self._journal.write(holder, name, value)
+
+    def _joined(self, values: list[Value]) -> Value:
+        joined = join(*values)
+        for value in values:
+            parameter = getattr(value, "parameter", None)
+            if parameter is not None and whole_parameter(value) and not whole_parameter(joined):
+                self.framework.defaulted(parameter, joined)
+        return joined
+
+    # Running
+
+    def drain(self) -> None:
+        """Run the scheduled callbacks, and those that they schedule."""
+        while self.queue:
+            self.queue.popleft()()
+
+    def schedule(self, key: object, run: Callable[[], object]) -> None:
+        """Run a callback later, once for each key."""
+        if key not in self.queued:
+            self.queued.add(key)
+            self.queue.append(run)
+
+    def run(self, statement: Statement, frame: Frame) -> str | None:
+        """Run a statement; return None, or how it left the ones after it: `return`, `break`, `continue` or `raise`."""
+        self.steps += 1
+        if self.steps > MOST_STEPS:
+            self.bounds.add("steps")
+            return "return"
+        if isinstance(statement, form.Block):
+            for inner in statement.body:
+                ended = self.run(inner, frame)
+                if ended is not None:
+                    return ended
+        elif isinstance(statement, form.Step):
+            self.value(statement.value, frame)
+        elif isinstance(statement, form.Declare):
+            self._declare(statement, frame)
+        elif isinstance(statement, form.Branch):
+            return self._branch(statement, frame)
+        elif isinstance(statement, form.Loop):
+            return self._loop(statement, frame)
+        elif isinstance(statement, form.Return):
+            if statement.value is not None:
+                frame.returned.append(self.value(statement.value, frame))
+            return "return"
+        else:
+            return statement.kind
+        return None
+
+    def _declare(self, statement: form.Declare, frame: Frame) -> None:
+        kind, written = statement.type, statement.value
+        if written is None:
+            missing = Unknown("it has no value")
+            value = self.language.default(kind, frame, statement.line) if kind is not None else missing
+        else:
+            value = self.value(written, frame)
+            if kind is None or not kind.reference or not isinstance(written, form.Name | form.Member | form.Index):
+                value = self.language.converted(value, kind, written, frame)
+                if kind is None or not (kind.reference or kind.pointer):
+                    value = self.framework.copied(value)
+            elif not isinstance(value, Object | Unknown):
+                self.write(frame.variables, statement.name, Alias(written, frame))
+                return
+        if kind is not None:
+            frame.declared[statement.name] = kind
+        self.write(frame.variables, statement.name, value)
+
+    @contextmanager
+    def _under(self, terms: Iterable[str]) -> Iterator[None]:
+        before = len(self.guards)
+        self.guards += [term for term in terms if term not in self.guards]
+        try:
+            yield
+        finally:
+            del self.guards[before:]
+
+    def _branch(self, statement: form.Branch, frame: Frame) -> str | None:
+        sides: list[Written] = []
+        ends: list[str | None] = []
+        negated: list[str] = []
+        closed = False
+        for condition, body in statement.arms:
+            holds = Truth(True) if condition is None else truth(self.value(condition, frame))
+            if isinstance(holds, Truth):
+                if not holds.value:
+                    continue
+                closed = True
+                if not sides:
+                    return self.run(body, frame)
+            with self._under([*negated, *terms_of(holds)]):
+                written, ended = self._journal.attempt(partial(self.run, body, frame))
+            sides.append(written)
+            ends.append(ended)
+            if closed:
+                break
+            opposite = [negated_term(term) for term in terms_of(holds)]
+            negated += opposite if len(opposite) == 1 else []
+        if not closed:
+            sides.append({})
+            ends.append(None)
+        live = [side for side, ended in zip(sides, ends, strict=True) if ended is None]
+        self._journal.merge(live or sides)
+        if not live:
+            return next((end for end in ends if end != "raise"), "raise")
+        if len(live) < len(sides) and not closed and negated:
+            self.guards += [term for term in negated if term not in self.guards]
+        return None
+
+    def _loop(self, loop: form.Loop, frame: Frame) -> str | None:
+        if loop.over is not None:
+            return self._each(loop, loop.over, frame)
+        if loop.first is not None:
+            self.run(loop.first, frame)
+        if loop.test_last:
+            return self._unknown_times(loop, frame, ())
+        for _ in range(MOST_TURNS):
+            if loop.condition is None:
+                return self._unknown_times(loop, frame, ())
+            holds = truth(self.value(loop.condition, frame))
+            if not isinstance(holds, Truth):
+                return self._unknown_times(loop, frame, terms_of(holds))
+            if not holds.value:
+                return None
+            ended = self.run(loop.body, frame)
+            if ended == "break":
+                return None
+            if ended in ("return", "raise"):
+                return ended
+            if loop.step is not None:
+                self.value(loop.step, frame)
+        self.bounds.add("turns")
+        return None
+
+    def _unknown_times(self, loop: form.Loop, frame: Frame, terms: tuple[str, ...]) -> str | None:
+        """Run a loop once, on unknown counters; one that tests first may also not run."""
+        self._forget_counters(loop, frame)
+
+        def once() -> str | None:
+            ended = self.run(loop.body, frame)
+            if loop.step is not None and ended is None:
+                self.value(loop.step, frame)
+            return ended
+
+        if loop.test_last:
+            ended = once()
+            return ended if ended in ("return", "raise") else None
+        with self._under(terms):
+            written, _ = self._journal.attempt(once)
+        self._journal.merge([written, {}])
+        return None
+
+    def _forget_counters(self, loop: form.Loop, frame: Frame) -> None:
+        for target in self.language.counted(loop):
+            self.assign(target, _COUNTS, frame)
+
+    def _each(self, loop: form.Loop, collection: Expression, frame: Frame) -> str | None:
+        choices = alternatives(self.value(collection, frame))
+        if len(choices) == 1:
+            return self._over(loop, choices[0], frame)
+        self._journal.merge([self._journal.attempt(partial(self._over, loop, one, frame))[0] for one in choices])
+        return None
+
+    def _over(self, loop: form.Loop, over: Value, frame: Frame) -> str | None:
+        items = self.language.elements(over)
+        known = isinstance(over, Sequence | Mapping) and not over.open
+        if known and len(items) > MOST_TURNS:
+            self.bounds.add("turns")
+            items = items[:MOST_TURNS]
+        for item in items:
+            self._target(loop, item, frame)
+            if known:
+                ended = self.run(loop.body, frame)
+                if ended == "break":
+                    return None
+                if ended in ("return", "raise"):
+                    return ended
+            else:
+                self._forget_counters(loop, frame)
+                written, _ = self._journal.attempt(partial(self.run, loop.body, frame))
+                self._journal.merge([written, {}])
+        return None
+
+    def _target(self, loop: form.Loop, item: Value, frame: Frame) -> None:
+        if len(loop.targets) == 1:
+            self.write(frame.variables, loop.targets[0], item)
+            return
+        parts = self.language.elements(item)
+        for index, name in enumerate(loop.targets):
+            value = parts[index] if len(parts) == len(loop.targets) else Unknown("it is a part of an unknown value")
+            self.write(frame.variables, name, value)
+
+    # Expressions
+
+    def value(self, expression: Expression, frame: Frame) -> Value:
+        """Return what an expression is, and do what it does."""
+        self.steps += 1
+        if self.steps > MOST_STEPS:
+            self.bounds.add("steps")
+            return Unknown("the interpretation was too long")
+        return self._values[type(expression)](expression, frame)
+
+    def _literal(self, expression: form.Literal, frame: Frame) -> Value:  # noqa: ARG002 - as for all expressions
+        held = expression.value
+        if isinstance(held, str):
+            return Text((held,))
+        if isinstance(held, bool):
+            return Truth(held)
+        if held is None:
+            return NULL
+        return Number(held, expression.written)
+
+    def _name(self, expression: form.Name, frame: Frame) -> Value:
+        names = expression.names
+        holder = frame.holder(names[0]) if len(names) == 1 else None
+        if holder is None:
+            return read_back(self.language.name(expression, frame))
+        held = holder[names[0]]
+        return read_back(self.value(held.target, held.frame) if isinstance(held, Alias) else held)
+
+    def _member(self, expression: form.Member, frame: Frame) -> Value:
+        of = self.value(expression.of, frame)
+        return read_back(for_each(of, lambda one: self.language.member(one, expression.name)))
+
+    def _call(self, expression: form.Call, frame: Frame) -> Value:
+        self.stack.append(Site(frame.unit, expression.line, frame.this))
+        try:
+            return self.language.call(expression, frame)
+        finally:
+            self.stack.pop()
+
+    def _construct(self, expression: form.Construct, frame: Frame) -> Value:
+        self.stack.append(Site(frame.unit, expression.line, frame.this))
+        try:
+            return self.language.construct_expression(expression, frame)
+        finally:
+            self.stack.pop()
+
+    def arguments(self, expressions: Iterable[Expression], frame: Frame) -> list[Value]:
+        """Return the values of arguments, those of a variadic parameter each for itself."""
+        found: list[Value] = []
+        for expression in expressions:
+            value = self.value(expression, frame)
+            if isinstance(value, Pack):
+                found += value.items
+            else:
+                found.append(value)
+        return found
+
+    def _unary(self, expression: form.Unary, frame: Frame) -> Value:
+        sign = expression.sign
+        held = self.value(expression.operand, frame)
+        if sign in ("&", "*", "+"):
+            return held
+        if sign in ("!", "not"):
+            return for_each(held, lambda one: negate(truth(one)))
+        if sign in ("++", "--"):
+            change = 1 if sign == "++" else -1
+            new = for_each(
+                held, lambda one: number(one.value + change) if isinstance(one, Number) else Unknown("it counts")
+            )
+            self.assign(expression.operand, new, frame)
+            return held
+        return for_each(held, negative) if sign == "-" else Unknown("it is computed")
+
+    def _binary(self, expression: form.Binary, frame: Frame) -> Value:
+        sign = expression.sign
+        if sign in ("&&", "||", "and", "or"):
+            operands = (partial(self.value, operand, frame) for operand in expression.operands)
+            return logical(operands, all_of=sign in ("&&", "and"))
+        values = [self.value(operand, frame) for operand in expression.operands]
+        if sign == ",":
+            return values[-1] if values else Unknown("it is empty")
+        if sign == "<<":
+            special = self.language.shifted(values)
+            if special is not None:
+                return special
+        if any(isinstance(value, Either) for value in values):
+            return join(*(self._computed(sign, row) for row in combinations(values)))
+        return self._computed(sign, tuple(values))
+
+    def _computed(self, sign: str, row: tuple[Value, ...]) -> Value:
+        if sign == "%" and isinstance(row[0], Text | Object):
+            return self.language.formatted(row)
+        return compute(sign, row)
+
+    def _choice(self, expression: form.Choice, frame: Frame) -> Value:
+        holds = truth(self.value(expression.condition, frame))
+        if isinstance(holds, Truth):
+            return self.value(expression.then if holds.value else expression.otherwise, frame)
+        with self._under(terms_of(holds)):
+            one = self.value(expression.then, frame)
+        return join(one, self.value(expression.otherwise, frame))
+
+    def _index(self, expression: form.Index, frame: Frame) -> Value:
+        of, key = self.value(expression.of, frame), self.value(expression.key, frame)
+        return join(*(self.language.element(one, other) for one, other in combinations((of, key))))
+
+    def _display(self, expression: form.Display, frame: Frame) -> Value:
+        return Sequence(tuple(self.arguments(expression.items, frame)))
+
+    def _pairs(self, expression: form.Pairs, frame: Frame) -> Value:
+        return Mapping(tuple((self.value(key, frame), self.value(value, frame)) for key, value in expression.items))
+
+    def _lambda(self, expression: form.Lambda, frame: Frame) -> Value:
+        return Closure(expression.function, frame)
+
+    def _assignment(self, expression: form.Assign, frame: Frame) -> Value:
+        target = expression.target
+        value = self.value(expression.value, frame)
+        if expression.sign == "designated" and isinstance(target, form.Name):
+            return Sequence((Text.of(target.names[0]), value))
+        if expression.sign:
+            before = self.value(target, frame)
+            value = join(*(self._computed(expression.sign, row) for row in combinations((before, value))))
+        else:
+            value = self.framework.copied(self.language.assigned(target, value, expression.value, frame))
+        self.assign(target, value, frame)
+        return value
+
+    def assign(self, target: Expression, value: Value, frame: Frame) -> None:
+        """Set a variable, a member or an element."""
+        if isinstance(target, form.Name):
+            holder = frame.holder(target.names[0]) if len(target.names) == 1 else None
+            held = holder[target.names[0]] if holder is not None else None
+            if holder is None:
+                self.language.assign_name(target, value, frame)
+            elif isinstance(held, Alias):
+                self.assign(held.target, value, held.frame)
+            else:
+                self.write(holder, target.names[0], value)
+        elif isinstance(target, form.Member):
+            owners = alternatives(self.value(target.of, frame))
+            for of in owners:
+                if isinstance(of, Object):
+                    before = of.fields.get(target.name, value)
+                    self.write(of.fields, target.name, value if len(owners) == 1 else join(before, value))
+        elif isinstance(target, form.Index):
+            containers = alternatives(self.value(target.of, frame))
+            key = self.value(target.key, frame)
+            self.assign(target.of, join(*(self.language.with_element(one, key, value) for one in containers)), frame)
+        elif isinstance(target, form.Unary) and target.sign == "*":
+            self.assign(target.operand, value, frame)
+
+    def _opaque(self, expression: form.Opaque, frame: Frame) -> Value:
+        for part in expression.parts:
+            self.value(part, frame)
+        return Unknown(f"`{expression.text}` is not evaluated" if expression.text else "it is not evaluated")
+
+    def _type(self, expression: form.Type, frame: Frame) -> Value:
+        found = self.language.kind(expression, frame)
+        return TypeValue(found) if isinstance(found, Kind) else found
+
+    # Functions
+
+    def invoke(
+        self,
+        function: Function,
+        frame: Frame,
+        arguments: list[Value],
+        given: tuple[Expression, ...] = (),
+        caller: Frame | None = None,
+    ) -> Value:
+        """Run a function in its new frame; its writes to reference parameters go to the caller's arguments `given`."""
+        if len(self.stack) > DEEPEST:
+            self.bounds.add("depth")
+            return Unknown("the calls are too deep")
+        if self.running[id(function)] >= MOST_REPEATS:
+            return Unknown("it calls itself")
+        if self.fruitless[id(function)] >= MOST_FRUITLESS:
+            return self.language.unknown(function.returns, frame, function.name)
+        before = self.framework.progress()
+        with self.entered(function):
+            self.bind(function, frame, arguments)
+            self.run(function.body, frame)
+        if caller is not None and len(given) == len(arguments):
+            for parameter, expression in zip(function.parameters, given, strict=False):
+                kind = parameter.type
+                if kind is not None and (kind.reference or kind.pointer) and not kind.constant:
+                    value = frame.variables.get(parameter.name)
+                    if isinstance(value, Text | Number | Truth | Sequence | Mapping | Either):
+                        self.put(expression, value, caller)
+        result = join(*frame.returned) if frame.returned else Unknown("it returns nothing")
+        if isinstance(result, Unknown | Number | Truth) and self.framework.progress() == before:
+            self.fruitless[id(function)] += 1
+        return result
+
+    @contextmanager
+    def entered(self, function: Function) -> Iterator[None]:
+        """Count a function as running; the guards of its body end with it."""
+        guards = len(self.guards)
+        self.running[id(function)] += 1
+        self.executed.add(id(function))
+        try:
+            yield
+        finally:
+            self.running[id(function)] -= 1
+            del self.guards[guards:]
+
+    def put(self, expression: Expression, value: Value, frame: Frame) -> None:
+        """Write a value to the variable that is passed as an output argument."""
+        while isinstance(expression, form.Unary) and expression.sign in ("&", "*"):
+            expression = expression.operand
+        if isinstance(expression, form.Name | form.Member | form.Index):
+            self.assign(expression, value, frame)
+
+    def bind(self, function: Function, frame: Frame, arguments: list[Value]) -> None:
+        """Set the parameters of a function to arguments, to their defaults, or to unknown values."""
+        for index, parameter in enumerate(function.parameters):
+            if parameter.variadic:
+                frame.variables[parameter.name] = Pack(tuple(arguments[index:]))
+                return
+            kind = parameter.type
+            if kind is not None:
+                frame.declared[parameter.name] = kind
+            if index < len(arguments):
+                value = self.language.converted(arguments[index], kind, None, frame)
+                by_value = kind is not None and not kind.reference and not kind.pointer
+                frame.variables[parameter.name] = self.framework.copied(value) if by_value else value
+            elif parameter.default is not None:
+                frame.variables[parameter.name] = self.value(parameter.default, frame)
+            elif parameter.name:
+                frame.variables[parameter.name] = self.language.unknown(kind, frame, parameter.name)

@@ -1,0 +1,148 @@
+"""Message types of interfaces, as `package/Type`: from classes, template arguments and callbacks."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from kg.facts import Role
+from kg.symbolic.kinds import pointee
+from kg.symbolic.state import Frame
+from kg.symbolic.values import Bound, Closure, Kind, Object, Text, TypeValue, Value, alternatives
+
+if TYPE_CHECKING:
+    from kg.symbolic.descriptions import Effect
+    from kg.symbolic.form import Function
+    from kg.symbolic.language import Language
+    from kg.symbolic.state import Invocation
+
+__all__ = ["message_type", "type_name"]
+
+_SUFFIXES: Final = frozenset(
+    {
+        "SharedPtr",
+        "ConstSharedPtr",
+        "UniquePtr",
+        "ConstUniquePtr",
+        "WeakPtr",
+        "Ptr",
+        "ConstPtr",
+        "Request",
+        "Response",
+        "RequestPtr",
+        "ResponsePtr",
+    }
+)
+_JOINED: Final = ("ConstPtr", "Ptr", "ConstSharedPtr", "SharedPtr")
+"""Suffixes of the types that roscpp generates next to a message: `std_msgs::EmptyConstPtr`."""
+_GENERATED: Final = frozenset({"msg", "srv", "action"})
+_WRAPPERS: Final = {"TypeAdapter": -1, "MessageEvent": 0, "ServiceEvent": 0, "WithTopicName": 0}
+"""Templates around a message, with the index of the message among their arguments."""
+_FUNCTION: Final = ("()",)
+"""The name of the type of a function, whose arguments are the types of its parameters."""
+_ANY_TYPE: Final = "topic_tools/ShapeShifter"
+
+
+def type_name(kind: Kind) -> str | None:
+    """Return the message type of a class as `package/Type`."""
+    kind = pointee(kind)
+    if kind.name in _WRAPPERS and kind.arguments:
+        return _type_of_argument(kind.arguments[_WRAPPERS[kind.name]])
+    names = [name for name in kind.names if name]
+    if names[:2] == ["pcl", "PointCloud"]:
+        return "sensor_msgs/PointCloud2"
+    while len(names) > 2 and names[-1] in _SUFFIXES and names[-2] not in _GENERATED:  # noqa: PLR2004 - package and type
+        names = names[:-1]
+    found = _of_names(names)
+    if found is None or found == _ANY_TYPE:
+        return None
+    for suffix in _JOINED if kind.cls is None else ():
+        found = found.removesuffix(suffix) if not found.endswith("/" + suffix) else found
+    return found
+
+
+def _of_names(names: list[str]) -> str | None:
+    kept = [name for name in names if name]
+    package, last = kept[:-1], kept[-1:]
+    if len(package) > 1 and package[-1] in _GENERATED:
+        package = package[-2:-1]
+    return f"{package[0]}/{last[0]}" if len(package) == 1 and kept[0] != "std" else None
+
+
+def _type_of_argument(argument: Value | None) -> str | None:
+    return type_name(argument.kind) if isinstance(argument, TypeValue) else None
+
+
+def message_type(language: Language, effect: Effect, call: Invocation) -> str | None:
+    """Return the type of an interface, from the first source of its description that has one."""
+    found = next((one for one in (_from(language, source, call) for source in effect.types) if one is not None), None)
+    if found is not None and effect.role in (Role.ACTION_SERVERS, Role.ACTION_CLIENTS):
+        return found if found.endswith("/Action") else found.removesuffix("Action")
+    if found is not None and effect.role in (Role.SERVICES, Role.CLIENTS) and effect.ros == 1:
+        for suffix in ("Request", "Response"):
+            found = found if found.endswith("/" + suffix) else found.removesuffix(suffix)
+    return found
+
+
+def _from(language: Language, source: str, call: Invocation) -> str | None:
+    what, _, index = source.partition(":")
+    if "/" in source:
+        return source
+    if what == "template":
+        return _type_of_argument(next(iter(call.arguments.template), None))
+    if what == "receiver":
+        return _type_of_argument(next(iter(call.kind.arguments), None)) if call.kind is not None else None
+    argument = call.argument(int(index))
+    if argument is None:
+        return None
+    if what == "callback":
+        found = _callback_type(language, argument)
+        return found if found is not None else _first_parameter(call.declared(int(index), language))
+    if what == "text":
+        return _of_names(argument.known.split("/")) if isinstance(argument, Text) and argument.known else None
+    if not isinstance(argument, Object):
+        return None
+    if what == "options":
+        held = argument.native.get("options type")
+        return held.known if isinstance(held, Text) else None
+    return type_name(argument.kind)
+
+
+def _first_parameter(kind: Kind | None) -> str | None:
+    """Return the message that a `function<void(const Message&)>` takes."""
+    signature = kind.arguments[0] if kind is not None and kind.name == "function" and kind.arguments else None
+    if not isinstance(signature, TypeValue) or signature.kind.names != _FUNCTION:
+        return None
+    return _type_of_argument(next(iter(signature.kind.arguments), None))
+
+
+def _callback_type(language: Language, callback: Value) -> str | None:
+    """Return the type of the first parameter of a callback."""
+    for one in alternatives(callback):
+        function, bound, skip = _callee(language, one)
+        parameters = function.parameters[skip:] if function is not None else ()
+        if function is None or not parameters or parameters[0].type is None:
+            continue
+        found = language.kind_of(parameters[0].type, Frame(function.unit, function.scope, types=bound))
+        if found is not None:
+            return type_name(found)
+    return None
+
+
+def _callee(language: Language, callback: Value) -> tuple[Function | None, dict[str, Value], int]:
+    """Return the function that a callback runs, its template arguments, and the number of bound parameters."""
+    if isinstance(callback, Closure):
+        return callback.function, {}, len(callback.bound)
+    if isinstance(callback, Object):
+        operators = language.methods(callback.kind, "operator()")
+        return (operators[0][0], dict(operators[0][1]), 0) if operators else (None, {}, 0)
+    if not isinstance(callback, Bound):
+        return None, {}, 0
+    owner = callback.of.kind if isinstance(callback.of, Object) else callback.of
+    if owner is not None:
+        listed = language.declarations(owner, callback.name)
+    else:
+        listed = [(function, {}) for function in callback.functions]
+    if not listed:
+        return None, {}, 0
+    function, bound = listed[0]
+    return function, {**bound, **dict(zip(function.template, callback.template, strict=False))}, callback.skip

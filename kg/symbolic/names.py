@@ -1,0 +1,128 @@
+"""Names of interfaces, as a node resolves them: relative to namespaces, private, or with the node's own name."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+from kg.symbolic.values import (
+    Either,
+    Hole,
+    Mapping,
+    Object,
+    Sequence,
+    Text,
+    Unknown,
+    Value,
+    as_text,
+    combinations,
+    concatenate,
+    join,
+    worse,
+)
+
+__all__ = [
+    "EMPTY",
+    "NODE_NAME",
+    "OWN_NAMESPACE",
+    "below",
+    "camera_info",
+    "handle_namespace",
+    "namespace_of",
+    "own_namespace",
+    "with_node_name",
+]
+
+EMPTY: Final = Text.of("")
+OWN_NAMESPACE: Final = "."
+"""The namespace of the node itself, as the beginning of a text."""
+NODE_NAME: Final = Hole("node name")
+"""The name of the node itself, as a part of a text."""
+
+
+def below(namespace: Value, name: Value) -> Value:
+    """Return a name resolved in a namespace; absolute and private names stay as they are."""
+    if isinstance(namespace, Either) or isinstance(name, Either):
+        return join(*(below(*row) for row in combinations((namespace, name))))
+    if isinstance(name, Unknown) and (namespace == EMPTY or not isinstance(namespace, Text)):
+        return name
+    name = as_text(name)
+    first = name.parts[0] if name.parts else ""
+    if first == NODE_NAME and (len(name.parts) == 1 or str(name.parts[1]).startswith("/")):
+        rest = str(name.parts[1]) if len(name.parts) > 1 else ""
+        return replace(name, parts=("~" + rest, *name.parts[2:]))
+    if isinstance(first, str) and first.startswith(OWN_NAMESPACE):
+        return replace(name, parts=(first[1:].lstrip("/"), *name.parts[1:]))
+    if isinstance(first, str) and first.startswith("/"):
+        return name
+    if isinstance(first, str) and first.startswith("~"):
+        rest = first[1:].lstrip("/")
+        return replace(name, parts=("~/" + rest if rest or len(name.parts) > 1 else "~", *name.parts[1:]))
+    if not isinstance(namespace, Text) or namespace.known == "":
+        return name
+    if name.known == "":
+        return replace(namespace, resolution=worse(namespace.resolution, name.resolution))
+    joined = concatenate(namespace, Text.of("/"), name)
+    if isinstance(joined, Text) and isinstance(joined.parts[0], str):
+        return replace(joined, parts=(joined.parts[0].replace("//", "/"), *joined.parts[1:]))
+    return joined
+
+
+def namespace_of(of: Value | None) -> Value:
+    """Return the namespace of relative names on a node or handle."""
+    if isinstance(of, Object):
+        carried = of.native.get("node")
+        return namespace_of(carried) if carried is not None else of.native.get("namespace", EMPTY)
+    if isinstance(of, Either):
+        return join(*(namespace_of(item) for item in of.items))
+    return EMPTY
+
+
+def handle_namespace(arguments: list[Value]) -> Value:
+    """Return the namespace of a handle, from the arguments of its constructor."""
+    first = arguments[0] if arguments else EMPTY
+    second = arguments[1] if len(arguments) > 1 else None
+    if isinstance(first, Either):
+        return join(*(handle_namespace([item, *arguments[1:]]) for item in first.items))
+    if isinstance(first, Object):
+        outer = namespace_of(first)
+        return outer if second is None or isinstance(second, Mapping | Sequence) else below(outer, second)
+    return EMPTY if isinstance(first, Mapping | Sequence) else below(EMPTY, first)
+
+
+def own_namespace(node: Value | None) -> Value:
+    """Return the namespace of a node or handle as a text of the program."""
+    inner = namespace_of(node)
+    if not isinstance(inner, Text) or not inner.known:
+        return Text.of(OWN_NAMESPACE)
+    if inner.known.startswith(("~", "/")):
+        return inner
+    return concatenate(Text.of(OWN_NAMESPACE + "/"), inner)
+
+
+def with_node_name(name: Value, owner: Object | None) -> Value:
+    """Return a name in which the node's own name is the one that the code gives it."""
+    if isinstance(name, Either):
+        return join(*(with_node_name(item, owner) for item in name.items))
+    if not isinstance(name, Text) or NODE_NAME not in name.parts:
+        return name
+    while owner is not None and isinstance(outer := owner.native.get("of"), Object):
+        owner = outer
+    known = owner.native.get("name") if owner is not None else None
+    if not isinstance(known, Text):
+        return name
+    joined = concatenate(*(known if part == NODE_NAME else Text((part,)) for part in name.parts))
+    return replace(joined, resolution=name.resolution) if isinstance(joined, Text) else joined
+
+
+def camera_info(image: Value) -> Value:
+    """Return the name of the camera info next to an image topic."""
+    if isinstance(image, Either):
+        return join(*(camera_info(item) for item in image.items))
+    if not isinstance(image, Text):
+        return image
+    last = image.parts[-1] if image.parts else ""
+    if isinstance(last, Hole):
+        return replace(image, parts=(*image.parts[:-1], last, "/../camera_info"))
+    head, slash, _ = last.rpartition("/")
+    return replace(image, parts=(*image.parts[:-1], f"{head}{slash}camera_info"))

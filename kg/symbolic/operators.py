@@ -1,0 +1,189 @@
+"""Operators over abstract values: arithmetic, comparisons, and conditions with the guards that they imply."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from kg.symbolic.durations import scaled
+from kg.symbolic.values import (
+    Bound,
+    Closure,
+    Either,
+    Guard,
+    Number,
+    Object,
+    Sequence,
+    Text,
+    Truth,
+    Unknown,
+    Value,
+    concatenate,
+    join,
+    number,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+__all__ = ["NULL", "compute", "for_each", "logical", "negate", "negated_term", "negative", "terms_of", "truth"]
+
+NULL: Final = Unknown("it is null")
+_COMPUTED: Final = Unknown("it is computed when the program runs")
+_NEGATED: Final = {"==": "!=", "!=": "==", "<": ">=", ">": "<=", "<=": ">", ">=": "<"}
+_LARGEST_EXPONENT: Final = 64
+_ARITHMETIC: Final[dict[str, Callable[[float, float], float]]] = {
+    "-": lambda a, b: a - b,
+    "*": lambda a, b: a * b,
+    "/": lambda a, b: a / b,
+    "//": lambda a, b: a // b,
+    "%": lambda a, b: a % b,
+    "**": lambda a, b: a**b if abs(b) < _LARGEST_EXPONENT else float("nan"),
+    "|": lambda a, b: float(int(a) | int(b)),
+    "&": lambda a, b: float(int(a) & int(b)),
+    "<<": lambda a, b: float(int(a) << int(b)) if b < _LARGEST_EXPONENT else float("nan"),
+}
+
+
+def for_each(value: Value, apply: Callable[[Value], Value]) -> Value:
+    """Apply a function to each alternative of a value, and join the results."""
+    if isinstance(value, Either):
+        return join(*(apply(item) for item in value.items))
+    return apply(value)
+
+
+def compute(sign: str, row: tuple[Value, ...]) -> Value:
+    """Return the result of an operator on values without alternatives."""
+    if sign in _NEGATED:
+        return _compared(sign, row)
+    duration = scaled(sign, row)
+    if duration is not None:
+        return duration
+    if sign == "+":
+        return _sum(row)
+    if sign == "/" and any(isinstance(value, Text) for value in row):
+        parts: list[Value] = [row[0]]
+        for value in row[1:]:
+            parts += [Text.of("/"), value]
+        return concatenate(*parts)
+    numbers = [value for value in row if isinstance(value, Number)]
+    if len(numbers) != len(row):
+        return _COMPUTED
+    result = numbers[0].value
+    for other in numbers[1:]:
+        try:
+            result = _ARITHMETIC[sign](result, other.value)
+        except (KeyError, ZeroDivisionError, OverflowError, TypeError, ValueError):
+            return _COMPUTED
+    return number(result, next((v.parameter for v in numbers if v.parameter), None))
+
+
+def _sum(row: tuple[Value, ...]) -> Value:
+    numbers = [value for value in row if isinstance(value, Number)]
+    if len(numbers) == len(row):
+        return number(sum(value.value for value in numbers), next((v.parameter for v in numbers if v.parameter), None))
+    lists = [value for value in row if isinstance(value, Sequence)]
+    if len(lists) == len(row):
+        return Sequence(tuple(item for value in lists for item in value.items))
+    return concatenate(*row) if any(isinstance(value, Text) for value in row) else Unknown("it is computed")
+
+
+def _compared(sign: str, row: tuple[Value, ...]) -> Value:
+    left, right = row[0], row[-1]
+    parameter: str | None = next((v for v in (getattr(v, "parameter", None) for v in row) if v), None)
+    if parameter == "argc" and isinstance(right, Number):
+        return Guard((f"argc{sign}{right.written}",))
+    if parameter is not None:
+        constant = next((v for v in row if isinstance(v, Truth) and v.parameter is None), None)
+        if sign in ("==", "!=") and constant is not None:
+            return Guard((parameter if constant.value == (sign == "==") else f"!{parameter}",))
+        return Unknown("it depends on a parameter", parameter)
+    if isinstance(left, Object) and right == NULL and sign in ("==", "!="):
+        return Truth(sign == "!=")
+    one, other = _plain(left), _plain(right)
+    if one is None or other is None or type(one) is not type(other):
+        return Unknown("it depends on a comparison")
+    if sign in ("==", "!="):
+        return Truth((one == other) == (sign == "=="))
+    if isinstance(one, str) and isinstance(other, str):
+        return Truth(_ordered(sign, (one > other) - (one < other)))
+    return Truth(_ordered(sign, float(one) - float(other)))
+
+
+def _ordered(sign: str, difference: float) -> bool:
+    """Check an order by the sign of the difference of its sides."""
+    if sign in ("<", "<="):
+        return difference < 0 or (sign == "<=" and difference == 0)
+    return difference > 0 or (sign == ">=" and difference == 0)
+
+
+def _plain(value: Value) -> str | float | bool | None:
+    if isinstance(value, Text):
+        return value.known
+    return value.value if isinstance(value, Number | Truth) else None
+
+
+def logical(operands: Iterable[Callable[[], Value]], *, all_of: bool) -> Value:
+    """Return the conjunction or disjunction of conditions, evaluated until one decides."""
+    terms: list[str] = []
+    unsure = False
+    for operand in operands:
+        condition = truth(operand())
+        if isinstance(condition, Truth) and condition.parameter is None:
+            if condition.value != all_of:
+                return condition
+            continue
+        unsure = True
+        terms += terms_of(condition)
+    if not unsure:
+        return Truth(all_of)
+    if terms and all_of:
+        return Guard(tuple(dict.fromkeys(terms)))
+    return Unknown("it depends on a condition")
+
+
+def truth(value: Value) -> Truth | Guard | Unknown:
+    """Return a value as a condition: `Truth` if it is known, `Guard` if it depends on parameters, else `Unknown`."""
+    if isinstance(value, Either):
+        found = {truth(item) for item in value.items if not isinstance(item, Object)}
+        return next(iter(found)) if len(found) == 1 == len(value.items) else Unknown("it depends")
+    if isinstance(value, Truth):
+        return value if value.parameter is None else Guard((value.parameter,))
+    if isinstance(value, Guard | Unknown):
+        return Truth(False) if isinstance(value, Unknown) and value.reason == NULL.reason else value
+    if isinstance(value, Number):
+        return Truth(value.value != 0) if value.parameter is None else Unknown("it depends", value.parameter)
+    if isinstance(value, Object):
+        return Truth(True) if value.made else Unknown("it may be null")
+    if isinstance(value, Closure | Bound):
+        return Truth(True)
+    return Unknown("it depends on a value")
+
+
+def negate(condition: Truth | Guard | Unknown) -> Value:
+    """Return the opposite of a condition."""
+    if isinstance(condition, Truth):
+        return Truth(not condition.value)
+    if isinstance(condition, Guard) and len(condition.terms) == 1:
+        return Guard((negated_term(condition.terms[0]),))
+    return Unknown("it depends on a condition", condition.parameter if isinstance(condition, Unknown) else None)
+
+
+def terms_of(condition: Value) -> tuple[str, ...]:
+    """Return the terms of a guard; none of any other condition."""
+    return condition.terms if isinstance(condition, Guard) else ()
+
+
+def negated_term(term: str) -> str:
+    """Return the opposite of a term of a guard: `!use_imu` of `use_imu`."""
+    if term.startswith("argc"):
+        sign = next(s for s in ("==", "!=", ">=", "<=", ">", "<") if term.startswith("argc" + s))
+        return f"argc{_NEGATED[sign]}{term[4 + len(sign) :]}"
+    return term[1:] if term.startswith("!") else f"!{term}"
+
+
+def negative(value: Value) -> Value:
+    """Return a number with the opposite sign."""
+    if not isinstance(value, Number):
+        return Unknown("it is computed")
+    written = value.written[1:] if value.written.startswith("-") else f"-{value.written}"
+    return Number(-value.value, written, value.parameter)

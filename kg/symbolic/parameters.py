@@ -1,0 +1,196 @@
+"""Parameters of nodes: their values, defaults and types, as calls declare, read and write them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
+
+from kg.facts import Access, Resolution
+from kg.symbolic.names import EMPTY, below, namespace_of
+from kg.symbolic.values import (
+    Either,
+    Guard,
+    Kind,
+    Mapping,
+    Number,
+    Object,
+    Sequence,
+    Text,
+    Truth,
+    TypeValue,
+    Unknown,
+    Value,
+    concatenate,
+    join,
+    worse,
+)
+
+if TYPE_CHECKING:
+    from kg.symbolic.descriptions import Effect
+    from kg.symbolic.language import Language
+    from kg.symbolic.state import Invocation
+
+__all__ = ["Parameters", "Reading", "listed", "type_of_value"]
+
+_INTEGERS: Final = frozenset(
+    {
+        "int",
+        "int64_t",
+        "int32_t",
+        "long",
+        "size_t",
+        "uint8_t",
+        "uint16_t",
+        "uint32_t",
+        "uint64_t",
+        "int8_t",
+        "int16_t",
+        "unsigned",
+        "short",
+    }
+)
+_DESCRIPTORS: Final = ("ParameterType", "ParameterDescriptor")
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """One access to a parameter: its name, its value, the default that the access gives, and the type."""
+
+    name: Text | Unknown
+    value: Value
+    before: Value | None
+    """The value of the output variable before the call."""
+    default: Value | None
+    type: str | None
+
+
+class Parameters:
+    """The values of the parameters of each node, as far as calls declare or read them."""
+
+    def __init__(self) -> None:
+        self._values: dict[tuple[int | None, str], Value] = {}
+
+    def declares(self, node: Value | None, name: str) -> bool:
+        """Check whether a parameter of a node has a value."""
+        return (id(node), name) in self._values
+
+    def read(self, language: Language, effect: Effect, owner: Object | None, name: Value, call: Invocation) -> Reading:
+        """Return an access to a parameter, and remember the value for accesses without default."""
+        whole = _whole_name(owner, name)
+        shown = whole.shown if isinstance(whole, Text) else None
+        default = call.argument(effect.default)
+        if isinstance(default, Object) and default.kind.name in _DESCRIPTORS:
+            default = None
+        written = effect.output is not None and effect.output < len(call.arguments.written)
+        before = call.argument(effect.output) if written and call.arguments.frame is not None else None
+        key = (id(owner) if owner is not None and "of" not in owner.native else None, shown or "")
+        known = self._values.get(key) if shown is not None and effect.access is not Access.WRITE else None
+        value = _value(default, known, before, shown)
+        kind = _type(call.arguments.template, default, before)
+        if kind is None:
+            declared = call.declared(effect.output, language)
+            kind = ros_type(declared) if declared is not None else None
+        reading = Reading(whole, value, before, default, kind)
+        if shown is not None and effect.access is not Access.WRITE and (default is not None or known is None):
+            self._values[key] = value
+        if effect.weak and known is not None:
+            return replace(reading, default=None, type=kind or type_of_value(known))
+        first = effect.access is Access.READ and known is None and before is not None
+        if default is None and first and not isinstance(value, Unknown):
+            return replace(reading, default=value)
+        return reading
+
+
+def _whole_name(owner: Object | None, name: Value) -> Text | Unknown:
+    namespace = namespace_of(owner)
+    rooted = isinstance(name, Text) and (name.known or "x").startswith(("~", "/"))
+    whole = below(namespace, name) if namespace != EMPTY or rooted else name
+    return whole if isinstance(whole, Text | Unknown) else Unknown("the name of the parameter is not known")
+
+
+def _value(default: Value | None, known: Value | None, before: Value | None, name: str | None) -> Value:
+    if default is not None and not isinstance(default, Unknown):
+        return with_parameter(default, name)
+    if known is not None:
+        return known
+    if isinstance(before, Number | Truth) or (isinstance(before, Text) and before.known):
+        return with_parameter(before, name)
+    if name is None:
+        return Unknown("it is a parameter whose name is not known")
+    return Unknown(f"it is the parameter {name}, which has no default here", name)
+
+
+def with_parameter(value: Value, name: str | None) -> Value:
+    """Return a value as the default of a parameter."""
+    if isinstance(value, Either):
+        return join(*(with_parameter(item, name) for item in value.items))
+    if isinstance(value, Text):
+        return replace(value, parameter=name, resolution=worse(value.resolution, Resolution.PARAMETER_DEFAULT))
+    if isinstance(value, Number | Truth | Sequence | Mapping):
+        return replace(value, parameter=name)
+    if isinstance(value, Guard):
+        return Unknown("it depends on a parameter", name)
+    return value
+
+
+def listed(effect: Effect, call: Invocation) -> list[tuple[Value, Value]]:
+    """Return the names and values of the parameters in a list or map, below the prefix that the call gives."""
+    given = call.argument(effect.name or 0)
+    if effect.access is Access.WRITE and _is_pair(given):
+        given = Sequence((given,)) if given is not None else None
+    missing = Unknown("no default")
+    pairs: list[tuple[Value, Value]] = []
+    if isinstance(given, Mapping):
+        pairs += given.items
+    for item in given.items if isinstance(given, Sequence) else ():
+        if isinstance(item, Sequence) and item.items:
+            pairs.append((item.items[0], item.items[1] if len(item.items) > 1 else missing))
+        else:
+            pairs.append((item, missing))
+    prefix = call.argument(effect.prefix)
+    if isinstance(prefix, Text) and prefix.known:
+        return [(concatenate(prefix, Text.of("."), key), value) for key, value in pairs]
+    return pairs
+
+
+def _is_pair(value: Value | None) -> bool:
+    return isinstance(value, Sequence) and len(value.items) == 2 and isinstance(value.items[0], Text)  # noqa: PLR2004 - a pair
+
+
+def _type(template: tuple[Value, ...], default: Value | None, before: Value | None) -> str | None:
+    first = template[0] if template else None
+    found = ros_type(first.kind) if isinstance(first, TypeValue) else None
+    return found or type_of_value(default) or type_of_value(before)
+
+
+def ros_type(kind: Kind) -> str | None:
+    """Return the type of a parameter that a variable of a type holds."""
+    name = kind.name
+    if name in ("string", "basic_string"):
+        return "string"
+    if name == "bool":
+        return "bool"
+    if name in ("double", "float"):
+        return "double"
+    if name in _INTEGERS:
+        return "int"
+    if name in ("vector", "array") and kind.arguments and isinstance(kind.arguments[0], TypeValue):
+        inner = ros_type(kind.arguments[0].kind)
+        return f"{inner}_array" if inner is not None else None
+    return None
+
+
+def type_of_value(value: Value | None) -> str | None:
+    """Return the type of a parameter with a value."""
+    if isinstance(value, Either):
+        return type_of_value(value.items[0])
+    if isinstance(value, Text):
+        return "string"
+    if isinstance(value, Truth | Guard):
+        return "bool"
+    if isinstance(value, Number):
+        return "double" if any(c in value.written for c in ".eE") and not value.written.startswith("0x") else "int"
+    if isinstance(value, Sequence) and value.items:
+        inner = type_of_value(value.items[0])
+        return f"{inner}_array" if inner else None
+    return None

@@ -1,0 +1,212 @@
+"""Quality of service: profiles, and how constructors, methods and assignments to fields change them.
+
+A profile of rclcpp has the native value `qos`. One of rmw is a struct: its fields hold the policies. A profile with any
+unknown part is unknown as a whole. Sources: rclcpp/qos.hpp, rmw/qos_profiles.h, rmw/types.h.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.facts import Qos
+from kg.symbolic.durations import INFINITE, duration, seconds_of
+from kg.symbolic.values import Kind, Number, Object, Profile, Sequence, Text, Unknown, Value, number
+
+if TYPE_CHECKING:
+    from kg.symbolic.machine import Machine
+
+__all__ = [
+    "METHODS",
+    "PROFILES",
+    "changed_profile",
+    "construct",
+    "copied",
+    "policy",
+    "profile_of",
+    "rmw_profile",
+    "with_fields",
+]
+
+RMW_PROFILE: Final = "rmw_qos_profile_t"
+_DEFAULT: Final = Qos("reliable", "volatile", "keep_last", 10)
+_SENSOR: Final = Qos("best_effort", "volatile", "keep_last", 5)
+_PARAMETERS: Final = Qos("reliable", "volatile", "keep_last", 1000)
+_CLASSES: Final[dict[str, Qos]] = {
+    "SensorDataQoS": _SENSOR,
+    "SystemDefaultsQoS": Qos(),
+    "BestAvailableQoS": Qos(),
+    "ServicesQoS": _DEFAULT,
+    "ParametersQoS": _PARAMETERS,
+    "ParameterEventsQoS": _PARAMETERS,
+    "ClockQoS": Qos("best_effort", "volatile", "keep_last", 1),
+    "RosoutQoS": Qos("reliable", "transient_local", "keep_last", 1000),
+    "DynamicBroadcasterQoS": Qos("reliable", "volatile", "keep_last", 100),
+    "DynamicListenerQoS": Qos("reliable", "volatile", "keep_last", 100),
+    "StaticBroadcasterQoS": Qos("reliable", "transient_local", "keep_last", 1),
+    "StaticListenerQoS": Qos("reliable", "transient_local", "keep_last", 100),
+}
+PROFILES: Final = {
+    "rmw_qos_profile_sensor_data": _SENSOR,
+    "rmw_qos_profile_default": _DEFAULT,
+    "rmw_qos_profile_services_default": _DEFAULT,
+    "rmw_qos_profile_parameters": _PARAMETERS,
+    "rmw_qos_profile_parameter_events": _PARAMETERS,
+    "rmw_qos_profile_system_default": Qos(),
+    "rmw_qos_profile_best_available": Qos(),
+}
+_POLICIES: Final = {
+    "history": {"keep_last", "keep_all"},
+    "reliability": {"reliable", "best_effort"},
+    "durability": {"volatile", "transient_local"},
+    "liveliness": {"automatic", "manual_by_topic"},
+}
+_UNSPECIFIED: Final = {"system_default", "best_available", "unknown"}
+_DURATIONS: Final = {
+    "deadline": "deadline",
+    "lifespan": "lifespan",
+    "liveliness_lease_duration": "lease_duration",
+}
+"""Methods of rclcpp::QoS and fields of rmw_qos_profile_t that hold a duration, with the fields of `Qos`."""
+_FIELDS: Final = (
+    "history",
+    "depth",
+    "reliability",
+    "durability",
+    "deadline",
+    "lifespan",
+    "liveliness",
+    "liveliness_lease_duration",
+)
+"""The fields of rmw_qos_profile_t, in order."""
+_SETTERS: Final[dict[str, dict[str, Any]]] = {
+    "reliable": {"reliability": "reliable"},
+    "best_effort": {"reliability": "best_effort"},
+    "reliability_best_available": {"reliability": None},
+    "transient_local": {"durability": "transient_local"},
+    "durability_volatile": {"durability": "volatile"},
+    "durability_best_available": {"durability": None},
+    "keep_all": {"history": "keep_all", "depth": None},
+    "avoid_ros_namespace_conventions": {},
+}
+METHODS: Final = frozenset({*_SETTERS, *_FIELDS, "keep_last", "get_rmw_qos_profile"})
+_POLICY: Final = re.compile(r"RMW_QOS_POLICY_(?:HISTORY|RELIABILITY|DURABILITY|LIVELINESS)_(\w+)")
+_POLICY_CLASSES: Final = {f"{name.capitalize()}Policy" for name in _POLICIES}
+_CAPITAL: Final = re.compile(r"(?<=[a-z])(?=[A-Z])")
+
+
+def policy(names: tuple[str, ...]) -> Text | None:
+    """Return the policy of an enumerator: `rclcpp::DurabilityPolicy::TransientLocal`, `RMW_QOS_POLICY_...`."""
+    found = _POLICY.fullmatch(names[-1])
+    if found is not None:
+        return Text.of(found[1].lower())
+    if len(names) > 1 and names[-2] in _POLICY_CLASSES:
+        return Text.of(_CAPITAL.sub("_", names[-1]).lower())
+    return None
+
+
+def rmw_profile(qos: Qos) -> Object:
+    """Return a struct of rmw with the policies of a profile."""
+    fields: dict[str, Value] = {name: value for name in _FIELDS if (value := _field(qos, name)) is not None}
+    return Object(Kind((RMW_PROFILE,)), fields=fields)
+
+
+def _field(qos: Qos, name: str) -> Value | None:
+    """Return a policy of a profile as a value; None if it is left to the default."""
+    if name in _DURATIONS:
+        return duration(getattr(qos, _DURATIONS[name]) or 0.0)
+    held: str | int | None = getattr(qos, name)
+    return Text.of(held) if isinstance(held, str) else number(held) if held is not None else None
+
+
+def construct(made: Object, kind: Kind, arguments: list[Value]) -> None:
+    """Initialise a profile as its constructor does."""
+    if kind.name == RMW_PROFILE:
+        made.fields.update(rmw_profile(Qos()).fields | dict(zip(_FIELDS, arguments, strict=False)))
+    else:
+        made.native["qos"] = Profile(_constructed(kind.name, arguments))
+
+
+def _constructed(name: str, arguments: list[Value]) -> Qos | None:
+    """Return the profile that a constructor of rclcpp makes: of a depth, a history, or two profiles.
+
+    Of two profiles, the first has history and depth, the second all other policies.
+    """
+    if name == "KeepAll" or (arguments and arguments[0] == Text.of("keep_all")):
+        return replace(_DEFAULT, history="keep_all", depth=None)
+    if arguments and isinstance(arguments[0], Text):
+        arguments = arguments[1:2]
+    start = profile_of(arguments[0]) if arguments else None
+    if len(arguments) < 2:  # noqa: PLR2004 - two profiles
+        base = _CLASSES.get(name)
+        if base is None or not arguments:
+            return start if arguments else base
+    else:
+        base = profile_of(arguments[1])
+    return replace(base, history=start.history, depth=start.depth) if base is not None and start is not None else None
+
+
+def profile_of(value: Value) -> Qos | None:
+    """Return the profile of an argument: a depth, or a profile of rclcpp or rmw; None if any part is unknown."""
+    if isinstance(value, Number):
+        return replace(_DEFAULT, depth=int(value.value))
+    if isinstance(value, Sequence):
+        return _constructed("QoS", list(value.items))
+    if not isinstance(value, Object):
+        return None
+    if value.kind.name == RMW_PROFILE:
+        return with_fields(Qos(), {name: value.fields[name] for name in _FIELDS if name in value.fields})
+    held = value.native.get("qos")
+    return held.qos if isinstance(held, Profile) else None
+
+
+def changed_profile(machine: Machine, of: Object, name: str, arguments: list[Value]) -> Value | None:
+    """Return the result of a method of a profile; None for unknown methods."""
+    if name not in METHODS:
+        return None
+    qos = profile_of(of)
+    if name in _FIELDS and not arguments:
+        return (_field(qos, name) if qos is not None else None) or Unknown("the quality of service is unknown")
+    if name == "get_rmw_qos_profile":
+        return rmw_profile(qos) if qos is not None else Unknown("the quality of service is unknown")
+    if qos is not None and name in _SETTERS:
+        qos = replace(qos, **_SETTERS[name])
+    elif qos is not None:
+        changes = {"history": Text.of("keep_last"), "depth": arguments[0]} if name == "keep_last" and arguments else {}
+        qos = with_fields(qos, changes or {name: arguments[0]}) if arguments else None
+    machine.write(of.native, "qos", Profile(qos))
+    return of
+
+
+def copied(value: Value) -> Value:
+    """Return a copy of a profile, which C++ copies on assignment; other values are returned as they are."""
+    if not isinstance(value, Object) or not ("qos" in value.native or value.kind.name == RMW_PROFILE):
+        return value
+    fields = {name: _copied_duration(held) for name, held in value.fields.items()}
+    return replace(value, fields=fields, native=dict(value.native))
+
+
+def _copied_duration(value: Value) -> Value:
+    if isinstance(value, Object) and "seconds" in value.native:
+        return replace(value, fields=dict(value.fields), native=dict(value.native))
+    return value
+
+
+def with_fields(qos: Qos, fields: dict[str, Value]) -> Qos | None:
+    """Return a profile with changed policies; None if any of them is unknown.
+
+    A duration of zero means the default, which is none (RMW_DURATION_UNSPECIFIED in rmw/types.h).
+    """
+    changes: dict[str, Any] = {}
+    for name, value in fields.items():
+        seconds = seconds_of(value)
+        if name == "depth" and isinstance(value, Number):
+            changes["depth"] = int(value.value)
+        elif name in _POLICIES and isinstance(value, Text) and value.known in _POLICIES[name] | _UNSPECIFIED:
+            changes[name] = value.known if value.known in _POLICIES[name] else None
+        elif name in _DURATIONS and seconds is not None:
+            changes[_DURATIONS[name]] = seconds if 0 < seconds < INFINITE else None
+        else:
+            return None
+    return replace(qos, **changes)

@@ -1,0 +1,77 @@
+"""Results of described framework calls: the column `returns`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from kg.symbolic.durations import DURATION, made_duration
+from kg.symbolic.names import NODE_NAME, OWN_NAMESPACE, below, camera_info, namespace_of, own_namespace
+from kg.symbolic.values import (
+    Guard,
+    Kind,
+    Object,
+    Text,
+    Truth,
+    Unknown,
+    Value,
+    alternatives,
+    concatenate,
+    join,
+    number,
+)
+
+if TYPE_CHECKING:
+    from kg.symbolic.effects import Framework
+    from kg.symbolic.state import Invocation
+
+__all__ = ["result"]
+
+_DEPENDS: Final = Unknown("it depends on a parameter")
+_FIXED: Final[dict[str, Value]] = {
+    "private": Text.of("~"),
+    "node name": Text((NODE_NAME,)),
+    "own namespace": Text.of(OWN_NAMESPACE),
+}
+
+
+def result(framework: Framework, returns: str | None, call: Invocation, parameter: Value | None) -> Value:
+    """Return the result of a call; `parameter` is the value of the parameter that it reads."""
+    if returns is None:
+        return Unknown("it is not known before the program runs")
+    what, _, detail = returns.partition(":")
+    values, node = call.arguments.values, call.node
+    if what in _FIXED:
+        return _FIXED[what]
+    if what == "parameter":
+        return parameter if parameter is not None else Unknown("the parameter is not known")
+    if what == "is set":
+        name: str | None = getattr(parameter, "parameter", None)
+        return Guard((f"?{name}",)) if name is not None else _DEPENDS
+    if what == "host":
+        return framework.host_node()
+    if what == "self":
+        return node if node is not None else Unknown("it is not known")
+    if what == "handle":
+        return Object(Kind(("ros", "NodeHandle")), native={"namespace": Text.of(detail)})
+    if what == "path":
+        return concatenate(values[0], Text.of("/"), values[1])
+    if what == "namespace":
+        return own_namespace(node)
+    if what == "duration":
+        return made_duration(DURATION, float(detail), values or [number(1)])
+    if not detail.isdecimal():
+        return Object(Kind(tuple(returns.split("::"))))
+    return _of_argument(framework, what, values[int(detail)], node)
+
+
+def _of_argument(framework: Framework, what: str, argument: Value, node: Value | None) -> Value:
+    if what == "is declared":
+        known = argument.known if isinstance(argument, Text) else None
+        return Truth(framework.parameters.declares(node, known)) if known is not None else _DEPENDS
+    if what == "resolved":
+        handles = alternatives(node) if node is not None else ()
+        return join(*(below(namespace_of(one), argument) for one in handles)) if handles else argument
+    if what == "sub node":
+        native = {"namespace": below(namespace_of(node), argument)}
+        return Object(Kind(("rclcpp", "Node")), native=native if node is None else {**native, "of": node})
+    return camera_info(argument) if what == "camera info" else argument

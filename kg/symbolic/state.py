@@ -1,0 +1,166 @@
+"""The state of an interpretation: frames with their variables, and a journal of writes that can be reverted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum, auto
+from typing import TYPE_CHECKING, Final, TypeAlias, TypeVar, cast
+
+from kg.symbolic.values import Pack, Value
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from kg.symbolic.form import Call, Expression, Type, Unit
+    from kg.symbolic.language import Language
+    from kg.symbolic.values import Kind
+
+__all__ = ["Alias", "Arguments", "Frame", "Holder", "Invocation", "Journal", "Site", "Slot", "Variables", "Written"]
+
+
+class _Missing(Enum):
+    """The value of a variable before its first write."""
+
+    MISSING = auto()
+
+
+_MISSING: Final = _Missing.MISSING
+_Result = TypeVar("_Result")
+
+
+@dataclass(slots=True, eq=False)
+class Alias:
+    """A reference to the value of an expression in another frame."""
+
+    target: Expression
+    frame: Frame
+
+
+Slot: TypeAlias = Value | Alias
+Variables: TypeAlias = dict[str, Slot]
+
+
+@dataclass(frozen=True, slots=True)
+class Site:
+    """A call on the way to a fact: its file and line, and the object that runs it."""
+
+    unit: Unit
+    line: int
+    this: Value | None = None
+
+
+@dataclass(slots=True, eq=False)
+class Frame:
+    """A running function: its variables, and the values of its template parameters."""
+
+    unit: Unit
+    scope: tuple[str, ...]
+    this: Value | None = None
+    variables: Variables = field(default_factory=dict)
+    types: dict[str, Value] = field(default_factory=dict)
+    parent: Frame | None = None
+    returned: list[Value] = field(default_factory=list)
+    declared: dict[str, Type] = field(default_factory=dict)
+    """The types of its variables, as written."""
+
+    def outward(self) -> Iterator[Frame]:
+        """Yield this frame and those around it, from the inside out."""
+        frame: Frame | None = self
+        while frame is not None:
+            yield frame
+            frame = frame.parent
+
+    def holder(self, name: str) -> Variables | None:
+        """Return the variables of the innermost frame that has a variable of a name."""
+        return next((frame.variables for frame in self.outward() if name in frame.variables), None)
+
+    def bound_type(self, name: str) -> Value | None:
+        """Return the value of a template parameter."""
+        return next((frame.types[name] for frame in self.outward() if name in frame.types), None)
+
+
+@dataclass(frozen=True, slots=True)
+class Arguments:
+    """The arguments of a call: their values, those of its template, and the call as written in the caller's frame."""
+
+    values: list[Value]
+    template: tuple[Value, ...] = ()
+    call: Call | None = None
+    frame: Frame | None = None
+
+    @property
+    def written(self) -> tuple[Expression, ...]:
+        """The arguments as expressions."""
+        return self.call.arguments if self.call is not None else ()
+
+
+@dataclass(frozen=True, slots=True)
+class Invocation:
+    """A call of a framework: the node or handle that it is made on, its arguments, and the type of its receiver."""
+
+    node: Value | None
+    arguments: Arguments
+    kind: Kind | None = None
+
+    def argument(self, index: int | None) -> Value | None:
+        """Return the value of an argument; None if the call has no such argument."""
+        values = self.arguments.values
+        return values[index] if index is not None and index < len(values) else None
+
+    def declared(self, index: int | None, language: Language) -> Kind | None:
+        """Return the declared type of the variable that is passed as an argument."""
+        frame, written = self.arguments.frame, self.arguments.written
+        if index is None or frame is None or index >= len(written):
+            return None
+        return language.type_of(written[index], frame)
+
+
+Holder: TypeAlias = dict[str, Value] | Variables
+_Entry: TypeAlias = tuple[Variables, str, Slot | _Missing]
+Written: TypeAlias = dict[tuple[int, str], _Entry]
+"""The last write to each variable or field: its holder, its name, and its value or `_MISSING`."""
+
+
+class Journal:
+    """Writes to variables and fields, recorded while one side of a branch runs.
+
+    `joined` returns the value that several alternatives have together.
+    """
+
+    def __init__(self, joined: Callable[[list[Value]], Value]) -> None:
+        self._joined = joined
+        self._entries: list[_Entry] | None = None
+
+    def write(self, holder: Holder, name: str, value: Slot) -> None:
+        """Set a variable or a field."""
+        slots = cast("Variables", holder)  # dict is invariant, but fields receive values only
+        if self._entries is not None:
+            self._entries.append((slots, name, slots.get(name, _MISSING)))
+        slots[name] = value
+
+    def attempt(self, run: Callable[[], _Result]) -> tuple[Written, _Result]:
+        """Run a function and revert its writes; return them with the function's result."""
+        outer, self._entries = self._entries, []
+        try:
+            result = run()
+        finally:
+            entries, self._entries = self._entries, outer
+        written: Written = {}
+        for holder, name, _ in entries:
+            written[id(holder), name] = (holder, name, holder.get(name, _MISSING))
+        for holder, name, before in reversed(entries):
+            if isinstance(before, _Missing):
+                holder.pop(name, None)
+            else:
+                holder[name] = before
+        return written, result
+
+    def merge(self, sides: list[Written]) -> None:
+        """Write the joined values of several sides, one of which runs."""
+        keys = {key: entry for side in sides for key, entry in side.items()}
+        for key, (holder, name, _) in keys.items():
+            before = holder.get(name, _MISSING)
+            values = [side[key][2] if key in side else before for side in sides]
+            kept: list[Slot] = [value for value in values if not isinstance(value, _Missing)]
+            plain: list[Value] = [value for value in kept if not isinstance(value, Alias | Pack)]
+            self.write(holder, name, kept[0] if len(plain) != len(kept) else self._joined(plain))

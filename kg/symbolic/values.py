@@ -1,0 +1,347 @@
+"""Abstract values: what an expression can be when the program runs, as far as its sources show.
+
+Scalars and collections are immutable. Objects have an identity, and the interpreter records writes to their fields.
+A scalar that comes from a parameter carries the parameter's name, with the parameter's default as its value. An unknown
+part is a hole in a text, or `Unknown` with its reason; nothing is guessed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from itertools import product
+from typing import TYPE_CHECKING, Final, TypeAlias
+
+from kg.facts import Resolution
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from kg.facts import Qos
+    from kg.symbolic.form import Class, Function
+    from kg.symbolic.state import Frame
+
+__all__ = [
+    "PLACEHOLDER",
+    "Bound",
+    "Closure",
+    "Either",
+    "Guard",
+    "Hole",
+    "Kind",
+    "Mapping",
+    "Number",
+    "Object",
+    "Pack",
+    "Profile",
+    "Sequence",
+    "Text",
+    "Truth",
+    "TypeValue",
+    "Unknown",
+    "Value",
+    "alternatives",
+    "as_text",
+    "combinations",
+    "concatenate",
+    "join",
+    "number",
+    "read_back",
+    "whole_parameter",
+    "worse",
+]
+
+MOST_ALTERNATIVES: Final = 12
+_ORDER: Final = {resolution: index for index, resolution in enumerate(Resolution)}
+
+
+@dataclass(frozen=True, slots=True)
+class Hole:
+    """An unknown part of a text; `label` is the name of its variable, if it has one."""
+
+    label: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """A string of known parts and holes; `parameter` names the parameter whose default this is."""
+
+    parts: tuple[str | Hole, ...]
+    resolution: Resolution = Resolution.LITERAL
+    parameter: str | None = None
+    reason: str | None = None
+
+    @classmethod
+    def of(cls, text: str, resolution: Resolution = Resolution.LITERAL, parameter: str | None = None) -> Text:
+        """Return the text whose every character is known."""
+        return cls((text,), resolution, parameter)
+
+    @classmethod
+    def hole(cls, reason: str, label: str = "", parameter: str | None = None) -> Text:
+        """Return a text of which nothing is known."""
+        return cls((Hole(label),), Resolution.PARTIAL, parameter, reason)
+
+    @property
+    def known(self) -> str | None:
+        """The string; None if it has a hole."""
+        if len(self.parts) == 1:
+            only = self.parts[0]
+            return only if isinstance(only, str) else None
+        if any(isinstance(part, Hole) for part in self.parts):
+            return None
+        return "".join(part for part in self.parts if isinstance(part, str))
+
+    @property
+    def shown(self) -> str:
+        """The string with `{}` for each hole."""
+        return "".join(part if isinstance(part, str) else "{}" for part in self.parts)
+
+    @property
+    def nothing_known(self) -> bool:
+        """Whether no letter of it is known."""
+        return not any(isinstance(part, str) and part.strip("/~._") for part in self.parts) and any(
+            isinstance(part, Hole) for part in self.parts
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Number:
+    """A number, as the source writes it."""
+
+    value: float
+    written: str
+    parameter: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Truth:
+    """A boolean; one that is a parameter's default decides nothing, since the parameter may be set."""
+
+    value: bool
+    parameter: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Guard:
+    """A condition on parameters, as a conjunction: `use_imu`, or `!use_imu`."""
+
+    terms: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Sequence:
+    """A list of known values; `open` where there may be more."""
+
+    items: tuple[Value, ...]
+    open: bool = False
+    parameter: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Mapping:
+    """A dictionary or map; `open` where there may be more."""
+
+    items: tuple[tuple[Value, Value], ...]
+    open: bool = False
+    parameter: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """A resolved type: its qualified names, template arguments, and the class of the sources that it is, if any."""
+
+    names: tuple[str, ...]
+    arguments: tuple[Value, ...] = ()
+    cls: Class | None = None
+
+    @property
+    def name(self) -> str:
+        """The last name."""
+        return self.names[-1] if self.names else ""
+
+
+@dataclass(frozen=True, slots=True)
+class TypeValue:
+    """A type as a value: a template argument, or a class of Python."""
+
+    kind: Kind
+
+
+@dataclass(slots=True, eq=False)
+class Object:
+    """An instance of a class. `made` is False if it comes from outside: no code that was run creates it."""
+
+    kind: Kind
+    made: bool = True
+    fields: dict[str, Value] = field(default_factory=dict)
+    native: dict[str, Value] = field(default_factory=dict)
+    """State of an object of a framework class, by the names that `kg.symbolic.effects` uses."""
+    line: int = 0
+    path: str = ""
+
+
+@dataclass(slots=True, eq=False)
+class Closure:
+    """A function with the variables around it: a lambda, or a nested function."""
+
+    function: Function
+    frame: Frame
+    bound: tuple[Value, ...] = ()
+
+
+@dataclass(slots=True, eq=False)
+class Bound:
+    """A method by its name, of a class (`of` a `Kind`) or of an object."""
+
+    name: str
+    of: Object | Kind | None
+    functions: tuple[Function, ...] = ()
+    skip: int = 0
+    """How many of its parameters already have a value."""
+    template: tuple[Value, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Unknown:
+    """An unknown value; `reason` completes "it is not known because ..."."""
+
+    reason: str
+    parameter: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Pack:
+    """The arguments of a variadic parameter."""
+
+    items: tuple[Value, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Profile:
+    """A quality of service; None if any part of it is unknown."""
+
+    qos: Qos | None
+
+
+@dataclass(frozen=True, slots=True)
+class Either:
+    """One of several values."""
+
+    items: tuple[Value, ...]
+
+
+PLACEHOLDER: Final = Unknown("it is given when the function is called")
+"""An argument that the caller of a bound function supplies: `_1`."""
+
+
+Scalar: TypeAlias = Text | Number | Truth | Guard | Unknown | Profile
+Value: TypeAlias = Scalar | Sequence | Mapping | TypeValue | Object | Closure | Bound | Pack | Either
+
+
+def alternatives(value: Value) -> tuple[Value, ...]:
+    """Return the values that a value can be."""
+    return value.items if isinstance(value, Either) else (value,)
+
+
+def combinations(values: Iterable[Value], most: int = MOST_ALTERNATIVES) -> Iterator[tuple[Value, ...]]:
+    """Yield the rows of alternatives of some values, at most `most` of them."""
+    for count, row in enumerate(product(*(alternatives(value) for value in values))):
+        if count >= most:
+            return
+        yield row
+
+
+def read_back(value: Value) -> Value:
+    """Return a value as read from a variable rather than written in place."""
+    if isinstance(value, Text):
+        return replace(value, resolution=Resolution.CONSTANT) if value.resolution is Resolution.LITERAL else value
+    if isinstance(value, Either):
+        return Either(tuple(read_back(item) for item in value.items))
+    if isinstance(value, Sequence) and value.items:
+        return replace(value, items=tuple(read_back(item) for item in value.items))
+    return value
+
+
+def whole_parameter(value: Value) -> bool:
+    """Check whether a value is exactly the value of a parameter without default."""
+    if isinstance(value, Unknown):
+        return value.parameter is not None
+    return isinstance(value, Text) and value.parameter is not None and len(value.parts) == 1 and value.known is None
+
+
+def join(*values: Value) -> Value:
+    """Return a value that is any of some values.
+
+    A parameter without default that falls back to another value has that value as its default.
+    """
+    found: list[Value] = []
+    for value in values:
+        found += [item for item in alternatives(value) if item not in found]
+    if len(found) > 1:
+        found = _with_defaults(found)
+    if len(found) > 1 and any(not isinstance(item, Unknown) for item in found):
+        found = [item for item in found if not isinstance(item, Unknown) or item.parameter is not None] or found
+    if len(found) > MOST_ALTERNATIVES:
+        return Unknown(f"it has more than {MOST_ALTERNATIVES} possible values")
+    return found[0] if len(found) == 1 else Either(tuple(found))
+
+
+def _with_defaults(found: list[Value]) -> list[Value]:
+    """Return alternatives in which a parameter without default takes the other alternatives as defaults."""
+    unset = next((item for item in found if whole_parameter(item)), None)
+    if unset is None:
+        return found
+    parameter = unset.parameter if isinstance(unset, Text | Unknown) else None
+    result: list[Value] = []
+    others: list[Value] = []
+    for item in found:
+        if isinstance(item, Text) and item.parameter is None and item.known is not None:
+            if item.known:
+                resolution = worse(item.resolution, Resolution.PARAMETER_DEFAULT)
+                result.append(replace(item, parameter=parameter, resolution=resolution))
+        elif isinstance(item, Number | Truth | Sequence | Mapping) and item.parameter is None:
+            result.append(replace(item, parameter=parameter))
+        elif not isinstance(item, Unknown) and not whole_parameter(item):
+            others.append(item)
+    return [*result, *others] if result else [unset, *others]
+
+
+def worse(one: Resolution, other: Resolution) -> Resolution:
+    """Return the less certain of two resolutions."""
+    return one if _ORDER[one] >= _ORDER[other] else other
+
+
+def number(value: float, parameter: str | None = None) -> Number:
+    """Return a number that was computed."""
+    return Number(value, str(int(value)) if value == int(value) else repr(value), parameter)
+
+
+def concatenate(*values: Value) -> Value:
+    """Return the text of all values in a row; an unknown value becomes a hole."""
+    if any(isinstance(value, Either) for value in values):
+        return join(*(concatenate(*row) for row in combinations(values)))
+    parts: list[str | Hole] = []
+    resolution, parameter, reason = Resolution.LITERAL, None, None
+    for value in values:
+        piece = as_text(value)
+        resolution = worse(resolution, piece.resolution)
+        parameter = parameter or piece.parameter
+        reason = reason or piece.reason
+        for part in piece.parts:
+            if isinstance(part, str) and parts and isinstance(parts[-1], str):
+                parts[-1] += part
+            elif part != "" and not (isinstance(part, Hole) and parts and parts[-1] == part):
+                parts.append(part)
+    return Text(tuple(parts) or ("",), resolution, parameter, reason)
+
+
+def as_text(value: Value) -> Text:
+    """Return a value as text; a value without text is a hole."""
+    if isinstance(value, Text):
+        return value
+    if isinstance(value, Number):
+        return Text((value.written,), Resolution.LITERAL, value.parameter)
+    if isinstance(value, Truth) and value.parameter is None:
+        return Text(("1" if value.value else "0",))
+    if isinstance(value, Unknown):
+        return Text.hole(value.reason, parameter=value.parameter)
+    return Text.hole("it is computed when the program runs")
