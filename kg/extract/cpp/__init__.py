@@ -1,9 +1,9 @@
-"""The reader of C++: which nodes a package makes and what they declare, for ROS 1 and ROS 2.
+"""The front end for C++: the nodes of a package and what they declare, for ROS 1 and ROS 2.
 
-`syntax` and `unit` know one file, `project` the files of a package and its includes, `program` what code of
-them can run in one node. `evaluate` finds out what expressions are, backwards from where they stand, with
-`flow`, `constants`, `variables`, `sites`, `types`, `library` and `callbacks`. `ros1` and `ros2` are tables of calls;
-`calls` is the engine that finds and reads their uses; `nodes` puts it together.
+`syntax` parses; `expressions`, `statements` and `units` lower one file to the form of `kg.symbolic`. `project` reads
+the files of a package and its includes, and `linking` resolves names across them. `language` gives the interpreter the
+meaning of C++, with `kinds` (types), `calls`, `construction`, `callbacks` and `library` (standard library and Boost).
+`nodes` interprets the entries of a package, and `facts` converts what they declare.
 """
 
 from __future__ import annotations

@@ -1,260 +1,616 @@
-"""What calls of the C++ standard library, Boost and fmt make of strings, numbers and containers."""
+"""Types and functions of the C++ standard library, Boost and fmt, over abstract values."""
 
 from __future__ import annotations
 
 import re
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeGuard
 
-from kg.extract.cpp import syntax
-from kg.extract.values import (
-    COMMAND_LINE,
-    HOLE,
+from kg.facts import Resolution
+from kg.symbolic import form
+from kg.symbolic.state import Arguments
+from kg.symbolic.values import (
+    PLACEHOLDER,
+    Bound,
+    Closure,
+    Either,
+    Guard,
+    Hole,
+    Kind,
     Mapping,
     Number,
+    Object,
     Sequence,
     Text,
     Truth,
+    TypeValue,
     Unknown,
     Value,
-    argument_at,
+    alternatives,
+    as_text,
+    combinations,
     concatenate,
-    part_of_parameter,
+    join,
+    number,
+    read_back,
+    worse,
 )
-from kg.facts import Resolution
 
 if TYPE_CHECKING:
-    from tree_sitter import Node
+    from kg.extract.cpp.language import Cpp
+    from kg.symbolic.form import Expression, Type
+    from kg.symbolic.state import Frame
 
-    from kg.extract.cpp.context import Context
-    from kg.extract.cpp.evaluate import Alternatives, Evaluator
-    from kg.extract.cpp.types import TypeName
-    from kg.extract.cpp.unit import Expr
+__all__ = [
+    "COMMAND_LINE",
+    "MAPS",
+    "STREAMS",
+    "TEXTS",
+    "TYPES",
+    "as_constant",
+    "call",
+    "construct",
+    "counted",
+    "element",
+    "elements",
+    "formatted",
+    "likeness",
+    "method",
+    "type_of",
+    "with_element",
+]
 
-__all__ = ["add", "at", "compute", "construct", "evaluate", "formatted", "number", "operands", "pattern"]
-
+TEXTS: Final = frozenset({"string", "basic_string", "string_view", "path", "String", "QString"})
+STREAMS: Final = frozenset({"stringstream", "ostringstream", "basic_stringstream"})
+LISTS: Final = frozenset(
+    {
+        "V_string",
+        "vector",
+        "array",
+        "list",
+        "set",
+        "deque",
+        "initializer_list",
+        "unordered_set",
+        "tuple",
+        "pair",
+        "queue",
+    }
+)
+MAPS: Final = frozenset({"M_string", "map", "unordered_map", "multimap"})
+NUMBERS: Final = frozenset(
+    {
+        "int",
+        "double",
+        "float",
+        "size_t",
+        "unsigned",
+        "long",
+        "short",
+        "uint8_t",
+        "uint16_t",
+        "uint32_t",
+        "uint64_t",
+        "int8_t",
+        "int16_t",
+        "int32_t",
+        "int64_t",
+    }
+)
+TYPES: Final = TEXTS | STREAMS | LISTS | MAPS | NUMBERS
+COMMAND_LINE: Final = Sequence((), open=True, parameter="argv")
+"""The arguments of the program, the program itself first."""
+_MAKERS: Final = frozenset({"make_shared", "make_unique", "allocate_shared", "make_optional"})
 _SAME: Final = frozenset(
-    [
-        "string",
+    {
+        "move",
+        "forward",
+        "ref",
+        "cref",
+        "as_const",
+        "static_pointer_cast",
+        "dynamic_pointer_cast",
+        "const_pointer_cast",
+        "boost_shared_ptr",
+        "to_string_view",
+        "shared_from_this",
+        "decltype",
+    }
+)
+_OWN: Final = frozenset(
+    {
         "c_str",
         "str",
         "data",
         "get",
-        "move",
-        "forward",
-        "as_string",
-        "value",
-        "string_view",
-        "to_string",
-        "lexical_cast",
-        "ref",
-        "cref",
-        "value_to_string",
-        "std_string",
-        "static_cast",
-        "const_cast",
-        "dynamic_cast",
-        "reinterpret_cast",
+        "string",
         "native",
         "generic_string",
-        "clone",
-        "trim",
+        "value",
+        "lock",
+        "load",
+        "as_string",
         "as_int",
         "as_double",
         "as_bool",
-        "value_or",
+        "as_string_array",
+        "as_integer_array",
+        "as_double_array",
+        "as_bool_array",
+        "get_value",
         "toStdString",
-    ]
+        "clone",
+        "front",
+        "readFromRT",
+        "get_parameter_value",
+        "shared_from_this",
+    }
 )
-_TEXTS: Final = frozenset({"string", "basic_string", "string_view", "path", "String", "stringstream", "ostringstream"})
-_CONTAINERS: Final = frozenset({"vector", "array", "list", "set", "deque", "initializer_list", "unordered_set"})
-_MAPS: Final = frozenset({"map", "unordered_map", "multimap"})
-_HANDED: Final = frozenset(
-    {"shared_ptr", "unique_ptr", "char", "auto", "int", "double", "bool", "ParameterValue", "format"}
+_ADDERS: Final = frozenset(
+    {
+        "push_back",
+        "emplace_back",
+        "push",
+        "emplace",
+        "insert",
+        "add",
+        "push_front",
+        "insert_or_assign",
+        "try_emplace",
+        "emplace_front",
+    }
 )
+_ENDS: Final = {"front": 0, "back": -1, "top": -1}
+_PAIR: Final = 2
+_RANGE: Final = 3
+"""How many arguments `insert(position, begin, end)` has."""
+_MOST_ITEMS: Final = 64
+_TO_TEXT: Final = frozenset({"to_string", "lexical_cast", "str", "to_wstring", "value_to_string"})
+_JOINERS: Final = frozenset({"StrCat", "append_path", "concat"})
+_BINDERS: Final = frozenset({"bind", "bind_front", "mem_fn"})
+_PACKERS: Final = frozenset({"make_pair", "make_tuple", "tie", "forward_as_tuple"})
+_OUTPUT: Final = 2
+"""The argument of `removeROSArgs` that receives the arguments that are left."""
 _PRINTF: Final = re.compile(r"%[-+ #0]*\d*(?:\.\d+)?(?:hh|h|ll|l|z|j|t)?[a-zA-Z]|%\d+%|%%")
 _BRACES: Final = re.compile(r"\{[^{}]*\}")
-_PAIR: Final = 2
-_ARGUMENT_LISTS: Final = frozenset({"remove_ros_arguments", "init_and_remove_ros_arguments"})
-"""Functions that give the arguments of the program, from `argc` and `argv`, as a list."""
 
 
-def number(written: str) -> Value:
-    """Return a number literal; its text stays as written, without C++ suffixes."""
-    plain = written.replace("'", "").rstrip("fFlLuU") if not written.startswith(("0x", "0X")) else written
-    try:
-        value = float(int(plain, 0)) if not any(c in plain for c in ".eE") else float(plain)
-    except ValueError:
-        try:
-            value = float(plain)
-        except ValueError:
-            return Unknown("it is no plain number")
-    return Number(value, plain)
+def as_constant(value: Value) -> Value:
+    """Return a value as read from a constant rather than written in place."""
+    if isinstance(value, Text):
+        return replace(value, resolution=worse(value.resolution, Resolution.CONSTANT))
+    return value
 
 
-def operands(node: Node, sign: str) -> list[Node]:
-    """Return the operands of a chain of one left-associative operator, without recursion."""
-    found: list[Node] = []
-    while node.type == "binary_expression":
-        operator = node.child_by_field_name("operator")
-        left, right = node.child_by_field_name("left"), node.child_by_field_name("right")
-        if operator is None or left is None or right is None or syntax.text(operator) != sign:
-            break
-        found.append(right)
-        node = left
-    found.append(node)
-    return found[::-1]
+def type_of(value: Value) -> Kind | None:
+    """Return the type of a value, for the deduction of template arguments."""
+    if isinstance(value, Object):
+        return value.kind
+    if isinstance(value, Text):
+        return Kind(("std", "string"))
+    if isinstance(value, Truth | Guard):
+        return Kind(("bool",))
+    if isinstance(value, Number):
+        return Kind(("double",) if "." in value.written or "e" in value.written else ("int",))
+    if isinstance(value, Either):
+        return type_of(value.items[0])
+    if isinstance(value, Sequence):
+        inner = type_of(value.items[0]) if value.items else None
+        return Kind(("std", "vector"), (TypeValue(inner),) if inner is not None else ())
+    return None
 
 
-def add(values: list[Value]) -> Value:
-    """Return the sum of numbers, or the concatenation of texts."""
-    if all(isinstance(value, Number) for value in values):
-        total = sum(value.value for value in values if isinstance(value, Number))
-        return _as_number(total)
-    return concatenate(*(Unknown("it is computed") if isinstance(v, Truth | Sequence | Mapping) else v for v in values))
+def likeness(language: Cpp, kind: Type | None, value: Value, frame: Frame, template: tuple[str, ...]) -> float:
+    """Return how well a value fits a parameter of a type: 2 as it is, 1 by a conversion, 0 unknown, -3 not at all."""
+    value = alternatives(value)[0]
+    if kind is None or (kind.names and kind.names[0] in template):
+        return 0.5
+    found = language.kind_of(kind, frame)
+    if found is None or found.name in ("auto", "T"):
+        return 0.5
+    name = found.name
+    if isinstance(value, Text):
+        return 2.0 if name in TEXTS or name == "char" else (0.2 if found.cls is not None else -1.0)
+    if isinstance(value, Number):
+        floating = "." in value.written
+        if name in NUMBERS:
+            return 2.0 if floating == (name in ("double", "float")) else 1.5
+        return 1.0 if name == "bool" else (-2.0 if name in TEXTS else 0.1)
+    if isinstance(value, Truth | Guard):
+        return 2.0 if name == "bool" else (1.0 if name in NUMBERS else -1.0)
+    if isinstance(value, Sequence | Mapping):
+        return 1.5 if name in LISTS or name in MAPS else -0.5
+    if isinstance(value, Closure | Bound):
+        return 1.5 if name in ("function", "CallbackT", "Callback") else -0.5
+    if isinstance(value, Object):
+        if value.kind.cls is not None and value.kind.cls is found.cls:
+            return 2.5
+        if language.kinds.is_a(value.kind, name):
+            return 2.0
+        return -2.0 if name in TEXTS or name in NUMBERS or name == "bool" else -0.5
+    return 0.0
 
 
-def compute(sign: str, values: list[Value]) -> Value:
-    """Return the result of arithmetic on numbers; `/` between texts joins paths."""
-    if sign == "/" and any(isinstance(value, Text) for value in values):
-        pieces: list[Value] = [values[0]]
-        for value in values[1:]:
-            pieces += [Text.of("/"), value]
-        return concatenate(*pieces)
-    numbers = [value.value for value in values if isinstance(value, Number)]
-    if len(numbers) != len(values) or not numbers:
-        return Unknown("it is computed at run time")
-    result = numbers[0]
-    for other in numbers[1:]:
-        if sign == "/" and not other:
-            return Unknown("it divides by zero")
-        result = result - other if sign == "-" else result * other if sign == "*" else result / other
-    return _as_number(result)
+def elements(of: Value) -> list[Value]:
+    """Return the elements of a container, or one that represents all of them."""
+    if isinstance(of, Sequence):
+        return [*of.items, *([_some(of)] if of.open else [])]
+    if isinstance(of, Mapping):
+        return [Sequence(pair) for pair in of.items] + ([_some(of)] if of.open else [])
+    if _is_unknown_parameter(of):
+        return [_part(f"{of.parameter}[]")]
+    if isinstance(of, Object) and not of.made:
+        return [Unknown("it is an element of a container that comes from outside")]
+    return [Unknown("it is an element of a container that is not known")]
 
 
-def _as_number(value: float) -> Number:
-    return Number(value, str(int(value)) if value.is_integer() else repr(value))
+def _argument_at(index: Value) -> Value:
+    """Return one of the arguments of the program, as the parameter `argv[1]`."""
+    if isinstance(index, Number) and index.value == 0:
+        return Text.hole("it is the name of the program")
+    name = f"argv[{int(index.value)}]" if isinstance(index, Number) else "argv[]"
+    return Text((Hole(),), Resolution.LAUNCH_ARGUMENT, name, f"it is the argument {name} of the command line")
 
 
-def at(container: Value, key: Value) -> list[Value]:
-    """Return the elements that an index can mean: one if both are known, all where only the container is."""
-    if container == COMMAND_LINE:
-        return [argument_at(key)]
-    if isinstance(container, Text) and container.resolution is Resolution.LAUNCH_ARGUMENT:
-        return [container]
-    if isinstance(container, Text) and container.parameter is not None and container.parts == (HOLE,):
-        return [part_of_parameter(container, key)]
-    if isinstance(container, Sequence):
+def _is_unknown_parameter(of: Value) -> TypeGuard[Text | Unknown]:
+    return isinstance(of, Text | Unknown) and of.parameter is not None and (isinstance(of, Unknown) or of.known is None)
+
+
+def _part(name: str) -> Text:
+    """Return an element of a parameter that is a list or a map."""
+    return Text.hole(f"it is part of a parameter: {name}", parameter=name)
+
+
+def _some(of: Sequence | Mapping) -> Value:
+    if of.parameter is not None:
+        return _part(f"{of.parameter}[]")
+    return Unknown("it is an element that was added when the program runs")
+
+
+def element(of: Value, key: Value) -> Value:
+    """Return the element of a container at a key, or what any of them can be."""
+    if isinstance(of, Sequence) and of.parameter == "argv":
+        return _argument_at(key)
+    if isinstance(of, Sequence):
         if isinstance(key, Number):
             index = int(key.value)
-            return [container.items[index]] if 0 <= index < len(container.items) else []
-        return list(container.items)
-    if isinstance(container, Mapping):
+            return of.items[index] if 0 <= index < len(of.items) else Unknown("the list has no such element")
+        return join(*of.items) if of.items else Unknown("the list is empty")
+    if isinstance(of, Mapping):
         if isinstance(key, Text) and key.known is not None:
-            wanted = key.known
-            return [v for k, v in container.items if isinstance(k, Text) and k.known == wanted]
-        return [v for _, v in container.items]
-    return []
+            found = [value for own, value in of.items if isinstance(own, Text) and own.known == key.known]
+        elif isinstance(key, Number):
+            found = [value for own, value in of.items if isinstance(own, Number) and own.value == key.value]
+        else:
+            found = [value for _, value in of.items]
+        return join(*found) if found else Unknown("the map has no such key")
+    if _is_unknown_parameter(of):
+        part = f".{key.known}" if isinstance(key, Text) and key.known is not None else "[]"
+        return _part(f"{of.parameter}{part}")
+    return Unknown("the elements of the container are not known")
 
 
-def construct(evaluator: Evaluator, kind: TypeName, given: list[Expr], context: Context) -> Alternatives | None:
-    """Return what an object of a library type is when it is made from arguments."""
-    name = kind.name
-    if name in _TEXTS:
-        if not given:
-            return [(Text.of(""), context)]
-        return [(v, c) if isinstance(v, Text) else (concatenate(v), c) for v, c in evaluator.values(given[0], context)]
-    if name in _CONTAINERS:
-        if len(given) == 1 and given[0].node.type != "initializer_list":
-            element = evaluator.values(given[0], context)
-            if any(isinstance(value, Sequence) for value, _ in element):
-                return element
-        if len(given) == _PAIR and [value for value, _ in evaluator.values(given[0], context)] == [COMMAND_LINE]:
-            return [(COMMAND_LINE, context)]  # `args(argv, argv + argc)`
-        if len(given) == 1 and given[0].node.type == "initializer_list":
-            given = [given[0].child(child) for child in syntax.arguments(given[0].node)]
-        return [(Sequence(tuple(row)), chosen) for row, chosen in evaluator.product(given, context)]
-    if name in _MAPS:
-        if len(given) == 1 and given[0].node.type == "initializer_list":
-            inner = [given[0].child(child) for child in syntax.arguments(given[0].node)]
-            given = inner if all(child.node.type == "initializer_list" for child in inner) else given
-        return [(_mapping(row), chosen) for row, chosen in evaluator.product(given, context)]
-    if name in _HANDED or (len(given) == 1 and given[0].node.type == "new_expression"):
-        return evaluator.values(given[0], context) if given else None
-    return None
+def with_element(of: Value, key: Value, value: Value) -> Value:
+    """Return a container with an element set."""
+    if isinstance(of, Sequence) and isinstance(key, Number) and 0 <= int(key.value) < len(of.items):
+        items = list(of.items)
+        items[int(key.value)] = value
+        return replace(of, items=tuple(items))
+    pairs = of.items if isinstance(of, Mapping) else ()
+    if isinstance(of, Mapping) or (isinstance(of, Sequence) and not of.items):
+        kept = tuple(pair for pair in pairs if pair[0] != key)
+        return Mapping((*kept, (key, value)))
+    return of
 
 
-def _mapping(row: list[Value]) -> Value:
-    pairs = [value.items for value in row if isinstance(value, Sequence) and len(value.items) == _PAIR]
-    return Mapping(tuple((pair[0], pair[1]) for pair in pairs))
-
-
-def evaluate(
-    evaluator: Evaluator, where: Expr, called: syntax.Callee, given: list[Expr], context: Context
-) -> Alternatives | None:
-    """Return what a call of a library function makes; None for functions not known here."""
-    name, receiver = called.name, called.receiver
-    if name in ("getenv", "secure_getenv"):
-        return [(Unknown("it comes from the environment"), context)]
-    if name == "string" and not given and receiver is None:
-        return [(Text.of(""), context)]
-    if name in _SAME:
-        source = where.child(receiver) if receiver is not None else given[0] if given else None
-        return _as_texts(evaluator, source, context, name) if source is not None else None
-    if name in ("append", "concat") and receiver is not None and given:
-        return evaluator.joined([where.child(receiver), given[0]], context)
-    if name in ("size", "length") and receiver is not None:
-        return [(_size(value), chosen) for value, chosen in evaluator.values(where.child(receiver), context)]
-    if name == "at" and receiver is not None and given:
-        return evaluator.element(where.child(receiver), given[0], context)
-    if name == "substr" and receiver is not None and given:
-        rows = evaluator.product([where.child(receiver), *given], context)
-        return [(_slice(row), chosen) for row, chosen in rows]
-    if name == "format" and given:
-        return [(formatted(row), chosen) for row, chosen in evaluator.product(given, context)]
-    if name in _ARGUMENT_LISTS and len(given) > 1:
-        return evaluator.values(given[1], context)
-    if name in ("StrCat", "append_path") and given:
-        return evaluator.joined(given, context)
-    return None
-
-
-def _as_texts(evaluator: Evaluator, source: Expr, context: Context, name: str) -> Alternatives:
-    found: Alternatives = []
-    for value, chosen in evaluator.values(source, context):
-        number_made_text = isinstance(value, Number) and name in ("to_string", "lexical_cast", "string")
-        found.append((concatenate(value), chosen) if number_made_text else (value, chosen))
+def counted(loop: form.Loop) -> list[Expression]:
+    """Return the variables that the body or the step of a loop increments."""
+    found: list[Expression] = []
+    pending: list[object] = [loop.step, loop.body]
+    while pending:
+        one = pending.pop()
+        if isinstance(one, form.Unary):
+            if one.sign in ("++", "--"):
+                found.append(one.operand)
+            pending.append(one.operand)
+        elif isinstance(one, form.Assign):
+            if one.sign in ("+", "-"):
+                found.append(one.target)
+            pending.append(one.value)
+        elif isinstance(one, form.Block):
+            pending += one.body
+        elif isinstance(one, form.Step):
+            pending.append(one.value)
+        elif isinstance(one, form.Binary):
+            pending += one.operands
+        elif isinstance(one, form.Call):
+            pending += one.arguments
+        elif isinstance(one, form.Branch):
+            pending += [body for _, body in one.arms]
     return found
 
 
-def _size(value: Value) -> Value:
-    if isinstance(value, Sequence | Mapping):
-        return _as_number(float(len(value.items)))
-    return Unknown("its size is not known")
+def construct(language: Cpp, kind: Kind, arguments: list[Value], *, listed: bool) -> Value | None:
+    """Return a new value of a library type; None for other types."""
+    name = kind.name
+    if name in TEXTS:
+        return join(*(as_text(item) for item in alternatives(arguments[0]))) if arguments else Text.of("")
+    if name in STREAMS:
+        return Object(kind, native={"text": as_text(arguments[0]) if arguments else Text.of("")})
+    if name == "format" and arguments:
+        return Object(kind, native={"format": arguments[0]})
+    if name in LISTS:
+        return _list(language, kind, arguments, listed=listed)
+    if name in MAPS:
+        return _map(language, kind, arguments)
+    if name in NUMBERS or name in ("bool", "char", "auto", "byte", "function"):
+        return arguments[0] if arguments else Unknown("it is given no value in the code that was run")
+    if name in ("thread", "jthread"):
+        language.escape(arguments)
+        return Object(kind)
+    return None
 
 
-def pattern(node: Node) -> Node | None:
-    """Return the text in `boost::format(text)`; None for other expressions."""
-    node = syntax.unwrap(node)
-    function = node.child_by_field_name("function") if node.type == "call_expression" else None
-    given = syntax.arguments(node.child_by_field_name("arguments")) if function is not None else []
-    return given[0] if function is not None and given and syntax.simple_name(function) == "format" else None
+def _list(language: Cpp, kind: Kind, arguments: list[Value], *, listed: bool) -> Value:
+    """Return a new list, set, pair or tuple."""
+    first = arguments[0] if arguments else None
+    if first is not None and len(arguments) == 1:
+        if not listed and isinstance(first, Sequence | Text | Unknown):
+            return first
+        if listed and isinstance(first, Sequence) and kind.name not in ("pair", "tuple"):
+            inner = kind.arguments[0] if kind.arguments else None
+            if not (isinstance(inner, TypeValue) and (inner.kind.name in LISTS or inner.kind.cls is not None)):
+                return first
+    if first is not None and not listed:
+        if len(arguments) == _PAIR and first == COMMAND_LINE:
+            return COMMAND_LINE
+        if len(arguments) == _PAIR and kind.name in ("vector", "set", "list"):
+            return first if isinstance(first, Sequence) else Sequence((arguments[1],), open=True)
+        if isinstance(first, Number) and kind.name == "vector":
+            return Sequence((), open=True)
+    return Sequence(tuple(_typed(language, kind, item) for item in arguments))
 
 
-def _slice(row: list[Value]) -> Value:
-    text, *bounds = row
+def _map(language: Cpp, kind: Kind, items: list[Value]) -> Value:
+    """Return a new map."""
+    if len(items) == 1:
+        first = items[0]
+        if isinstance(first, Mapping):
+            return first
+        if isinstance(first, Sequence) and first.items and all(isinstance(item, Sequence) for item in first.items):
+            items = list(first.items)
+    pairs = [item.items for item in items if isinstance(item, Sequence) and len(item.items) == _PAIR]
+    return Mapping(tuple((pair[0], _typed(language, kind, pair[1], 1)) for pair in pairs))
+
+
+def _typed(language: Cpp, kind: Kind, item: Value, index: int = 0) -> Value:
+    inner = kind.arguments[index] if len(kind.arguments) > index else None
+    if isinstance(inner, TypeValue) and inner.kind.cls is not None and isinstance(item, Sequence):
+        return language.construct(inner.kind, list(item.items), None, 0, listed=True)
+    return item
+
+
+def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | None:
+    """Return the result of a library function; None for other functions."""
+    name, values = names[-1], given.values
+    if name in _MAKERS or name == "make_shared":
+        return _made(language, names, given)
+    if name == "string" and not values:
+        return Text.of("")
+    if name in ("getenv", "secure_getenv"):
+        return Unknown("it comes from the environment")
+    if name in _PACKERS:
+        return Sequence(tuple(values))
+    if not values:
+        return None
+    if name in _SAME:
+        return values[0]
+    if name in _BINDERS:
+        return _bind(values)
+    if name in _TO_TEXT:
+        return join(*(as_text(item) for item in alternatives(values[0])))
+    if name in _JOINERS:
+        return concatenate(*values)
+    if name in ("format", "sprintf"):
+        if names[0] == "boost" or (len(values) == 1 and len(names) == 1):
+            return Object(Kind(("boost", "format")), native={"format": values[0]})
+        return formatted(values[0], values[1:])
+    if name == "get":
+        return _got(values[0], given.template)
+    if name in ("for_each", "transform"):
+        for one in elements(alternatives(values[0])[0]):
+            if isinstance(values[-1], Closure | Bound):
+                language.calls.value(values[-1], Arguments([one], frame=given.frame))
+        return Unknown("it returns what it was given")
+    if name in ("min", "max"):
+        numbers = [value.value for value in values if isinstance(value, Number)]
+        return number(min(numbers) if name == "min" else max(numbers)) if len(numbers) == len(values) else None
+    return _command_line(language, name, given)
+
+
+def _made(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | None:
+    """Return the object of `make_shared<T>()` or `T::make_shared()`."""
+    line = given.call.line if given.call is not None else 0
+    of = given.template[0] if given.template else None
+    if isinstance(of, TypeValue):
+        values = given.values[1:] if names[-1] == "allocate_shared" else given.values
+        return language.construct(of.kind, values, given.frame, line)
+    if names[-1] == "make_shared" and len(names) > 1 and given.frame is not None:
+        outer = language.kind(form.Type(names[:-1]), given.frame)
+        if isinstance(outer, Kind):
+            return language.construct(outer, given.values, given.frame, line)
+    return None
+
+
+def _got(of: Value, template: tuple[Value, ...]) -> Value | None:
+    """Return the result of `std::get<index>()`."""
+    index = template[0] if template else None
+    if not isinstance(index, Number) or not isinstance(of, Sequence):
+        return None
+    return of.items[int(index.value)] if index.value < len(of.items) else Unknown("there is no such element")
+
+
+def _command_line(language: Cpp, name: str, given: Arguments) -> Value | None:
+    """Return the arguments of the program without those for ROS."""
+    if name in ("remove_ros_arguments", "init_and_remove_ros_arguments") and len(given.values) > 1:
+        return given.values[1]
+    if name == "removeROSArgs" and len(given.values) > _OUTPUT and given.frame is not None:
+        language.machine.put(given.written[_OUTPUT], given.values[1], given.frame)
+        return Unknown("it returns nothing")
+    return None
+
+
+def _bind(arguments: list[Value]) -> Value:
+    first = arguments[0]
+    if isinstance(first, Bound) and first.of is None and first.functions:
+        skip = next((i for i, value in enumerate(arguments[1:]) if value == PLACEHOLDER), 0)
+        return Bound(first.name, None, first.functions, skip, first.template)
+    if isinstance(first, Bound):
+        given = arguments[1:] if isinstance(first.of, Object) else arguments[2:]
+        skip = next((i for i, value in enumerate(given) if value == PLACEHOLDER), 0)
+        target = next((one for value in arguments[1:] for one in alternatives(value) if isinstance(one, Object)), None)
+        if isinstance(first.of, Object):
+            target = first.of
+        return Bound(first.name, target or first.of, (), skip, first.template)
+    if isinstance(first, Closure):
+        known = tuple(value for value in arguments[1:] if not isinstance(value, Unknown))
+        return Closure(first.function, first.frame, known)
+    return first
+
+
+def method(language: Cpp, of: Value, name: str, given: Arguments, written: Expression | None) -> Value | None:
+    """Return the result of a method of a string, a container or a pointer; None for other methods."""
+    frame, values = given.frame, given.values
+    if isinstance(of, Object):
+        return _of_object(language, of, name, given, written)
+    if name.startswith("emplace") and written is not None and frame is not None:
+        values = _emplaced(language, given, written, frame)
+    change = _changed(of, name, values)
+    if change is not None and written is not None and frame is not None:
+        language.machine.assign(written, change, frame)
+        return change if name in ("append", "assign", "insert", "reset") else Unknown("it returns nothing")
+    if name in _ENDS and isinstance(of, Sequence):
+        return of.items[_ENDS[name]] if of.items else Unknown("the list is empty")
+    if name in _OWN:
+        return of
+    if name in ("at", "operator[]") and values:
+        return element(of, values[0])
+    if name in ("size", "length") and isinstance(of, Sequence | Mapping) and not of.open:
+        return number(float(len(of.items)))
+    if name == "empty" and not isinstance(of, Unknown):
+        return _empty(of)
+    if name in ("find", "count", "contains") and isinstance(of, Mapping | Sequence) and values:
+        found = element(of, values[0]) if name == "find" and isinstance(of, Mapping) else None
+        return (
+            Unknown("it is searched") if found is None or isinstance(found, Unknown) else Sequence((values[0], found))
+        )
+    if name == "substr" and isinstance(of, Text):
+        return _slice(of, values)
+    if name in ("begin", "cbegin") and isinstance(of, Sequence | Mapping):
+        return of
+    if name == "value_or" and values:
+        return of if not isinstance(of, Unknown) else values[0]
+    return None
+
+
+def _of_object(language: Cpp, of: Object, name: str, given: Arguments, written: Expression | None) -> Value | None:
+    """Return the result of a method of a stream, a format or a pointer."""
+    if of.kind.name in STREAMS:
+        if name != "str":
+            return Unknown("it is computed")
+        if given.values:
+            language.machine.write(of.native, "text", as_text(given.values[0]))
+        return read_back(of.native.get("text", Text.of("")))
+    if "format" in of.native and name == "str":
+        return formatted(of.native["format"], [])
+    if name in ("get", "lock", "value", "load", "shared_from_this", "release", "clone", "operator->"):
+        return of
+    if name == "reset" and given.values and written is not None and given.frame is not None:
+        language.machine.assign(written, given.values[0], given.frame)
+        return given.values[0]
+    return None
+
+
+def _emplaced(language: Cpp, given: Arguments, written: Expression, frame: Frame) -> list[Value]:
+    """Return the element that `emplace` constructs in a container, behind its key."""
+    declared = language.type_of(written, frame)
+    inner = declared.arguments[-1] if declared is not None and declared.arguments else None
+    if not isinstance(inner, TypeValue) or inner.kind.cls is None:
+        return given.values
+    keys = given.values[:1] if declared is not None and declared.name in MAPS else []
+    line = given.call.line if given.call is not None else 0
+    return [*keys, language.construct(inner.kind, given.values[len(keys) :], frame, line)]
+
+
+def _changed(of: Value, name: str, values: list[Value]) -> Value | None:
+    """Return a container or a text after a method changed it; None for other methods."""
+    if name in _ADDERS:
+        return _added(of, name, values)
+    if name in ("append", "operator+=") and isinstance(of, Text):
+        return concatenate(of, *values[:1])
+    if name == "assign" and values:
+        return values[0]
+    if name == "clear" and isinstance(of, Sequence):
+        return Sequence(())
+    if name == "clear" and isinstance(of, Mapping):
+        return Mapping(())
+    if name == "clear" and isinstance(of, Text):
+        return Text.of("")
+    if name == "reset":
+        return values[0] if values else Unknown("it is null")
+    if name in ("initRT", "writeFromNonRT", "store", "set") and len(values) == 1 and isinstance(of, Unknown):
+        return values[0]
+    if name in ("erase", "pop_back", "replace", "resize") and isinstance(of, Text):
+        return Text.hole("it is cut when the program runs", parameter=of.parameter)
+    return None
+
+
+def _added(of: Value, name: str, values: list[Value]) -> Value | None:
+    """Return a container with an element added."""
+    if isinstance(of, Mapping):
+        pair = values
+        if len(values) == 1 and isinstance(values[0], Sequence):
+            pair = list(values[0].items)
+        return with_element(of, *pair[:_PAIR]) if len(pair) == _PAIR else replace(of, open=True)
+    if isinstance(of, Sequence):
+        if name == "insert" and len(values) == _RANGE and isinstance(values[1], Sequence):
+            return replace(of, items=(*of.items, *values[1].items))
+        if not values or len(of.items) >= _MOST_ITEMS:
+            return replace(of, open=True)
+        return replace(of, items=(*of.items, values[-1]))
+    if isinstance(of, Unknown) and of.parameter is None and name in ("push_back", "emplace_back") and values:
+        return Sequence((values[-1],), open=True)
+    return None
+
+
+def _empty(of: Value) -> Value:
+    if isinstance(of, Sequence | Mapping):
+        if of.parameter is not None or of.open:
+            return Unknown("it depends on a parameter", of.parameter)
+        return Truth(not of.items)
+    if isinstance(of, Text):
+        if of.parameter is not None:
+            return Unknown("it depends on a parameter", of.parameter)
+        if any(isinstance(part, str) and part for part in of.parts):
+            return Truth(False)
+        return Truth(True) if of.known == "" else Unknown("it is not known")
+    return Unknown("it is not known")
+
+
+def _slice(text: Text, bounds: list[Value]) -> Value:
     numbers = [int(bound.value) for bound in bounds if isinstance(bound, Number)]
-    if not isinstance(text, Text) or text.known is None or len(numbers) != len(bounds):
-        return Unknown("it is a part of a text that is cut at run time")
+    if text.known is None or len(numbers) != len(bounds) or not numbers:
+        return Text.hole("it is cut when the program runs", parameter=text.parameter)
     end = numbers[0] + numbers[1] if len(numbers) > 1 else None
     return replace(text, parts=(text.known[numbers[0] : end],))
 
 
-def formatted(row: list[Value]) -> Value:
-    """Return `fmt::format`, `boost::format` or `printf`-like formatting of known texts."""
-    pattern, *values = row
+def formatted(pattern: Value, values: list[Value]) -> Value:
+    """Return `fmt::format`, `boost::format` or `printf`-like formatting of texts."""
+    if isinstance(pattern, Either) or any(isinstance(value, Either) for value in values):
+        return join(*(formatted(row[0], list(row[1:])) for row in combinations((pattern, *values))))
     if not isinstance(pattern, Text) or pattern.known is None:
-        return Unknown("the format is not known")
+        return Text.hole("the format is not known")
     regular = _BRACES if _BRACES.search(pattern.known) else _PRINTF
     pieces: list[Value] = []
     position, index = 0, 0
@@ -264,10 +620,11 @@ def formatted(row: list[Value]) -> Value:
         if match.group() == "%%":
             pieces.append(Text.of("%"))
             continue
-        hole = Text((HOLE,), Resolution.PARTIAL, reason="a value is put in at run time")
-        pieces.append(values[index] if index < len(values) else hole)
+        pieces.append(
+            values[index]
+            if index < len(values)
+            else Text((Hole(),), Resolution.PARTIAL, reason="a value is put in at run time")
+        )
         index += 1
     pieces.append(Text.of(pattern.known[position:]))
-    return concatenate(
-        *(piece for piece in pieces if not (isinstance(piece, Text) and piece.parts == ("",))), Text.of("")
-    )
+    return concatenate(*pieces)

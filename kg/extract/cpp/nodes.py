@@ -1,32 +1,33 @@
-"""Which nodes the C++ of a package makes, and the facts of each.
+"""The nodes in the C++ of a package, and the facts of each.
 
-The entries come from the build: executables with a `main`, and classes that are registered as nodelet,
-component or plugin. A component and the executable that the build makes for it are one node. Where no build
-file was understood, each class that makes interfaces stands for itself.
+The entries come from the build: executables with a `main`, and classes that are registered as nodelet, component or
+plugin. A component and the executable that the build generates for it are one node. If no build file was understood,
+each class that declares interfaces is an entry.
 """
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.buildmodel import PluginClass, Registration, TargetKind
 from kg.extract.cpp import syntax
-from kg.extract.cpp.api import Api
-from kg.extract.cpp.calls import Finder
-from kg.extract.cpp.evaluate import Evaluator
-from kg.extract.cpp.frameworks import framework_marks
-from kg.extract.cpp.loaded import loaded_nodelets
-from kg.extract.cpp.naming import given_name
-from kg.extract.cpp.program import Program
+from kg.extract.cpp.facts import facts_of, location
+from kg.extract.cpp.language import Cpp
+from kg.extract.cpp.library import COMMAND_LINE
+from kg.extract.cpp.linking import Linker
 from kg.extract.cpp.project import FRAMEWORKS, Project
-from kg.extract.cpp.ros1 import Ros1
-from kg.extract.cpp.ros2 import Ros2
-from kg.extract.cpp.sites import call_around
 from kg.extract.manifests import read_build
-from kg.extract.marks import Extracted
+from kg.extract.marks import Extracted, Mark
 from kg.facts import Location, NodeKind, NodeType
-from kg.names import resolve
+from kg.names import normalise
+from kg.symbolic.descriptions import shipped
+from kg.symbolic.effects import Framework
+from kg.symbolic.machine import Machine
+from kg.symbolic.names import namespace_of
+from kg.symbolic.state import Frame, Site
+from kg.symbolic.values import Bound, Kind, Mapping, Object, Text, TypeValue, Unknown, Value
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -34,8 +35,8 @@ if TYPE_CHECKING:
     from kg.corpus.files import FilePath, PackageFolder
     from kg.corpus.reading import Reader
     from kg.extract.buildmodel import BuildModel, Target
-    from kg.extract.cpp.unit import Class
     from kg.facts import Interface, Parameter
+    from kg.symbolic.form import Class
 
 __all__ = ["read_nodes"]
 
@@ -51,14 +52,22 @@ _EXPORTS: Final = {
     "RCLCPP_COMPONENTS_REGISTER_NODE": 0,
     "CLASS_LOADER_REGISTER_CLASS": 0,
 }
-"""Macros that register a class, with the place of the class among their arguments."""
+"""Macros that register a class, with the index of the class among their arguments."""
 _BASES: Final = {"Nodelet": Registration.NODELET}
 _ROS2: Final = 2
+_COMMON: Final = 6
+"""The length of names of calls that occur in most sources."""
+_RECURSION: Final = 20_000
 
 
 def read_nodes(reader: Reader, package: PackageFolder, build: BuildModel) -> list[Extracted]:
-    """Return the nodes that the C++ of a package makes; raises nothing for what stands in the sources."""
-    return _Nodes(reader, package, build).read()
+    """Return the nodes in the C++ of a package; no content of the sources raises an error."""
+    limit = sys.getrecursionlimit()
+    sys.setrecursionlimit(max(limit, _RECURSION))
+    try:
+        return _Nodes(reader, package, build).read()
+    finally:
+        sys.setrecursionlimit(limit)
 
 
 class _Nodes:
@@ -68,12 +77,10 @@ class _Nodes:
         self._project = Project(reader, package)
         self._package = package
         self.build = build
-        self._api = Api((Ros1(), Ros2()))
-        self._closed = self._api.closed if package.name in FRAMEWORKS else self._api.wrappers
 
     def read(self) -> list[Extracted]:
         """Return the nodes, in the order of the build files."""
-        found = []
+        found: list[Extracted] = []
         plugins = list(self._plugins())
         made = {plugin.executable for plugin in plugins if plugin.executable}
         for target in self.build.targets:
@@ -83,6 +90,24 @@ class _Nodes:
             found += self.plugin(plugin)
         if not found and self._package.name not in FRAMEWORKS:
             found += self._classes()
+        return found
+
+    def _classes(self) -> list[Extracted]:
+        """Return the classes that declare interfaces, of a package without nodes that were understood."""
+        found: list[Extracted] = []
+        words = [word.encode() for word in shipped().calls if len(word) > _COMMON]
+        for file in self._project.sources():
+            unit = self._project.unit(file) if "/test" not in file.path else None
+            for cls in [cls for listed in unit.classes.values() for cls in listed] if unit is not None else ():
+                machine, language, framework = self._machine([file])
+                methods = (f for listed in language.linker.methods(cls).values() for f in listed)
+                keys = {cls.unit.key, *(method.unit.key for method in methods)}
+                sources = [language.linker.units[key].source for key in keys]
+                if not any(word in source for source in sources for word in words):
+                    continue
+                root = self._started(machine, language, framework, cls, loaded=False)
+                node = NodeType(cls.name, NodeKind.CLASS, "cpp", 0, Location(file.path, cls.line), sources=(file.path,))
+                found += [one for one in self._extracted(framework, node, root) if one.node.interfaces]
         return found
 
     def _files(self, target: Target) -> list[FilePath]:
@@ -99,20 +124,29 @@ class _Nodes:
         paths = [path for one in seen.values() for path in one.sources]
         return [self._project.own(path) for path in dict.fromkeys(paths)]
 
+    def _machine(self, files: list[FilePath]) -> tuple[Machine, Cpp, Framework]:
+        language = Cpp(Linker(self._project, files))
+        framework = Framework(shipped())
+        machine = Machine(language, framework)
+        language.machine = framework.machine = machine
+        return machine, language, framework
+
     def _executable(self, target: Target) -> list[Extracted]:
-        program = Program(self._project, self._closed)
-        program.load(self._files(target))
-        own = [unit for unit in (self._project.unit(self._project.own(path)) for path in target.sources) if unit]
-        mains = [f for unit in own for f in unit.functions if f.name == "main"]
-        mains = mains or [f for f in program.functions("main") if f.owner is None]
-        for unit in own:
-            program.start_globals(unit)
-        for function in mains or [f for unit in own for f in unit.functions]:
-            program.start(function)
+        machine, language, framework = self._machine(self._files(target))
+        own = [unit for unit in (language.linker.load(self._project.own(path)) for path in target.sources) if unit]
+        units = own + [unit for unit in language.linker.units.values() if unit not in own]
+        mains = [f for unit in units for f in unit.functions.get("main", ()) if not f.scope]
+        if not mains:
+            return []
+        main = mains[0]
+        machine.stack.append(Site(main.unit, main.line))
+        arguments: list[Value] = [Unknown("it is the number of arguments", "argc"), COMMAND_LINE]
+        machine.invoke(main, Frame(main.unit, ()), arguments[: len(main.parameters)])
+        machine.drain()
         name = target.output_name or target.name
-        node = NodeType(name, NodeKind.EXECUTABLE, "cpp", 0, target.location, executable=name)
-        location = Location(mains[0].unit.file.path, mains[0].unit.line(mains[0].start)) if mains else target.location
-        return self._extract(program, replace(node, location=location), target.sources, None)
+        place = Location(main.unit.path, main.line)
+        node = NodeType(name, NodeKind.EXECUTABLE, "cpp", 0, place, executable=name, sources=target.sources)
+        return self._extracted(framework, node, None)
 
     def _plugins(self) -> Iterator[PluginClass]:
         """Yield the classes registered in the build files, then those registered in code only."""
@@ -127,10 +161,10 @@ class _Nodes:
 
     def _registered(self, file: FilePath, word: str, known: set[str]) -> Iterator[PluginClass]:
         unit = self._project.unit(file)
-        for node in unit.occurrences(word) if unit is not None else ():
-            call = call_around(node)
-            given = syntax.arguments(call.child_by_field_name("arguments")) if call is not None else []
-            if unit is None or not given:
+        for call in unit.registrations if unit is not None else ():
+            function = call.child_by_field_name("function")
+            given = syntax.arguments(call.child_by_field_name("arguments"))
+            if not given or function is None or syntax.text(function) != word:
                 continue
             shown = [syntax.text(argument) for argument in given]
             kind = shown[min(_EXPORTS[word], len(shown) - 1)]
@@ -139,20 +173,21 @@ class _Nodes:
             registration = Registration.COMPONENT if component else _BASES.get(_last(base or ""), Registration.PLUGIN)
             if _last(kind) not in known:
                 known.add(_last(kind))
-                place = Location(file.path, unit.line(node.start_byte))
+                place = Location(file.path, int(call.start_point[0]) + 1)
                 yield PluginClass(kind, kind, registration, place, base_type=base)
 
     def plugin(self, plugin: PluginClass) -> list[Extracted]:
         """Return the node of a registered class; none if the class is not found."""
         for files in self._libraries(plugin):
-            program = Program(self._project, self._closed)
-            program.load(files)
-            cls = self._class(program, plugin.type)
+            machine, language, framework = self._machine(files)
+            cls = self._class(language.linker, plugin.type)
             if cls is None:
                 continue
-            program.start_class(cls)
+            root = self._started(machine, language, framework, cls)
             name = plugin.executable or _last(plugin.name)
-            place = Location(cls.unit.file.path, cls.unit.line(cls.start))
+            place = Location(cls.unit.path, cls.line)
+            methods = language.linker.methods(cls).values()
+            sources = sorted({f.unit.path for listed in methods for f in listed} | {cls.unit.path})
             node = NodeType(
                 name,
                 _KINDS[plugin.registration],
@@ -162,10 +197,39 @@ class _Nodes:
                 executable=plugin.executable,
                 plugin=plugin.name,
                 base_class=plugin.base_type,
+                sources=tuple(sources),
             )
-            sources = sorted({f.unit.file.path for f in program.methods(cls)} | {cls.unit.file.path})
-            return self._extract(program, node, tuple(sources), cls)
+            return self._extracted(framework, node, root)
         return []
+
+    def _started(
+        self, machine: Machine, language: Cpp, framework: Framework, cls: Class, *, loaded: bool = True
+    ) -> Object:
+        """Create an object of a class, and run the methods that its loader may call.
+
+        A `loaded` class gets its default arguments; a class of a library gets unknown ones.
+        """
+        kind = Kind((*cls.scope, cls.name), (), cls)
+        frame = Frame(cls.unit, (*cls.scope, cls.name))
+        constructors = language.linker.methods(cls).get(cls.name, [])
+        machine.stack.append(Site(cls.unit, cls.line))
+        root = Object(kind, line=cls.line)
+        if any(d.is_a == "node" for d in framework.described(kind)):
+            framework.host = root
+        chosen = min(constructors, key=lambda f: len(f.parameters), default=None)
+        given = (
+            [language.unknown(p.type, frame, p.name) for p in chosen.parameters if p.default is None or not loaded]
+            if chosen
+            else []
+        )
+        language.initialise(root, kind, given)
+        framework.constructed(root)
+        machine.drain()
+        for name in _called_from_outside(language, kind):
+            if not all(id(function) in machine.executed for function, _ in language.methods(kind, name)[:1]):
+                language.escape([Bound(name, root)])
+                machine.drain()
+        return root
 
     def _libraries(self, plugin: PluginClass) -> Iterator[list[FilePath]]:
         """Yield sets of files that may define a plugin: its library, the file that registers it, all of the package."""
@@ -176,80 +240,36 @@ class _Nodes:
         sources = [file for file in self._project.sources() if "/test" not in file.path]
         yield [file for file in sources if self._project.contains(file, pattern)]
 
-    def _class(self, program: Program, name: str) -> Class | None:
+    def _class(self, linker: Linker, name: str) -> Class | None:
         wanted = tuple(part for part in name.replace(" ", "").split("::") if part)
-        found = [
-            cls
-            for unit in program.units.values()
-            for cls in unit.classes
-            if wanted and cls.name == wanted[-1].partition("<")[0] and self._project.is_own(unit.file)
-        ]
-        return max(found, key=lambda cls: cls.scope[-len(wanted) + 1 :] == wanted[:-1], default=None)
+        if not wanted:
+            return None
+        last = wanted[-1].partition("<")[0]
+        found: list[Class] = []
+        for unit in tuple(linker.units.values()):
+            found += unit.classes.get(last, ())
+            for header in self._project.find(unit.key, last):
+                found += header.classes.get(last, ())
+        own = [cls for cls in found if self._project.is_own(cls.unit.key)]
+        return max(own, key=lambda cls: cls.scope[-len(wanted) + 1 :] == wanted[:-1], default=None)
 
-    def _classes(self) -> list[Extracted]:
-        """Return the classes that make interfaces, of a package that makes no node or is not understood."""
-        found = []
-        program = Program(self._project, self._closed)
-        program.load(file for file in self._project.sources() if "/test" not in file.path)
-        for unit in list(program.units.values()):
-            for cls in unit.classes if self._project.is_own(unit.file) else ():
-                if not self._declares(program, cls):
-                    continue
-                alone = Program(self._project, self._closed)
-                alone.load([unit.file])
-                alone.start_class(cls)
-                place = Location(unit.file.path, unit.line(cls.start))
-                node = NodeType(cls.name, NodeKind.CLASS, "cpp", 0, place)
-                found += [e for e in self._extract(alone, node, (unit.file.path,), cls) if e.node.interfaces]
-        return found
-
-    def _declares(self, program: Program, cls: Class) -> bool:
-        """Tell whether a class or its methods mention a call or type that makes an interface."""
-        known = self._api.calls.keys() | self._api.types.keys()
-        return bool(known & cls.words) or any(known & function.words for function in program.methods(cls))
-
-    def _extract(
-        self, program: Program, node: NodeType, sources: tuple[str, ...], cls: Class | None
-    ) -> list[Extracted]:
-        evaluator = Evaluator(program, self._api)
-        finder = Finder(evaluator)
-        finder.run()
-        found, more = self._loaded(evaluator) if cls is None else ([], [])
-        interfaces = _settled([*finder.interfaces.values(), *found])
-        parameters = (*finder.parameters.values(), *more)
-        if not interfaces and not parameters and not finder.marks and not _initialises(program, node):
-            return []
-        ros = _ros(program, finder)
-        named = given_name(evaluator, cls)
-        alone = named or node.name
-        interfaces = tuple(
-            replace(
-                i,
-                resolved=resolve(i.name, alone) if i.name is not None and "{}" not in i.name else None,
-                qos=i.qos if ros == _ROS2 else None,
-            )
-            for i in interfaces
-        )
-        whole = replace(
-            node, ros=ros, node_name=named, sources=sources, interfaces=interfaces, parameters=_once(parameters)
-        )
-        marks = dict.fromkeys([*finder.marks, *framework_marks(program, cls)])
-        return [Extracted(whole, tuple(marks))]
-
-    def _loaded(self, evaluator: Evaluator) -> tuple[list[Interface], list[Parameter]]:
-        """Return what the nodelets that a program loads into itself make."""
+    def _loaded(self, framework: Framework) -> tuple[list[Interface], list[Parameter]]:
+        """Return the facts of the nodelets that a program loads into itself, with the names that it gives them."""
         interfaces: list[Interface] = []
         parameters: list[Parameter] = []
-        for loaded in loaded_nodelets(evaluator):
-            package, _, _ = loaded.plugin.partition("/")
-            home = self._reading(package)
-            plugin = (
-                next((p for p in home.build.plugins if p.name == loaded.plugin), None) if home is not None else None
-            )
+        for row in framework.loaded:
+            name, kind = row[0], row[1]
+            shown = kind.known if isinstance(kind, Text) else None
+            home = self._reading(shown.partition("/")[0]) if shown is not None else None
+            plugin = next((p for p in home.build.plugins if p.name == shown), None) if home is not None else None
+            own = isinstance(name, Text) and name.known == "~"
+            renamed = dict(_remappings(row[2])) if len(row) > 2 else {}  # noqa: PLR2004 - the third argument
             for extracted in home.plugin(plugin) if home is not None and plugin is not None else ():
-                kept = [i for i in extracted.node.interfaces if loaded.own or not (i.name or "").startswith("~")]
-                interfaces += [replace(i, name=loaded.renamed(i.name)) for i in kept]
-                parameters += extracted.node.parameters if loaded.own else ()
+                kept = [i for i in extracted.node.interfaces if own or not (i.name or "").startswith("~")]
+                interfaces += [
+                    replace(i, name=renamed.get(i.name, i.name) if i.name is not None else None) for i in kept
+                ]
+                parameters += extracted.node.parameters if own else ()
         return interfaces, parameters
 
     def _reading(self, package: str) -> _Nodes | None:
@@ -263,6 +283,93 @@ class _Nodes:
         folder = reader.workspace.folder(found)[1]
         return _Nodes(reader, folder, read_build(reader, folder))
 
+    def _extracted(self, framework: Framework, node: NodeType, root: Object | None) -> list[Extracted]:
+        declared = framework.declared
+        if root is None or framework.host is root:
+            declared = [one for one in declared if _belongs(one.node, root)]
+        ros = _version(framework)
+        named = _name(framework, root)
+        interfaces, parameters = facts_of(declared, self._project, ros, named or node.name)
+        loaded_interfaces, loaded_parameters = self._loaded(framework)
+        interfaces, parameters = (*interfaces, *loaded_interfaces), (*parameters, *loaded_parameters)
+        if not (interfaces or parameters or framework.marks or framework.nodes or framework.node_names):
+            return []
+        whole = replace(node, ros=ros, node_name=named, interfaces=interfaces, parameters=parameters)
+        marks = [_mark(one, self._project) for one in framework.marks]
+        described = (one for made in framework.nodes for one in framework.described(made.kind))
+        if any(one.name == "rclcpp_lifecycle::LifecycleNode" for one in described):
+            marks.append(Mark("ros2.lifecycle", node.location))
+        return [Extracted(whole, tuple(dict.fromkeys(marks)))]
+
+
+def _version(framework: Framework) -> int:
+    """Return the version of ROS that a node uses."""
+    versions = {one.effect.ros for one in framework.declared} - {0}
+    if len(versions) == 1:
+        return versions.pop()
+    host = framework.host
+    second = bool(framework.nodes) or (host is not None and host.kind.name in ("Node", "LifecycleNode"))
+    return _ROS2 if second else 1
+
+
+def _name(framework: Framework, root: Object | None) -> str | None:
+    """Return the name that the code gives to a node; None if it gives none."""
+    named = [value.known for value in framework.node_names if isinstance(value, Text)]
+    objects = [root] if root is not None else framework.nodes
+    own = [held.known for one in objects if isinstance(held := one.native.get("name"), Text)]
+    return next((name for name in (*own, *named) if name), None)
+
+
+def _remappings(value: Value) -> Iterator[tuple[str, str]]:
+    for key, given in value.items if isinstance(value, Mapping) else ():
+        old, new = (one.known if isinstance(one, Text) else None for one in (key, given))
+        if old is not None and new is not None:
+            yield normalise(old), normalise(new)
+
+
+def _called_from_outside(language: Cpp, kind: Kind) -> list[str]:
+    """Return the methods that the loader of a class may call: those of its bases, then those that override."""
+    chain = language.chain(kind)[0]
+    inherited: dict[str, None] = {}
+    overriding: dict[str, None] = {}
+    for cls, _ in chain:
+        methods = language.linker.methods(cls)
+        for name, listed in (*cls.declared.items(), *methods.items()):
+            if name.startswith("~") or name == cls.name or not language.methods(kind, name):
+                continue
+            if any(function.virtual for function in listed):
+                overriding[name] = None
+            elif cls is not chain[0][0]:
+                inherited[name] = None
+    return [*(name for name in inherited if name not in overriding), *overriding]
+
+
+def _mark(found: tuple[str, Object | None, tuple[Site, ...], Value | None], project: Project) -> Mark:
+    key, node, stack, detail = found
+    place = location(stack, project)
+    namespace = namespace_of(node)
+    shown = namespace.shown if isinstance(namespace, Text) else ""
+    if key == "dynamic_reconfigure.server":
+        kind = detail.kind if isinstance(detail, TypeValue) else None
+        config = "/".join(kind.names[-2:]).removesuffix("Config") if kind is not None else None
+        return Mark(key, place, shown if node is not None else "~", config)
+    return Mark(key, place, "", detail.shown if isinstance(detail, Text) else None)
+
+
+def _belongs(owner: Object | None, root: Object | None) -> bool:
+    """Return whether the declarations of an object are those of the root.
+
+    The object is the root, a plain node that the root uses, or not a node itself.
+    """
+    for _ in range(8):
+        if owner is None or owner is root:
+            return True
+        outer = owner.native.get("of")
+        if not isinstance(outer, Object):
+            return owner.kind.cls is None or (root is None and "within" not in owner.native)
+        owner = outer
+    return False
+
 
 def _last(name: str) -> str:
     return name.replace(" ", "").rpartition("::")[2].rpartition("/")[2]
@@ -271,31 +378,3 @@ def _last(name: str) -> str:
 def _library(path: str) -> str:
     name = path.rpartition("/")[2]
     return name.removeprefix("lib") if path.startswith(("lib/lib", "lib")) else name
-
-
-def _settled(everything: list[Interface]) -> tuple[Interface, ...]:
-    """Return interfaces without those of unknown type whose name is known with a type as well."""
-    typed = {(i.role, i.name) for i in everything if i.type is not None}
-    return tuple(i for i in everything if i.type is not None or i.name is None or (i.role, i.name) not in typed)
-
-
-def _once(found: tuple[Parameter, ...]) -> tuple[Parameter, ...]:
-    return tuple(dict.fromkeys(found))
-
-
-def _initialises(program: Program, node: NodeType) -> bool:
-    if node.kind not in (NodeKind.EXECUTABLE, NodeKind.COMPONENT, NodeKind.NODELET):
-        return False
-    words = (b"ros::init", b"rclcpp::init", b"nodelet", b"rclcpp::Node", b"LifecycleNode")
-    return any(word in function.unit.source for function in program.reached for word in words)
-
-
-def _ros(program: Program, finder: Finder) -> int:
-    """Return the version of ROS that the calls tell, else the one whose headers more of the reached code includes."""
-    told = finder.ros - {0}
-    if len(told) == 1:
-        return next(iter(told))
-    units = {function.unit for function in program.reached}
-    second = sum(any(path.startswith("rclcpp") for path in unit.includes) for unit in units)
-    first = sum("ros/ros.h" in unit.includes or b"ros::NodeHandle" in unit.source for unit in units)
-    return _ROS2 if second > first else 1

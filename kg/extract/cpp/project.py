@@ -6,12 +6,12 @@ kept for the next package of the same process, within a bound.
 
 from __future__ import annotations
 
-import re
 from collections import OrderedDict
 from typing import TYPE_CHECKING, Final
 
 from kg.corpus.files import FilePath, Place
-from kg.extract.cpp.unit import Unit, included
+from kg.extract.cpp.includes import included
+from kg.extract.cpp.units import CppUnit
 from kg.facts import FileKind
 
 if TYPE_CHECKING:
@@ -80,39 +80,11 @@ FRAMEWORKS: Final = frozenset(
         "hardware_interface_testing",
     ]
 )
-"""Packages whose inside is known to the tables of calls and marks; their headers are never followed."""
+"""Packages that the descriptions of calls cover; their headers are never read."""
 
-_OWN: Final = tuple(
-    word.encode() for word in ("ros::", "ros/", "rclcpp", "NodeHandle", "Node", "nodelet", "advertise", "create_")
-)
-_FOREIGN: Final = tuple(
-    word.encode()
-    for word in (
-        "NodeHandle",
-        "rclcpp::Node",
-        "LifecycleNode",
-        "create_publisher",
-        "create_subscription",
-        "create_service",
-        "create_client",
-        "declare_parameter",
-        "advertise",
-        "nodelet::",
-        "SimpleActionServer",
-        "SimpleActionClient",
-        "NodeT",
-        "ros::param",
-        "ros::service",
-        "ros::Publisher",
-        "ros::Subscriber",
-        "ros::Service",
-    )
-)
-_ALIASES: Final = re.compile(rb"\btypedef\b[^;{}()]*?\b([A-Za-z_]\w*)\s*;|\busing\s+([A-Za-z_]\w*)\s*=")
 _CACHE_BYTES: Final = 12 << 20
 _MOST_HEADERS: Final = 600
-_cache: OrderedDict[FilePath, Unit] = OrderedDict()
-_worded: dict[tuple[FilePath, int], tuple[int, bool]] = {}
+_cache: OrderedDict[FilePath, CppUnit] = OrderedDict()
 
 
 class Project:
@@ -123,10 +95,8 @@ class Project:
         self.package = package
         self.repository = reader.repository
         self._place = Place(reader.repository, package.path, package.name)
-        self._units: dict[FilePath, Unit | None] = {}
+        self._units: dict[FilePath, CppUnit | None] = {}
         self._headers: dict[FilePath, tuple[FilePath, ...]] = {}
-        self._relevant: dict[FilePath, bool] = {}
-        self._named: dict[FilePath, tuple[str, ...]] = {}
         self._direct: dict[FilePath, tuple[FilePath, ...]] = {}
         self._holding: dict[tuple[FilePath, str], list[FilePath]] = {}
         self._read: dict[FilePath, list[tuple[FilePath, bytes]]] = {}
@@ -137,51 +107,33 @@ class Project:
         return FilePath(self.repository, path)
 
     def is_own(self, file: FilePath) -> bool:
-        """Tell whether a file belongs to the package that is read."""
+        """Return whether a file belongs to the package that is read."""
         return self.reader.workspace.owner(file) == self._place
 
     def sources(self) -> list[FilePath]:
         """Return the C++ files of the package."""
         return [self.own(entry.path) for entry in self.package.files if entry.kind is FileKind.CPP]
 
-    def unit(self, file: FilePath) -> Unit | None:
+    def unit(self, file: FilePath) -> CppUnit | None:
         """Return the parsed file; None if it cannot be read."""
         if file not in self._units:
             data = self.reader.read(file)
             self._units[file] = None if data is None else self._parse(file, data)
         return self._units[file]
 
-    def _parse(self, file: FilePath, data: bytes) -> Unit:
+    def _parse(self, file: FilePath, data: bytes) -> CppUnit:
         own = self.is_own(file)  # looked up in any case, so that the record does not depend on what is kept
         known = _cache.get(file)
         if known is not None and known.source == data:
             _cache.move_to_end(file)
             return known
-        made = Unit(file, data)
+        made = CppUnit(file, data)
         if not own:
             _keep(made)
         return made
 
-    def relevant(self, file: FilePath) -> bool:
-        """Tell whether the words of a file are such that it can bear on the interface of a node."""
-        known = self._relevant.get(file)
-        if known is None:
-            data = self.reader.read(file)
-            words = _OWN if self.is_own(file) else _FOREIGN
-            known = self._relevant[file] = data is not None and _has(file, data, words)
-        return known
-
-    def alias_names(self, file: FilePath) -> tuple[str, ...]:
-        """Return the names that a file of the package gives to types, as far as a look at its text tells."""
-        known = self._named.get(file)
-        if known is None:
-            data = self.reader.read(file) if self.is_own(file) else None
-            found = _ALIASES.findall(data) if data is not None else ()
-            known = self._named[file] = tuple(dict.fromkeys((one or other).decode() for one, other in found))
-        return known
-
     def contains(self, file: FilePath, word: bytes) -> bool:
-        """Tell whether a file has these bytes."""
+        """Return whether a file contains some bytes."""
         data = self.reader.read(file)
         return data is not None and word in data
 
@@ -217,15 +169,18 @@ class Project:
         return known
 
     def _header_texts(self, file: FilePath) -> list[tuple[FilePath, bytes]]:
-        """Return the headers of a file that can be read, nearest first, with what they hold."""
+        """Return the headers of a file that can be read, nearest first, with their contents."""
         known = self._read.get(file)
         if known is None:
             texts = ((header, self.reader.read(header)) for header in self.headers(file))
             known = self._read[file] = [(header, data) for header, data in texts if data is not None]
         return known
 
-    def implementations(self, header: FilePath, name: str, known: Container[FilePath]) -> list[FilePath]:
-        """Return the files, but `known` ones, of the package of a header that define methods of its class `name`."""
+    def implementations(self, header: FilePath, name: str, known: Container[FilePath], end: str) -> list[FilePath]:
+        """Return the sources of the package of a header that contain a name followed by `end`, except for `known` ones.
+
+        They define the methods of a class if `end` is `::`, or a function if it is `(`.
+        """
         owner = self.reader.workspace.owner(header)
         if owner is None:
             return []
@@ -234,11 +189,11 @@ class Project:
             entries = self.reader.workspace.files(owner, FileKind.CPP)
             sources = [FilePath(owner.repository, entry.path) for entry in entries if _is_source(entry.path)]
             bodies = self._bodies[owner] = sources
-        pattern = f"{name}::".encode()
+        pattern = f"{name}{end}".encode()
         return [file for file in bodies if file != header and file not in known and self.contains(file, pattern)]
 
-    def find(self, file: FilePath, word: str) -> Iterable[Unit]:
-        """Yield the headers of a file that hold a word, nearest first."""
+    def find(self, file: FilePath, word: str) -> Iterable[CppUnit]:
+        """Yield the headers of a file that contain a word, nearest first."""
         key = (file, word)
         if key not in self._holding:
             pattern = word.encode()
@@ -249,22 +204,12 @@ class Project:
                 yield unit
 
 
-def _keep(unit: Unit) -> None:
-    """Keep a unit for the packages to come, and let those go that were not asked for longest."""
-    _cache[unit.file] = unit
+def _keep(unit: CppUnit) -> None:
+    """Cache a unit for later packages, and evict those least recently used."""
+    _cache[unit.key] = unit
     total = sum([len(one.source) for one in _cache.values()])
     while total > _CACHE_BYTES and len(_cache) > 1:
         total -= len(_cache.popitem(last=False)[1].source)
-
-
-def _has(file: FilePath, data: bytes, words: tuple[bytes, ...]) -> bool:
-    """Tell whether a file has one of some words; kept for the next package, for headers are asked about often."""
-    key = (file, len(words))
-    print_of_data = hash(data)
-    known = _worded.get(key)
-    if known is None or known[0] != print_of_data:
-        known = _worded[key] = (print_of_data, any(word in data for word in words))
-    return known[1]
 
 
 def _is_source(path: str) -> bool:

@@ -1,8 +1,7 @@
-"""The concrete syntax of C++: the parser, and what its nodes say.
+"""The concrete syntax of C++: the parser, and access to its nodes.
 
-Nothing here knows of ROS or of other files. Functions take nodes of tree-sitter's C++ grammar
-(github.com/tree-sitter/tree-sitter-cpp); none walks a tree deeper than a fixed bound, so that hostile
-nesting costs no stack.
+Functions take nodes of tree-sitter's C++ grammar (github.com/tree-sitter/tree-sitter-cpp). None walks a tree deeper
+than a fixed bound, because hostile nesting would exhaust the stack.
 """
 
 from __future__ import annotations
@@ -15,34 +14,26 @@ import tree_sitter_cpp
 from tree_sitter import Language, Parser, Query, QueryCursor, Range
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from tree_sitter import Node, Tree
 
 __all__ = [
     "LANGUAGE",
-    "Callee",
     "Part",
     "arguments",
-    "callee",
     "captures",
     "declared_name",
     "literal",
-    "outward",
+    "of_type",
     "parse",
     "parse_range",
     "parts",
     "simple_name",
-    "split_scope",
-    "template_arguments",
     "text",
-    "unwrap",
 ]
 
 LANGUAGE: Final = Language(tree_sitter_cpp.language())
 
 _ESCAPES: Final = {"n": "\n", "t": "\t", "r": "\r", "0": "\0", "a": "\a", "b": "\b", "f": "\f", "v": "\v"}
-_WRAPPERS: Final = frozenset({"parenthesized_expression", "condition_clause"})
 _DECLARATORS: Final = frozenset(
     {
         "pointer_declarator",
@@ -66,7 +57,7 @@ def _parser() -> Parser:
 def captures(query: Query, node: Node) -> dict[str, list[Node]]:
     """Return what a query captures below a node, by the names of the captures, in the order of the source.
 
-    The order in which tree-sitter gives them is none that can be relied on.
+    The order of tree-sitter is not reliable.
     """
     found = QueryCursor(query).captures(node)
     return {name: sorted(nodes, key=lambda one: (one.start_byte, -one.end_byte)) for name, nodes in found.items()}
@@ -89,35 +80,10 @@ def text(node: Node) -> str:
     return raw.decode("utf-8", "replace") if raw else ""
 
 
-def outward(node: Node, bound: int = _DEEPEST) -> Iterator[Node]:
-    """Yield the parents of a node from the inside out, at most `bound` of them."""
-    parent = node.parent
-    while parent is not None and bound:
-        yield parent
-        parent = parent.parent
-        bound -= 1
-
-
-def unwrap(node: Node) -> Node:
-    """Return the expression within parentheses, casts and address-of."""
-    for _ in range(_DEEPEST):
-        inner: Node | None = None
-        if node.type in _WRAPPERS:
-            inner = next((child for child in node.named_children if child.type != "comment"), None)
-        elif node.type == "cast_expression":
-            inner = node.child_by_field_name("value")
-        elif node.type == "pointer_expression":
-            inner = node.child_by_field_name("argument")
-        if inner is None:
-            return node
-        node = inner
-    return node
-
-
 def arguments(node: Node | None) -> list[Node]:
     """Return the expressions of an argument list, an initialiser list or a template argument list.
 
-    `"text" MACRO` does not parse: there the error node stands for both.
+    `"text" MACRO` does not parse: the error node represents both.
     """
     found: list[Node] = []
     for child in node.named_children if node is not None else ():
@@ -126,51 +92,6 @@ def arguments(node: Node | None) -> list[Node]:
         elif child.type not in _NO_ARGUMENTS:
             found.append(child)
     return found
-
-
-@dataclass(frozen=True, slots=True)
-class Callee:
-    """What a call calls: `receiver.scope::name<template>`."""
-
-    name: str
-    receiver: Node | None = None
-    scope: tuple[str, ...] = ()
-    template: Node | None = None
-    arrow: bool = False
-
-
-def callee(function: Node) -> Callee | None:
-    """Return what the `function` of a call names; None for computed functions."""
-    receiver, arrow = None, False
-    if function.type == "field_expression":
-        receiver = function.child_by_field_name("argument")
-        operator = function.child_by_field_name("operator")
-        arrow = operator is not None and operator.type == "->"
-        field = function.child_by_field_name("field")
-        if field is None:
-            return None
-        function = field
-    scope: list[str] = []
-    template = None
-    for _ in range(_DEEPEST):
-        kind = function.type
-        if kind in ("identifier", "field_identifier", "type_identifier", "primitive_type", "destructor_name"):
-            return Callee(text(function), receiver, tuple(scope), template, arrow)
-        inner: Node | None = None
-        if kind in ("template_function", "template_method", "template_type"):
-            template = function.child_by_field_name("arguments")
-            inner = function.child_by_field_name("name")
-        elif kind == "qualified_identifier":
-            outer = function.child_by_field_name("scope")
-            if outer is not None:
-                scope.append(simple_name(outer))
-            inner = function.child_by_field_name("name")
-        elif kind == "dependent_name":
-            inner = next(iter(function.named_children), None)
-        if inner is None:
-            return None
-        function = inner
-    return None
 
 
 def simple_name(node: Node) -> str:
@@ -189,22 +110,9 @@ def simple_name(node: Node) -> str:
     return text(node)
 
 
-def split_scope(node: Node) -> tuple[tuple[str, ...], Node]:
-    """Return the scopes of a qualified name from the outside in, and the innermost name node."""
-    scope: list[str] = []
-    for _ in range(_DEEPEST):
-        if node.type in ("dependent_type", "dependent_name") and node.named_children:
-            node = node.named_children[0]
-            continue
-        if node.type != "qualified_identifier":
-            break
-        outer, inner = node.child_by_field_name("scope"), node.child_by_field_name("name")
-        if outer is not None:
-            scope.append(simple_name(outer))
-        if inner is None:
-            break
-        node = inner
-    return tuple(scope), node
+def of_type(node: Node | None, *kinds: str) -> list[Node]:
+    """Return the named children of some types of a node."""
+    return [child for child in node.named_children if child.type in kinds] if node is not None else []
 
 
 @dataclass(frozen=True, slots=True)
@@ -241,12 +149,6 @@ def _part(node: Node) -> Part:
         name = node.child_by_field_name("name")
         return Part(text(name) if name is not None else "", node.child_by_field_name("arguments"))
     return Part(text(node))
-
-
-def template_arguments(node: Node) -> list[Node]:
-    """Return the template arguments of the innermost name of a type or function."""
-    _, inner = split_scope(node)
-    return arguments(inner.child_by_field_name("arguments")) if inner.type.startswith("template_") else []
 
 
 def declared_name(declarator: Node | None) -> Node | None:

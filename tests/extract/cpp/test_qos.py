@@ -24,10 +24,12 @@ def source(before: str, expression: str) -> str:
     """Return a node whose only publisher has that quality of service."""
     return (
         "#include <rclcpp/rclcpp.hpp>\nstatic const rclcpp::QoS shared_qos = rclcpp::QoS(4);\n"
+        "class Bounded : public rclcpp::QoS {\n public:\n"
+        "  explicit Bounded(int depth) : rclcpp::QoS(rclcpp::KeepLast(depth)) { best_effort(); }\n};\n"
         "class A : public rclcpp::Node {\n public:\n"
         f'  A() : Node("a") {{\n    {before}\n'
         f'    p_ = create_publisher<std_msgs::msg::String>("t", {expression});\n  }}\n'
-        "  rclcpp::QoS member_{rclcpp::KeepLast(6)};\n  const int depth_ = 12;\n};\n"
+        "  rclcpp::QoS member_{rclcpp::KeepLast(6)};\n  const int depth_ = 12;\n  int argc_ = outside();\n};\n"
         "int main() { std::make_shared<A>(); }\n"
     )
 
@@ -62,8 +64,19 @@ def qos_of(root: Path, before: str, expression: str) -> Qos | None:
         (
             "",
             "rclcpp::QoS(rclcpp::QoSInitialization::from_rmw(rmw_qos_profile_default), rmw_qos_profile_sensor_data)",
-            Qos("best_effort", "volatile", "keep_last", 5),
+            Qos("best_effort", "volatile", "keep_last", 10),
         ),
+        (
+            "",
+            "rclcpp::QoS(rclcpp::QoSInitialization(RMW_QOS_POLICY_HISTORY_KEEP_LAST, 9))",
+            Qos("reliable", "volatile", "keep_last", 9),
+        ),
+        ("", "rclcpp::SensorDataQoS(rclcpp::KeepLast(1))", Qos("best_effort", "volatile", "keep_last", 1)),
+        ("", "rclcpp::ClockQoS().get_rmw_qos_profile()", Qos("best_effort", "volatile", "keep_last", 1)),
+        ("", "Bounded(3)", Qos("best_effort", "volatile", "keep_last", 3)),
+        ("Bounded q(3); q.transient_local();", "q", Qos("best_effort", "transient_local", "keep_last", 3)),
+        ("rclcpp::QoS q(2); auto other = q; other.best_effort();", "q", Qos("reliable", "volatile", "keep_last", 2)),
+        ("rclcpp::QoS q(2); if (argc_) q.best_effort(); else q.transient_local();", "q", None),
         (
             "",
             "rclcpp::QoS(5).durability(rclcpp::DurabilityPolicy::TransientLocal)",
@@ -91,6 +104,10 @@ def qos_of(root: Path, before: str, expression: str) -> Qos | None:
         ("", "rclcpp::QoS(1).deadline(rclcpp::Duration(1, 250000000))", replace(LAST, deadline=1.25)),
         ("", "rclcpp::QoS(1).deadline(rclcpp::Duration(std::chrono::milliseconds(20)))", replace(LAST, deadline=0.02)),
         ("", "rclcpp::QoS(1).deadline(rmw_time_t{2, 0})", replace(LAST, deadline=2.0)),
+        ("", "rclcpp::QoS(1).deadline(std::chrono::duration<double, std::milli>(5))", replace(LAST, deadline=0.005)),
+        ("", "rclcpp::QoS(1).deadline(1s / 4 + 50ms)", replace(LAST, deadline=0.3)),
+        ("", "rclcpp::QoS(1).deadline(rclcpp::Duration::max())", LAST),
+        ("rmw_time_t t{2, 0}; t.nsec = 500000000;", "rclcpp::QoS(1).deadline(t)", replace(LAST, deadline=2.5)),
         ("", "rclcpp::QoS(1).deadline(RMW_DURATION_INFINITE).lifespan(rclcpp::Duration(0, 0))", LAST),
         ("const std::chrono::milliseconds period{50}; auto later = 2s;",
          "rclcpp::QoS(1).deadline(period).lifespan(later)", replace(LAST, deadline=0.05, lifespan=2.0)),
@@ -104,6 +121,8 @@ def qos_of(root: Path, before: str, expression: str) -> Qos | None:
         ("", "rclcpp::QoS(1).deadline(deadline_of(this))", None),
         ("", "make_qos()", None),
         ("", "rclcpp::QoS(1).unheard_of()", None),
+        ("", "rclcpp::QoS(depth_of(this)).reliable()", None),
+        ("rclcpp::QoS q(2); q.lifespan(lifespan_of(this));", "q.reliable()", None),
     ],
 )  # fmt: skip
 def test_profiles(tmp_path: Path, before: str, expression: str, wanted: Qos | None) -> None:

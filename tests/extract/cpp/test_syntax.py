@@ -33,33 +33,6 @@ def test_raw_literals_keep_their_text(text: str) -> None:
     assert syntax.literal(first(f'auto s = R"x({text})x";', "raw_string_literal")) == text
 
 
-def test_callee_names_receiver_scope_and_template() -> None:
-    """What a call calls is known in every spelling."""
-    called = {}
-    for code in ("f(a)", "o.f(a)", "o->f<T>(a)", "a::b::f(a)", "n::f<T>(a)", "o.template f<T>(a)"):
-        function = first(f"void g() {{ {code}; }}", "call_expression").child_by_field_name("function")
-        assert function is not None
-        found = syntax.callee(function)
-        assert found is not None
-        receiver = syntax.text(found.receiver) if found.receiver is not None else None
-        called[code] = (found.name, receiver, found.scope, found.template is not None)
-    assert called == {
-        "f(a)": ("f", None, (), False),
-        "o.f(a)": ("f", "o", (), False),
-        "o->f<T>(a)": ("f", "o", (), True),
-        "a::b::f(a)": ("f", None, ("a", "b"), False),
-        "n::f<T>(a)": ("f", None, ("n",), True),
-        "o.template f<T>(a)": ("f", "o", (), True),
-    }
-
-
-def test_unwrap_stops_at_a_bound() -> None:
-    """Parentheses nested as no person writes them do not exhaust the stack."""
-    deep = "(" * 5000 + "1" + ")" * 5000
-    node = syntax.unwrap(first(f"int a = {deep};", "parenthesized_expression"))
-    assert node.type == "parenthesized_expression"
-
-
 def test_a_text_before_a_macro_is_one_argument() -> None:
     """`"text" MACRO`, which does not parse, stays one argument."""
     call = first('void g() { f("/" NAME, 1); }', "call_expression")

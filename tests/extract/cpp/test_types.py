@@ -1,12 +1,12 @@
 from __future__ import annotations
 
-from extract.cpp.programs import message_of
+from extract.cpp.packages import interfaces_of, type_of
 from hypothesis import given
 from hypothesis import settings as bounded
 from hypothesis import strategies as st
 
 PACKAGES = st.sampled_from(["sensor_msgs", "my_robot_msgs", "a1_msgs"])
-NAMES = st.sampled_from(["Image", "PointCloud2", "TF", "RGBDImage", "A"])
+NAMES = st.sampled_from(["Image", "PointCloud2", "TF", "RGBDImage", "A", "Feedback", "Result", "Goal"])
 WRAPPINGS = st.sampled_from(
     [
         "{0}",
@@ -30,8 +30,8 @@ WRAPPINGS = st.sampled_from(
 @bounded(max_examples=80, deadline=None)
 @given(PACKAGES, NAMES, st.sampled_from(["{0}::{1}", "{0}::msg::{1}", "::{0}::{1}"]), WRAPPINGS)
 def test_messages_are_known_in_every_spelling(package: str, name: str, scope: str, wrapping: str) -> None:
-    """Pointers, references, events and `const` around a message type leave the type."""
-    assert message_of(wrapping.format(scope.format(package, name))) == f"{package}/{name}"
+    """Pointers, references, events and `const` around a message type leave the type, whatever its name."""
+    assert type_of(wrapping.format(scope.format(package, name))) == f"{package}/{name}"
 
 
 @bounded(max_examples=40, deadline=None)
@@ -39,29 +39,36 @@ def test_messages_are_known_in_every_spelling(package: str, name: str, scope: st
 def test_aliases_are_followed(package: str, name: str, steps: int) -> None:
     """Chains of `using` and `typedef` lead to the message."""
     chain = "".join(f"using T{i} = T{i - 1};\n" if i % 2 else f"typedef T{i - 1} T{i};\n" for i in range(1, steps + 1))
-    assert message_of(f"T{steps}", f"using T0 = {package}::{name};\n{chain}") == f"{package}/{name}"
+    assert type_of(f"T{steps}", f"using T0 = {package}::{name};\n{chain}") == f"{package}/{name}"
 
 
 def test_names_without_package_are_found_by_include() -> None:
     """A message named through `using namespace` is of the package whose header is included."""
     ros1 = "#include <sensor_msgs/Image.h>\nusing namespace sensor_msgs;"
     ros2 = "#include <sensor_msgs/msg/point_cloud2.hpp>\nusing namespace sensor_msgs::msg;"
-    assert message_of("Image", ros1) == "sensor_msgs/Image"
-    assert message_of("PointCloud2", ros2) == "sensor_msgs/PointCloud2"
+    assert type_of("Image", ros1) == "sensor_msgs/Image"
+    assert type_of("PointCloud2", ros2) == "sensor_msgs/PointCloud2"
 
 
 def test_other_classes_are_no_messages() -> None:
-    """Numbers, strings and classes of the build are no interface types."""
-    assert message_of("int") is None
-    assert message_of("std::string") is None
-    assert message_of("space::Thing", "namespace space { class Thing {}; }") is None
+    """Numbers and strings are no interface types."""
+    assert type_of("int") is None
+    assert type_of("std::string") is None
 
 
 def test_clouds_of_pcl_are_published_as_messages() -> None:
     """`pcl_ros` sends a cloud of any point type as one message."""
-    assert message_of("pcl::PointCloud<pcl::PointXYZ>") == "sensor_msgs/PointCloud2"
+    assert type_of("pcl::PointCloud<pcl::PointXYZ>") == "sensor_msgs/PointCloud2"
+
+
+def test_adapters_are_of_the_message_that_is_sent() -> None:
+    """What `rclcpp::TypeAdapter` adapts goes over the wire as its second argument."""
+    used = "using Text = rclcpp::TypeAdapter<std::string, std_msgs::msg::String>;"
+    source = f'{used}\nint main() {{ rclcpp::Node node("n"); node.create_publisher<Text>("t", 1); }}'
+    (found,) = interfaces_of(source)
+    assert found.type == "std_msgs/String"
 
 
 def test_aliases_that_name_themselves_end() -> None:
     """Aliases in a circle come to an end."""
-    assert message_of("T", "using T = U;\nusing U = T;") in (None, "T", "U")
+    assert type_of("T", "using T = U;\nusing U = T;") in (None, "T", "U")

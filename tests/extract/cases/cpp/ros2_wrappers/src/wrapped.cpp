@@ -20,7 +20,7 @@ public:
     held_ = decltype(held_)::element_type::create_subscription(this, "~/input/held", rclcpp::QoS{2});
     cloud_.subscribe(this, "~/input/points", rmw_qos_profile_sensor_data);
     adaptor_.init_pub(pub_mode_);
-    adaptor_.init_srv(srv_restart_, this, &Wrapped::on_restart);
+    adaptor_.init_srv(srv_restart_, this, &Wrapped::on_restart), timer_ = create_wall_timer(1s, [this] { on_tick(); });
     const auto expand = [this](const std::string & name) {
       return rclcpp::expand_topic_or_service_name(name, get_name(), get_namespace());
     };

@@ -1,0 +1,234 @@
+"""Constructions of objects in C++: constructors, bases, member initialisers, aggregates."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Final, TypeAlias
+
+from kg.extract.cpp import library
+from kg.extract.cpp.calls import fits
+from kg.extract.cpp.kinds import frame_of, inside
+from kg.symbolic import form
+from kg.symbolic.kinds import POINTER_ALIASES, POINTERS
+from kg.symbolic.state import Frame, Site
+from kg.symbolic.values import Kind, Object, Sequence, Text, TypeValue, Unknown, Value
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kg.extract.cpp.language import Cpp
+    from kg.symbolic.form import Class, Expression, Field, Function, Type
+
+__all__ = ["Constructions"]
+
+_DEEPEST: Final = 60
+_MOST_REPEATS: Final = 2
+_PAIR: Final = 2
+_Initialisers: TypeAlias = "dict[str, tuple[tuple[Expression, ...], int]]"
+"""What a constructor initialises, by name: the arguments and the line."""
+
+
+class Constructions:
+    """The creation of objects in a program."""
+
+    def __init__(self, language: Cpp) -> None:
+        self._language = language
+        self._kinds = language.kinds
+
+    def expression(self, expression: form.Construct, frame: Frame) -> Value:
+        """Return the object of a construction."""
+        arguments = self._language.machine.arguments(expression.arguments, frame)
+        if expression.type.pointer and not expression.heap and len(arguments) == 1:
+            return arguments[0]
+        found = self._kinds.kind(expression.type, frame)
+        if isinstance(found, TypeValue):
+            found = found.kind
+        if not isinstance(found, Kind):
+            return arguments[0] if len(arguments) == 1 else Unknown("its type is not known")
+        return self.construct(found, arguments, frame, expression.line, listed=expression.listed)
+
+    def default(self, kind: Type, frame: Frame, line: int) -> Value:
+        """Return the value of a variable that is declared without one."""
+        if kind.pointer:
+            return Unknown("it is null")
+        found = self._kinds.kind(kind, frame)
+        if not isinstance(found, Kind):
+            return Unknown("its type is not known")
+        if found.cls is None and _is_pointer(found):
+            return Unknown("it is null")
+        return self.construct(found, [], frame, line)
+
+    def construct(
+        self, kind: Kind, arguments: list[Value], frame: Frame | None, line: int = 0, *, listed: bool = False
+    ) -> Value:
+        """Return a new object of a type; `listed` if braces hold the arguments."""
+        machine = self._language.machine
+        if kind.cls is None:
+            return self._outside(kind, arguments, line, listed=listed)
+        if len(arguments) == 1 and isinstance(arguments[0], Object) and arguments[0].kind.cls is kind.cls:
+            return arguments[0]
+        made = Object(kind, line=line, path=frame.unit.path if frame is not None else "")
+        if len(machine.stack) <= _DEEPEST:
+            self.initialise(made, kind, arguments, listed=listed)
+            machine.framework.constructed(made)
+        return made
+
+    def _outside(self, kind: Kind, arguments: list[Value], line: int, *, listed: bool) -> Value:
+        """Return an object of a class outside of the sources: of a framework, of a library, or unknown."""
+        if _is_pointer(kind):
+            return arguments[0] if arguments else Unknown("it is null")
+        known = self._language.machine.framework.construct(kind, arguments)
+        if known is None:
+            known = library.construct(self._language, kind, arguments, listed=listed)
+        if known is not None:
+            return known
+        self._language.escape(arguments)
+        if not arguments or kind.names[0] not in ("std", "auto"):
+            return Object(kind, line=line)
+        return Unknown("it is of a class that is not in the build")
+
+    def initialise(
+        self,
+        made: Object,
+        kind: Kind,
+        arguments: list[Value],
+        *,
+        listed: bool = False,
+        without: Function | None = None,
+    ) -> None:
+        """Run the constructor of one class of an object: its bases, its members, its body.
+
+        `without` is a constructor that delegates to another one.
+        """
+        cls, machine = kind.cls, self._language.machine
+        if cls is None:
+            machine.framework.construct_base(made, kind, arguments)
+            return
+        bound = self._kinds.bound(cls, kind.arguments)
+        own = inside(cls, bound, made)
+        constructors = self._language.linker.methods(cls).get(cls.name, ())
+        candidates = [(f, bound) for f in constructors if fits(f, len(arguments)) and f is not without]
+        if not candidates:
+            self._aggregate(made, cls, own, arguments, listed=listed)
+            return
+        chosen, _ = self._language.calls.overload(candidates, arguments)
+        frame = frame_of(chosen, bound, made)
+        self._kinds.bind_template(chosen, frame, arguments)
+        if len(machine.stack) > _DEEPEST or machine.running[id(chosen)] >= _MOST_REPEATS:
+            machine.bounds.add("depth")
+            return
+        machine.bind(chosen, frame, arguments)
+        given = {name: (values, line) for name, values, line in chosen.initialisers}
+        if cls.name in given:
+            self.initialise(made, kind, machine.arguments(given[cls.name][0], frame), without=chosen)
+        else:
+            self._bases(made, cls, own, frame, given)
+            self._members(made, cls, own, frame, given)
+        machine.running[id(chosen)] += 1
+        guards = len(machine.guards)
+        try:
+            machine.run(chosen.body, frame)
+        finally:
+            machine.running[id(chosen)] -= 1
+            del machine.guards[guards:]
+
+    def _aggregate(self, made: Object, cls: Class, own: Frame, arguments: list[Value], *, listed: bool) -> None:
+        """Initialise an object of a class without a constructor for some arguments."""
+        inherited = bool(arguments) and bool(cls.bases) and not (listed and cls.fields)
+        if inherited:
+            for index, base in enumerate(cls.bases):
+                found = self._kinds.kind(base, own)
+                if isinstance(found, Kind):
+                    self.initialise(made, found, arguments if index == 0 else [])
+        else:
+            self._bases(made, cls, own, own, {})
+        self._members(made, cls, own, own, {})
+        if inherited and not listed:
+            return
+        designated = [pair for pair in (_designated(one, cls) for one in arguments) if pair is not None]
+        if not designated or len(designated) != len(arguments):
+            declared = [field for field in cls.fields.values() if not field.static]
+            designated = list(zip(declared, arguments, strict=False))
+        for field, value in designated:
+            made.fields[field.name] = self._language.converted(value, field.type, None, own)
+
+    @contextmanager
+    def _at(self, frame: Frame, line: int) -> Iterator[None]:
+        """Run something as part of a line of a frame."""
+        stack = self._language.machine.stack
+        stack.append(Site(frame.unit, line, frame.this))
+        try:
+            yield
+        finally:
+            stack.pop()
+
+    def _bases(self, made: Object, cls: Class, own: Frame, frame: Frame, given: _Initialisers) -> None:
+        for base in cls.bases:
+            found = self._kinds.kind(base, own)
+            if not isinstance(found, Kind):
+                continue
+            expressions, line = given.get(base.name, given.get(found.name, ((), 0)))
+            if not line:
+                expressions, line = self._by_alias(found, cls, own, given)
+            with self._at(frame, line or cls.line):
+                self.initialise(made, found, self._language.machine.arguments(expressions, frame))
+
+    def _by_alias(self, base: Kind, cls: Class, own: Frame, given: _Initialisers) -> tuple[tuple[Expression, ...], int]:
+        """Return the arguments of a base that an initialiser calls by another name."""
+        for name, entry in given.items():
+            if name not in cls.fields:
+                meant = self._kinds.kind(form.Type((name,)), own)
+                if isinstance(meant, Kind) and meant.names == base.names:
+                    return entry
+        return (), 0
+
+    def _members(self, made: Object, cls: Class, own: Frame, frame: Frame, given: _Initialisers) -> None:
+        machine = self._language.machine
+        for field in cls.fields.values():
+            kind = field.type
+            if field.static:
+                continue
+            if field.name in given:
+                expressions, line = given[field.name]
+                with self._at(frame, line):
+                    value = self._initialised(kind, machine.arguments(expressions, frame), own, line)
+            elif field.value is not None:
+                with self._at(own, field.line):
+                    value = self._valued(field, field.value, own)
+            elif kind is not None and not kind.pointer and not kind.reference:
+                with self._at(own, field.line):
+                    value = self.default(kind, own, field.line)
+            else:
+                continue
+            machine.write(made.fields, field.name, value)
+
+    def _initialised(self, kind: Type | None, arguments: list[Value], own: Frame, line: int) -> Value:
+        """Return the value of a member that a constructor initialises."""
+        if kind is None or kind.pointer or kind.reference:
+            return arguments[0] if arguments else Unknown("it is null")
+        found = self._kinds.kind(kind, own)
+        if not isinstance(found, Kind):
+            return arguments[0] if len(arguments) == 1 else Unknown("its type is not known")
+        return self.construct(found, arguments, own, line)
+
+    def _valued(self, field: Field, written: Expression, own: Frame) -> Value:
+        """Return the value of a member that its declaration initialises."""
+        value = self._language.machine.value(written, own)
+        if not isinstance(value, Sequence) or field.type is None or not isinstance(written, form.Display):
+            return self._language.converted(value, field.type, written, own)
+        found = self._kinds.kind(field.type, own)
+        if isinstance(found, Kind):
+            return self.construct(found, list(value.items), own, field.line, listed=True)
+        return value
+
+
+def _is_pointer(kind: Kind) -> bool:
+    return kind.name in POINTER_ALIASES or kind.name in POINTERS
+
+
+def _designated(value: Value, cls: Class) -> tuple[Field, Value] | None:
+    """Return the field and the value of `.name = value`, as the interpreter represents it; None for other values."""
+    if isinstance(value, Sequence) and len(value.items) == _PAIR and isinstance(value.items[0], Text):
+        field = cls.fields.get(value.items[0].known or "")
+        return (field, value.items[1]) if field is not None else None
+    return None

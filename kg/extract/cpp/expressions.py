@@ -1,0 +1,401 @@
+"""C++ to the intermediate form: types and expressions.
+
+Nodes are those of tree-sitter's grammar (github.com/tree-sitter/tree-sitter-cpp). Lowering reads one file; the language
+resolves names when the form runs.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar, Final
+
+from kg.extract.cpp import syntax
+from kg.symbolic.form import (
+    Assign,
+    Binary,
+    Call,
+    Choice,
+    Construct,
+    Display,
+    Function,
+    Index,
+    Lambda,
+    Literal,
+    Member,
+    Name,
+    Opaque,
+    Parameter,
+    Type,
+    Unary,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from tree_sitter import Node
+
+    from kg.symbolic.form import Expression, Unit
+
+__all__ = ["PREPROCESSED", "Expressions", "line_of", "plain_number"]
+
+_DEEPEST: Final = 150
+_SHOWN: Final = 60
+_NAMES: Final = frozenset(
+    {"identifier", "field_identifier", "type_identifier", "namespace_identifier", "primitive_type", "operator_name"}
+)
+_CASTS: Final = frozenset(
+    {"static_cast", "dynamic_cast", "const_cast", "reinterpret_cast", "static_pointer_cast", "dynamic_pointer_cast"}
+)
+_DURATIONS: Final = frozenset({"h", "min", "s", "ms", "us", "ns"})
+"""Suffixes of the durations of std::chrono."""
+_TYPES: Final = frozenset(
+    {
+        "type_identifier",
+        "primitive_type",
+        "sized_type_specifier",
+        "template_type",
+        "qualified_identifier",
+        "dependent_type",
+        "type_descriptor",
+        "placeholder_type_specifier",
+        "struct_specifier",
+        "class_specifier",
+        "enum_specifier",
+        "decltype",
+    }
+)
+PREPROCESSED: Final = frozenset({"preproc_if", "preproc_ifdef", "preproc_else", "preproc_elif", "preproc_elifdef"})
+
+
+def line_of(node: Node) -> int:
+    """Return the line where a node begins, from 1."""
+    return int(node.start_point[0]) + 1
+
+
+def plain_number(written: str) -> float | None:
+    """Return the value of a number literal of C++; None where it is none."""
+    plain = written.replace("'", "")
+    hexadecimal = plain.startswith(("0x", "0X"))
+    plain = plain.rstrip("uUlLzZ") if hexadecimal else plain.rstrip("fFlLuUzZ")
+    try:
+        return float(int(plain, 0)) if hexadecimal or not any(c in plain for c in ".eE") else float(plain)
+    except ValueError:
+        try:
+            return float(int(plain, 8))
+        except ValueError:
+            return None
+
+
+class Expressions:
+    """The types and expressions of one file."""
+
+    def __init__(self, unit: Unit) -> None:
+        self._unit = unit
+        self._depth = 0
+
+    # Types
+
+    def type(
+        self, node: Node | None, *, reference: bool = False, pointer: bool = False, constant: bool = False
+    ) -> Type:
+        """Return the type that a node writes."""
+        names: list[str] = []
+        arguments: tuple[Type | Expression, ...] = ()
+        outer: tuple[Type | Expression, ...] = ()
+        for part in syntax.parts(node) if node is not None else ():
+            if part.name:
+                names.append(part.name)
+            outer = outer or arguments
+            arguments = self._template(part.template)
+        if node is not None and node.type == "type_descriptor":
+            declarator = node.child_by_field_name("declarator")
+            kind = declarator.type if declarator is not None else ""
+            if kind == "abstract_function_declarator":
+                return Type(("()",), tuple(p.type for p in self.parameters(declarator) if p.type is not None))
+            reference, pointer = reference or "reference" in kind, pointer or "pointer" in kind
+        return Type(tuple(names), arguments, outer if arguments is not outer else (), reference, pointer, constant)
+
+    def _template(self, node: Node | None) -> tuple[Type | Expression, ...]:
+        return tuple(
+            self.type(child) if child.type in _TYPES else self.expression(child) for child in syntax.arguments(node)
+        )
+
+    def declared(self, node: Node, declarator: Node | None) -> Type:
+        """Return the type of a declaration, with what its declarator adds."""
+        kind = node.child_by_field_name("type")
+        reference = pointer = False
+        while declarator is not None and declarator.type not in _NAMES:
+            reference = reference or declarator.type in ("reference_declarator", "abstract_reference_declarator")
+            pointer = pointer or declarator.type in ("pointer_declarator", "abstract_pointer_declarator")
+            if declarator.type in ("function_declarator", "abstract_function_declarator"):
+                break
+            inner = declarator.child_by_field_name("declarator")
+            if inner is None and declarator.type in ("reference_declarator", "parenthesized_declarator"):
+                inner = next(iter(declarator.named_children), None)
+            declarator = inner
+        constant = any(c.type == "type_qualifier" and syntax.text(c) == "const" for c in node.children)
+        return self.type(kind, reference=reference, pointer=pointer, constant=constant)
+
+    def parameters(self, declarator: Node | None) -> tuple[Parameter, ...]:
+        """Return the parameters of a function or lambda declarator."""
+        listed = declarator.child_by_field_name("parameters") if declarator is not None else None
+        found: list[Parameter] = []
+        for child in syntax.arguments(listed):
+            if child.type in (
+                "parameter_declaration",
+                "optional_parameter_declaration",
+                "variadic_parameter_declaration",
+            ):
+                inner = child.child_by_field_name("declarator")
+                name = syntax.declared_name(inner)
+                default = child.child_by_field_name("default_value")
+                variadic = child.type == "variadic_parameter_declaration"
+                shown = syntax.text(name).lstrip(".").strip() if name is not None else ""
+                made = self.expression(default) if default is not None else None
+                found.append(Parameter(shown, self.declared(child, inner), made, variadic))
+        return tuple(found)
+
+    # Expressions
+
+    def expression(self, node: Node) -> Expression:
+        """Return the form of an expression."""
+        self._depth += 1
+        try:
+            if self._depth > _DEEPEST:
+                return self._opaque(node)
+            lower = self._lowered.get(node.type)
+            return lower(self, node) if lower is not None else self._opaque(node)
+        finally:
+            self._depth -= 1
+
+    def expressions(self, nodes: Iterable[Node]) -> tuple[Expression, ...]:
+        """Return the forms of some expressions."""
+        return tuple(self.expression(node) for node in nodes)
+
+    def _opaque(self, node: Node) -> Expression:
+        shown = " ".join(syntax.text(node).split())
+        parts = (
+            ()
+            if self._depth > _DEEPEST
+            else tuple(self.expression(child) for child in node.named_children if child.type in self._lowered)
+        )
+        return Opaque(line_of(node), shown if len(shown) < _SHOWN else shown[: _SHOWN - 3] + "...", parts)
+
+    def _name(self, node: Node) -> Expression:
+        found = syntax.parts(node)
+        written = next((part.template for part in reversed(found) if part.template is not None), None)
+        template = self._template(written)
+        return Name(line_of(node), tuple(part.name for part in found if part.name), template)
+
+    def _string(self, node: Node) -> Expression:
+        return Literal(line_of(node), syntax.literal(node))
+
+    def _strings(self, node: Node) -> Expression:
+        return Binary(line_of(node), "+", self.expressions(syntax.arguments(node)))
+
+    def _number(self, node: Node) -> Expression:
+        written = syntax.text(node)
+        value = plain_number(written)
+        plain = written.replace("'", "")
+        plain = plain.rstrip("uUlLzZ") if plain.startswith(("0x", "0X")) else plain.rstrip("fFlLuUzZ")
+        return Literal(line_of(node), value, plain) if value is not None else Opaque(line_of(node), written)
+
+    def _truth(self, node: Node) -> Expression:
+        return Literal(line_of(node), node.type == "true")
+
+    def _null(self, node: Node) -> Expression:
+        return Literal(line_of(node), None)
+
+    def _inner(self, node: Node) -> Expression:
+        inner = next((child for child in node.named_children if child.type != "comment"), None)
+        return self.expression(inner) if inner is not None else self._opaque(node)
+
+    def _user_defined(self, node: Node) -> Expression:
+        """Return `100ms` as a call of its operator; a literal that is not a duration is its own value."""
+        value, suffix = node.named_children[0], syntax.text(node.named_children[-1])
+        if value.type != "number_literal" or suffix not in _DURATIONS:
+            return self._inner(node)
+        return Call(line_of(node), Name(line_of(node), ('operator""', suffix)), (self.expression(value),))
+
+    def _cast(self, node: Node) -> Expression:
+        value = node.child_by_field_name("value")
+        return self.expression(value) if value is not None else self._opaque(node)
+
+    def _call(self, node: Node) -> Expression:
+        function = node.child_by_field_name("function")
+        given = self.arguments(node.child_by_field_name("arguments"))
+        if function is None:
+            return self._opaque(node)
+        if function.type in ("template_function", "qualified_identifier"):
+            name = syntax.simple_name(function)
+            if name in _CASTS and given:
+                return given[0]
+        if function.type in ("primitive_type", "sized_type_specifier"):
+            return Construct(line_of(node), self.type(function), given)
+        return Call(self._callline_of(function), self.expression(function), given)
+
+    def _callline_of(self, function: Node) -> int:
+        """Return the line of the name that is called: in a chain of calls over several lines, not where it begins."""
+        if function.type == "field_expression":
+            named = function.child_by_field_name("field")
+            return line_of(named) if named is not None else line_of(function)
+        return line_of(function)
+
+    def arguments(self, node: Node | None) -> tuple[Expression, ...]:
+        """Return the forms of an argument list; `"text" MACRO` is one argument."""
+        found: list[Expression] = []
+        for child in node.named_children if node is not None else ():
+            if child.type == "comment" or child.type in PREPROCESSED:
+                continue
+            if child.type == "ERROR":
+                if found and child.named_children:
+                    joined = (found.pop(), *self.expressions(child.named_children))
+                    found.append(Binary(line_of(child), "+", joined))
+                continue
+            found.append(self.expression(child))
+        return tuple(found)
+
+    def _field(self, node: Node) -> Expression:
+        of, named = node.child_by_field_name("argument"), node.child_by_field_name("field")
+        if of is None or named is None:
+            return self._opaque(node)
+        found = syntax.parts(named)
+        template = self._template(found[-1].template)
+        return Member(line_of(named), self.expression(of), found[-1].name, template)
+
+    def _new(self, node: Node) -> Expression:
+        kind = self.type(node.child_by_field_name("type"))
+        given = node.child_by_field_name("arguments")
+        if node.child_by_field_name("declarator") is not None:
+            return Opaque(line_of(node), "new[]")
+        return Construct(
+            line_of(node),
+            kind,
+            self.arguments(given),
+            heap=True,
+            listed=given is not None and given.type == "initializer_list",
+        )
+
+    def _binary(self, node: Node) -> Expression:
+        operator = node.child_by_field_name("operator")
+        sign = syntax.text(operator) if operator is not None else ""
+        operands: list[Node] = []
+        current = node
+        while current.type == "binary_expression":
+            inner = current.child_by_field_name("operator")
+            left, right = current.child_by_field_name("left"), current.child_by_field_name("right")
+            if inner is None or left is None or right is None or syntax.text(inner) != sign:
+                break
+            operands.append(right)
+            current = left
+        operands.append(current)
+        return Binary(line_of(node), sign, self.expressions(reversed(operands)))
+
+    def _unary(self, node: Node) -> Expression:
+        operator, operand = node.child_by_field_name("operator"), node.child_by_field_name("argument")
+        if operator is None or operand is None:
+            return self._opaque(node)
+        return Unary(line_of(node), syntax.text(operator), self.expression(operand))
+
+    def _assignment(self, node: Node) -> Expression:
+        left, right = node.child_by_field_name("left"), node.child_by_field_name("right")
+        operator = node.child_by_field_name("operator")
+        if left is None or right is None or operator is None:
+            return self._opaque(node)
+        return Assign(line_of(node), self.expression(left), self.expression(right), syntax.text(operator)[:-1])
+
+    def _conditional(self, node: Node) -> Expression:
+        parts = [node.child_by_field_name(name) for name in ("condition", "consequence", "alternative")]
+        if any(part is None for part in parts):
+            return self._opaque(node)
+        condition, then, otherwise = (self.expression(part) for part in parts if part is not None)
+        return Choice(line_of(node), condition, then, otherwise)
+
+    def _subscript(self, node: Node) -> Expression:
+        of, indices = node.child_by_field_name("argument"), node.child_by_field_name("indices")
+        given = syntax.arguments(indices)
+        if of is None or len(given) != 1:
+            return self._opaque(node)
+        return Index(line_of(node), self.expression(of), self.expression(given[0]))
+
+    def _list(self, node: Node) -> Expression:
+        return Display(line_of(node), self.arguments(node))
+
+    def _pair(self, node: Node) -> Expression:
+        value = node.child_by_field_name("value")
+        designator = node.child_by_field_name("designator")
+        if value is None or designator is None:
+            return self._opaque(node)
+        name = syntax.text(designator).lstrip(".")
+        return Assign(line_of(node), Name(line_of(node), (name,)), self.expression(value), "designated")
+
+    def _compound(self, node: Node) -> Expression:
+        value = node.child_by_field_name("value") or node.child_by_field_name("arguments")
+        kind = self.type(node.child_by_field_name("type"))
+        return Construct(line_of(node), kind, self.arguments(value), listed=True)
+
+    def _lambda(self, node: Node) -> Expression:
+        body = node.child_by_field_name("body")
+        made = Function(
+            self._unit,
+            "lambda",
+            (),
+            self.parameters(node.child_by_field_name("declarator")),
+            line_of(node),
+            source=body,
+        )
+        return Lambda(line_of(node), made)
+
+    def _comma(self, node: Node) -> Expression:
+        sides = [node.child_by_field_name(name) for name in ("left", "right")]
+        return Binary(line_of(node), ",", self.expressions(side for side in sides if side is not None))
+
+    def _as_type(self, node: Node) -> Expression:
+        return self.type(node)
+
+    def knows(self, node: Node) -> bool:
+        """Return whether a node is an expression."""
+        return node.type in self._lowered
+
+    _lowered: ClassVar[dict[str, Callable[[Expressions, Node], Expression]]] = {
+        "identifier": _name,
+        "field_identifier": _name,
+        "qualified_identifier": _name,
+        "template_function": _name,
+        "dependent_name": _name,
+        "type_identifier": _name,
+        "this": lambda _, node: Name(line_of(node), ("this",)),
+        "string_literal": _string,
+        "raw_string_literal": _string,
+        "char_literal": _string,
+        "user_defined_literal": _user_defined,
+        "concatenated_string": _strings,
+        "number_literal": _number,
+        "true": _truth,
+        "false": _truth,
+        "null": _null,
+        "nullptr": _null,
+        "parenthesized_expression": _inner,
+        "condition_clause": _inner,
+        "parameter_pack_expansion": _inner,
+        "cast_expression": _cast,
+        "call_expression": _call,
+        "field_expression": _field,
+        "new_expression": _new,
+        "binary_expression": _binary,
+        "unary_expression": _unary,
+        "pointer_expression": _unary,
+        "update_expression": _unary,
+        "assignment_expression": _assignment,
+        "conditional_expression": _conditional,
+        "subscript_expression": _subscript,
+        "initializer_list": _list,
+        "initializer_pair": _pair,
+        "compound_literal_expression": _compound,
+        "lambda_expression": _lambda,
+        "comma_expression": _comma,
+        "template_type": _as_type,
+        "type_descriptor": _as_type,
+        "primitive_type": _as_type,
+        "delete_expression": lambda _, node: Opaque(line_of(node), "delete"),
+        "sizeof_expression": lambda _, node: Opaque(line_of(node), "sizeof"),
+    }

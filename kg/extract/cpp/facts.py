@@ -1,0 +1,153 @@
+"""The declarations of an interpretation as facts, with names as users see them and lines in the node's own package."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final
+
+from kg.facts import Access, Interface, Location, Parameter, Resolution
+from kg.names import resolve
+from kg.symbolic.values import Either, Number, Sequence, Text, Truth, Unknown, Value
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from kg.extract.cpp.project import Project
+    from kg.facts import Role
+    from kg.symbolic.effects import Declared
+    from kg.symbolic.state import Site
+
+__all__ = ["facts_of", "location"]
+
+_ROS2: Final = 2
+_COUNT: Final = re.compile(r"argc(==|!=|>=|<=|>|<)(\d+)")
+
+
+def facts_of(
+    declared: Iterable[Declared], project: Project, ros: int, alone: str
+) -> tuple[tuple[Interface, ...], tuple[Parameter, ...]]:
+    """Return the interfaces and parameters that calls declared, each once; `alone` is the name of the node."""
+    interfaces: dict[tuple[object, ...], Interface] = {}
+    parameters: dict[tuple[object, ...], Parameter] = {}
+    for one in declared:
+        if one.effect.role is not None:
+            interface = _interface(one, one.effect.role, project, ros, alone)
+            unnamed = interface.location if interface.name is None and interface.parameter is None else None
+            key: tuple[object, ...] = (interface.role, interface.name, interface.type, interface.parameter, unnamed)
+            known = interfaces.get(key)
+            if known is None:
+                interfaces[key] = interface
+            elif known.switches and not interface.switches:
+                interfaces[key] = replace(known, switches=())
+        elif one.effect.access is not None:
+            parameter = _parameter(one, one.effect.access, project)
+            key = (parameter.name, parameter.access, parameter.location if parameter.name is None else None)
+            held = parameters.get(key)
+            if held is None or _better(parameter, held):
+                parameters[key] = parameter
+    typed = {(i.role, i.name, i.parameter) for i in interfaces.values() if i.type is not None}
+    kept = (i for i in interfaces.values() if i.type is not None or (i.role, i.name, i.parameter) not in typed)
+    return tuple(kept), tuple(parameters.values())
+
+
+def _better(one: Parameter, other: Parameter) -> bool:
+    def worth(parameter: Parameter) -> tuple[bool, bool, bool]:
+        return (parameter.default is not None, parameter.access is Access.DECLARE, parameter.type is not None)
+
+    return worth(one) > worth(other)
+
+
+def location(stack: tuple[Site, ...], project: Project) -> Location:
+    """Return the innermost call in the node's own package, else the innermost of all."""
+    for site in reversed(stack):
+        if site.line and project.is_own(site.unit.key):
+            return Location(site.unit.path, site.line)
+    site, key = stack[-1], stack[-1].unit.key
+    return Location(key.path, site.line, key.repository if key.repository != project.repository else None)
+
+
+def _named(name: Text | Unknown) -> tuple[str | None, Resolution, str | None, str | None]:
+    """Return name, resolution, parameter and reason."""
+    if isinstance(name, Unknown):
+        return None, Resolution.UNRESOLVED, name.parameter, name.reason
+    if name.nothing_known:
+        given = name.parameter is not None and name.parameter.startswith("argv")
+        return None, Resolution.LAUNCH_ARGUMENT if given else Resolution.UNRESOLVED, name.parameter, name.reason
+    shown = name.shown
+    if shown.startswith("~") and not shown.startswith("~/") and shown != "~":
+        shown = "~/" + shown[1:]
+    if name.known is None:
+        return shown, Resolution.PARTIAL, name.parameter, name.reason
+    if not shown:
+        return None, Resolution.UNRESOLVED, name.parameter, "the name is empty"
+    return shown, name.resolution, name.parameter, name.reason
+
+
+def _interface(one: Declared, role: Role, project: Project, ros: int, alone: str) -> Interface:
+    name, resolution, parameter, reason = _named(one.name)
+    return Interface(
+        role=role,
+        name=name,
+        type=one.type,
+        resolution=resolution,
+        location=location(one.stack, project),
+        resolved=resolve(name, alone) if name is not None and "{" not in name else None,
+        parameter=parameter,
+        implicit=one.effect.implicit,
+        qos=one.qos if ros == _ROS2 else None,
+        reason=reason,
+        arguments=_least_arguments(one.guards),
+        switches=tuple(term for term in one.guards if not term.startswith(("argc", "?", "!?"))),
+    )
+
+
+def _parameter(one: Declared, access: Access, project: Project) -> Parameter:
+    name, resolution, _, reason = _named(one.name)
+    return Parameter(
+        name=name,
+        type=one.value_type,
+        default=_written(one.default) if one.default is not None else None,
+        access=access,
+        location=location(one.stack, project),
+        resolution=resolution,
+        reason=reason,
+    )
+
+
+def _quoted(text: str) -> str:
+    plain = text.replace("_", "").replace("/", "").replace("~", "").replace("-", "")
+    words = ("true", "false", "null", "yes", "no", "on", "off")
+    if plain.isalnum() and not plain.isdigit() and text.lower() not in words:
+        return text
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
+    return f'"{escaped}"'
+
+
+def _least_arguments(guards: tuple[str, ...]) -> int:
+    """Return the fewest arguments of the command line, without the program, with which conditions on `argc` hold."""
+    most = 0
+    for term in guards:
+        found = _COUNT.fullmatch(term)
+        if found is not None:
+            count = int(found[2])
+            least = {"==": count, ">=": count, ">": count + 1, "!=": count + 1 if count == 1 else 1}.get(found[1], 1)
+            most = max(most, least - 1)
+    return most
+
+
+def _written(value: Value) -> str | None:
+    """Return a value as YAML; None for what is not known."""
+    if isinstance(value, Either):
+        found = [shown for shown in map(_written, value.items) if shown is not None]
+        return found[0] if found else None
+    if isinstance(value, Text):
+        return _quoted(value.known) if value.known is not None else None
+    if isinstance(value, Number):
+        return value.written
+    if isinstance(value, Truth):
+        return "true" if value.value else "false"
+    if isinstance(value, Sequence):
+        items = [_written(item) for item in value.items]
+        return None if None in items else "[" + ", ".join(str(item) for item in items) + "]"
+    return None

@@ -1,0 +1,269 @@
+"""Types of C++: what a written type means, what template parameters stand for, and which bases a class has."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final, cast
+
+from kg.extract.cpp import library
+from kg.symbolic import form
+from kg.symbolic.kinds import POINTER_ALIASES, POINTERS, pointee
+from kg.symbolic.state import Frame
+from kg.symbolic.values import Kind, Object, Pack, TypeValue, Value
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kg.extract.cpp.language import Cpp
+    from kg.extract.cpp.units import CppUnit
+    from kg.symbolic.form import Class, Expression, Function, Type, Unit
+
+__all__ = ["Kinds", "frame_of", "inside", "this_of"]
+
+_DEEPEST: Final = 12
+_MOST_BASES: Final = 40
+_WEIGHT: Final = 6
+"""How much of the depth the search in the outer type of a name takes."""
+
+
+def this_of(frame: Frame) -> Value | None:
+    """Return the object that a frame, or one around it, runs on."""
+    current: Frame | None = frame
+    while current is not None:
+        if current.this is not None:
+            return current.this
+        current = current.parent
+    return None
+
+
+def inside(cls: Class, types: dict[str, Value] | None = None, this: Object | None = None) -> Frame:
+    """Return a frame in the body of a class, outside of its methods."""
+    return Frame(cls.unit, (*cls.scope, cls.name), this, types=types if types is not None else {})
+
+
+def frame_of(function: Function, types: Mapping[str, Value] | None = None, this: Object | None = None) -> Frame:
+    """Return a new frame for a function."""
+    return Frame(function.unit, function.scope, this, types=dict(types or {}))
+
+
+class Kinds:
+    """The types of a program."""
+
+    def __init__(self, language: Cpp) -> None:
+        self._language = language
+        self._linker = language.linker
+        self._plain: dict[tuple[object, ...], Kind | Value] = {}
+        """Types without template arguments, by names, file and scope."""
+        self._chains: dict[object, tuple[list[tuple[Class, dict[str, Value]]], list[Kind]]] = {}
+
+    def kind(self, kind: Type, frame: Frame, depth: int = 0) -> Kind | Value:
+        """Return what a type means in a frame: a `Kind`, or the value that a template parameter stands for."""
+        names = tuple(name for name in kind.names if name)
+        if not names or depth > _DEEPEST:
+            return Kind(names)
+        if names[0].startswith("decltype("):
+            declared = self.type_of(form.Name(0, (names[0][9:-1],)), frame)
+            if declared is not None:
+                return declared if len(names) == 1 else self._nested(declared, names[1:], (), depth)
+        bound = frame.bound_type(names[0])
+        written = kind.arguments or (kind.outer if names[-1] in POINTER_ALIASES else ())
+        arguments = tuple(self._argument(argument, frame) for argument in written)
+        if bound is not None:
+            if len(names) == 1:
+                return bound.kind if isinstance(bound, TypeValue) else bound
+            if isinstance(bound, TypeValue):
+                return self._nested(bound.kind, names[1:], arguments, depth)
+        if arguments or depth:
+            return self._named(names, arguments, frame.unit, frame.scope, depth)
+        key = (names, frame.unit, frame.scope)
+        if key not in self._plain:
+            self._plain[key] = self._named(names, (), frame.unit, frame.scope, 0)
+        return self._plain[key]
+
+    def kind_of(self, kind: Type | None, frame: Frame) -> Kind | None:
+        """Return the type of a declaration, without pointers; None if it has none."""
+        if kind is None:
+            return None
+        found = self.kind(kind, frame)
+        if isinstance(found, TypeValue):
+            found = found.kind
+        return pointee(found) if isinstance(found, Kind) else None
+
+    def _named(
+        self, names: tuple[str, ...], arguments: tuple[Value, ...], unit: Unit, scope: tuple[str, ...], depth: int
+    ) -> Kind | Value:
+        """Return the type that a name with template arguments means in a scope of a file."""
+        namespaces = cast("CppUnit", unit).namespaces
+        if names[0] in namespaces:
+            names = (*namespaces[names[0]], *names[1:])
+        alias = self._linker.find_alias(names, unit, scope) if depth < _DEEPEST else None
+        if alias is not None:
+            at, kind, template, home = alias
+            if kind.names != names:
+                inner = Frame(home, at, types=dict(zip(template, arguments, strict=False)))
+                return self.kind(kind, inner, depth + 1)
+        cls = self._linker.find_class(names, unit, scope)
+        if cls is not None:
+            return Kind((*cls.scope, cls.name), arguments, cls)
+        if len(names) == 1:
+            generated = self._linker.generated(names[0], unit)
+            return Kind(generated or names, arguments)
+        if names[-1] in POINTER_ALIASES:
+            held = self._named(names[:-1], arguments, unit, scope, depth + 1)
+            if isinstance(held, Kind):
+                return held if held.cls is not None else Kind((*held.names, names[-1]), held.arguments)
+        if depth < _DEEPEST:
+            outer = self._named(names[:-1], (), unit, scope, depth + _WEIGHT)
+            if isinstance(outer, Kind) and outer.names != names[:-1] and outer.cls is None:
+                return Kind((*outer.names, names[-1]), arguments)
+        return Kind(names, arguments)
+
+    def _nested(self, kind: Kind, names: tuple[str, ...], arguments: tuple[Value, ...], depth: int) -> Kind | Value:
+        """Return the type that a name means in a class."""
+        if kind.cls is not None:
+            scope = (*kind.cls.scope, kind.cls.name)
+            found = self._named(names, arguments, kind.cls.unit, scope, depth + 1)
+            if isinstance(found, Kind) and found.names != names:
+                return found
+            if names[-1] in POINTER_ALIASES:
+                return kind
+        return Kind((*kind.names, *names), arguments)
+
+    def nested_type(self, kind: Kind, name: str) -> Kind | None:
+        """Return a type that a class names by an alias; None if it has none."""
+        if kind.cls is None:
+            return None
+        frame = inside(kind.cls)
+        if not any(at == frame.scope for at, _, _ in cast("CppUnit", frame.unit).aliases.get(name, ())):
+            return None
+        found = self.kind(form.Type((name,)), frame)
+        return found if isinstance(found, Kind) else None
+
+    # Template parameters
+
+    def _argument(self, argument: Type | Expression, frame: Frame) -> Value:
+        if isinstance(argument, form.Type):
+            return _as_value(self.kind(argument, frame, 1))
+        return self._language.machine.value(argument, frame)
+
+    def template(self, arguments: tuple[Type | Expression, ...], frame: Frame) -> tuple[Value, ...]:
+        """Return the values of template arguments."""
+        found: list[Value] = []
+        for argument in arguments:
+            value = self._argument(argument, frame)
+            found += value.items if isinstance(value, Pack) else (value,)
+        return tuple(found)
+
+    def bound(self, cls: Class, arguments: tuple[Value, ...]) -> dict[str, Value]:
+        """Return what the template parameters of a class stand for."""
+        bound = dict(zip(cls.template, arguments, strict=False))
+        for name, default in cls.defaults.items():
+            if name not in bound:
+                bound[name] = _as_value(self.kind(default, Frame(cls.unit, cls.scope, types=bound)))
+        return bound
+
+    def bind_template(
+        self,
+        function: Function,
+        frame: Frame,
+        arguments: list[Value],
+        written: tuple[Expression, ...] = (),
+        caller: Frame | None = None,
+    ) -> None:
+        """Bind the template parameters of a function, in its frame, that the types of its arguments determine."""
+        for index, (parameter, argument) in enumerate(zip(function.parameters, arguments, strict=False)):
+            kind = parameter.type
+            if kind is None or not function.template:
+                continue
+            inner = kind.arguments[0] if kind.name in POINTERS and kind.arguments else kind
+            if not isinstance(inner, form.Type) or not _mentions(inner, function.template):
+                continue
+            deduced = library.type_of(argument)
+            if (deduced is None or inner.arguments) and caller is not None and index < len(written):
+                deduced = self.type_of(written[index], caller) or deduced
+            if deduced is not None:
+                _unify(inner, deduced, function.template, frame.types)
+
+    # Classes
+
+    def chain(self, kind: Kind) -> tuple[list[tuple[Class, dict[str, Value]]], list[Kind]]:
+        """Return the classes of an object, its own first, with their template arguments; and its bases outside."""
+        key = (kind.cls or kind.names, kind.arguments)
+        known = self._chains.get(key)
+        if known is not None:
+            return known
+        classes: list[tuple[Class, dict[str, Value]]] = []
+        outside: list[Kind] = []
+        self._chains[key] = (classes, outside)
+        pending = [kind]
+        while pending and len(classes) < _MOST_BASES:
+            current = pending.pop(0)
+            if current.cls is None:
+                outside.append(current)
+                continue
+            if any(cls is current.cls for cls, _ in classes):
+                continue
+            bound = self.bound(current.cls, current.arguments)
+            classes.append((current.cls, bound))
+            frame = inside(current.cls, bound)
+            found = [self.kind(base, frame) for base in current.cls.bases]
+            pending += [one for one in found if isinstance(one, Kind)]
+        return classes, outside
+
+    def is_a(self, kind: Kind, name: str) -> bool:
+        """Return whether a type is, or derives from, the class of a name."""
+        classes, outside = self.chain(kind)
+        return any(cls.name == name for cls, _ in classes) or any(base.name == name for base in outside)
+
+    def has_field(self, of: Object, name: str) -> bool:
+        """Return whether an object has a field of a name."""
+        return name in of.fields or any(name in cls.fields for cls, _ in self.chain(of.kind)[0])
+
+    # Declarations
+
+    def type_of(self, expression: Expression, frame: Frame) -> Kind | None:
+        """Return the declared type of a variable or member."""
+        while isinstance(expression, form.Unary):
+            expression = expression.operand
+        if isinstance(expression, form.Name) and len(expression.names) == 1:
+            current: Frame | None = frame
+            while current is not None:
+                if expression.names[0] in current.declared:
+                    return self.kind_of(current.declared[expression.names[0]], current)
+                current = current.parent
+        if isinstance(expression, form.Name | form.Member):
+            found = self.declared_type(expression, frame)
+            return self.kind_of(*found) if found is not None else None
+        return None
+
+    def declared_type(self, target: form.Name | form.Member, frame: Frame) -> tuple[Type, Frame] | None:
+        """Return the type of a member variable as written, with the frame that gives it its meaning."""
+        if isinstance(target, form.Name):
+            of, name = this_of(frame), target.names[-1]
+        else:
+            of, name = self._language.machine.value(target.of, frame), target.name
+        for cls, bound in self.chain(of.kind)[0] if isinstance(of, Object) else ():
+            kind = cls.fields[name].type if name in cls.fields else None
+            if kind is not None:
+                return kind, inside(cls, bound)
+        return None
+
+
+def _as_value(found: Kind | Value) -> Value:
+    return TypeValue(found) if isinstance(found, Kind) else found
+
+
+def _mentions(kind: Type, names: tuple[str, ...]) -> bool:
+    """Return whether a type mentions a template parameter."""
+    return bool(kind.names and kind.names[0] in names) or any(
+        isinstance(a, form.Type) and _mentions(a, names) for a in kind.arguments
+    )
+
+
+def _unify(kind: Type, given: Kind, names: tuple[str, ...], bound: dict[str, Value]) -> None:
+    """Bind the template parameters in the type of a parameter to their counterparts in the type of an argument."""
+    if len(kind.names) == 1 and kind.names[0] in names:
+        bound.setdefault(kind.names[0], TypeValue(given))
+        return
+    for inner, argument in zip(kind.arguments, given.arguments, strict=False):
+        if isinstance(inner, form.Type) and isinstance(argument, TypeValue):
+            _unify(inner, argument.kind, names, bound)

@@ -1,0 +1,284 @@
+"""What names, members and values of C++ mean to the interpreter."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Final
+
+from kg.extract.cpp import library
+from kg.extract.cpp.callbacks import Callbacks
+from kg.extract.cpp.calls import Calls
+from kg.extract.cpp.construction import Constructions
+from kg.extract.cpp.kinds import Kinds, inside, this_of
+from kg.symbolic import form
+from kg.symbolic.kinds import pointee
+from kg.symbolic.state import Alias, Frame
+from kg.symbolic.values import (
+    PLACEHOLDER,
+    Bound,
+    Closure,
+    Either,
+    Kind,
+    Number,
+    Object,
+    Pack,
+    Sequence,
+    Text,
+    TypeValue,
+    Unknown,
+    Value,
+    concatenate,
+    join,
+)
+
+if TYPE_CHECKING:
+    from kg.extract.cpp.calls import Overload
+    from kg.extract.cpp.linking import Linker, Variable
+    from kg.extract.cpp.units import Macro
+    from kg.symbolic.form import Class, Expression, Field, Type
+    from kg.symbolic.machine import Machine
+
+__all__ = ["Cpp", "pointee"]
+
+_PLACEHOLDER: Final = re.compile(r"_[1-9]")
+_PAIR: Final = ("first", "second")
+
+
+class Cpp:
+    """The meaning of C++ in one program, whose names `linker` finds."""
+
+    machine: Machine
+
+    def __init__(self, linker: Linker) -> None:
+        self.linker = linker
+        self.kinds = Kinds(self)
+        self.calls = Calls(self)
+        self._constructions = Constructions(self)
+        self.kind = self.kinds.kind
+        self.kind_of = self.kinds.kind_of
+        self.type_of = self.kinds.type_of
+        self.nested_type = self.kinds.nested_type
+        self.chain = self.kinds.chain
+        self.call = self.calls.call
+        self.construct_expression = self._constructions.expression
+        self.construct = self._constructions.construct
+        self.initialise = self._constructions.initialise
+        self.default = self._constructions.default
+        self.escape = Callbacks(self).escape
+        self.elements = library.elements
+        self.with_element = library.with_element
+        self.counted = library.counted
+
+    # Names
+
+    def name(self, expression: form.Name, frame: Frame) -> Value:
+        """Return what a name means that is not a local variable."""
+        names, last = expression.names, expression.names[-1]
+        this = this_of(frame)
+        if names == ("this",):
+            return this or Unknown("it is the object")
+        if len(names) == 1:
+            bound = frame.bound_type(last)
+            if bound is None and isinstance(this, Object):
+                bound = self._of_object(this, last)
+            if bound is not None:
+                return bound
+        if _PLACEHOLDER.fullmatch(last):
+            return PLACEHOLDER
+        variable = self.linker.find_variable(names, frame.unit, frame.scope)
+        if variable is not None:
+            return self._global(variable, last)
+        if len(names) > 1:
+            held = self._static(names, self.kinds.template(expression.template, frame), frame)
+            if held is not None:
+                return held
+        functions = self.linker.find_functions(names, frame.unit, frame.scope)
+        if functions:
+            return Bound(last, None, tuple(functions))
+        known = self.machine.framework.constant(names)
+        if known is not None:
+            return known
+        if self.linker.is_enumerator(last, frame.unit):
+            return Unknown(f"it is the enumerator {last}")
+        if len(names) == 1:
+            macro = self.linker.find_macro(last, frame.unit)
+            if macro is not None and macro.parameters is None:
+                return self.expanded(macro, (), frame)
+        found = self.kinds.kind(form.Type(names, expression.template), frame)
+        if isinstance(found, Kind) and (found.cls is not None or found.names != names):
+            return TypeValue(found)
+        return Unknown(f"{'::'.join(names)} is not in the sources that were read")
+
+    def static_member(self, kind: Kind, name: str) -> Value | None:
+        """Return a static member of a class by its name; None if the class has none of that name."""
+        if kind.cls is None:
+            return None
+        return self._static((*kind.names, name), (), Frame(kind.cls.unit, kind.cls.scope))
+
+    def _global(self, found: Variable, name: str) -> Value:
+        statement, unit, at = found
+        holder = self.machine.globals.setdefault(id(statement), {})
+        if name not in holder:
+            holder[name] = Unknown(f"{name} depends on itself")
+            frame = Frame(unit, at)
+            self.machine.run(statement, frame)
+            holder[name] = frame.variables.get(statement.name, Unknown("it has no value"))
+        held = holder[name]
+        return library.as_constant(held) if not isinstance(held, Alias) else self.machine.value(held.target, held.frame)
+
+    def _static(self, names: tuple[str, ...], template: tuple[Value, ...], frame: Frame) -> Value | None:
+        outer = self.kinds.kind(form.Type(names[:-1]), frame)
+        if not isinstance(outer, Kind) or outer.cls is None:
+            return None
+        for cls, bound in self.chain(outer)[0]:
+            declared = cls.fields.get(names[-1])
+            if declared is not None and declared.value is not None:
+                return library.as_constant(self._declared(declared, declared.value, inside(cls, bound)))
+        found = self.linker.find_variable(names[-2:], outer.cls.unit, outer.cls.scope)
+        if found is not None:
+            return self._global(found, names[-1])
+        if self.declarations(outer, names[-1]):
+            return Bound(names[-1], outer, template=template)
+        return None
+
+    def _declared(self, field: Field, value: Expression, frame: Frame) -> Value:
+        """Return the value of a static member that its declaration initialises."""
+        return self.converted(self.machine.value(value, frame), field.type, value, frame)
+
+    def expanded(self, macro: Macro, given: tuple[Expression, ...], frame: Frame) -> Value:
+        """Run the text of a macro in the frame that uses it."""
+        function = macro.unit.expand(macro)
+        inner = Frame(frame.unit, frame.scope, frame.this, parent=frame)
+        for parameter, expression in zip(function.parameters, given, strict=False):
+            inner.variables[parameter.name] = Alias(expression, frame)
+        running = self.machine.running
+        if running[id(macro)]:
+            return Unknown("the macro expands to itself")
+        running[id(macro)] += 1
+        try:
+            self.machine.run(function.body, inner)
+        finally:
+            running[id(macro)] -= 1
+        return join(*inner.returned) if inner.returned else Unknown("it returns nothing")
+
+    def assign_name(self, target: form.Name, value: Value, frame: Frame) -> None:
+        """Assign a value to a member of the object that runs, or to a variable at namespace scope."""
+        this, last = this_of(frame), target.names[-1]
+        if isinstance(this, Object) and len(target.names) == 1 and self.kinds.has_field(this, last):
+            self.machine.write(this.fields, last, value)
+            return
+        variable = self.linker.find_variable(target.names, frame.unit, frame.scope)
+        if variable is not None:
+            self.machine.write(self.machine.globals.setdefault(id(variable[0]), {}), last, value)
+
+    # Members
+
+    def member(self, of: Value, name: str) -> Value:
+        """Return a member of a value."""
+        if isinstance(of, Object):
+            found = self._of_object(of, name)
+            return found if found is not None else Unknown(f"the member {name} is not known")
+        if isinstance(of, Sequence) and name in _PAIR and len(of.items) == len(_PAIR):
+            return of.items[_PAIR.index(name)]
+        if isinstance(of, Text | Unknown) and of.parameter is not None:
+            return Text.hole(f"it is part of a parameter: {of.parameter}", parameter=f"{of.parameter}.{name}")
+        return Unknown(of.reason if isinstance(of, Unknown) else f"the member {name} is not known")
+
+    def _of_object(self, of: Object, name: str) -> Value | None:
+        """Return a field or a method of an object; None if it has none of that name."""
+        if name in of.fields:
+            return of.fields[name]
+        for cls, bound in self.chain(of.kind)[0]:
+            if name in cls.fields:
+                return self._unwritten(of, cls, name, inside(cls, bound))
+        return Bound(name, of) if self.methods(of.kind, name) else None
+
+    def _unwritten(self, of: Object, cls: Class, name: str, frame: Frame) -> Value:
+        """Return the value of a field that the code that ran did not write."""
+        declared = cls.fields[name]
+        if declared.static and declared.value is not None:
+            return self._declared(declared, declared.value, frame)
+        if declared.static:
+            found = self.linker.find_variable((cls.name, name), cls.unit, cls.scope)
+            if found is not None:
+                return self._global(found, name)
+        if not of.made:
+            return self.unknown(declared.type, frame, name)
+        return Unknown(f"{name} is given no value in the code that was run")
+
+    def methods(self, kind: Kind, name: str) -> list[Overload]:
+        """Return the methods of a name that a class has, its own before those of its bases."""
+        methods = self.linker.methods
+        return [(one, bound) for cls, bound in self.chain(kind)[0] for one in methods(cls).get(name, ())]
+
+    def declarations(self, kind: Kind, name: str) -> list[Overload]:
+        """Return the methods of a name; their declarations if none has a body."""
+        found = self.methods(kind, name)
+        return found or [(one, bound) for cls, bound in self.chain(kind)[0] for one in cls.declared.get(name, ())]
+
+    # Values
+
+    def unknown(self, kind: Type | None, frame: Frame, name: str) -> Value:
+        """Return a value of a type that comes from outside: an unknown text, an object that no code creates."""
+        found = self.kind_of(kind, frame)
+        if found is None:
+            return Unknown(f"{name} comes from outside")
+        given = self.machine.framework.given(found, name)
+        if given is not None:
+            return given
+        if found.name in library.TEXTS or found.name == "char":
+            return Text.hole(f"{name} comes from outside", name)
+        if found.cls is not None or (len(found.names) > 1 and found.names[0] != "std"):
+            return Object(found, made=False)
+        return Unknown(f"{name} comes from outside")
+
+    def converted(self, value: Value, kind: Type | None, written: Expression | None, frame: Frame) -> Value:
+        """Return a value as a variable of a type holds it."""
+        if kind is None or isinstance(value, Object | Closure | Bound | Pack):
+            return value
+        if isinstance(value, Either):
+            return join(*(self.converted(item, kind, written, frame) for item in value.items))
+        if isinstance(value, Text) and kind.names == ("auto",):
+            return value
+        if isinstance(value, Sequence):
+            found = self.kind_of(kind, frame)
+            if found is not None and (found.cls is not None or found.name in library.MAPS):
+                return self.construct(found, list(value.items), frame, listed=True)
+        elif isinstance(value, Text | Number) and not kind.reference and not kind.pointer:
+            found = self.kind_of(kind, frame)
+            if found is not None and (found.cls is not None or self.machine.framework.constructs(found)):
+                return self.construct(found, [value], frame)
+        return value
+
+    def assigned(self, target: Expression, value: Value, written: Expression, frame: Frame) -> Value:
+        """Return a value as the target of an assignment holds it."""
+        if not isinstance(target, form.Name | form.Member):
+            return value
+        if isinstance(value, Text):
+            held = self.machine.value(target, frame)
+            if isinstance(held, Object):
+                return self.construct(held.kind, [value], frame)
+        if isinstance(value, Sequence):
+            declared = self.kinds.declared_type(target, frame)
+            if declared is not None:
+                return self.converted(value, declared[0], written, declared[1])
+        return value
+
+    def element(self, of: Value, key: Value) -> Value:
+        """Return the element of a container at a key."""
+        return library.element(of, key)
+
+    def formatted(self, row: tuple[Value, ...]) -> Value:
+        """Return the result of `%` between a format and values."""
+        pattern, *values = row
+        return library.formatted(
+            pattern.native.get("format", pattern) if isinstance(pattern, Object) else pattern, values
+        )
+
+    def shifted(self, values: list[Value]) -> Value | None:
+        """Return a stream after texts were written to it; None if `<<` shifts bits."""
+        first = values[0]
+        if isinstance(first, Object) and first.kind.name in library.STREAMS:
+            text = concatenate(first.native.get("text", Text.of("")), *values[1:])
+            self.machine.write(first.native, "text", text)
+        return None if isinstance(first, Number) else first

@@ -1,0 +1,250 @@
+"""What a name of C++ means at its place: namespaces, `using`, includes, classes and their members across packages."""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from typing import TYPE_CHECKING, Any, Final, TypeAlias, TypeVar, cast
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from kg.corpus.files import FilePath
+    from kg.extract.cpp.project import Project
+    from kg.extract.cpp.units import CppUnit, Macro
+    from kg.symbolic.form import Class, Declare, Function, Type, Unit
+
+__all__ = ["Linker", "Variable"]
+
+_Found = TypeVar("_Found")
+_Scope: TypeAlias = tuple[str, ...]
+Variable: TypeAlias = "tuple[Declare, CppUnit, _Scope]"
+"""The declaration of a variable, with its file and scope."""
+_Alias: TypeAlias = "tuple[_Scope, Type, _Scope, CppUnit]"
+"""Another name of a type: its scope, the type, the template parameters, and the file."""
+_SNAKE: Final = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
+
+
+class Linker:
+    """The names of a program: its files, and the headers of the build that they include, read on demand.
+
+    Files of units that the methods take are those of this front end.
+    """
+
+    def __init__(self, project: Project, files: Iterable[FilePath]) -> None:
+        self.project = project
+        self.units: dict[FilePath, CppUnit] = {}
+        self._bodies: dict[bytes, list[CppUnit]] = defaultdict(list)
+        """The files that are not headers, by the words in them."""
+        self._methods: dict[Class, dict[str, list[Function]]] = {}
+        self._meanings: dict[tuple[object, ...], list[Any]] = {}
+        self._held: dict[tuple[str, Unit], list[CppUnit]] = {}
+        self._generated: dict[tuple[str, Unit], _Scope | None] = {}
+        self._macros: dict[tuple[str, Unit], Macro | None] = {}
+        self._defined: set[tuple[object, ...]] = set()
+        for file in files:
+            self.load(file)
+
+    def load(self, file: FilePath) -> CppUnit | None:
+        """Read a file into the program; None if it cannot be read."""
+        if file not in self.units:
+            unit = self.project.unit(file)
+            if unit is None:
+                return None
+            self._add(unit)
+        return self.units[file]
+
+    def _add(self, unit: CppUnit) -> None:
+        if unit.key not in self.units:
+            self.units[unit.key] = unit
+            for word in unit.words if not _is_header(unit.path) else ():
+                self._bodies[word].append(unit)
+
+    # Names
+
+    def find_class(self, names: _Scope, unit: Unit, scope: _Scope) -> Class | None:
+        """Return the class that a qualified name means in a scope of a file."""
+        found = self._named(_classes, names, unit, scope)
+        return found[0] if found else None
+
+    def find_functions(self, names: _Scope, unit: Unit, scope: _Scope) -> list[Function]:
+        """Return the functions, all overloads, that a qualified name means in a scope of a file."""
+        found = self._named(_functions, names, unit, scope)
+        if not found and (names, unit, scope) not in self._defined:
+            # A function that a header only declares is defined in a file of its package.
+            self._defined.add((names, unit, scope))
+            loaded = len(self.units)
+            for prototype in self.find_prototypes(names, unit, scope):
+                for file in self.project.implementations(prototype.unit.key, names[-1], self.units, "("):
+                    self.load(file)
+            if len(self.units) > loaded:
+                self._meanings.pop((_functions, names, unit, scope), None)
+                self._held.pop((names[-1], unit), None)
+                found = self._named(_functions, names, unit, scope)
+        return found
+
+    def find_prototypes(self, names: _Scope, unit: Unit, scope: _Scope) -> list[Function]:
+        """Return the declarations without body that a qualified name means."""
+        return self._named(_prototypes, names, unit, scope)
+
+    def find_alias(self, names: _Scope, unit: Unit, scope: _Scope) -> _Alias | None:
+        """Return the meaning of the name of a type that `using` or `typedef` declares."""
+        found = self._named(_aliases, names, unit, scope)
+        return found[0] if found else None
+
+    def find_variable(self, names: _Scope, unit: Unit, scope: _Scope) -> Variable | None:
+        """Return the declaration of a variable at namespace scope, or of a static member."""
+        found = self._named(_variables, names, unit, scope)
+        return next((one for one in found if one[0].value is not None), found[0]) if found else None
+
+    def find_macro(self, name: str, unit: Unit) -> Macro | None:
+        """Return a macro that is visible in a file."""
+        key = (name, unit)
+        if key not in self._macros:
+            self._macros[key] = next((u.macros[name] for u in self._holding(unit, name) if name in u.macros), None)
+        return self._macros[key]
+
+    def is_enumerator(self, name: str, unit: Unit) -> bool:
+        """Return whether a name is one of an enumeration that is visible in a file."""
+        return any(name in u.enumerators for u in self._holding(unit, name))
+
+    def generated(self, name: str, unit: Unit) -> _Scope | None:
+        """Return the qualified name of a class whose generated header, outside of the sources, a file includes."""
+        key = (name, unit)
+        if key not in self._generated:
+            snake = _SNAKE.sub("_", name).lower()
+            wanted = (f"/{name}.h", f"/{snake}.hpp")
+            paths = [path for one in self._holding(unit, name) for path in one.includes if path.endswith(wanted)]
+            self._generated[key] = (*paths[0].split("/")[:-1], name) if paths else None
+        return self._generated[key]
+
+    def _holding(self, unit: Unit, word: str) -> list[CppUnit]:
+        """Return the files, nearest first, that can give a word its meaning in a file."""
+        found = self._held.get((word, unit))
+        if found is None:
+            near = {unit.key: cast("CppUnit", unit)}
+            for header in self.project.find(unit.key, word):
+                near[header.key] = header
+                self._add(header)
+            # A name that a header only declares is defined in another file of the program.
+            for other in self._with_word(word):
+                near.setdefault(other.key, other)
+            found = self._held[word, unit] = list(near.values())
+        return found
+
+    def _with_word(self, word: str) -> list[CppUnit]:
+        raw = word.encode()
+        if word.isidentifier():
+            return self._bodies.get(raw, [])
+        return [one for one in self.units.values() if raw in one.source and not _is_header(one.path)]
+
+    def _named(
+        self,
+        listed: Callable[[CppUnit, str], Iterable[tuple[_Scope, _Found]]],
+        names: _Scope,
+        unit: Unit,
+        scope: _Scope,
+    ) -> list[_Found]:
+        """Return the nearest declarations of one kind that a qualified name means."""
+        key = (listed, names, unit, scope)
+        known = self._meanings.get(key)
+        if known is not None:
+            return known
+        ranked: list[tuple[float, _Found]] = []
+        *outer, last = [name for name in names if name] or [""]
+        wanted = tuple(outer)
+        namespaces = cast("CppUnit", unit).namespaces
+        if wanted and wanted[0] in namespaces:
+            wanted = (*namespaces[wanted[0]], *wanted[1:])
+        for near in self._holding(unit, last) if last else ():
+            for at, one in listed(near, last):
+                rank = _rank(at, wanted, scope, unit)
+                if rank is not None:
+                    ranked.append((rank, one))
+        best = max((rank for rank, _ in ranked), default=0.0)
+        found = self._meanings[key] = [one for rank, one in ranked if rank == best]
+        return found
+
+    # Members
+
+    def methods(self, cls: Class) -> dict[str, list[Function]]:
+        """Return the methods of a class that have bodies, by name, also those that are defined outside of it."""
+        known = self._methods.get(cls)
+        if known is not None:
+            return known
+        found = {name: list(functions) for name, functions in cls.methods.items()}
+        self._methods[cls] = found
+        unit = cls.unit
+        for file in self.project.implementations(unit.key, cls.name, self.units, "::"):
+            self.load(file)
+        inside = (*cls.scope, cls.name)
+        raw = cls.name.encode()
+        for other in [one for one in self.units.values() if raw in one.source]:
+            for function in (one for functions in other.functions.values() for one in functions):
+                if function.owner is None and function.scope[-1:] == inside[-1:] and _same(function, inside, other):
+                    function.owner = cls
+                if function.owner is cls and not any(function is one for one in found.get(function.name, ())):
+                    found.setdefault(function.name, []).append(function)
+        for function in (one for functions in found.values() for one in functions):
+            _declare(function, cls)
+        return found
+
+
+def _declare(function: Function, cls: Class) -> None:
+    """Add to a method what only its declaration in the class has."""
+    for declared in cls.declared.get(function.name, ()):
+        if len(declared.parameters) == len(function.parameters):
+            function.virtual = function.virtual or declared.virtual
+            function.template = function.template or declared.template
+            for own, given in zip(function.parameters, declared.parameters, strict=True):
+                if own.default is None:
+                    own.default = given.default
+            return
+
+
+def _same(function: Function, inside: _Scope, unit: Unit) -> bool:
+    """Return whether a function outside of a class is a method of the class with these scopes."""
+    if function.scope == inside:
+        return True
+    if len(function.scope) <= len(inside) and inside[-len(function.scope) :] == function.scope:
+        return True
+    return any((*used, *function.scope) == inside for used in unit.uses)
+
+
+def _rank(at: _Scope, wanted: _Scope, scope: _Scope, unit: Unit) -> float | None:
+    """Return how near a name in the scope `at` is to a use of `wanted::name` within `scope`.
+
+    None if the use does not mean the name.
+    """
+    for depth in range(len(scope), -1, -1):
+        if at == (*scope[:depth], *wanted):
+            return depth + 2.0
+    if any(at == (*used, *wanted) for used in unit.uses):
+        return 1.5
+    if wanted and at[-len(wanted) :] == wanted:
+        return 1.0
+    return 0.5 if not wanted else None
+
+
+def _is_header(path: str) -> bool:
+    return path.endswith((".h", ".hpp", ".hh", ".hxx"))
+
+
+def _classes(unit: CppUnit, name: str) -> list[tuple[_Scope, Class]]:
+    return [(one.scope, one) for one in unit.classes.get(name, ())]
+
+
+def _functions(unit: CppUnit, name: str) -> list[tuple[_Scope, Function]]:
+    return [(one.scope, one) for one in unit.functions.get(name, ())]
+
+
+def _prototypes(unit: CppUnit, name: str) -> list[tuple[_Scope, Function]]:
+    return [(one.scope, one) for one in unit.prototypes.get(name, ())]
+
+
+def _aliases(unit: CppUnit, name: str) -> list[tuple[_Scope, _Alias]]:
+    return [(at, (at, kind, template, unit)) for at, kind, template in unit.aliases.get(name, ())]
+
+
+def _variables(unit: CppUnit, name: str) -> list[tuple[_Scope, Variable]]:
+    return [(at, (declared, unit, at)) for at, declared in unit.variables.get(name, ())]

@@ -1,0 +1,326 @@
+"""C++ to the intermediate form: statements."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar, Final
+
+from tree_sitter import Query
+
+from kg.extract.cpp import syntax
+from kg.extract.cpp.expressions import PREPROCESSED, line_of
+from kg.symbolic.form import (
+    Binary,
+    Block,
+    Branch,
+    Construct,
+    Declare,
+    Display,
+    Index,
+    Jump,
+    Literal,
+    Loop,
+    Name,
+    Opaque,
+    Return,
+    Step,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
+
+    from tree_sitter import Node
+
+    from kg.extract.cpp.expressions import Expressions
+    from kg.symbolic.form import Expression, Statement, Type
+
+__all__ = ["Statements"]
+
+_DEEPEST: Final = 150
+_SKIPPED: Final = frozenset({"comment", "ERROR"})
+_SHELLS: Final = frozenset(
+    {"translation_unit", "expression_statement", "parenthesized_expression", "comma_expression", "ERROR"}
+)
+_IDENTIFIERS: Final = Query(syntax.LANGUAGE, "(identifier) @name")
+_BODIES: Final = frozenset({"compound_statement", "translation_unit", "declaration_list"})
+
+
+class Statements:
+    """The statements of one file."""
+
+    def __init__(self, expressions: Expressions, source: bytes) -> None:
+        self._expressions = expressions
+        self._source = source
+        self._depth = 0
+
+    def block(self, node: Node | None) -> Block:
+        """Return the form of a compound statement, or of one statement."""
+        if node is None:
+            return Block(0, ())
+        children = node.named_children if node.type in _BODIES else [node]
+        return Block(line_of(node), tuple(self._statements(children)))
+
+    def statement(self, node: Node) -> list[Statement]:
+        """Return the forms of one statement of the source, which may be several or none."""
+        self._depth += 1
+        try:
+            if self._depth > _DEEPEST:
+                return []
+            lower = self._lowered.get(node.type)
+            if lower is not None:
+                return list(lower(self, node))
+            if self._expressions.knows(node):
+                return [Step(line_of(node), self._expressions.expression(node))]
+            return []
+        finally:
+            self._depth -= 1
+
+    def _compound_statement(self, node: Node) -> list[Statement]:
+        return [self.block(node)]
+
+    def _expression_statement(self, node: Node) -> list[Statement]:
+        inner = next((c for c in node.named_children if c.type not in _SKIPPED), None)
+        return [Step(line_of(node), self._expressions.expression(inner))] if inner is not None else []
+
+    def declaration(self, node: Node) -> list[Declare]:
+        """Return the variables of a declaration."""
+        found: list[Declare] = []
+        static = any(c.type == "storage_class_specifier" and syntax.text(c) == "static" for c in node.children)
+        for child in node.children_by_field_name("declarator"):
+            found += self._declared(node, child, static=static)
+        return found
+
+    def _declared(self, node: Node, declarator: Node, *, static: bool) -> list[Declare]:
+        line = line_of(node)
+        initialised = declarator.type == "init_declarator"
+        target = declarator.child_by_field_name("declarator") if initialised else declarator
+        if target is None:
+            return []
+        written = declarator.child_by_field_name("value") if initialised else None
+        if target.type == "structured_binding_declarator" or (
+            target.type == "reference_declarator"
+            and any(c.type == "structured_binding_declarator" for c in target.named_children)
+        ):
+            held = self._expressions.expression(written) if written is not None else None
+            return [
+                Declare(
+                    line, name, None, Index(line, held, Literal(line, float(i), str(i))) if held is not None else None
+                )
+                for i, name in enumerate(_names(target))
+            ]
+        kind = self._expressions.declared(node, target)
+        if written is None and target.type == "function_declarator":
+            return self._vexing(node, target, kind, static=static)
+        name = syntax.declared_name(target)
+        value = self._begin(written, target, kind, line_of(declarator)) if written is not None else None
+        return [Declare(line, syntax.text(name), kind, value, static)] if name is not None else []
+
+    def _begin(self, written: Node, target: Node, kind: Type, line: int) -> Expression:
+        """Return the first value of a variable: `= value`, `(value)` or `{value}`."""
+        if written.type not in ("argument_list", "initializer_list"):
+            return self._expressions.expression(written)
+        given, listed = self._expressions.arguments(written), written.type == "initializer_list"
+        if listed and _is_array(target):
+            return Display(line, given)
+        if kind.names != ("auto",):
+            return Construct(line, kind, given, listed=listed)
+        return given[0] if len(given) == 1 else Display(line, given)
+
+    def _vexing(self, node: Node, declarator: Node, kind: Type, *, static: bool) -> list[Declare]:
+        """Return the variable that the grammar parsed as the declaration of a function: `Foo foo(bar);`."""
+        name = syntax.declared_name(declarator)
+        listed = declarator.child_by_field_name("parameters")
+        if name is None or listed is None or name.type != "identifier":
+            return []
+        declarators = [c.child_by_field_name("declarator") for c in syntax.of_type(listed, "parameter_declaration")]
+        if any(one is not None and one.type == "identifier" for one in declarators):
+            return []
+        line = line_of(node)
+        return [Declare(line, syntax.text(name), kind, Construct(line, kind, self._reparsed(listed)), static)]
+
+    def _reparsed(self, node: Node) -> tuple[Expression, ...]:
+        """Return the arguments in a parameter list, parsed as an expression at the same place."""
+        tree = syntax.parse_range(self._source, node)
+        pending = [tree.root_node]
+        given: list[Node] = []
+        while pending:
+            inner = pending.pop(0)
+            if inner.type in _SHELLS:
+                pending[:0] = inner.named_children
+            elif inner.type != "comment":
+                given.append(inner)
+        return self._expressions.expressions(given)
+
+    def _statements(self, nodes: Iterable[Node]) -> list[Statement]:
+        return [statement for node in nodes for statement in self.statement(node)]
+
+    def _if(self, node: Node) -> list[Statement]:
+        clause, value = _condition(node)
+        begin = clause.child_by_field_name("initializer") if clause is not None else None
+        before: list[Statement] = []
+        if begin is not None:
+            before = self._statements(begin.named_children if begin.type == "init_statement" else [begin])
+        condition: Expression = Opaque(line_of(node), "")
+        if value is not None and value.type == "declaration":
+            declared = self._in_condition(value)
+            before += declared
+            condition = Name(line_of(value), (declared[0].name,)) if declared else condition
+        elif value is not None:
+            condition = self._expressions.expression(value)
+        arms: list[tuple[Expression | None, Statement]] = [
+            (condition, self.block(node.child_by_field_name("consequence")))
+        ]
+        otherwise = node.child_by_field_name("alternative")
+        if otherwise is not None:
+            inner = [otherwise]
+            if otherwise.type == "else_clause":
+                inner = [c for c in otherwise.named_children if c.type != "comment"]
+            arms.append((None, Block(line_of(otherwise), tuple(self._statements(inner)))))
+        branch = Branch(line_of(node), tuple(arms))
+        return [Block(line_of(node), (*before, branch))] if before else [branch]
+
+    def _in_condition(self, node: Node) -> list[Declare]:
+        """Return the variable that a condition declares: `if (auto x = f())`."""
+        declarator, value = node.child_by_field_name("declarator"), node.child_by_field_name("value")
+        name = syntax.declared_name(declarator)
+        if name is None:
+            return []
+        held = self._expressions.expression(value) if value is not None else None
+        return [Declare(line_of(node), syntax.text(name), self._expressions.declared(node, declarator), held)]
+
+    def _for(self, node: Node) -> list[Statement]:
+        begin, condition = node.child_by_field_name("initializer"), node.child_by_field_name("condition")
+        step = node.child_by_field_name("update")
+        first = self.statement(begin) if begin is not None else []
+        return [
+            Loop(
+                line_of(node),
+                self.block(node.child_by_field_name("body")),
+                first=Block(line_of(node), tuple(first), open=True),
+                condition=self._expressions.expression(condition) if condition is not None else None,
+                step=self._expressions.expression(step) if step is not None else None,
+            )
+        ]
+
+    def _for_range(self, node: Node) -> list[Statement]:
+        declarator, over = node.child_by_field_name("declarator"), node.child_by_field_name("right")
+        targets = tuple(_names(declarator)) if declarator is not None else ()
+        reference = declarator is not None and declarator.type == "reference_declarator"
+        return [
+            Loop(
+                line_of(node),
+                self.block(node.child_by_field_name("body")),
+                targets,
+                self._expressions.expression(over) if over is not None else Opaque(line_of(node), ""),
+                reference=reference,
+            )
+        ]
+
+    def _while(self, node: Node) -> list[Statement]:
+        _, value = _condition(node)
+        condition = self._expressions.expression(value) if value is not None and value.type != "declaration" else None
+        body = self.block(node.child_by_field_name("body"))
+        return [Loop(line_of(node), body, condition=condition, test_last=node.type == "do_statement")]
+
+    def _switch(self, node: Node) -> list[Statement]:
+        clause = node.child_by_field_name("condition")
+        subject = self._expressions.expression(clause) if clause is not None else Opaque(line_of(node), "")
+        body = node.child_by_field_name("body")
+        arms: list[tuple[Expression | None, Statement]] = []
+        waiting: list[Expression] = []
+        for case in body.named_children if body is not None else ():
+            if case.type != "case_statement":
+                continue
+            value = case.child_by_field_name("value")
+            inner = [c for c in case.named_children if value is None or c.id != value.id]
+            statements = self._statements(inner)
+            test = (
+                Binary(line_of(case), "==", (subject, self._expressions.expression(value)))
+                if value is not None
+                else None
+            )
+            if not statements and test is not None:
+                waiting.append(test)
+                continue
+            if test is not None and waiting:
+                test = Binary(line_of(case), "||", (*waiting, test))
+            waiting = []
+            done = tuple(s for s in statements if not (isinstance(s, Jump) and s.kind == "break"))
+            arms.append((test, Block(line_of(case), done)))
+        arms.sort(key=lambda arm: arm[0] is None)
+        return [Branch(line_of(node), tuple(arms))] if arms else []
+
+    def _return(self, node: Node) -> list[Statement]:
+        inner = next((c for c in node.named_children if c.type not in _SKIPPED), None)
+        return [Return(line_of(node), self._expressions.expression(inner) if inner is not None else None)]
+
+    def _break(self, node: Node) -> list[Statement]:
+        return [Jump(line_of(node), "break")]
+
+    def _continue(self, node: Node) -> list[Statement]:
+        return [Jump(line_of(node), "continue")]
+
+    def _throw(self, node: Node) -> list[Statement]:
+        return [Jump(line_of(node), "raise")]
+
+    def _try(self, node: Node) -> list[Statement]:
+        handlers = [
+            Branch(
+                line_of(child),
+                ((Opaque(line_of(child), "an exception"), self.block(child.child_by_field_name("body"))),),
+            )
+            for child in node.named_children
+            if child.type == "catch_clause"
+        ]
+        return [self.block(node.child_by_field_name("body")), *handlers]
+
+    def _preprocessed(self, node: Node) -> list[Statement]:
+        condition = node.child_by_field_name("condition")
+        otherwise = node.child_by_field_name("alternative")
+        inside: list[Statement] = []
+        if condition is None or syntax.text(condition).strip() != "0":
+            skipped = {one.id for one in (condition, otherwise) if one is not None}
+            inside = self._statements(child for child in node.named_children if child.id not in skipped)
+        if otherwise is not None:
+            inside += self.statement(otherwise)
+        return inside
+
+    def _labelled(self, node: Node) -> list[Statement]:
+        return self._statements(node.named_children)
+
+    _lowered: ClassVar[dict[str, Callable[[Statements, Node], Sequence[Statement]]]] = {
+        "compound_statement": _compound_statement,
+        "expression_statement": _expression_statement,
+        "declaration": declaration,
+        "if_statement": _if,
+        "for_statement": _for,
+        "for_range_loop": _for_range,
+        "while_statement": _while,
+        "do_statement": _while,
+        "switch_statement": _switch,
+        "return_statement": _return,
+        "break_statement": _break,
+        "continue_statement": _continue,
+        "throw_statement": _throw,
+        "try_statement": _try,
+        "labeled_statement": _labelled,
+        **dict.fromkeys(PREPROCESSED, _preprocessed),
+    }
+
+
+def _names(declarator: Node) -> list[str]:
+    """Return the variables that a declarator declares."""
+    return [syntax.text(name) for name in syntax.captures(_IDENTIFIERS, declarator).get("name", ())]
+
+
+def _condition(node: Node) -> tuple[Node | None, Node | None]:
+    """Return the clause of the condition of a statement, and its value."""
+    clause = node.child_by_field_name("condition")
+    if clause is not None and clause.type == "condition_clause":
+        return clause, clause.child_by_field_name("value")
+    return clause, clause
+
+
+def _is_array(declarator: Node | None) -> bool:
+    while declarator is not None and declarator.type != "array_declarator":
+        declarator = declarator.child_by_field_name("declarator")
+    return declarator is not None
