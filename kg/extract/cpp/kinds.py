@@ -1,4 +1,4 @@
-"""Types of C++: what a written type means, what template parameters stand for, and which bases a class has."""
+"""Types of C++: what a written type means, template parameters, and which bases a class has."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class Kinds:
         self._chains: dict[object, tuple[list[tuple[Class, dict[str, Value]]], list[Kind]]] = {}
 
     def kind(self, kind: Type, frame: Frame, depth: int = 0) -> Kind | Value:
-        """Return what a type means in a frame: a `Kind`, or the value that a template parameter stands for."""
+        """Return what a type means in a frame: a `Kind`, or the value of a template parameter."""
         names = tuple(name for name in kind.names if name)
         if not names or depth > _DEEPEST:
             return Kind(names)
@@ -154,7 +154,7 @@ class Kinds:
         return tuple(found)
 
     def bound(self, cls: Class, arguments: tuple[Value, ...]) -> dict[str, Value]:
-        """Return what the template parameters of a class stand for."""
+        """Return the values of the template parameters of a class."""
         bound = dict(zip(cls.template, arguments, strict=False))
         for name, default in cls.defaults.items():
             if name not in bound:
