@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -21,6 +23,9 @@ from kg.symbolic.values import (
     read_back,
     whole_parameter,
 )
+
+if TYPE_CHECKING:
+    from random import Random
 
 WORDS = st.text("ab/_~", min_size=1, max_size=4)
 TEXTS = st.builds(Text.of, WORDS, st.sampled_from([Resolution.LITERAL, Resolution.CONSTANT]))
@@ -52,10 +57,10 @@ def test_join_is_idempotent(values: list[Value]) -> None:
 
 
 @given(st.lists(PLAIN, min_size=1, max_size=5), st.randoms())
-def test_the_order_of_joined_values_does_not_matter(values: list[Value], random: object) -> None:
+def test_the_order_of_joined_values_does_not_matter(values: list[Value], random: Random) -> None:
     """The alternatives are the same in whatever order known values are joined, one by one or at once."""
     mixed = list(values)
-    random.shuffle(mixed)  # type: ignore[attr-defined]
+    random.shuffle(mixed)
     step = mixed[0]
     for value in mixed[1:]:
         step = join(step, value)
