@@ -18,6 +18,7 @@ from kg.symbolic.names import (
 )
 from kg.symbolic.parameters import Parameters, listed, type_of_value
 from kg.symbolic.results import result
+from kg.symbolic.spelling import spelled
 from kg.symbolic.state import Arguments, Invocation
 from kg.symbolic.values import (
     Bound,
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from kg.symbolic.descriptions import CallDescription, ClassDescription, Descriptions, Effect
+    from kg.symbolic.form import Expression
     from kg.symbolic.machine import Machine
     from kg.symbolic.state import Site
 
@@ -63,6 +65,8 @@ class Declared:
     default: Value | None = None
     guards: tuple[str, ...] = ()
     value_type: str | None = None
+    written: str | None = None
+    """The expression that gives the name."""
 
 
 class Framework:
@@ -363,7 +367,8 @@ class Framework:
         kind = message_type(self.machine.language, effect, call)
         whole = with_node_name(below(namespace_of(owner), name), owner)
         profile = self._profile(effect, call)
-        self._add(Declared(effect, _shown(whole), kind, owner, stack, profile))
+        written = _written(effect, call, stack[-1].given if stack else ())
+        self._add(Declared(effect, _shown(whole), kind, owner, stack, profile, written=written))
         if effect.camera:
             info = _shown(camera_info(whole))
             self._add(Declared(effect, info, "sensor_msgs/CameraInfo", owner, stack, profile))
@@ -410,6 +415,15 @@ class Framework:
                 written = Text.hole(value.reason, parameter=value.parameter)
             machine.put(given.written[effect.output], written, given.frame)
         return value
+
+
+def _written(effect: Effect, call: Invocation, constructed: tuple[Expression, ...]) -> str | None:
+    """Return the expression that gives the name of an interface; `constructed` are the arguments of a construction."""
+    expressions, values = call.arguments.written or constructed, call.arguments.values
+    if effect.name is None or len(expressions) < len(values):
+        return None
+    index = effect.name + len(expressions) - len(values)  # a handle in front may have been taken off
+    return spelled(expressions[index]) if index < len(expressions) else None
 
 
 def _handle(namespace: str) -> Object:

@@ -336,7 +336,7 @@ class Machine:
             self.stack.pop()
 
     def _construct(self, expression: form.Construct, frame: Frame) -> Value:
-        self.stack.append(Site(frame.unit, expression.line, frame.this))
+        self.stack.append(Site(frame.unit, expression.line, frame.this, expression.arguments))
         try:
             return self.language.construct_expression(expression, frame)
         finally:

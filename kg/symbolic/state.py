@@ -47,6 +47,8 @@ class Site:
     unit: Unit
     line: int
     this: Value | None = None
+    given: tuple[Expression, ...] = ()
+    """The arguments of a construction, as expressions."""
 
 
 @dataclass(slots=True, eq=False)

@@ -153,10 +153,10 @@ class Constructions:
             made.fields[field.name] = self._language.converted(value, field.type, None, own)
 
     @contextmanager
-    def _at(self, frame: Frame, line: int) -> Iterator[None]:
+    def _at(self, frame: Frame, line: int, given: tuple[Expression, ...] = ()) -> Iterator[None]:
         """Run something as part of a line of a frame."""
         stack = self._language.machine.stack
-        stack.append(Site(frame.unit, line, frame.this))
+        stack.append(Site(frame.unit, line, frame.this, given))
         try:
             yield
         finally:
@@ -190,7 +190,7 @@ class Constructions:
                 continue
             if field.name in given:
                 expressions, line = given[field.name]
-                with self._at(frame, line):
+                with self._at(frame, line, expressions):
                     value = self._initialised(kind, machine.arguments(expressions, frame), own, line)
             elif field.value is not None:
                 with self._at(own, field.line):

@@ -93,6 +93,7 @@ def _interface(one: Declared, role: Role, project: Project, ros: int, alone: str
         resolution=resolution,
         location=location(one.stack, project),
         resolved=resolve(name, alone) if name is not None and "{" not in name else None,
+        written=one.written,
         parameter=parameter,
         implicit=one.effect.implicit,
         qos=one.qos if ros == _ROS2 else None,

@@ -1,0 +1,42 @@
+"""Expressions as text, for people to read: close to the source, without its layout."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+from kg.symbolic import form
+
+if TYPE_CHECKING:
+    from kg.symbolic.form import Expression
+
+__all__ = ["spelled"]
+
+
+def spelled(expression: Expression) -> str:
+    """Return an expression as text; `...` stands for what has no short form."""
+    match expression:
+        case form.Literal(value=str() as text):
+            return json.dumps(text, ensure_ascii=False)
+        case form.Literal():
+            return expression.written or str(expression.value).lower()
+        case form.Name():
+            return "::".join(expression.names)
+        case form.Member():
+            return f"{spelled(expression.of)}.{expression.name}"
+        case form.Call():
+            return f"{spelled(expression.function)}({', '.join(map(spelled, expression.arguments))})"
+        case form.Construct():
+            return f"{expression.type}({', '.join(map(spelled, expression.arguments))})"
+        case form.Binary():
+            return f" {expression.sign} ".join(map(spelled, expression.operands))
+        case form.Unary():
+            return f"{expression.sign}{spelled(expression.operand)}"
+        case form.Index():
+            return f"{spelled(expression.of)}[{spelled(expression.key)}]"
+        case form.Choice():
+            return f"{spelled(expression.condition)} ? {spelled(expression.then)} : {spelled(expression.otherwise)}"
+        case form.Type():
+            return str(expression)
+        case _:
+            return "..."
