@@ -127,6 +127,19 @@ class Machine:
             self.queued.add(key)
             self.queue.append(run)
 
+    def _block(self, block: form.Block, frame: Frame) -> str | None:
+        """Run statements in a row; what they declare hides variables of the same name until the end of the block."""
+        declared = () if block.open else [one.name for one in block.body if isinstance(one, form.Declare)]
+        hidden = {name: frame.variables[name] for name in declared if name in frame.variables}
+        ended = None
+        for inner in block.body:
+            ended = self.run(inner, frame)
+            if ended is not None:
+                break
+        for name, value in hidden.items():
+            self.write(frame.variables, name, value)
+        return ended
+
     def run(self, statement: Statement, frame: Frame) -> str | None:
         """Run a statement; return None, or how it left the ones after it: `return`, `break`, `continue` or `raise`."""
         self.steps += 1
@@ -134,11 +147,8 @@ class Machine:
             self.bounds.add("steps")
             return "return"
         if isinstance(statement, form.Block):
-            for inner in statement.body:
-                ended = self.run(inner, frame)
-                if ended is not None:
-                    return ended
-        elif isinstance(statement, form.Step):
+            return self._block(statement, frame)
+        if isinstance(statement, form.Step):
             self.value(statement.value, frame)
         elif isinstance(statement, form.Declare):
             self._declare(statement, frame)

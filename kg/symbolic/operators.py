@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Final
 
 from kg.symbolic.durations import scaled
@@ -9,6 +10,7 @@ from kg.symbolic.values import (
     Bound,
     Closure,
     Either,
+    Enumerator,
     Guard,
     Number,
     Object,
@@ -36,7 +38,7 @@ _ARITHMETIC: Final[dict[str, Callable[[float, float], float]]] = {
     "*": lambda a, b: a * b,
     "/": lambda a, b: a / b,
     "//": lambda a, b: a // b,
-    "%": lambda a, b: a % b,
+    "%": math.fmod,
     "**": lambda a, b: a**b if abs(b) < _LARGEST_EXPONENT else float("nan"),
     "|": lambda a, b: float(int(a) | int(b)),
     "&": lambda a, b: float(int(a) & int(b)),
@@ -68,13 +70,20 @@ def compute(sign: str, row: tuple[Value, ...]) -> Value:
     numbers = [value for value in row if isinstance(value, Number)]
     if len(numbers) != len(row):
         return _COMPUTED
+    whole = not any(_is_floating(value.written) for value in numbers)
     result = numbers[0].value
     for other in numbers[1:]:
         try:
             result = _ARITHMETIC[sign](result, other.value)
+            if sign == "/" and whole:
+                result = float(math.trunc(result))
         except (KeyError, ZeroDivisionError, OverflowError, TypeError, ValueError):
             return _COMPUTED
     return number(result, next((v.parameter for v in numbers if v.parameter), None))
+
+
+def _is_floating(written: str) -> bool:
+    return not written.startswith(("0x", "0X")) and any(mark in written for mark in ".eE")
 
 
 def _sum(row: tuple[Value, ...]) -> Value:
@@ -99,6 +108,8 @@ def _compared(sign: str, row: tuple[Value, ...]) -> Value:
         return Unknown("it depends on a parameter", parameter)
     if isinstance(left, Object) and right == NULL and sign in ("==", "!="):
         return Truth(sign == "!=")
+    if isinstance(left, Enumerator) and isinstance(right, Enumerator) and sign in ("==", "!="):
+        return Truth((left == right) == (sign == "=="))
     one, other = _plain(left), _plain(right)
     if one is None or other is None or type(one) is not type(other):
         return Unknown("it depends on a comparison")

@@ -25,6 +25,7 @@ __all__ = [
     "Bound",
     "Closure",
     "Either",
+    "Enumerator",
     "Guard",
     "Hole",
     "Kind",
@@ -118,6 +119,13 @@ class Truth:
 
     value: bool
     parameter: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Enumerator:
+    """A constant of an enumeration of the sources, by its name."""
+
+    name: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -233,7 +241,7 @@ PLACEHOLDER: Final = Unknown("it is given when the function is called")
 """An argument that the caller of a bound function supplies: `_1`."""
 
 
-Scalar: TypeAlias = Text | Number | Truth | Guard | Unknown | Profile
+Scalar: TypeAlias = Text | Number | Truth | Enumerator | Guard | Unknown | Profile
 Value: TypeAlias = Scalar | Sequence | Mapping | TypeValue | Object | Closure | Bound | Pack | Either
 
 

@@ -18,6 +18,7 @@ from kg.symbolic.values import (
     Bound,
     Closure,
     Either,
+    Enumerator,
     Kind,
     Number,
     Object,
@@ -88,6 +89,10 @@ class Cpp:
         variable = self.linker.find_variable(names, frame.unit, frame.scope)
         if variable is not None:
             return self._global(variable, last)
+        if len(names) == 1 and frame.scope:
+            held = self._static((frame.scope[-1], last), (), Frame(frame.unit, frame.scope[:-1]))
+            if held is not None and not isinstance(held, Bound):
+                return held
         if len(names) > 1:
             held = self._static(names, self.kinds.template(expression.template, frame), frame)
             if held is not None:
@@ -99,7 +104,7 @@ class Cpp:
         if known is not None:
             return known
         if self.linker.is_enumerator(last, frame.unit):
-            return Unknown(f"it is the enumerator {last}")
+            return Enumerator(last)
         if len(names) == 1:
             macro = self.linker.find_macro(last, frame.unit)
             if macro is not None and macro.parameters is None:

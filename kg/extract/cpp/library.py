@@ -8,18 +8,21 @@ from typing import TYPE_CHECKING, Final, TypeGuard
 
 from kg.facts import Resolution
 from kg.symbolic import form
+from kg.symbolic.parameters import with_parameter
 from kg.symbolic.state import Arguments
 from kg.symbolic.values import (
     PLACEHOLDER,
     Bound,
     Closure,
     Either,
+    Enumerator,
     Guard,
     Hole,
     Kind,
     Mapping,
     Number,
     Object,
+    Pack,
     Sequence,
     Text,
     Truth,
@@ -98,6 +101,7 @@ NUMBERS: Final = frozenset(
     }
 )
 TYPES: Final = TEXTS | STREAMS | LISTS | MAPS | NUMBERS
+_MOST_COPIES: Final = 64
 COMMAND_LINE: Final = Sequence((), open=True, parameter="argv")
 """The arguments of the program, the program itself first."""
 _MAKERS: Final = frozenset({"make_shared", "make_unique", "allocate_shared", "make_optional"})
@@ -234,7 +238,8 @@ def likeness(language: Cpp, kind: Type | None, value: Value, frame: Frame, templ
 def elements(of: Value) -> list[Value]:
     """Return the elements of a container, or one that represents all of them."""
     if isinstance(of, Sequence):
-        return [*of.items, *([_some(of)] if of.open else [])]
+        items = of.items if of.parameter is None else [with_parameter(item, f"{of.parameter}[]") for item in of.items]
+        return [*items, *([_some(of)] if of.open else [])]
     if isinstance(of, Mapping):
         return [Sequence(pair) for pair in of.items] + ([_some(of)] if of.open else [])
     if _is_unknown_parameter(of):
@@ -281,6 +286,8 @@ def element(of: Value, key: Value) -> Value:
             found = [value for own, value in of.items if isinstance(own, Text) and own.known == key.known]
         elif isinstance(key, Number):
             found = [value for own, value in of.items if isinstance(own, Number) and own.value == key.value]
+        elif isinstance(key, Enumerator):
+            found = [value for own, value in of.items if own == key]
         else:
             found = [value for _, value in of.items]
         return join(*found) if found else Unknown("the map has no such key")
@@ -365,6 +372,8 @@ def _list(language: Cpp, kind: Kind, arguments: list[Value], *, listed: bool) ->
         if len(arguments) == _PAIR and first == COMMAND_LINE:
             return COMMAND_LINE
         if len(arguments) == _PAIR and kind.name in ("vector", "set", "list"):
+            if isinstance(first, Number) and 0 <= first.value <= _MOST_COPIES:
+                return Sequence((arguments[1],) * int(first.value))
             return first if isinstance(first, Sequence) else Sequence((arguments[1],), open=True)
         if isinstance(first, Number) and kind.name == "vector":
             return Sequence((), open=True)
@@ -404,7 +413,7 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
     if not values:
         return None
     if name in _SAME:
-        return values[0]
+        return values[0] if len(values) == 1 else Pack(tuple(values))
     if name in _BINDERS:
         return _bind(values)
     if name in _TO_TEXT:
@@ -560,6 +569,8 @@ def _changed(of: Value, name: str, values: list[Value]) -> Value | None:
         return values[0] if values else Unknown("it is null")
     if name in ("initRT", "writeFromNonRT", "store", "set") and len(values) == 1 and isinstance(of, Unknown):
         return values[0]
+    if name == "pop_back" and isinstance(of, Sequence) and not of.open:
+        return replace(of, items=of.items[:-1])
     if name in ("erase", "pop_back", "replace", "resize") and isinstance(of, Text):
         return Text.hole("it is cut when the program runs", parameter=of.parameter)
     return None
