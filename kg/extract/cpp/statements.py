@@ -12,6 +12,7 @@ from kg.symbolic.form import (
     Binary,
     Block,
     Branch,
+    Call,
     Construct,
     Declare,
     Display,
@@ -19,6 +20,7 @@ from kg.symbolic.form import (
     Jump,
     Literal,
     Loop,
+    Member,
     Name,
     Opaque,
     Return,
@@ -42,6 +44,7 @@ _SHELLS: Final = frozenset(
 )
 _IDENTIFIERS: Final = Query(syntax.LANGUAGE, "(identifier) @name")
 _BODIES: Final = frozenset({"compound_statement", "translation_unit", "declaration_list"})
+_BEGINNINGS: Final = frozenset({"begin", "cbegin", "rbegin", "crbegin"})
 
 
 class Statements:
@@ -191,6 +194,10 @@ class Statements:
         begin, condition = node.child_by_field_name("initializer"), node.child_by_field_name("condition")
         step = node.child_by_field_name("update")
         first = self.statement(begin) if begin is not None else []
+        iterated = _iterated(first, self._expressions.expression(condition) if condition is not None else None)
+        if iterated is not None:
+            name, over = iterated
+            return [Loop(line_of(node), self.block(node.child_by_field_name("body")), (name,), over)]
         return [
             Loop(
                 line_of(node),
@@ -310,6 +317,19 @@ class Statements:
 def _names(declarator: Node) -> list[str]:
     """Return the variables that a declarator declares."""
     return [syntax.text(name) for name in syntax.captures(_IDENTIFIERS, declarator).get("name", ())]
+
+
+def _iterated(first: list[Statement], condition: Expression | None) -> tuple[str, Expression] | None:
+    """Return iterator and container of `for (it = c.begin(); it != c.end(); ++it)`, where `*it` is an element."""
+    declared = first[0] if len(first) == 1 else None
+    begin = declared.value if isinstance(declared, Declare) else None
+    if not (isinstance(begin, Call) and isinstance(begin.function, Member) and begin.function.name in _BEGINNINGS):
+        return None
+    if not (isinstance(condition, Binary) and condition.sign == "!=" and isinstance(declared, Declare)):
+        return None
+    if not any(isinstance(one, Name) and one.names == (declared.name,) for one in condition.operands):
+        return None
+    return declared.name, begin.function.of
 
 
 def _condition(node: Node) -> tuple[Node | None, Node | None]:
