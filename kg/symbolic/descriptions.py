@@ -89,6 +89,8 @@ class ClassDescription:
     members: tuple[tuple[str, str], ...] = ()
     """Members that it sets to node handles, with their namespaces."""
     unless: int | None = None
+    replaces: bool = False
+    """Whether the description is used even if the sources of the class are in the build."""
     """The argument that turns the effects off if it is `false`."""
 
 
@@ -176,6 +178,7 @@ def _class(name: str, row: dict[str, Any], ros: int) -> ClassDescription:
         ),
         tuple(row.get("members", {}).items()),
         row.get("unless"),
+        row.get("replaces", False),
     )
 
 

@@ -172,6 +172,11 @@ class Framework:
         """Check whether a type is a framework class."""
         return kind.cls is None and self.descriptions.class_named(kind.names) is not None
 
+    def replaces(self, kind: Kind) -> bool:
+        """Check whether the description of a class is used even if its sources are in the build."""
+        described = self.descriptions.class_named(kind.names)
+        return described is not None and described.replaces
+
     def construct(self, kind: Kind, arguments: list[Value]) -> Value | None:
         """Return an object of a framework class, and apply the effects of its construction."""
         described = self.descriptions.class_named(kind.names)

@@ -57,7 +57,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Machine"]
 
-MOST_STEPS: Final = 1_500_000
+MOST_STEPS: Final = 500_000
 DEEPEST: Final = 70
 MOST_TURNS: Final = 64
 MOST_REPEATS: Final = 2
@@ -228,12 +228,11 @@ class Machine:
             return self._each(loop, loop.over, frame)
         if loop.first is not None:
             self.run(loop.first, frame)
-        if loop.test_last:
+        condition = loop.condition
+        if condition is None or _runs_at_least_once(loop):
             return self._unknown_times(loop, frame, ())
         for _ in range(MOST_TURNS):
-            if loop.condition is None:
-                return self._unknown_times(loop, frame, ())
-            holds = truth(self.value(loop.condition, frame))
+            holds = truth(self.value(condition, frame))
             if not isinstance(holds, Truth):
                 return self._unknown_times(loop, frame, terms_of(holds))
             if not holds.value:
@@ -258,7 +257,7 @@ class Machine:
                 self.value(loop.step, frame)
             return ended
 
-        if loop.test_last:
+        if _runs_at_least_once(loop):
             ended = once()
             return ended if ended in ("return", "raise") else None
         with self._under(terms):
@@ -537,3 +536,9 @@ class Machine:
                 frame.variables[parameter.name] = self.value(parameter.default, frame)
             elif parameter.name:
                 frame.variables[parameter.name] = self.language.unknown(kind, frame, parameter.name)
+
+
+def _runs_at_least_once(loop: form.Loop) -> bool:
+    """Check whether the body of a loop always runs: the condition is tested last, or is a constant."""
+    constant = isinstance(loop.condition, form.Literal) and bool(loop.condition.value)
+    return loop.test_last or loop.condition is None or constant

@@ -63,7 +63,7 @@ class Constructions:
     ) -> Value:
         """Return a new object of a type; `listed` if braces hold the arguments."""
         machine = self._language.machine
-        if kind.cls is None:
+        if kind.cls is None or machine.framework.replaces(kind):
             return self._outside(kind, arguments, line, listed=listed)
         if len(arguments) == 1 and isinstance(arguments[0], Object) and arguments[0].kind.cls is kind.cls:
             return arguments[0]
@@ -103,6 +103,9 @@ class Constructions:
         cls, machine = kind.cls, self._language.machine
         if cls is None:
             machine.framework.construct_base(made, kind, arguments)
+            return
+        if len(machine.stack) > _DEEPEST:
+            machine.bounds.add("depth")
             return
         bound = self._kinds.bound(cls, kind.arguments)
         own = inside(cls, bound, made)
@@ -165,7 +168,7 @@ class Constructions:
     def _bases(self, made: Object, cls: Class, own: Frame, frame: Frame, given: _Initialisers) -> None:
         for base in cls.bases:
             found = self._kinds.kind(base, own)
-            if not isinstance(found, Kind):
+            if not isinstance(found, Kind) or found.cls is cls:
                 continue
             expressions, line = given.get(base.name, given.get(found.name, ((), 0)))
             if not line:
