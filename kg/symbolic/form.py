@@ -28,10 +28,12 @@ __all__ = [
     "Class",
     "Construct",
     "Declare",
+    "Define",
     "Display",
     "Expression",
     "Field",
     "Function",
+    "Import",
     "Index",
     "Jump",
     "Lambda",
@@ -43,8 +45,10 @@ __all__ = [
     "Pairs",
     "Parameter",
     "Return",
+    "Spread",
     "Statement",
     "Step",
+    "Try",
     "Type",
     "Unary",
     "Unit",
@@ -109,6 +113,8 @@ class Call:
     line: int
     function: Expression
     arguments: tuple[Expression, ...]
+    keywords: tuple[tuple[str, Expression], ...] = ()
+    """Arguments by name; a name of `**` spreads a dictionary."""
 
 
 @dataclass(slots=True, eq=False)
@@ -202,7 +208,33 @@ class Opaque:
     parts: tuple[Expression, ...] = ()
 
 
-Operation: TypeAlias = Call | Construct | Unary | Binary | Choice | Index | Assign
+@dataclass(slots=True, eq=False)
+class Spread:
+    """The elements of a collection as arguments or items: `*values`."""
+
+    line: int
+    of: Expression
+
+
+@dataclass(slots=True, eq=False)
+class Import:
+    """The import of a module, of one of its names, or of all of them (`*`), under the name `alias`."""
+
+    line: int
+    module: str
+    name: str | None
+    alias: str
+
+
+@dataclass(slots=True, eq=False)
+class Define:
+    """The definition of a class by a statement that runs."""
+
+    line: int
+    cls: Class
+
+
+Operation: TypeAlias = Call | Construct | Unary | Binary | Choice | Index | Assign | Spread | Import | Define
 Expression: TypeAlias = Literal | Name | Member | Operation | Display | Pairs | Lambda | Opaque | Type
 
 
@@ -258,6 +290,17 @@ class Loop:
 
 
 @dataclass(slots=True, eq=False)
+class Try:
+    """A block with the handlers of its exceptions; `otherwise` runs if there was none, `last` in any case."""
+
+    line: int
+    body: Block
+    handlers: tuple[Block, ...]
+    otherwise: Block | None = None
+    last: Block | None = None
+
+
+@dataclass(slots=True, eq=False)
 class Return:
     """The end of a function with its value."""
 
@@ -273,7 +316,7 @@ class Jump:
     kind: str
 
 
-Statement: TypeAlias = Declare | Step | Block | Branch | Loop | Return | Jump
+Statement: TypeAlias = Declare | Step | Block | Branch | Loop | Try | Return | Jump
 
 
 @dataclass(slots=True, eq=False)
@@ -284,6 +327,8 @@ class Parameter:
     type: Type | None
     default: Expression | None = None
     variadic: bool = False
+    named: bool = False
+    """Whether it is given by its name only; with `variadic`, it takes all arguments by name that are left."""
 
 
 @dataclass(slots=True, eq=False)
@@ -303,6 +348,8 @@ class Function:
     owner: Class | None = None
     virtual: bool = False
     static: bool = False
+    marks: frozenset[str] = frozenset()
+    """What decorators make of a method: `property`, `classmethod`."""
     source: object = None
     body_made: Block | None = None
     initialisers: tuple[tuple[str, tuple[Expression, ...], int], ...] = ()
@@ -342,6 +389,10 @@ class Class:
     """Methods declared without a body, with their parameters."""
     defaults: dict[str, Type] = field(default_factory=dict)
     """The default types of template parameters."""
+    derived: tuple[Expression, ...] = ()
+    """The bases as expressions, where a statement defines the class."""
+    body: Block | None = None
+    """What runs when a statement defines the class, except its methods."""
 
 
 class Unit:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
     from kg.symbolic import form
     from kg.symbolic.form import Class, Expression, Function, Type
     from kg.symbolic.state import Frame
@@ -15,6 +17,10 @@ __all__ = ["Language"]
 
 class Language(Protocol):
     """A language of the sources."""
+
+    @property
+    def expressions(self) -> Mapping[type, Callable[[Any, Frame], Value]]:
+        """How expressions run that only this language has, by their class."""
 
     # Names and members
 

@@ -100,6 +100,7 @@ class Machine:
             form.Assign: self._assignment,
             form.Opaque: self._opaque,
             form.Type: self._type,
+            **language.expressions,
         }
 
     def write(self, holder: Holder, name: str, value: Slot) -> None:
@@ -156,6 +157,8 @@ class Machine:
             return self._branch(statement, frame)
         elif isinstance(statement, form.Loop):
             return self._loop(statement, frame)
+        elif isinstance(statement, form.Try):
+            return self._try(statement, frame)
         elif isinstance(statement, form.Return):
             if statement.value is not None:
                 frame.returned.append(self.value(statement.value, frame))
@@ -222,6 +225,29 @@ class Machine:
         if len(live) < len(sides) and not closed and negated:
             self.guards += [term for term in negated if term not in self.guards]
         return None
+
+    def _try(self, statement: form.Try, frame: Frame) -> str | None:
+        """Run a block, then each of its handlers as one side of a branch."""
+        ended = self.run(statement.body, frame)
+        ends: list[str | None] = []
+        sides: list[Written] = []
+        for handler in statement.handlers:
+            written, end = self._journal.attempt(partial(self.run, handler, frame))
+            sides.append(written)
+            ends.append(end)
+        if ended != "raise" or not sides:
+            if ended is None and statement.otherwise is not None:
+                written, ended = self._journal.attempt(partial(self.run, statement.otherwise, frame))
+                sides.append(written)
+            else:
+                sides.append({})
+            ends.append(ended)
+        live = [side for side, end in zip(sides, ends, strict=True) if end is None]
+        self._journal.merge(live or sides)
+        last = self.run(statement.last, frame) if statement.last is not None else None
+        if last is not None or live:
+            return last
+        return next((end for end in ends if end != "raise"), "raise")
 
     def _loop(self, loop: form.Loop, frame: Frame) -> str | None:
         if loop.over is not None:

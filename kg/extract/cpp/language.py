@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from kg.extract.cpp import library
 from kg.extract.cpp.callbacks import Callbacks
@@ -11,6 +11,7 @@ from kg.extract.cpp.calls import Calls
 from kg.extract.cpp.construction import Constructions
 from kg.extract.cpp.kinds import Kinds, inside, this_of
 from kg.symbolic import form
+from kg.symbolic.containers import counted, element, elements, with_element
 from kg.symbolic.kinds import pointee
 from kg.symbolic.state import Alias, Frame
 from kg.symbolic.values import (
@@ -33,6 +34,8 @@ from kg.symbolic.values import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
     from kg.extract.cpp.calls import Overload
     from kg.extract.cpp.linking import Linker, Variable
     from kg.extract.cpp.units import Macro
@@ -49,6 +52,7 @@ class Cpp:
     """The meaning of C++ in one program, whose names `linker` finds."""
 
     machine: Machine
+    expressions: ClassVar[Mapping[type, Callable[[Any, Frame], Value]]] = {}
 
     def __init__(self, linker: Linker) -> None:
         self.linker = linker
@@ -66,9 +70,9 @@ class Cpp:
         self.initialise = self._constructions.initialise
         self.default = self._constructions.default
         self.escape = Callbacks(self).escape
-        self.elements = library.elements
-        self.with_element = library.with_element
-        self.counted = library.counted
+        self.elements = elements
+        self.with_element = with_element
+        self.counted = counted
 
     # Names
 
@@ -271,7 +275,7 @@ class Cpp:
 
     def element(self, of: Value, key: Value) -> Value:
         """Return the element of a container at a key."""
-        return library.element(of, key)
+        return element(of, key)
 
     def formatted(self, row: tuple[Value, ...]) -> Value:
         """Return the result of `%` between a format and values."""

@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING, Final
 
 from kg.extract.buildmodel import PluginClass, Registration, TargetKind
 from kg.extract.cpp import syntax
-from kg.extract.cpp.facts import facts_of, location
 from kg.extract.cpp.language import Cpp
-from kg.extract.cpp.library import COMMAND_LINE
 from kg.extract.cpp.linking import Linker
 from kg.extract.cpp.project import FRAMEWORKS, Project
+from kg.extract.declared import facts_of, location
 from kg.extract.manifests import read_build
 from kg.extract.marks import Extracted, Mark
 from kg.facts import Location, NodeKind, NodeType
 from kg.names import normalise
+from kg.symbolic.containers import COMMAND_LINE
 from kg.symbolic.descriptions import shipped
 from kg.symbolic.effects import Framework
 from kg.symbolic.machine import Machine

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, Protocol
 
 from kg.facts import Access, Interface, Location, Parameter, Resolution
 from kg.names import resolve
@@ -13,26 +13,37 @@ from kg.symbolic.values import Either, Number, Sequence, Text, Truth, Unknown, V
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from kg.extract.cpp.project import Project
+    from kg.corpus.files import FilePath
     from kg.facts import Role
     from kg.symbolic.effects import Declared
     from kg.symbolic.state import Site
 
-__all__ = ["facts_of", "location"]
+__all__ = ["Home", "facts_of", "location"]
 
 _ROS2: Final = 2
 _COUNT: Final = re.compile(r"argc(==|!=|>=|<=|>|<)(\d+)")
 
 
+class Home(Protocol):
+    """The package that a node belongs to."""
+
+    @property
+    def repository(self) -> str:
+        """The source of the package."""
+
+    def is_own(self, file: FilePath) -> bool:
+        """Return whether a file belongs to the package."""
+
+
 def facts_of(
-    declared: Iterable[Declared], project: Project, ros: int, alone: str
+    declared: Iterable[Declared], home: Home, ros: int, alone: str
 ) -> tuple[tuple[Interface, ...], tuple[Parameter, ...]]:
     """Return the interfaces and parameters that calls declared, each once; `alone` is the name of the node."""
     interfaces: dict[tuple[object, ...], Interface] = {}
     parameters: dict[tuple[object, ...], Parameter] = {}
     for one in declared:
         if one.effect.role is not None:
-            interface = _interface(one, one.effect.role, project, ros, alone)
+            interface = _interface(one, one.effect.role, home, ros, alone)
             unnamed = interface.location if interface.name is None and interface.parameter is None else None
             key: tuple[object, ...] = (interface.role, interface.name, interface.type, interface.parameter, unnamed)
             known = interfaces.get(key)
@@ -41,7 +52,7 @@ def facts_of(
             elif known.switches and not interface.switches:
                 interfaces[key] = replace(known, switches=())
         elif one.effect.access is not None:
-            parameter = _parameter(one, one.effect.access, project)
+            parameter = _parameter(one, one.effect.access, home)
             key = (parameter.name, parameter.access, parameter.location if parameter.name is None else None)
             held = parameters.get(key)
             if held is None or _better(parameter, held):
@@ -58,13 +69,13 @@ def _better(one: Parameter, other: Parameter) -> bool:
     return worth(one) > worth(other)
 
 
-def location(stack: tuple[Site, ...], project: Project) -> Location:
+def location(stack: tuple[Site, ...], home: Home) -> Location:
     """Return the innermost call in the node's own package, else the innermost of all."""
     for site in reversed(stack):
-        if site.line and project.is_own(site.unit.key):
+        if site.line and home.is_own(site.unit.key):
             return Location(site.unit.path, site.line)
     site, key = stack[-1], stack[-1].unit.key
-    return Location(key.path, site.line, key.repository if key.repository != project.repository else None)
+    return Location(key.path, site.line, key.repository if key.repository != home.repository else None)
 
 
 def _named(name: Text | Unknown) -> tuple[str | None, Resolution, str | None, str | None]:
@@ -84,14 +95,14 @@ def _named(name: Text | Unknown) -> tuple[str | None, Resolution, str | None, st
     return shown, name.resolution, name.parameter, name.reason
 
 
-def _interface(one: Declared, role: Role, project: Project, ros: int, alone: str) -> Interface:
+def _interface(one: Declared, role: Role, home: Home, ros: int, alone: str) -> Interface:
     name, resolution, parameter, reason = _named(one.name)
     return Interface(
         role=role,
         name=name,
         type=one.type,
         resolution=resolution,
-        location=location(one.stack, project),
+        location=location(one.stack, home),
         resolved=resolve(name, alone) if name is not None and "{" not in name else None,
         written=one.written,
         parameter=parameter,
@@ -103,14 +114,14 @@ def _interface(one: Declared, role: Role, project: Project, ros: int, alone: str
     )
 
 
-def _parameter(one: Declared, access: Access, project: Project) -> Parameter:
+def _parameter(one: Declared, access: Access, home: Home) -> Parameter:
     name, resolution, _, reason = _named(one.name)
     return Parameter(
         name=name,
         type=one.value_type,
         default=_written(one.default) if one.default is not None else None,
         access=access,
-        location=location(one.stack, project),
+        location=location(one.stack, home),
         resolution=resolution,
         reason=reason,
     )

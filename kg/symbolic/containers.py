@@ -1,0 +1,133 @@
+"""Containers of abstract values: their elements, and what a change of an element makes of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final, TypeGuard
+
+from kg.facts import Resolution
+from kg.symbolic import form
+from kg.symbolic.parameters import with_parameter
+from kg.symbolic.values import (
+    Enumerator,
+    Hole,
+    Mapping,
+    Number,
+    Object,
+    Sequence,
+    Text,
+    Unknown,
+    Value,
+    join,
+)
+
+if TYPE_CHECKING:
+    from kg.symbolic.form import Expression
+
+__all__ = ["COMMAND_LINE", "counted", "element", "elements", "is_unknown_parameter", "part_of", "with_element"]
+
+COMMAND_LINE: Final = Sequence((), open=True, parameter="argv")
+"""The arguments of the program, the program itself first."""
+
+
+def elements(of: Value) -> list[Value]:
+    """Return the elements of a container, or one that represents all of them."""
+    if isinstance(of, Sequence):
+        items = of.items if of.parameter is None else [with_parameter(item, f"{of.parameter}[]") for item in of.items]
+        return [*items, *([_some(of)] if of.open else [])]
+    if isinstance(of, Mapping):
+        return [Sequence(pair) for pair in of.items] + ([_some(of)] if of.open else [])
+    if is_unknown_parameter(of):
+        return [part_of(f"{of.parameter}[]")]
+    if isinstance(of, Object) and not of.made:
+        return [Unknown("it is an element of a container that comes from outside")]
+    return [Unknown("it is an element of a container that is not known")]
+
+
+def _argument_at(index: Value) -> Value:
+    """Return one of the arguments of the program, as the parameter `argv[1]`."""
+    if isinstance(index, Number) and index.value == 0:
+        return Text.hole("it is the name of the program")
+    name = f"argv[{int(index.value)}]" if isinstance(index, Number) else "argv[]"
+    return Text((Hole(),), Resolution.LAUNCH_ARGUMENT, name, f"it is the argument {name} of the command line")
+
+
+def is_unknown_parameter(of: Value) -> TypeGuard[Text | Unknown]:
+    """Check whether a value is a parameter of which no default is known."""
+    return isinstance(of, Text | Unknown) and of.parameter is not None and (isinstance(of, Unknown) or of.known is None)
+
+
+def part_of(name: str) -> Text:
+    """Return an element of a parameter that is a list or a map."""
+    return Text.hole(f"it is part of a parameter: {name}", parameter=name)
+
+
+def _some(of: Sequence | Mapping) -> Value:
+    if of.parameter is not None:
+        return part_of(f"{of.parameter}[]")
+    return Unknown("it is an element that was added when the program runs")
+
+
+def element(of: Value, key: Value) -> Value:
+    """Return the element of a container at a key, or what any of them can be."""
+    if isinstance(of, Sequence) and of.parameter == "argv":
+        return _argument_at(key)
+    if isinstance(of, Sequence):
+        if isinstance(key, Number):
+            index = int(key.value)
+            return of.items[index] if 0 <= index < len(of.items) else Unknown("the list has no such element")
+        return join(*of.items) if of.items else Unknown("the list is empty")
+    if isinstance(of, Mapping):
+        if isinstance(key, Text) and key.known is not None:
+            found = [value for own, value in of.items if isinstance(own, Text) and own.known == key.known]
+        elif isinstance(key, Number):
+            found = [value for own, value in of.items if isinstance(own, Number) and own.value == key.value]
+        elif isinstance(key, Enumerator):
+            found = [value for own, value in of.items if own == key]
+        else:
+            found = [value for _, value in of.items]
+        return join(*found) if found else Unknown("the map has no such key")
+    if is_unknown_parameter(of):
+        part = f".{key.known}" if isinstance(key, Text) and key.known is not None else "[]"
+        return part_of(f"{of.parameter}{part}")
+    return Unknown("the elements of the container are not known")
+
+
+def with_element(of: Value, key: Value, value: Value) -> Value:
+    """Return a container with an element set."""
+    if isinstance(of, Sequence) and isinstance(key, Number) and 0 <= int(key.value) < len(of.items):
+        items = list(of.items)
+        items[int(key.value)] = value
+        return replace(of, items=tuple(items))
+    pairs = of.items if isinstance(of, Mapping) else ()
+    if isinstance(of, Mapping) or (isinstance(of, Sequence) and not of.items):
+        kept = tuple(pair for pair in pairs if pair[0] != key)
+        return Mapping((*kept, (key, value)))
+    return of
+
+
+def counted(loop: form.Loop) -> list[Expression]:
+    """Return the variables that the body or the step of a loop increments."""
+    found: list[Expression] = []
+    pending: list[object] = [loop.step, loop.body]
+    while pending:
+        one = pending.pop()
+        if isinstance(one, form.Unary):
+            if one.sign in ("++", "--"):
+                found.append(one.operand)
+            pending.append(one.operand)
+        elif isinstance(one, form.Assign):
+            if one.sign in ("+", "-"):
+                found.append(one.target)
+            pending.append(one.value)
+        elif isinstance(one, form.Block):
+            pending += one.body
+        elif isinstance(one, form.Step):
+            pending.append(one.value)
+        elif isinstance(one, form.Binary):
+            pending += one.operands
+        elif isinstance(one, form.Call):
+            pending += one.arguments
+        elif isinstance(one, form.Branch):
+            pending += [body for _, body in one.arms]
+    return found
