@@ -67,6 +67,8 @@ class CallDescription:
     """Whether it loads the nodelet that its second argument names."""
     options: bool = False
     """Whether it stores the interface in its object, for a call that receives the object."""
+    parameters: tuple[str, ...] = ()
+    """The names of its parameters in order, for arguments by name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,21 +91,31 @@ class ClassDescription:
     members: tuple[tuple[str, str], ...] = ()
     """Members that it sets to node handles, with their namespaces."""
     unless: int | None = None
+    """The argument that turns the effects off if it is `false`."""
     replaces: bool = False
     """Whether the description is used even if the sources of the class are in the build."""
-    """The argument that turns the effects off if it is `false`."""
+    parameters: tuple[str, ...] = ()
+    namespace: int | None = None
+    """The argument with the namespace of the node."""
+    detail: int | None = None
+    """The argument that the mark takes with it."""
+    under: int | None = None
+    """The argument with the namespace of the mark."""
 
 
 @dataclass(slots=True)
 class Descriptions:
-    """All descriptions, by the last part of the described name."""
+    """All descriptions for one language, by the last part of the described name."""
 
+    language: str = "cpp"
     calls: dict[str, list[CallDescription]] = field(default_factory=lambda: defaultdict(list))
     classes: dict[str, list[ClassDescription]] = field(default_factory=lambda: defaultdict(list))
 
     def read(self, text: str) -> None:
         """Add the descriptions of a file."""
         data = tomllib.loads(text)
+        if data.get("language", "cpp") != self.language:
+            return
         ros = data.get("ros", 0)
         for row in data.get("class", ()):
             for name in _names(row):
@@ -152,6 +164,7 @@ def _call(row: dict[str, Any], ros: int) -> CallDescription:
         (copies[0], copies[1]) if copies else None,
         row.get("loads", False),
         row.get("options", False),
+        tuple(row.get("parameters", ())),
     )
 
 
@@ -179,17 +192,21 @@ def _class(name: str, row: dict[str, Any], ros: int) -> ClassDescription:
         tuple(row.get("members", {}).items()),
         row.get("unless"),
         row.get("replaces", False),
+        tuple(row.get("parameters", ())),
+        row.get("namespace"),
+        row.get("detail"),
+        row.get("under"),
     )
 
 
-def shipped() -> Descriptions:
-    """Return the descriptions that come with kg."""
-    return _read(tuple(sorted((folder("ontology") / "calls").glob("*.toml"))))
+def shipped(language: str = "cpp") -> Descriptions:
+    """Return the descriptions for a language that come with kg."""
+    return _read(tuple(sorted((folder("ontology") / "calls").glob("*.toml"))), language)
 
 
 @cache
-def _read(files: tuple[Any, ...]) -> Descriptions:
-    found = Descriptions()
+def _read(files: tuple[Any, ...], language: str) -> Descriptions:
+    found = Descriptions(language)
     for file in files:
         found.read(file.read_text(encoding="utf-8"))
     return found

@@ -177,11 +177,13 @@ class Framework:
         described = self.descriptions.class_named(kind.names)
         return described is not None and described.replaces
 
-    def construct(self, kind: Kind, arguments: list[Value]) -> Value | None:
+    def construct(self, kind: Kind, given: Arguments) -> Value | None:
         """Return an object of a framework class, and apply the effects of its construction."""
         described = self.descriptions.class_named(kind.names)
         if described is None:
             return None
+        given = given.placed(described.parameters)
+        arguments = given.values
         what, _, detail = described.is_a.partition(":")
         first = arguments[0] if arguments else None
         if what in _NODES and len(arguments) == 1 and isinstance(first, Object) and first.kind.names == kind.names:
@@ -193,16 +195,16 @@ class Framework:
         if what == "duration":
             return durations.made_duration(kind, float(detail), arguments)
         made = Object(kind, line=self.machine.stack[-1].line if self.machine.stack else 0)
-        self._construct(made, kind, described, arguments)
+        self._construct(made, kind, described, given)
         return made
 
-    def construct_base(self, made: Object, kind: Kind, arguments: list[Value]) -> None:
+    def construct_base(self, made: Object, kind: Kind, given: Arguments) -> None:
         """Run the constructor of a framework class for an object of a class that derives from it."""
         described = self.descriptions.class_named(kind.names)
         if described is not None:
-            self._construct(made, kind, described, arguments)
+            self._construct(made, kind, described, given.placed(described.parameters))
         else:
-            self.machine.language.escape(arguments)
+            self.machine.language.escape([*given.values, *given.named.values()])
 
     def constructed(self, made: Object) -> None:
         """Schedule the methods of an object that a framework calls after construction."""
@@ -212,7 +214,8 @@ class Framework:
                 if language.methods(made.kind, name):
                     language.escape([Bound(name, made)])
 
-    def _construct(self, made: Object, kind: Kind, described: ClassDescription, arguments: list[Value]) -> None:
+    def _construct(self, made: Object, kind: Kind, described: ClassDescription, given: Arguments) -> None:
+        arguments = given.values
         for name, namespace in described.members:
             made.fields[name] = _handle(namespace)
         if described.is_a == "handle":
@@ -224,20 +227,30 @@ class Framework:
         elif described.is_a == "qos":
             qos.construct(made, kind, arguments)
         if described.mark is not None:
-            detail = next(iter(arguments if described.mark == "bond" else kind.arguments), None)
-            nodes = [one for value in arguments for one in alternatives(value) if isinstance(one, Object)]
-            owner = next((one for one in nodes if self.is_node(one)), None)
-            self.marks.append((described.mark, owner, tuple(self.machine.stack), detail))
+            self._mark(described.mark, kind, described, Invocation(None, given))
         off = described.unless is not None and arguments[described.unless : described.unless + 1] == [Truth(False)]
         node, rest = self._shifted(described.node, arguments)
         if described.effects and not off and described.least <= len(rest) <= described.most:
             for effect in described.effects:
                 for row in combinations(rest):
-                    self._apply(effect, Invocation(node, Arguments(list(row)), kind))
-        self.machine.language.escape(arguments)
+                    self._apply(effect, Invocation(node, replace(given, values=list(row)), kind))
+        self.machine.language.escape([*arguments, *given.named.values()])
+
+    def _mark(self, key: str, kind: Kind, described: ClassDescription, call: Invocation) -> None:
+        """Record the use of a framework, with the argument that it takes and the namespace that it is in."""
+        arguments = call.arguments.values
+        detail = call.argument(described.detail) or next(iter(kind.arguments), None)
+        namespace = call.argument(described.under)
+        if namespace is not None:
+            owner: Object | None = Object(Kind(("namespace",)), native={"namespace": below(EMPTY, namespace)})
+        else:
+            nodes = (one for value in arguments for one in alternatives(value) if isinstance(one, Object))
+            owner = next((one for one in nodes if self.is_node(one)), None)
+        self.marks.append((key, owner, tuple(self.machine.stack), detail))
 
     def _construct_node(self, made: Object, described: ClassDescription, arguments: list[Value]) -> None:
-        made.native["namespace"] = EMPTY
+        given = Invocation(None, Arguments(arguments)).argument(described.namespace)
+        made.native["namespace"] = given if isinstance(given, Text) else EMPTY
         if described.node_name is not None and len(arguments) > described.node_name:
             made.native["name"] = arguments[described.node_name]
         if made in self.nodes:
@@ -279,22 +292,27 @@ class Framework:
             if changed is not None:
                 return changed
         for described in self.descriptions.calls.get(name, ()):
-            if described.least <= len(given.values) <= described.most and self._applies(described, of):
+            if not self._applies(described, of):
+                continue
+            placed = given.placed(described.parameters)
+            if described.least <= len(placed.values) <= described.most:
                 node: Value | None = of
                 if described.node is not None:
-                    node, rest = self._shifted(described.node, given.values)
-                    given = replace(given, values=rest)
-                return self._run(described, Invocation(node, given, of.kind))
+                    node, rest = self._shifted(described.node, placed.values)
+                    placed = replace(placed, values=rest)
+                return self._run(described, Invocation(node, placed, of.kind))
         return None
 
     def call_function(self, names: tuple[str, ...], given: Arguments) -> Value | None:
         """Apply the effects of a function of a framework; None if it is not described."""
         uses = given.frame.unit.uses if given.frame is not None else ()
         for described in self.descriptions.calls.get(names[-1], ()):
-            count = described.least <= len(given.values) <= described.most
-            if count and described.scopes and _in_scope(described.scopes, names[:-1], uses):
-                node, rest = self._shifted(described.node, given.values)
-                return self._run(described, Invocation(node, replace(given, values=rest)))
+            if not described.scopes or not _in_scope(described.scopes, names[:-1], uses):
+                continue
+            placed = given.placed(described.parameters)
+            if described.least <= len(placed.values) <= described.most:
+                node, rest = self._shifted(described.node, placed.values)
+                return self._run(described, Invocation(node, replace(placed, values=rest)))
         return None
 
     def _run(self, described: CallDescription, call: Invocation) -> Value:
@@ -317,7 +335,7 @@ class Framework:
             results = [self._apply(effect, replace(call, node=one, arguments=row)) for one in nodes for row in rows]
             values = [one for one in results if one is not None]
             value = join(*values) if values else None
-        self.machine.language.escape(given.values)
+        self.machine.language.escape([*given.values, *given.named.values()])
         if described.copies is not None and given.frame is not None and described.copies[1] < len(given.written):
             source, target = described.copies
             self.machine.put(given.written[target], given.values[source], given.frame)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum, auto
 from typing import TYPE_CHECKING, Final, TypeAlias, TypeVar, cast
 
-from kg.symbolic.values import Pack, Value
+from kg.symbolic.form import Opaque
+from kg.symbolic.values import ABSENT, Pack, Value
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Mapping
 
     from kg.symbolic.form import Call, Expression, Type, Unit
     from kg.symbolic.language import Language
@@ -89,11 +90,33 @@ class Arguments:
     template: tuple[Value, ...] = ()
     call: Call | None = None
     frame: Frame | None = None
+    named: Mapping[str, Value] = field(default_factory=dict)
+    """The values of arguments by name."""
+    expressions: tuple[Expression, ...] | None = None
+    """The arguments as expressions, where they are in another order than in the call."""
 
     @property
     def written(self) -> tuple[Expression, ...]:
         """The arguments as expressions."""
+        if self.expressions is not None:
+            return self.expressions
         return self.call.arguments if self.call is not None else ()
+
+    def placed(self, parameters: tuple[str, ...]) -> Arguments:
+        """Return the arguments with those by name at the places of parameters."""
+        if not parameters or not self.named:
+            return self
+        given = dict(self.call.keywords) if self.call is not None else {}
+        values, written = list(self.values), list(self.written)
+        for index, name in enumerate(parameters):
+            if name not in self.named or index < len(self.values):
+                continue
+            while len(values) <= index:
+                values.append(ABSENT)
+            values[index] = self.named[name]
+            written += [Opaque(0, "")] * (index + 1 - len(written))
+            written[index] = given.get(name, written[index])
+        return replace(self, values=values, named={}, expressions=tuple(written))
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +130,8 @@ class Invocation:
     def argument(self, index: int | None) -> Value | None:
         """Return the value of an argument; None if the call has no such argument."""
         values = self.arguments.values
-        return values[index] if index is not None and index < len(values) else None
+        found = values[index] if index is not None and index < len(values) else None
+        return None if found is ABSENT else found
 
     def declared(self, index: int | None, language: Language) -> Kind | None:
         """Return the declared type of the variable that is passed as an argument."""

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from kg.symbolic.state import Frame
 
 __all__ = [
+    "ABSENT",
     "PLACEHOLDER",
     "Bound",
     "Closure",
@@ -194,6 +195,8 @@ class Closure:
     function: Function
     frame: Frame
     bound: tuple[Value, ...] = ()
+    named: tuple[tuple[str, Value], ...] = ()
+    """Arguments by name that are already given."""
 
 
 @dataclass(slots=True, eq=False)
@@ -237,6 +240,8 @@ class Either:
     items: tuple[Value, ...]
 
 
+ABSENT: Final = Unknown("it is not given")
+"""An argument that a call leaves out before others."""
 PLACEHOLDER: Final = Unknown("it is given when the function is called")
 """An argument that the caller of a bound function supplies: `_1`."""
 

@@ -10,7 +10,7 @@ from kg.extract.cpp.calls import fits
 from kg.extract.cpp.kinds import frame_of, inside
 from kg.symbolic import form
 from kg.symbolic.kinds import POINTER_ALIASES, POINTERS
-from kg.symbolic.state import Frame, Site
+from kg.symbolic.state import Arguments, Frame, Site
 from kg.symbolic.values import Kind, Object, Sequence, Text, TypeValue, Unknown, Value
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ class Constructions:
         """Return an object of a class outside of the sources: of a framework, of a library, or unknown."""
         if _is_pointer(kind):
             return arguments[0] if arguments else Unknown("it is null")
-        known = self._language.machine.framework.construct(kind, arguments)
+        known = self._language.machine.framework.construct(kind, Arguments(arguments))
         if known is None:
             known = library.construct(self._language, kind, arguments, listed=listed)
         if known is not None:
@@ -102,7 +102,7 @@ class Constructions:
         """
         cls, machine = kind.cls, self._language.machine
         if cls is None:
-            machine.framework.construct_base(made, kind, arguments)
+            machine.framework.construct_base(made, kind, Arguments(arguments))
             return
         if len(machine.stack) > _DEEPEST:
             machine.bounds.add("depth")
