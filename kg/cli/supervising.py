@@ -49,6 +49,9 @@ def is_out_of_memory(error: BaseException | None) -> bool:
     while error is not None:
         if isinstance(error, MemoryError) or getattr(error, "errno", None) == errno.ENOMEM:
             return True
+        # A C extension that does not report why it failed: without a limit, that is a defect.
+        if isinstance(error, SystemError) and address_space():
+            return True
         if any(words in str(error) for words in _WORDS):
             return True
         error = error.__cause__ or error.__context__

@@ -13,6 +13,7 @@ from patience import patient
 from repository import ROOT
 from workspaces import example
 
+from kg.cli.supervising import is_out_of_memory
 from kg.store.layout import Layout
 
 if TYPE_CHECKING:
@@ -77,3 +78,12 @@ def test_below_the_limit_a_command_ends_as_without_one(tmp_path: Path) -> None:
     assert (code, words) == kg(*store, "build", str(tmp_path / "nowhere"))
     assert code == 3
     assert kg(*store, "build", ROVER, "--memory", "4G")[0] == 0
+
+
+@pytest.mark.parametrize("limit", [0, 1 << 30])
+def test_a_failure_without_a_reason_counts_under_a_limit_alone(monkeypatch: pytest.MonkeyPatch, limit: int) -> None:
+    """C extensions that could not allocate may end a call without an exception."""
+    monkeypatch.setattr("kg.cli.supervising.address_space", lambda: limit)
+    error = ImportError("cannot import")
+    error.__cause__ = SystemError("error return without exception set")
+    assert is_out_of_memory(error) is bool(limit)
