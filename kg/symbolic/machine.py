@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Final
 from kg.symbolic import form
 from kg.symbolic.operators import (
     NULL,
+    chosen,
     compute,
     for_each,
     logical,
@@ -408,7 +409,7 @@ class Machine:
         sign = expression.sign
         if sign in ("&&", "||", "and", "or"):
             operands = (partial(self.value, operand, frame) for operand in expression.operands)
-            return logical(operands, all_of=sign in ("&&", "and"))
+            return (logical if sign in ("&&", "||") else chosen)(operands, all_of=sign in ("&&", "and"))
         values = [self.value(operand, frame) for operand in expression.operands]
         if sign == ",":
             return values[-1] if values else Unknown("it is empty")
@@ -480,8 +481,23 @@ class Machine:
             containers = alternatives(self.value(target.of, frame))
             key = self.value(target.key, frame)
             self.assign(target.of, join(*(self.language.with_element(one, key, value) for one in containers)), frame)
+        elif isinstance(target, form.Display):
+            self._unpack(target.items, value, frame)
         elif isinstance(target, form.Unary) and target.sign == "*":
             self.assign(target.operand, value, frame)
+
+    def _unpack(self, targets: tuple[Expression, ...], value: Value, frame: Frame) -> None:
+        """Set several targets to the elements of a collection."""
+        rows = [self.language.elements(one) for one in alternatives(value)]
+        fitting = [row for row in rows if len(row) == len(targets)]
+        for index, target in enumerate(targets):
+            if isinstance(target, form.Spread):
+                self.assign(target.of, Unknown("it is the rest of a collection"), frame)
+            elif fitting:
+                self.assign(target, join(*(row[index] for row in fitting)), frame)
+            else:
+                parts = (self.language.element(one, number(index)) for one in alternatives(value))
+                self.assign(target, join(*parts), frame)
 
     def _opaque(self, expression: form.Opaque, frame: Frame) -> Value:
         for part in expression.parts:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from kg.symbolic.durations import scaled
@@ -12,11 +13,13 @@ from kg.symbolic.values import (
     Either,
     Enumerator,
     Guard,
+    Mapping,
     Number,
     Object,
     Sequence,
     Text,
     Truth,
+    TypeValue,
     Unknown,
     Value,
     concatenate,
@@ -27,16 +30,29 @@ from kg.symbolic.values import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-__all__ = ["NULL", "compute", "for_each", "logical", "negate", "negated_term", "negative", "terms_of", "truth"]
+__all__ = [
+    "NULL",
+    "chosen",
+    "compute",
+    "for_each",
+    "logical",
+    "negate",
+    "negated_term",
+    "negative",
+    "terms_of",
+    "truth",
+]
 
 NULL: Final = Unknown("it is null")
 _COMPUTED: Final = Unknown("it is computed when the program runs")
 _NEGATED: Final = {"==": "!=", "!=": "==", "<": ">=", ">": "<=", "<=": ">", ">=": "<"}
+_NOT_NULL: Final = (Object, Text, Number, Truth, Sequence, Mapping, TypeValue, Closure, Bound)
 _LARGEST_EXPONENT: Final = 64
 _ARITHMETIC: Final[dict[str, Callable[[float, float], float]]] = {
     "-": lambda a, b: a - b,
     "*": lambda a, b: a * b,
     "/": lambda a, b: a / b,
+    "true/": lambda a, b: a / b,
     "//": lambda a, b: a // b,
     "%": math.fmod,
     "**": lambda a, b: a**b if abs(b) < _LARGEST_EXPONENT else float("nan"),
@@ -44,6 +60,36 @@ _ARITHMETIC: Final[dict[str, Callable[[float, float], float]]] = {
     "&": lambda a, b: float(int(a) & int(b)),
     "<<": lambda a, b: float(int(a) << int(b)) if b < _LARGEST_EXPONENT else float("nan"),
 }
+
+
+def chosen(operands: Iterable[Callable[[], Value]], *, all_of: bool) -> Value:
+    """Return the operand that `and` or `or` of Python gives, or the condition that they are together.
+
+    Of operands that are not certain, `or` can give each, `and` only the last, since the others are then empty.
+    """
+    seen: list[Value] = []
+    uncertain: list[Value] = []
+    for operand in operands:
+        seen.append(operand())
+        condition = truth(seen[-1])
+        if not isinstance(condition, Truth):
+            uncertain.append(_without_empty(seen[-1]))
+        elif condition.value != all_of:
+            break
+    if all(isinstance(value, Truth | Guard | Unknown) and value != NULL for value in seen):
+        return logical((partial(_same, value) for value in seen), all_of=all_of)
+    return seen[-1] if all_of else join(*uncertain, seen[-1])
+
+
+def _same(value: Value) -> Value:
+    return value
+
+
+def _without_empty(value: Value) -> Value:
+    """Return a parameter whose default is empty as one without default."""
+    if isinstance(value, Text) and value.known == "":
+        return Unknown(f"the parameter {value.parameter} is empty by default", value.parameter)
+    return value
 
 
 def for_each(value: Value, apply: Callable[[Value], Value]) -> Value:
@@ -57,12 +103,18 @@ def compute(sign: str, row: tuple[Value, ...]) -> Value:
     """Return the result of an operator on values without alternatives."""
     if sign in _NEGATED:
         return _compared(sign, row)
+    if sign == "in":
+        return _contained(row[0], row[1])
+    if sign == "|" and all(isinstance(value, Mapping) for value in row):
+        return Mapping(
+            tuple({key: value for one in row if isinstance(one, Mapping) for key, value in one.items}.items())
+        )
     duration = scaled(sign, row)
     if duration is not None:
         return duration
     if sign == "+":
         return _sum(row)
-    if sign == "/" and any(isinstance(value, Text) for value in row):
+    if sign in ("/", "true/") and any(isinstance(value, Text) for value in row):
         parts: list[Value] = [row[0]]
         for value in row[1:]:
             parts += [Text.of("/"), value]
@@ -96,6 +148,21 @@ def _sum(row: tuple[Value, ...]) -> Value:
     return concatenate(*row) if any(isinstance(value, Text) for value in row) else Unknown("it is computed")
 
 
+def _contained(item: Value, container: Value) -> Value:
+    """Check whether a container or a text has an item."""
+    if isinstance(container, Text) and isinstance(item, Text):
+        if container.known is not None and item.known is not None and container.parameter is None:
+            return Truth(item.known in container.known)
+    elif isinstance(container, Sequence | Mapping) and not container.open and container.parameter is None:
+        keys = container.items if isinstance(container, Sequence) else [key for key, _ in container.items]
+        found = [_compared("==", (item, key)) for key in keys]
+        if Truth(True) in found:
+            return Truth(True)
+        if all(one == Truth(False) for one in found):
+            return Truth(False)
+    return Unknown("it depends on a value", getattr(container, "parameter", None))
+
+
 def _compared(sign: str, row: tuple[Value, ...]) -> Value:
     left, right = row[0], row[-1]
     parameter: str | None = next((v for v in (getattr(v, "parameter", None) for v in row) if v), None)
@@ -106,10 +173,11 @@ def _compared(sign: str, row: tuple[Value, ...]) -> Value:
         if sign in ("==", "!=") and constant is not None:
             return Guard((parameter if constant.value == (sign == "==") else f"!{parameter}",))
         return Unknown("it depends on a parameter", parameter)
-    if isinstance(left, Object) and right == NULL and sign in ("==", "!="):
-        return Truth(sign == "!=")
-    if isinstance(left, Enumerator) and isinstance(right, Enumerator) and sign in ("==", "!="):
-        return Truth((left == right) == (sign == "=="))
+    if sign in ("==", "!="):
+        if right == NULL and (left == NULL or isinstance(left, _NOT_NULL)):
+            return Truth((left == NULL) == (sign == "=="))
+        if isinstance(left, Enumerator | TypeValue) and type(left) is type(right):
+            return Truth((left == right) == (sign == "=="))
     one, other = _plain(left), _plain(right)
     if one is None or other is None or type(one) is not type(other):
         return Unknown("it depends on a comparison")
@@ -165,7 +233,11 @@ def truth(value: Value) -> Truth | Guard | Unknown:
         return Truth(value.value != 0) if value.parameter is None else Unknown("it depends", value.parameter)
     if isinstance(value, Object):
         return Truth(True) if value.made else Unknown("it may be null")
-    if isinstance(value, Closure | Bound):
+    if isinstance(value, Text) and value.known is not None:
+        return Truth(value.known != "") if value.parameter is None else Unknown("it depends", value.parameter)
+    if isinstance(value, Sequence | Mapping) and not value.open:
+        return Truth(bool(value.items)) if value.parameter is None else Unknown("it depends", value.parameter)
+    if isinstance(value, Closure | Bound | TypeValue):
         return Truth(True)
     return Unknown("it depends on a value")
 

@@ -31,7 +31,8 @@ def spelled(expression: Expression) -> str:
         case form.Binary():
             return f" {expression.sign} ".join(map(spelled, expression.operands))
         case form.Unary():
-            return f"{expression.sign}{spelled(expression.operand)}"
+            space = " " if expression.sign.isalpha() else ""
+            return f"{expression.sign}{space}{spelled(expression.operand)}"
         case form.Index():
             return f"{spelled(expression.of)}[{spelled(expression.key)}]"
         case form.Choice():

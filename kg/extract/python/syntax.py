@@ -15,7 +15,16 @@ from tree_sitter import Language, Parser, Query, QueryCursor
 if TYPE_CHECKING:
     from tree_sitter import Node, Tree
 
-__all__ = ["argument_nodes", "captures", "code", "first_error", "parse", "strip_parentheses"]
+__all__ = [
+    "argument_nodes",
+    "captures",
+    "code",
+    "first_error",
+    "line_of",
+    "operands_of",
+    "parse",
+    "strip_parentheses",
+]
 
 
 _PATTERNS: Final = """
@@ -79,6 +88,23 @@ def first_error(root: Node) -> int | None:
 def code(node: Node | None) -> str:
     """Return the text of a node, and nothing for no node."""
     return (node.text or b"").decode("utf-8", "replace") if node is not None else ""
+
+
+def line_of(node: Node) -> int:
+    """Return the line where a node begins, from 1."""
+    return int(node.start_point[0]) + 1
+
+
+def operands_of(node: Node, sign: str) -> list[Node]:
+    """Return the operands of a chain of one left-associative operator, in order."""
+    found: list[Node] = []
+    held: Node | None = node
+    while held is not None and held.type == node.type and code(held.child_by_field_name("operator")) == sign:
+        right = held.child_by_field_name("right")
+        if right is not None:
+            found.append(right)
+        held = held.child_by_field_name("left")
+    return [*([held] if held is not None else []), *reversed(found)]
 
 
 def strip_parentheses(node: Node) -> Node:
