@@ -10,7 +10,7 @@ import os
 import random
 import re
 from collections import Counter, defaultdict
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Final
 
@@ -182,13 +182,21 @@ def _facts(facts: Facts, lines: SourceLines, size: int, seed: int) -> tuple[list
     """Return sampled facts with whether their lines hold them, and how many of the sample have no line here."""
     judged, absent = [], 0
     for relation, pair in drawn(facts, tuple(STATED), size, seed):
-        fact = facts.told(relation, pair)
+        fact = _at_call(facts.told(relation, pair))
         text = lines.lines(fact.file_repository, fact.path)
         if text is None or not 0 < fact.line <= len(text):
             absent += 1
         else:
             judged.append((fact, holds(fact, text)))
     return judged, absent
+
+
+def _at_call(fact: Fact) -> Fact:
+    """Return a fact at the line that calls the framework, where that is in another package than the node."""
+    if fact.call is None:
+        return fact
+    source = fact.call.repository or fact.repository
+    return replace(fact, file_repository=source, path=fact.call.path, line=fact.call.line)
 
 
 _WORDS: Final = {

@@ -12,10 +12,12 @@ from typing import TYPE_CHECKING, Final
 from urllib.parse import unquote
 
 from kg.graph import vocabulary as v
+from kg.graph.chains import chain_of
 from kg.graph.iris import is_source_graph
 from kg.query.rows import rows
 
 if TYPE_CHECKING:
+    from kg.facts import Location
     from kg.store.interface import Snapshot
 
 __all__ = ["INFERRED", "RELATIONS", "STATED", "Fact", "Facts"]
@@ -70,6 +72,8 @@ class Fact:
     file_repository: str
     path: str
     line: int
+    call: Location | None = None
+    """The call of the framework, where it is in a wrapper or base class of another package."""
 
 
 class Facts:
@@ -111,6 +115,7 @@ class Facts:
             told.get(v.bare(v.IN_REPOSITORY), repository),
             told[v.bare(v.PATH)],
             int(told[v.bare(v.LINE)]),
+            next(reversed(chain_of(told.get(v.bare(v.VIA)))), None),
         )
 
 

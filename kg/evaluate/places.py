@@ -1,4 +1,4 @@
-"""Where the graph has ends and parameters: by file and line, as it was read."""
+"""Where the graph has ends and parameters: by file and line, and where they call the framework."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.evaluate.facts import STATED
 from kg.graph import vocabulary as v
+from kg.graph.chains import chain_of
 from kg.graph.iris import is_source_graph
 from kg.query.rows import rows
 
@@ -17,6 +18,7 @@ __all__ = ["Places"]
 
 _REPOSITORY: Final = "SELECT ?name { GRAPH %s { ?repository a rnkg:Repository ; rnkg:name ?name } }"
 _LINES: Final = "SELECT ?part ?class ?path ?line { GRAPH %s { ?part a ?class ; rnkg:path ?path ; rnkg:line ?line } }"
+_CALLS: Final = "SELECT ?class ?via { GRAPH %s { ?part a ?class ; rnkg:via ?via } }"
 _ELSEWHERE: Final = "SELECT ?part ?repository { GRAPH %s { ?part rnkg:repository ?repository } }"
 _FILES: Final = "SELECT ?path ?digest { GRAPH %s { ?file rnkg:path ?path ; rnkg:digest ?digest } }"
 _FOLDERS: Final = "SELECT ?folder { GRAPH %s { ?package a rnkg:Package ; rnkg:folder ?folder } }"
@@ -41,6 +43,9 @@ class Places:
         for part, kind, path, line in rows(self._snapshot, _LINES % graph):
             if kind in kinds:
                 self._lines[kinds[kind], elsewhere.get(part, repository), path].add(int(line))
+        for kind, chain in rows(self._snapshot, _CALLS % graph):
+            for call in chain_of(chain)[-1:]:
+                self._lines[kinds[kind], call.repository or repository, call.path].add(call.line)
         for path, value in rows(self._snapshot, _FILES % graph):
             self._digests[repository, path] = value
         self._folders[repository].update(folder or "." for (folder,) in rows(self._snapshot, _FOLDERS % graph))

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from kg.symbolic.effects import Declared
     from kg.symbolic.state import Site
 
-__all__ = ["Home", "facts_of", "location"]
+__all__ = ["Home", "evidence", "facts_of"]
 
 _ROS2: Final = 2
 _COUNT: Final = re.compile(r"argc(==|!=|>=|<=|>|<)(\d+)")
@@ -69,12 +69,16 @@ def _better(one: Parameter, other: Parameter) -> bool:
     return worth(one) > worth(other)
 
 
-def location(stack: tuple[Site, ...], home: Home) -> Location:
-    """Return the innermost call in the node's own package, else the innermost of all."""
-    for site in reversed(stack):
-        if site.line and home.is_own(site.unit.key):
-            return Location(site.unit.path, site.line)
-    site, key = stack[-1], stack[-1].unit.key
+def evidence(stack: tuple[Site, ...], home: Home) -> tuple[Location, tuple[Location, ...]]:
+    """Return the innermost call in the node's own package, else the innermost of all, and the calls from there on."""
+    sites = [site for site in stack if site.line] or [stack[-1]]
+    own = (index for index in reversed(range(len(sites))) if home.is_own(sites[index].unit.key))
+    first, *calls = (_place(site, home) for site in sites[next(own, -1) :])
+    return first, tuple(dict.fromkeys(calls))
+
+
+def _place(site: Site, home: Home) -> Location:
+    key = site.unit.key
     return Location(key.path, site.line, key.repository if key.repository != home.repository else None)
 
 
@@ -97,12 +101,13 @@ def _named(name: Text | Unknown) -> tuple[str | None, Resolution, str | None, st
 
 def _interface(one: Declared, role: Role, home: Home, ros: int, alone: str) -> Interface:
     name, resolution, parameter, reason = _named(one.name)
+    place, via = evidence(one.stack, home)
     return Interface(
         role=role,
         name=name,
         type=one.type,
         resolution=resolution,
-        location=location(one.stack, home),
+        location=place,
         resolved=resolve(name, alone) if name is not None and "{" not in name else None,
         written=one.written,
         parameter=parameter,
@@ -111,19 +116,22 @@ def _interface(one: Declared, role: Role, home: Home, ros: int, alone: str) -> I
         reason=reason,
         arguments=_least_arguments(one.guards),
         switches=tuple(term for term in one.guards if not term.startswith(("argc", "?", "!?"))),
+        via=via,
     )
 
 
 def _parameter(one: Declared, access: Access, home: Home) -> Parameter:
     name, resolution, _, reason = _named(one.name)
+    place, via = evidence(one.stack, home)
     return Parameter(
         name=name,
         type=one.value_type,
         default=_written(one.default) if one.default is not None else None,
         access=access,
-        location=location(one.stack, home),
+        location=place,
         resolution=resolution,
         reason=reason,
+        via=via,
     )
 
 

@@ -166,6 +166,11 @@ class Interface:
     """How many arguments the command line has to have for the node to make it."""
     switches: tuple[str, ...] = ()
     """Boolean parameters that have to be true for the node to make it; those that must not be have a `!` in front."""
+    via: tuple[Location, ...] = ()
+    """The calls from `location`, the innermost one in the node's own package, to the framework call, which is last.
+
+    Empty if the framework is called at `location`.
+    """
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,6 +192,8 @@ class Parameter:
     reason: str | None = None
     description: str | None = None
     """What the declaration says of it in words (`generate_parameter_library`, dynamic_reconfigure, a descriptor)."""
+    via: tuple[Location, ...] = ()
+    """As for `Interface.via`."""
 
 
 @dataclass(frozen=True, slots=True)

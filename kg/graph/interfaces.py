@@ -88,7 +88,7 @@ def interface(scope: Scope, owner: str, fact: Interface) -> None:
     writer.text(part, v.RESOLVED_NAME, fact.resolved)
     writer.add(part, v.RESOLUTION, v.rnkg(fact.resolution))
     writer.add(part, v.IMPLICIT, boolean(fact.implicit))
-    scope.evidence(part, fact.location)
+    scope.evidence(part, fact.location, fact.via)
     kind = interface_type(scope, shape.type_kind, fact.type) if fact.type else None
     if kind:
         writer.add(part, shape.has_type, kind)

@@ -62,4 +62,4 @@ def _parameter(scope: Scope, owner: str, fact: Parameter) -> None:
     writer.add(part, v.IMPLICIT, boolean(fact.implicit))
     writer.text(part, v.ORIGIN, fact.origin)
     writer.text(part, v.REASON, fact.reason)
-    scope.evidence(part, fact.location)
+    scope.evidence(part, fact.location, fact.via)

@@ -24,6 +24,7 @@ from kg.facts import (
     Role,
 )
 from kg.graph import vocabulary as v
+from kg.graph.chains import chain_of
 from kg.graph.ntriples import literal
 from kg.graph.texts_reading import DESCRIPTIONS, descriptions_of
 
@@ -71,7 +72,7 @@ _OF_NODES: Final = (
 _OF_PARTS: Final = (
     *(v.TYPE, v.NAME, v.RESOLUTION, v.PATH, v.LINE, v.IN_REPOSITORY, v.IMPLICIT, v.ORIGIN, v.REASON),
     *(v.ROS_HAS_MESSAGE, v.HAS_SERVICE_TYPE, v.HAS_ACTION_TYPE, v.RESOLVED_NAME, v.WRITTEN, v.PARAMETER_NAME),
-    *(v.HAS_QOS, v.LEAST_ARGUMENTS, v.SWITCHED_BY, v.PARAMETER_TYPE, v.DEFAULT_VALUE, v.ACCESS, v.DESCRIPTION),
+    *(v.HAS_QOS, v.LEAST_ARGUMENTS, v.SWITCHED_BY, v.PARAMETER_TYPE, v.DEFAULT_VALUE, v.ACCESS, v.DESCRIPTION, v.VIA),
 )
 """The properties of interfaces and parameters that facts have."""
 _OWNERS: Final = """
@@ -367,6 +368,7 @@ def _interface(role: Role, properties: Properties, types: Mapping[str, str], qua
         reason=one(properties, v.REASON),
         arguments=int(one(properties, v.LEAST_ARGUMENTS) or 0),
         switches=tuple(sorted(properties.get(v.bare(v.SWITCHED_BY), ()))),
+        via=chain_of(one(properties, v.VIA)),
     )
 
 
@@ -399,4 +401,5 @@ def _parameter(properties: Properties) -> Parameter:
         origin=one(properties, v.ORIGIN),
         reason=one(properties, v.REASON),
         description=one(properties, v.DESCRIPTION),
+        via=chain_of(one(properties, v.VIA)),
     )

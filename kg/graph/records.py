@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from kg.facts import NodeKind, Role
+from kg.graph.chains import chain_text
 from kg.graph.texts_reading import summary
 
 if TYPE_CHECKING:
@@ -140,6 +141,7 @@ def interface_object(fact: Interface) -> dict[str, Any]:
         "origin": fact.origin,
         "reason": fact.reason,
         **_place(fact.location),
+        "via": chain_text(fact.via[-1:]),
     }
 
 
@@ -172,4 +174,5 @@ def parameter_object(fact: Parameter) -> dict[str, Any]:
         "origin": fact.origin,
         "reason": fact.reason,
         **_place(fact.location),
+        "via": chain_text(fact.via[-1:]),
     }

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from kg.graph import vocabulary as v
+from kg.graph.chains import chain_text
 from kg.graph.iris import fragment
 from kg.graph.ntriples import Writer, integer, literal
 
@@ -43,11 +44,12 @@ class Scope:
             self.writer.text(iri, v.PATH, path)
         return iri
 
-    def evidence(self, subject: str, location: Location) -> None:
-        """Add the file and line where the facts about `subject` were read."""
+    def evidence(self, subject: str, location: Location, via: tuple[Location, ...] = ()) -> None:
+        """Add the line where the facts about `subject` were read, and the calls from there to the framework."""
         lines = self.writer.lines
         lines.append(f"{subject} {v.PATH} {literal(location.path)} .\n")
         lines.append(f"{subject} {v.LINE} {integer(location.line)} .\n")
         lines.append(f"{subject} {v.DECLARED_IN} {self.file(location.path, location.repository)} .\n")
         if location.repository is not None and location.repository != self.repository:
             self.writer.text(subject, v.IN_REPOSITORY, location.repository)
+        self.writer.text(subject, v.VIA, chain_text(via))

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.facts import Role
 from kg.graph import vocabulary as v
+from kg.graph.chains import chain_text
 from kg.graph.interfaces import SHAPES, interface_type, quality
 from kg.graph.iris import fragment
 from kg.graph.ntriples import boolean, integer, literal, moment
@@ -39,7 +40,7 @@ if TYPE_CHECKING:
     from kg.graph.iris import Iris
     from kg.graph.reading import NodeRecord
 
-__all__ = ["chain_text", "system_parts", "system_triples"]
+__all__ = ["system_parts", "system_triples"]
 
 _CHANNELS: Final = {role.channel: SHAPES[role].channel_class for role in Role}
 """The classes of channels."""
@@ -75,11 +76,6 @@ def system_parts(
     for iri, instance in zip(_Writing(system, records, iris).instances(), system.instances, strict=True):
         same = known.get(iri) is instance
         yield iri, instance, None if same else _Writing(alone, records, iris).one(iri, instance)
-
-
-def chain_text(chain: tuple[Location, ...]) -> str:
-    """Return the lines of a chain of includes as one text; a line of another source has its repository in front."""
-    return " > ".join(f"{one.repository}//{one}" if one.repository else str(one) for one in chain)
 
 
 class _Writing:
@@ -334,4 +330,4 @@ class _Writing:
         writer.add(subject, v.DECLARED_IN, f"<{self._scope.iris.file(repository, location.path)}>")
         if repository != self._scope.repository:
             writer.text(subject, v.IN_REPOSITORY, repository)
-        writer.text(subject, v.INCLUDE_CHAIN, chain_text(chain) or None)
+        writer.text(subject, v.INCLUDE_CHAIN, chain_text(chain))

@@ -32,6 +32,7 @@ from kg.facts import (
     System,
 )
 from kg.graph import vocabulary as v
+from kg.graph.chains import chain_of
 from kg.graph.iris import RUNNING, Iris
 from kg.graph.reading import Queryable, end_of, grouped, node_records, one, qualities, type_of, word
 
@@ -347,15 +348,7 @@ def _place(properties: Properties) -> tuple[Location, tuple[Location, ...]]:
     if peer is not None:
         return Location(peer, 0), ()
     path, line, repository = (one(properties, term) for term in (v.PATH, v.LINE, v.IN_REPOSITORY))
-    chain = one(properties, v.INCLUDE_CHAIN)
-    steps = tuple(map(_step, chain.split(" > "))) if chain else ()
-    return Location(path or "", int(line or 0), repository), steps
-
-
-def _step(text: str) -> Location:
-    place, _, line = text.rpartition(":")
-    repository, mark, path = place.partition("//")
-    return Location(path if mark else place, int(line), repository if mark else None)
+    return Location(path or "", int(line or 0), repository), chain_of(one(properties, v.INCLUDE_CHAIN))
 
 
 def _argument_order(argument: LaunchArgument) -> tuple[str, int, str]:

@@ -394,7 +394,7 @@ class Framework:
         self._add(Declared(effect, _shown(whole), kind, owner, stack, profile, written=written))
         if effect.camera:
             info = _shown(camera_info(whole))
-            self._add(Declared(effect, info, "sensor_msgs/CameraInfo", owner, stack, profile))
+            self._add(Declared(effect, info, "sensor_msgs/CameraInfo", owner, stack, profile, written=written))
         return None
 
     def _add(self, declared: Declared) -> None:

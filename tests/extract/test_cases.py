@@ -18,6 +18,7 @@ import pytest
 from kg.corpus.workspace import Workspace, scan
 from kg.extract.package import extract_package
 from kg.facts import Repository
+from kg.graph.chains import chain_text
 
 if TYPE_CHECKING:
     from kg.facts import Interface, NodeType, PackageFacts, Parameter, Qos
@@ -65,7 +66,12 @@ def interface_record(item: Interface) -> Record:
     if item.qos is not None:
         record["qos"] = quality(item.qos)
     record["switches"] = list(item.switches)
-    return {**record, "resolution": item.resolution.value, "file": item.location.path, "line": item.location.line}
+    return {**record, "resolution": item.resolution.value, **evidence_record(item)}
+
+
+def evidence_record(item: Interface | Parameter) -> Record:
+    """Return the line of a fact, and all calls from there to the framework."""
+    return {"file": item.location.path, "line": item.location.line, "via": chain_text(item.via)}
 
 
 def quality(qos: Qos) -> Record:
@@ -78,7 +84,7 @@ def parameter_record(item: Parameter) -> Record:
     """Return a parameter as `kg nodes --json` prints it."""
     record = asdict(item)
     del record["location"]
-    return {**record, "access": item.access.value, "file": item.location.path, "line": item.location.line}
+    return {**record, "access": item.access.value, **evidence_record(item)}
 
 
 def restricted(found: object, wanted: object, key: str = "") -> object:

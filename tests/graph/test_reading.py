@@ -51,12 +51,13 @@ ROVER: Final = NodeType(
             written='node->get("odom")',
             parameter="odom_topic",
             qos=Qos("reliable", None, "keep_last", 10, 0.1, 2.0, "automatic", 3600.0),
+            via=(Location("include/base.hpp", 9, "github.com/other/base"), Location("src/wrapper.hpp", 3)),
         ),
         Interface(Role.PUBLISHES, None, None, Resolution.UNRESOLVED, HERE, reason="the argument is not known"),
         Interface(Role.SERVICES, "x/{}", "std_srvs/Empty", Resolution.PARTIAL, HERE, implicit=True, origin="lifecycle"),
     ),
     parameters=(
-        Parameter("rate", "double", "10.0", Access.DECLARE, HERE, description="How often, in Hz."),
+        Parameter("rate", "double", "10.0", Access.DECLARE, HERE, description="How often, in Hz.", via=(HERE,)),
         Parameter(None, None, None, Access.READ, HERE, Resolution.UNRESOLVED, reason="built at run time"),
     ),
 )

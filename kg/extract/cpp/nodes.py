@@ -16,7 +16,7 @@ from kg.extract.cpp import syntax
 from kg.extract.cpp.language import Cpp
 from kg.extract.cpp.linking import Linker
 from kg.extract.cpp.project import FRAMEWORKS, Project
-from kg.extract.declared import facts_of, location
+from kg.extract.declared import evidence, facts_of
 from kg.extract.manifests import read_build
 from kg.extract.marks import Extracted, Mark
 from kg.facts import Location, NodeKind, NodeType
@@ -346,7 +346,7 @@ def _called_from_outside(language: Cpp, kind: Kind) -> list[str]:
 
 def _mark(found: tuple[str, Object | None, tuple[Site, ...], Value | None], project: Project) -> Mark:
     key, node, stack, detail = found
-    place = location(stack, project)
+    place, _ = evidence(stack, project)
     namespace = namespace_of(node)
     shown = namespace.shown if isinstance(namespace, Text) else ""
     if key == "dynamic_reconfigure.server":
