@@ -32,6 +32,8 @@ class Row:
     remark: str
     location: Location
     dim: bool
+    via: tuple[Location, ...] = ()
+    """The calls from the location to that of the framework, shown below the location."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,11 +67,11 @@ def interface_table(groups: Sequence[tuple[str, Sequence[Row]]], repository: str
         for row in listed:
             style = "dim" if row.dim else ""
             name = Text(f"  {printable(row.name)}", style=style or "bold")
-            place = place_text(row.location, repository, links, layout.places[row.location])
+            places = [place_text(one, repository, links, layout.places[one]) for one in (row.location, *row.via)]
             middle = [printable(row.type), printable(row.remark)]
             if layout.stacked:
                 middle = ["\n".join(filter(None, middle))]
-            table.add_row(name, *(Text(text, style=style) for text in middle), place)
+            table.add_row(name, *(Text(text, style=style) for text in middle), Text("\nvia ", style="dim").join(places))
     return table
 
 
@@ -88,16 +90,17 @@ def _where(location: Location) -> str:
 
 def _layout(rows: Sequence[Row], columns: int) -> _Layout:
     """Return the first layout that fits; the last one is folded when not even that does."""
-    locations = list({row.location: None for row in rows})
+    locations = list(dict.fromkeys(one for row in rows for one in (row.location, *row.via)))
     forms = [dict(zip(locations, form, strict=True)) for form in shortened([_where(one) for one in locations])]
     whole, without_shared, names = forms
     remark = max(width(row.remark) for row in rows)
     types = max(width(row.type) for row in rows)
     sides = max(width(row.name) for row in rows) + 2 + types + _GAP
+    calls = len("via ") if any(row.via for row in rows) else 0
     choices = ((whole, remark), (without_shared, remark), (names, min(remark, _LEAST_REMARK)))
     for places, kept in choices:
-        last = max(map(width, places.values()))
+        last = max(map(width, places.values())) + calls
         if sides + kept + 2 * _GAP + last <= columns:
             return _Layout(places, types, last)
-    last = max(map(width, names.values()))
+    last = max(map(width, names.values())) + calls
     return _Layout(names, types, last, stacked=True) if sides + _GAP + last <= columns else _Layout(names, stacked=True)

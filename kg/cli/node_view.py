@@ -34,11 +34,13 @@ def node_view(  # noqa: PLR0913 - what is shown, and how much of it
     columns: int,
     *,
     every: bool,
+    via: bool = False,
     most: int | None = None,
     classes: Classes = _NO_CLASSES,
 ) -> tuple[RenderableType, ...]:
     """Return what to show of a node on so many columns; `every` adds what frameworks make by themselves.
 
+    `via` adds the calls that lead from a line of the node's package to the framework, where they are elsewhere.
     `most` bounds how many parameters are shown, so that a terminal still shows the interface; `classes` is what rules
     inferred.
 
@@ -52,10 +54,10 @@ def node_view(  # noqa: PLR0913 - what is shown, and how much of it
         parts += [Text(), *_description(one, record.repository, links)]
     if len(said) < len(record.descriptions):
         parts.append(Text(f"  and {len(record.descriptions) - len(said)} more texts; --all shows them", style="dim"))
-    groups = _groups(record.node, every=every)
+    groups = _groups(record.node, every=every, via=via)
     if groups:
         parts += [Text(), interface_table(groups, record.repository, links, columns)]
-    parameters = _parameters(record.node.parameters, every=every)
+    parameters = _parameters(record.node.parameters, every=every, via=via)
     shown = parameters if every else parameters[:most]
     if shown:
         parts += [Text(), interface_table([("parameters", shown)], record.repository, links, columns)]
@@ -120,29 +122,31 @@ def _some(paths: Sequence[str], most: int = 4) -> str:
     return ", ".join(paths[:most]) + more
 
 
-def _groups(node: NodeType, *, every: bool) -> list[tuple[str, list[Row]]]:
+def _groups(node: NodeType, *, every: bool, via: bool) -> list[tuple[str, list[Row]]]:
     groups: list[tuple[str, list[Row]]] = []
     for role, title in TITLES.items():
         chosen = [one for one in node.interfaces if one.role is role and (every or not one.implicit)]
         chosen.sort(key=lambda one: one.implicit)
-        groups.append((title, [_interface(one) for one in chosen]))
+        groups.append((title, [_interface(one, via=via) for one in chosen]))
     return [(title, rows) for title, rows in groups if rows]
 
 
-def _interface(fact: Interface) -> Row:
+def _interface(fact: Interface, *, via: bool) -> Row:
     name = fact.name if fact.name is not None else "(not resolved)"
-    return Row(name, fact.type or "(type not known)", how(fact), fact.location, fact.implicit)
+    return Row(name, fact.type or "(type not known)", how(fact), fact.location, fact.implicit, fact.via if via else ())
 
 
-def _parameters(facts: Iterable[Parameter], *, every: bool) -> list[Row]:
+def _parameters(facts: Iterable[Parameter], *, every: bool, via: bool) -> list[Row]:
     """Return one row a parameter, although code may read and write it at many places."""
-    return [_parameter(group) for group in parameter_groups(fact for fact in facts if every or not fact.implicit)]
+    shown = parameter_groups(fact for fact in facts if every or not fact.implicit)
+    return [_parameter(group, via=via) for group in shown]
 
 
-def _parameter(facts: Sequence[Parameter]) -> Row:
+def _parameter(facts: Sequence[Parameter], *, via: bool) -> Row:
     first = facts[0]
     default = next((one.default for one in facts if one.default is not None), None)
     kind = next((one.type for one in facts if one.type), "")
     words = [f"= {default}" if default is not None else "", accesses(facts)]
     name = first.name if first.name is not None else "(not resolved)"
-    return Row(name, kind, "  ".join(word for word in words if word), first.location, first.implicit)
+    remark, calls = "  ".join(word for word in words if word), first.via if via else ()
+    return Row(name, kind, remark, first.location, first.implicit, calls)

@@ -36,6 +36,9 @@ Name = Annotated[
     ),
 ]
 All = Annotated[bool, typer.Option("--all", "-a", help="Also what frameworks make by themselves (rosout, tf, ...).")]
+Via = Annotated[
+    bool, typer.Option("--via", help="Also the calls in wrappers and base classes, from the line to the framework.")
+]
 Picture = Annotated[
     str | None,
     typer.Option(
@@ -65,6 +68,7 @@ def node(  # noqa: PLR0913 - the options of a command
     *,
     launch: Launch = None,
     every: All = False,
+    via: Via = False,
     picture: Picture = None,
     json: Json = False,
     store: Store = None,
@@ -77,7 +81,7 @@ def node(  # noqa: PLR0913 - the options of a command
     For example:
 
         kg node move_base
-        kg node move_base/move_base --all
+        kg node move_base/move_base --all --via
         kg node move_base --picture move_base.svg
         kg node /rover1/patrol --launch rover.launch
     """
@@ -105,7 +109,7 @@ def node(  # noqa: PLR0913 - the options of a command
         for number, (record, found) in enumerate(zip(records, inferred, strict=True)):
             if number:
                 write()
-            _show(record, found, links, every=every)
+            _show(record, found, links, every=every, via=via)
 
 
 def _instance(  # noqa: PLR0913 - the options of the command
@@ -136,11 +140,11 @@ def _instance(  # noqa: PLR0913 - the options of the command
         show(*instance_view(system, one, links, line_width(), every=every))
 
 
-def _show(record: "NodeRecord", found: "Classes", links: "Links", *, every: bool) -> None:
+def _show(record: "NodeRecord", found: "Classes", links: "Links", *, every: bool, via: bool) -> None:
     from kg.cli.node_view import left_out, node_view  # noqa: PLC0415 - start-up time
 
     most = _MOST_PARAMETERS if terminal() else None
-    show(*node_view(record, links, line_width(), every=every, most=most, classes=found))
+    show(*node_view(record, links, line_width(), every=every, via=via, most=most, classes=found))
     hidden = 0 if every else left_out(record.node)
     if hidden:
         note(f"{count(hidden, 'implicit entry', 'implicit entries')} made by frameworks not shown; --all shows them")
