@@ -30,7 +30,10 @@ __all__ = [
     "Table",
     "find_file",
     "load",
+    "own_folder",
     "table",
+    "toml_place",
+    "user_paths",
 ]
 
 FILE_NAME: Final = "kg.toml"
@@ -256,6 +259,15 @@ class Settings:
             "+FAMILY adds one to those.",
         ),
     )
+    calls: tuple[Path, ...] = field(
+        default=(),
+        metadata=_about(
+            _paths,
+            "FOLDERS",
+            f"Folders with descriptions of framework calls of your own, joined by {os.pathsep!r}; by default calls/ "
+            "beside kg.toml or here.",
+        ),
+    )
     installed: tuple[Path, ...] = field(
         default=(),
         metadata=_about(
@@ -346,6 +358,28 @@ def find_file(start: Path) -> Path | None:
     return next((path for folder in (start, *start.parents) if (path := folder / FILE_NAME).is_file()), None)
 
 
+def own_folder(name: str) -> Path:
+    """Return the folder `name` next to the `kg.toml` in force, else in the working folder."""
+    here = Path.cwd()
+    file = find_file(here)
+    return Path(name) if file is None or file.parent == here else file.parent / name
+
+
+def user_paths(settings: Settings, name: str) -> tuple[Path, ...]:
+    """Return the folders and files of the setting `name`, by default the folder of that name if it exists.
+
+    Raises UsageError KG002 for one that the setting names and that does not exist.
+    """
+    default = own_folder(name)
+    named: tuple[Path, ...] = getattr(settings, name) or ((default,) if default.is_dir() else ())
+    for path in named:
+        if not os.path.exists(path):  # noqa: PTH110 - False for what may not be looked at, where Path raises
+            origin = settings.origin(name)
+            message = f"{origin.name or f'the setting `{name}`'} names {path}, which is not there"
+            raise UsageError("KG002", message, place=origin.place, hint=f"Name a folder of {name}, or a file.")
+    return named
+
+
 def load(
     flags: Mapping[str, object] | None = None,
     *,
@@ -417,12 +451,12 @@ def _parsed(file: Path) -> tuple[str, dict[str, Any]]:
     except (OSError, UnicodeDecodeError) as problem:
         raise UsageError("KG002", f"the file cannot be read: {problem}", place=Place(str(file))) from None
     except tomllib.TOMLDecodeError as problem:
-        message, line, column = _toml_place(str(problem))
+        message, line, column = toml_place(str(problem))
         raise UsageError("KG002", f"this is not TOML: {message}", place=Place(str(file), line, column)) from None
 
 
-def _toml_place(message: str) -> tuple[str, int | None, int | None]:
-    """Split tomllib's "Invalid value (at line 3, column 5)"."""
+def toml_place(message: str) -> tuple[str, int | None, int | None]:
+    """Split a message of tomllib, "Invalid value (at line 3, column 5)", into text, line and column."""
     text, _, where = message.partition(" (at ")
     numbers = [int(word) for word in where.rstrip(")").replace(",", " ").split() if word.isdigit()]
     return text, *(numbers if len(numbers) == 2 else (None, None))  # noqa: PLR2004 - line and column

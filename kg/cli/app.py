@@ -17,6 +17,7 @@ from kg.cli.commands import (
     evaluate_exercises,
     exchange,
     explain,
+    extract,
     graph,
     instances,
     lint,
@@ -239,5 +240,8 @@ app.add_typer(eval_app, name="eval", rich_help_panel="Ask")
 ontology_app = typer.Typer(cls=KgGroup, rich_markup_mode=None, help="Check ontologies, and data against shapes.")
 ontology_app.command("check", cls=KgCommand)(ontology.check)
 ontology_app.command("validate", cls=KgCommand)(ontology.validate)
+extract_app = typer.Typer(cls=KgGroup, rich_markup_mode=None, help="Check descriptions of framework calls.")
+extract_app.command("check", cls=KgCommand)(extract.check)
+app.add_typer(extract_app, name="extract", rich_help_panel="Look after it")
 app.add_typer(ontology_app, name="ontology", rich_help_panel="Look after it")
 app.add_typer(config_app, name="config", rich_help_panel="Look after it")

@@ -9,6 +9,7 @@ from kg.settings import DECLARED
 
 __all__ = [
     "Base",
+    "Calls",
     "Families",
     "Format",
     "Jobs",
@@ -46,6 +47,7 @@ def from_setting(name: str, *short: str, **more: Any) -> Any:
 Store = Annotated[str | None, from_setting("store", "-s")]
 Base = Annotated[str | None, from_setting("base")]
 Jobs = Annotated[str | None, from_setting("jobs", "-j")]
+Calls = Annotated[str | None, from_setting("calls")]
 MaxFileBytes = Annotated[str | None, from_setting("max_file_bytes")]
 Memory = Annotated[str | None, from_setting("memory")]
 NlpModel = Annotated[str | None, from_setting("nlp_model")]

@@ -94,4 +94,14 @@ CODES: Final = {
         "A CMakeLists.txt computes more than is followed while reading; what it declared until then was read.",
         "Nothing to do unless nodes of that package are missing.",
     ),
+    "KG123": CodeEntry(
+        "wrong description of calls",
+        "A file of the setting `calls` has a column, value, word or argument number that docs/calls.md does not list.",
+        "Correct the file at the line given; `kg extract check` lists all errors.",
+    ),
+    "KG124": CodeEntry(
+        "description that never matches",
+        "An earlier row of the setting `calls` matches all calls, or the class, that a row describes.",
+        "Remove one of the two rows, or write the narrower one first.",
+    ),
 }

@@ -17,6 +17,7 @@ from kg.extract import cpp, definitions, implicit, launch, manifests, parameters
 from kg.extract.buildmodel import BuildModel, TargetKind
 from kg.extract.merging import merge, settled
 from kg.facts import Location, Package, PackageFacts, SourceFile
+from kg.symbolic.descriptions import merged
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from kg.corpus.workspace import Workspace
     from kg.extract.marks import Extracted
     from kg.facts import InterfaceDefinition, NodeType
+    from kg.symbolic.descriptions import Descriptions
 
 __all__ = ["ExtractSettings", "extract_package"]
 
@@ -34,9 +36,14 @@ _ROS_UNKNOWN: Final = 0
 
 @dataclass(frozen=True, slots=True)
 class ExtractSettings:
-    """Limits of extraction: `max_file_bytes` is the size in bytes above which a file is reported and not read."""
+    """Settings of extraction.
+
+    `max_file_bytes` is the size in bytes above which a file is reported and not read, `calls` are the texts of the
+    users' descriptions of framework calls, without errors (`kg.symbolic.checking`).
+    """
 
     max_file_bytes: int = DEFAULT_LIMIT_BYTES
+    calls: tuple[str, ...] = ()
 
 
 def extract_package(
@@ -48,7 +55,7 @@ def extract_package(
     described = _guard(reader, manifests.read_manifest, _undescribed(package), reader, package)
     build = _guard(reader, manifests.read_build, BuildModel(), reader, package)
     no_definitions: tuple[InterfaceDefinition, ...] = ()
-    nodes = _nodes(reader, package, build)
+    nodes = _nodes(reader, package, build, merged(limits.calls))
     return PackageFacts(
         repository=source.repository.name,
         package=described,
@@ -78,14 +85,14 @@ def _programs(package: PackageFolder, build: BuildModel) -> tuple[str, ...]:
     return tuple(sorted({*built, *alone, *installed, *build.programs, *files}))
 
 
-def _nodes(reader: Reader, package: PackageFolder, build: BuildModel) -> tuple[NodeType, ...]:
+def _nodes(reader: Reader, package: PackageFolder, build: BuildModel, calls: Descriptions) -> tuple[NodeType, ...]:
     nothing: list[Extracted] = []
     read = [
-        *_guard(reader, cpp.read_nodes, nothing, reader, package, build),
+        *_guard(reader, cpp.read_nodes, nothing, reader, package, build, calls),
         *_guard(reader, python.read_nodes, nothing, reader, package, build),
     ]
-    merged = merge(read)
-    complete = _guard(reader, parameters.attach, merged, reader, package, build, merged)
+    whole = merge(read)
+    complete = _guard(reader, parameters.attach, whole, reader, package, build, whole)
     found = settled(_guard(reader, implicit.add, extracted.node, extracted) for extracted in complete)
     return tuple(replace(node, aliases=_aliases(node, build)) for node in found)
 

@@ -24,6 +24,7 @@ from kg.facts import FileKind
 from kg.graph.iris import Iris
 from kg.language import prepare
 from kg.pipeline import cache
+from kg.pipeline.calls import checked_calls
 from kg.pipeline.inferring import Inference, digest
 from kg.pipeline.plan import entries_by_name, listing, make_plan, stamp, version
 from kg.pipeline.recording import RecordingWorkspace
@@ -70,8 +71,10 @@ def build(  # noqa: PLR0913 - each is a decision of the caller
 
     Raises:
         RuleError: KG208 for a pack of rules that cannot be loaded, KG231 for a folder of rules that is closed.
-        SourceError: KG101, KG102, KG103 when a source cannot be read at all.
-        UsageError: KG141, KG142 when the spaCy pipeline that the settings name cannot be used.
+        SourceError: KG101, KG102, KG103 when a source cannot be read at all, KG110, KG123, KG124 for an error in a
+            description of framework calls.
+        UsageError: KG002 when a setting names what does not exist, KG141, KG142 when the spaCy pipeline that the
+            settings name cannot be used.
         StoreError: KG302 while another process writes, KG304 when the disk is full; the store is as it was.
     """
     began = time.perf_counter()
@@ -116,6 +119,7 @@ class _Build:
         sources = gather(roots, self._store.layout.checkouts, self._report, again=not named)
         workspace = RecordingWorkspace(sources, installed_folders(self._settings))
         now = version(self._settings)
+        calls = checked_calls(self._settings)  # after the version: a file that changes between them is read again
         plan = make_plan(workspace, self._state, self._cache, now, self._settings.max_file_bytes)
         self._jobs = max(1, min(self._jobs, len(plan.read)))
         self._report.planned(len(plan.read), len(plan.reused), self._jobs)
@@ -123,7 +127,7 @@ class _Build:
         changed, gone = self._changed(sources, plan), self._gone(sources, roots)
         written: dict[str, Written] = {}
         if changed or gone:
-            written = self._write(workspace, plan, changed, gone, results)
+            written = self._write(workspace, plan, calls, changed, gone, results)
         systems, wired = self._wire(sources, results, gone, now, changed=bool(changed or gone))
         inferred = self._infer(changed=bool(changed or gone))
         generation = self._transaction.commit()
@@ -230,16 +234,17 @@ class _Build:
         beginning = f"{self._settings.base}graph/launch/"
         return self._touched is not None and not any(graph.startswith(beginning) for graph in self._touched)
 
-    def _write(
+    def _write(  # noqa: PLR0913, PLR0917 - called in one place
         self,
         workspace: RecordingWorkspace,
         plan: Plan,
+        calls: tuple[str, ...],
         changed: list[Source],
         gone: tuple[str, ...],
         results: dict[Key, PackageState],
     ) -> dict[str, Written]:
         """Read what has to be read, adding it to `results`, and write the graphs of the `changed` sources."""
-        with self._pool(workspace, plan) as pool:
+        with self._pool(workspace, plan, calls) as pool:
             # After the workers have started: they neither need what this loads nor may they inherit an open engine.
             from kg.pipeline.writing import Writing  # noqa: PLC0415 - see above
 
@@ -260,7 +265,9 @@ class _Build:
         self._report.writing(writing.triples)
         return writing.finish(changed, results, self._started)
 
-    def _pool(self, workspace: RecordingWorkspace, plan: Plan) -> AbstractContextManager[Pool | None]:
+    def _pool(
+        self, workspace: RecordingWorkspace, plan: Plan, calls: tuple[str, ...]
+    ) -> AbstractContextManager[Pool | None]:
         """Return the workers for what is read, None for nothing; the largest packages are begun first.
 
         So the workers end at about the same time.
@@ -281,7 +288,7 @@ class _Build:
             # Once for all workers, which are forked; a single one loads it with the first text that it meets, and
             # where all packages were read before, most of their texts are tagged.
             prepare(model)
-        job = Job(workspace, self._settings.base, self._settings.max_file_bytes, model, self._cache)
+        job = Job(workspace, self._settings.base, self._settings.max_file_bytes, model, self._cache, calls)
         return Pool(job, tasks, self._jobs)
 
     def _earlier(self, source: Source, package: PackageFolder, plan: Plan) -> str:

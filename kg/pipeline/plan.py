@@ -20,6 +20,7 @@ from kg.corpus.reading import load, mark
 from kg.corpus.workspace import INSTALLED
 from kg.language import identity
 from kg.pipeline import cache
+from kg.pipeline.calls import call_files, read_calls
 from kg.pipeline.recording import answer
 
 if TYPE_CHECKING:
@@ -61,12 +62,14 @@ class Plan:
 def version(settings: Settings) -> str:
     """Return what stands for the code and data of `kg`, its libraries, and the settings that results depend on.
 
-    Code and data count by their contents, so that an installation of the same files has the same version.
+    Code and data count by their contents, so that an installation of the same files has the same version. So do the
+    users' descriptions of framework calls. Raises as `kg.pipeline.calls.read_calls`.
     """
     package = Path(__file__).resolve().parent.parent
     own = resources.digest([*(package / name for name in CODE), resources.folder("ontology")])
     libraries = [f"{name} {installed_version(name)}" for name in ("kg-ros", *LIBRARIES)]
     set_to = [settings.base, str(settings.max_file_bytes), identity(settings.nlp_model)]
+    set_to += read_calls(call_files(settings)).values()
     return _digest([own, sys.version, *libraries, *set_to])
 
 

@@ -31,8 +31,8 @@ _NO_REASON: Final = "no reason was noted"
 class Job:
     """What all workers share: the build, the base of IRIs, the limit of the size of a file in bytes.
 
-    `model` names the spaCy pipeline that tags descriptions; empty is the shipped one. `cache` is the folder of earlier
-    results, None where there are none.
+    `calls` are the users' descriptions of framework calls. `model` names the spaCy pipeline that tags descriptions;
+    empty is the shipped one. `cache` is the folder of earlier results, None where there are none.
     """
 
     workspace: RecordingWorkspace
@@ -40,6 +40,7 @@ class Job:
     max_file_bytes: int
     model: str = ""
     cache: Path | None = None
+    calls: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +68,7 @@ def work(job: Job, source: str, path: str, earlier: str = "") -> Outcome:
     if found is None or package is None:
         raise LookupError(f"{source}:{path}")
     job.workspace.forget()
-    facts = extract_package(job.workspace, found, package, ExtractSettings(job.max_file_bytes))
+    facts = extract_package(job.workspace, found, package, ExtractSettings(job.max_file_bytes, job.calls))
     tagged = cache.descriptions(job.cache, earlier) if job.cache and earlier else ()
     known = {one.text: one for one in tagged}
     facts = replace(facts, descriptions=annotate(facts.descriptions, job.model, known))

@@ -5,19 +5,19 @@ By default rules stand in `rules/` beside kg.toml or in the working folder.
 
 from __future__ import annotations
 
-import os
-from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import UsageError
 from kg.resources import folder as shipped
 from kg.rules.files import family_of
 from kg.rules.reading import packs, rule_files
-from kg.settings import find_file
+from kg.settings import own_folder as default_folder
+from kg.settings import user_paths
 from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from pathlib import Path
 
     from kg.settings import Origin, Settings
 
@@ -31,20 +31,14 @@ def user_folders(settings: Settings) -> tuple[Path, ...]:
 
     Raises UsageError KG002 for one that the setting `rules` names and that is not there.
     """
-    default = _default()
-    named = settings.rules or ((default,) if default.is_dir() else ())
-    for folder in named:
-        if not os.path.exists(folder):  # noqa: PTH110 - False for what may not be looked at, where Path raises
-            origin = settings.origin("rules")
-            message = f"{_setting(origin, 'rules')} names {folder}, which is not there"
-            raise UsageError("KG002", message, place=origin.place, hint="Name a folder of rules, or a file.")
+    named = user_paths(settings, _NAME)
     own = shipped(_NAME).resolve()
     return tuple(folder for folder in named if folder.resolve() != own)
 
 
 def own_folder(settings: Settings) -> Path:
     """Return the folder that new rules are written to, whether it exists or not."""
-    return settings.rules[0] if settings.rules else _default()
+    return settings.rules[0] if settings.rules else default_folder(_NAME)
 
 
 def families_in_force(settings: Settings) -> tuple[str, ...]:
@@ -73,9 +67,3 @@ def _families(settings: Settings) -> Iterator[str]:
 
 def _setting(origin: Origin, name: str) -> str:
     return origin.name or f"the setting `{name}`"
-
-
-def _default() -> Path:
-    here = Path.cwd()
-    file = find_file(here)
-    return Path(_NAME) if file is None or file.parent == here else file.parent / _NAME

@@ -9,18 +9,16 @@ import tomllib
 from collections import defaultdict
 from dataclasses import dataclass, field
 from functools import cache
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from kg.facts import Access, Role
 from kg.resources import folder
+from kg.symbolic.columns import ACCESSES, MOST_ARGUMENTS
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-__all__ = ["CallDescription", "ClassDescription", "Descriptions", "Effect", "shipped"]
+__all__ = ["CallDescription", "ClassDescription", "Descriptions", "Effect", "agree", "merged", "shipped"]
 
 _ROLES: Final = {role.value: role for role in Role}
-_ACCESSES: Final = {"reads": Access.READ, "writes": Access.WRITE, "declares": Access.DECLARE}
+_ACCESSES: Final = dict(zip(ACCESSES, (Access.READ, Access.WRITE, Access.DECLARE), strict=True))
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +54,7 @@ class CallDescription:
     on: tuple[str, ...] = ()
     scopes: tuple[str, ...] = ()
     least: int = 0
-    most: int = 99
+    most: int = MOST_ARGUMENTS
     effects: tuple[Effect, ...] = ()
     node: int | str | None = None
     returns: str | None = None
@@ -84,7 +82,7 @@ class ClassDescription:
     effects: tuple[Effect, ...] = ()
     node: int | str | None = None
     least: int = 0
-    most: int = 99
+    most: int = MOST_ARGUMENTS
     mark: str | None = None
     gives: tuple[tuple[str, int, tuple[tuple[int, str], ...]], ...] = ()
     """The node handles that it passes to its methods: name, number of parameters, and index with namespace."""
@@ -128,10 +126,11 @@ class Descriptions:
     def class_named(self, names: tuple[str, ...]) -> ClassDescription | None:
         """Return the description of a class by its qualified name; the namespaces that both have must agree."""
         listed = self.classes.get(names[-1] if names else "", ())
-        return next((one for one in listed if _agree(tuple(one.name.split("::")), names)), None)
+        return next((one for one in listed if agree(tuple(one.name.split("::")), names)), None)
 
 
-def _agree(described: tuple[str, ...], names: tuple[str, ...]) -> bool:
+def agree(described: tuple[str, ...], names: tuple[str, ...]) -> bool:
+    """Check whether two qualified names have the same namespaces, as far as both have them."""
     count = min(len(described), len(names))
     return described[-count:] == names[-count:]
 
@@ -148,7 +147,7 @@ def _effects(row: dict[str, Any], ros: int) -> tuple[Effect, ...]:
 
 
 def _call(row: dict[str, Any], ros: int) -> CallDescription:
-    least, most = row.get("arguments", (0, 99))
+    least, most = row.get("arguments", (0, MOST_ARGUMENTS))
     copies = row.get("copies")
     return CallDescription(
         tuple(_names(row)),
@@ -173,7 +172,7 @@ def _names(row: dict[str, Any]) -> list[str]:
 
 
 def _class(name: str, row: dict[str, Any], ros: int) -> ClassDescription:
-    least, most = row.get("arguments", (0, 99))
+    least, most = row.get("arguments", (0, MOST_ARGUMENTS))
     return ClassDescription(
         name,
         row.get("is", ""),
@@ -212,12 +211,16 @@ def _read(files: tuple[Any, ...], language: str) -> Descriptions:
     return found
 
 
-def merged(texts: Iterable[str]) -> Descriptions:
-    """Return the shipped descriptions, after those of other files, which take precedence."""
-    found = Descriptions()
+@cache
+def merged(texts: tuple[str, ...], language: str = "cpp") -> Descriptions:
+    """Return the shipped descriptions for a language, after those of other files, which take precedence.
+
+    The texts have no errors (`kg.symbolic.checking`).
+    """
+    found = Descriptions(language)
     for text in texts:
         found.read(text)
-    base = shipped()
+    base = shipped(language)
     for name, calls in base.calls.items():
         found.calls[name] += calls
     for name, classes in base.classes.items():

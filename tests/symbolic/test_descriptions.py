@@ -82,12 +82,12 @@ def test_no_name_is_no_class() -> None:
 
 def test_descriptions_of_users_come_first() -> None:
     """A class or call that a user describes is meant as the user says, and all others stay as they are shipped."""
-    own_class = '[[class]]\nname = "ros::NodeHandle"\nis = "message"\n'
+    own_class = '[[class]]\nname = "ros::NodeHandle"\nis = "qos"\n'
     own_call = '[[call]]\non = ["ros::NodeHandle"]\nname = "advertise"\nmark = "own"\n'
-    both = merged([own_class + own_call])
+    both = merged((own_class + own_call,))
     handle = both.class_named(("ros", "NodeHandle"))
     assert handle is not None
-    assert handle.is_a == "message"
+    assert handle.is_a == "qos"
     assert both.calls["advertise"][0].mark == "own"
     assert both.calls["advertise"][1:] == shipped().calls["advertise"]
     assert both.calls["subscribe"] == shipped().calls["subscribe"]
@@ -96,7 +96,7 @@ def test_descriptions_of_users_come_first() -> None:
 def test_merging_leaves_the_shipped_ones_alone() -> None:
     """What one user describes is not in force for others."""
     before = {name: list(listed) for name, listed in shipped().calls.items()}
-    merged([MAKER])
+    merged((MAKER,))
     assert dict(shipped().calls) == before
 
 

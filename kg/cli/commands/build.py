@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from kg.cli.diagnostics import note, say
-from kg.cli.options import Base, Families, Jobs, Json, MaxFileBytes, Memory, NlpModel, NoRules, Rules, Store
+from kg.cli.options import Base, Calls, Families, Jobs, Json, MaxFileBytes, Memory, NlpModel, NoRules, Rules, Store
 from kg.cli.output import Column, json_lines, listing, terminal
 from kg.cli.session import session
 from kg.cli.supervising import supervise
@@ -48,6 +48,7 @@ def build(  # noqa: PLR0913 - the options of a command
     memory: Memory = None,
     nlp_model: NlpModel = None,
     base: Base = None,
+    calls: Calls = None,
     watch: Watch = False,
     no_rules: NoRules = False,
     rules: Rules = None,
@@ -73,6 +74,7 @@ def build(  # noqa: PLR0913 - the options of a command
         memory=memory,
         nlp_model=nlp_model,
         base=base,
+        calls=calls,
         rules=rules,
         rule_families=rule_families,
     )

@@ -22,7 +22,6 @@ from kg.extract.marks import Extracted, Mark
 from kg.facts import Location, NodeKind, NodeType
 from kg.names import normalise
 from kg.symbolic.containers import COMMAND_LINE
-from kg.symbolic.descriptions import shipped
 from kg.symbolic.effects import Framework
 from kg.symbolic.machine import Machine
 from kg.symbolic.names import namespace_of
@@ -36,6 +35,7 @@ if TYPE_CHECKING:
     from kg.corpus.reading import Reader
     from kg.extract.buildmodel import BuildModel, Target
     from kg.facts import Interface, Parameter
+    from kg.symbolic.descriptions import Descriptions
     from kg.symbolic.form import Class
 
 __all__ = ["read_nodes"]
@@ -60,12 +60,12 @@ _COMMON: Final = 6
 _RECURSION: Final = 20_000
 
 
-def read_nodes(reader: Reader, package: PackageFolder, build: BuildModel) -> list[Extracted]:
+def read_nodes(reader: Reader, package: PackageFolder, build: BuildModel, calls: Descriptions) -> list[Extracted]:
     """Return the nodes in the C++ of a package; no content of the sources raises an error."""
     limit = sys.getrecursionlimit()
     sys.setrecursionlimit(max(limit, _RECURSION))
     try:
-        return _Nodes(reader, package, build).read()
+        return _Nodes(reader, package, build, calls).read()
     finally:
         sys.setrecursionlimit(limit)
 
@@ -73,7 +73,8 @@ def read_nodes(reader: Reader, package: PackageFolder, build: BuildModel) -> lis
 class _Nodes:
     """The reading of one package."""
 
-    def __init__(self, reader: Reader, package: PackageFolder, build: BuildModel) -> None:
+    def __init__(self, reader: Reader, package: PackageFolder, build: BuildModel, calls: Descriptions) -> None:
+        self._calls = calls
         self._project = Project(reader, package)
         self._package = package
         self.build = build
@@ -95,7 +96,7 @@ class _Nodes:
     def _classes(self) -> list[Extracted]:
         """Return the classes that declare interfaces, of a package without nodes that were understood."""
         found: list[Extracted] = []
-        words = [word.encode() for word in shipped().calls if len(word) > _COMMON]
+        words = [word.encode() for word in self._calls.calls if len(word) > _COMMON]
         for file in self._project.sources():
             unit = self._project.unit(file) if "/test" not in file.path else None
             for cls in [cls for listed in unit.classes.values() for cls in listed] if unit is not None else ():
@@ -126,7 +127,7 @@ class _Nodes:
 
     def _machine(self, files: list[FilePath]) -> tuple[Machine, Cpp, Framework]:
         language = Cpp(Linker(self._project, files))
-        framework = Framework(shipped())
+        framework = Framework(self._calls)
         machine = Machine(language, framework)
         language.machine = framework.machine = machine
         return machine, language, framework
@@ -281,7 +282,7 @@ class _Nodes:
         if found is None or found.repository != reader.repository:
             return None
         folder = reader.workspace.folder(found)[1]
-        return _Nodes(reader, folder, read_build(reader, folder))
+        return _Nodes(reader, folder, read_build(reader, folder), self._calls)
 
     def _extracted(self, framework: Framework, node: NodeType, root: Object | None) -> list[Extracted]:
         declared = framework.declared

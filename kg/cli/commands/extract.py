@@ -1,0 +1,60 @@
+"""`kg extract check`: errors in descriptions of framework calls."""
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from kg.cli.diagnostics import colored, render, say
+from kg.cli.options import Calls, Json
+from kg.cli.output import json_lines, write
+from kg.cli.session import session
+from kg.errors import Exit
+from kg.render.text import count
+
+if TYPE_CHECKING:
+    from kg.errors import KgError
+
+__all__ = ["check"]
+
+Files = Annotated[
+    list[str] | None, typer.Argument(metavar="FILE", help="Files of descriptions; by default those of the setting.")
+]
+
+
+def check(context: typer.Context, files: Files = None, *, json: Json = False, calls: Calls = None) -> None:
+    """Check descriptions of framework calls: columns, types, argument numbers, rows that never match.
+
+    Descriptions tell `kg build` what the calls of a framework do whose sources it does not have (docs/calls.md).
+    Exit code 1 when there are errors. For example:
+
+        kg extract check
+        kg extract check calls/acme.toml
+    """
+    from kg.pipeline.calls import call_files, read_calls  # noqa: PLC0415 - start-up time
+    from kg.symbolic.checking import check as find  # noqa: PLC0415 - start-up time
+
+    named = [Path(file) for file in files] if files else call_files(session(context).settings(calls=calls))
+    errors = find(read_calls(named))
+    if json:
+        json_lines(map(_object, errors))
+    else:
+        for error in errors:
+            write(render(error, color=colored(sys.stdout)))
+            write()
+    say(f"{count(len(named), 'file')} checked: {count(len(errors), 'error') if errors else 'nothing wrong'}")
+    if errors:
+        raise typer.Exit(Exit.FOUND)
+
+
+def _object(error: "KgError") -> dict[str, object]:
+    place = error.place
+    return {
+        "code": error.code,
+        "message": error.message,
+        "file": place.path if place else None,
+        "line": place.line if place else None,
+        "column": place.column if place else None,
+        "hint": error.hint,
+    }

@@ -1,0 +1,61 @@
+"""The descriptions of framework calls that users add: the files `*.toml` of the setting `calls`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from kg.errors import Place, SourceError
+from kg.settings import user_paths
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from kg.settings import Settings
+
+__all__ = ["call_files", "checked_calls", "read_calls"]
+
+
+def call_files(settings: Settings) -> list[Path]:
+    """Return the files of descriptions in force, in the order in which their rows count.
+
+    Raises UsageError KG002 for a path of the setting that does not exist.
+    """
+    return [file for path in user_paths(settings, "calls") for file in _files(path)]
+
+
+def _files(path: Path) -> list[Path]:
+    return sorted(path.glob("*.toml")) if path.is_dir() else [path]
+
+
+def read_calls(files: Iterable[Path]) -> dict[str, str]:
+    """Return the texts of files of descriptions by path; SourceError KG110 for one that cannot be read."""
+    texts = {}
+    for file in files:
+        try:
+            texts[str(file)] = Path(file).read_text(encoding="utf-8")
+        except (OSError, UnicodeDecodeError) as problem:
+            hint = "Name a file of TOML in UTF-8, or remove it from the setting `calls`."
+            raise SourceError(
+                "KG110", f"the file cannot be read: {problem}", place=Place(str(file)), hint=hint
+            ) from None
+    return texts
+
+
+def checked_calls(settings: Settings) -> tuple[str, ...]:
+    """Return the texts of the descriptions in force.
+
+    Raises:
+        SourceError: KG110 for a file that cannot be read, KG123 and KG124 for the first error in a file.
+        UsageError: KG002 for a path of the setting that does not exist.
+    """
+    texts = read_calls(call_files(settings))
+    if not texts:
+        return ()
+    from kg.symbolic.checking import check  # noqa: PLC0415 - most builds have no descriptions of their own
+
+    for error in check(texts):
+        raise SourceError(
+            error.code, error.message, place=error.place, hint=f"{error.hint} `kg extract check` lists all errors."
+        )
+    return tuple(texts.values())

@@ -1,0 +1,176 @@
+"""The columns of descriptions of framework calls, and the words that they take; docs/calls.md explains them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+from kg.facts import Role
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+__all__ = [
+    "ACCESSES",
+    "CALL",
+    "CLASS",
+    "FILE",
+    "GIVES",
+    "INDEX",
+    "INTERFACE",
+    "KINDS",
+    "LANGUAGES",
+    "MOST_ARGUMENTS",
+    "PARAMETER",
+    "RESULTS",
+    "SECONDS",
+    "TYPES",
+    "Form",
+]
+
+ACCESSES: Final = ("reads", "writes", "declares")
+MOST_ARGUMENTS: Final = 99
+"""The number of arguments that a call can have if its description gives none."""
+_VERSIONS: Final = (0, 1, 2)
+LANGUAGES: Final = ("cpp", "python")
+_NODES: Final = ("first handle", "host")
+
+
+class Form(NamedTuple):
+    """The values of a column: `wanted` completes "it must be ..."."""
+
+    wanted: str
+    fits: Callable[[Any], bool]
+
+
+def _is_index(value: object) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and value >= 0
+
+
+def _is_text(value: object) -> bool:
+    return isinstance(value, str) and value != ""
+
+
+def _are_texts(value: object) -> bool:
+    return isinstance(value, list) and all(map(_is_text, value))
+
+
+def _are_names(value: object) -> bool:
+    return _is_text(value) or (_are_texts(value) and value != [])
+
+
+def _are_counts(value: object) -> bool:
+    return isinstance(value, list) and _are_indexes(value) and value == sorted(value)
+
+
+def _are_indexes(value: object) -> bool:
+    return isinstance(value, list) and len(value) == 2 and all(map(_is_index, value))  # noqa: PLR2004 - a pair
+
+
+def _are_tables(value: object) -> bool:
+    return isinstance(value, dict) or (isinstance(value, list) and all(isinstance(one, dict) for one in value))
+
+
+def _are_namespaces(value: object) -> bool:
+    return isinstance(value, dict) and all(isinstance(one, str) for one in value.values())
+
+
+def _are_handles(value: object) -> bool:
+    return _are_namespaces(value) and all(key.isdecimal() for key in value)  # type: ignore[attr-defined]  # a dict
+
+
+_INDEX: Final = Form("the number of an argument, from 0", _is_index)
+_COUNT: Final = Form("a whole number", _is_index)
+_TEXT: Final = Form('a text: "name"', _is_text)
+_TEXTS: Final = Form('a list of texts: ["name"]', _are_texts)
+_NAMES: Final = Form("a text or a list of texts", _are_names)
+_FLAG: Final = Form("true or false", lambda value: isinstance(value, bool))
+_COUNTS: Final = Form("the fewest and the most arguments: [1, 2]", _are_counts)
+_TABLES: Final = Form("a table of arguments, { name = 0 }, or a list of them", _are_tables)
+_COMMON: Final[Mapping[str, Form]] = {
+    "name": _NAMES,
+    "ros": Form("0, 1 or 2", lambda value: value in _VERSIONS and not isinstance(value, bool)),
+    "arguments": _COUNTS,
+    "parameters": _TEXTS,
+    "node": Form(
+        'the number of an argument, "first handle" or "host"', lambda value: _is_index(value) or value in _NODES
+    ),
+    "node_name": _INDEX,
+    "mark": _TEXT,
+    **dict.fromkeys((*(role.value for role in Role), *ACCESSES), _TABLES),
+}
+FILE: Final[Mapping[str, Form]] = {
+    "ros": _COMMON["ros"],
+    "language": Form('"cpp" or "python"', lambda value: value in LANGUAGES),
+}
+"""The keys of a file, beside its rows."""
+CALL: Final[Mapping[str, Form]] = {
+    **_COMMON,
+    "on": _TEXTS,
+    "in": _TEXTS,
+    "returns": _TEXT,
+    "copies": Form("the arguments that the call copies from and to: [0, 1]", _are_indexes),
+    "options": _FLAG,
+    "loads": _FLAG,
+}
+"""The columns of `[[call]]`."""
+CLASS: Final[Mapping[str, Form]] = {
+    **_COMMON,
+    "is": _TEXT,
+    "like": _TEXT,
+    "replaces": _FLAG,
+    "runs": _TEXTS,
+    "members": Form('namespaces by member: { pnh_ = "~" }', _are_namespaces),
+    "gives": Form("a list of tables with `method`, `arguments` and `handles`", _are_tables),
+    "unless": _INDEX,
+    "namespace": _INDEX,
+    "detail": _INDEX,
+    "under": _INDEX,
+}
+"""The columns of `[[class]]`."""
+GIVES: Final[Mapping[str, Form]] = {
+    "method": _TEXT,
+    "arguments": _COUNT,
+    "handles": Form('namespaces by argument: { 1 = "~" }', _are_handles),
+}
+"""The keys of `gives`."""
+_EFFECT: Final[Mapping[str, Form]] = {"name": _INDEX, "fixed": _TEXT}
+INTERFACE: Final[Mapping[str, Form]] = {
+    **_EFFECT,
+    "type": _TEXTS,
+    "qos": _INDEX,
+    "depth": _COUNT,
+    "camera": _FLAG,
+    "specification": _INDEX,
+}
+"""The keys of an interface."""
+PARAMETER: Final[Mapping[str, Form]] = {
+    **_EFFECT,
+    "default": _INDEX,
+    "output": _INDEX,
+    "prefix": _INDEX,
+    "listed": _FLAG,
+    "weak": _FLAG,
+}
+"""The keys of a parameter."""
+
+INDEX: Final = "N"
+SECONDS: Final = "SECONDS"
+KINDS: Final[Mapping[str, str]] = {
+    **dict.fromkeys(("node", "handle", "carrier", "qos", "pair"), ""),
+    "value": INDEX,
+    "duration": SECONDS,
+}
+"""The words of `is`, each with what follows its colon."""
+RESULTS: Final[Mapping[str, str]] = {
+    **dict.fromkeys(("parameter", "is set", "path", "namespace", "own namespace"), ""),
+    **dict.fromkeys(("node name", "private", "host", "self"), ""),
+    **dict.fromkeys(("is declared", "argument", "resolved", "sub node", "camera info"), INDEX),
+    "handle": "NAMESPACE",
+    "duration": SECONDS,
+}
+"""The words of `returns`."""
+TYPES: Final[Mapping[str, str]] = {
+    **dict.fromkeys(("template", "receiver"), ""),
+    **dict.fromkeys(("callback", "options", "text", "argument"), INDEX),
+}
+"""The words of `type`."""
