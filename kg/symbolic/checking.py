@@ -187,7 +187,7 @@ def _effect_errors(row: _Row, column: str, effect: Mapping[str, Any]) -> Iterato
     for key, value in effect.items():
         if forms[key] is forms["name"]:
             yield from _number_errors(row, value, row.place(column, key))
-    for word in effect.get("type", ()):
+    for word in effect.get("type", ()) if column in _ROLES else ():
         if "/" not in word:
             yield from _word_errors(row, word, TYPES, "a source of types", column, "type")
 

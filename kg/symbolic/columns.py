@@ -32,7 +32,7 @@ MOST_ARGUMENTS: Final = 99
 """The number of arguments that a call can have if its description gives none."""
 _VERSIONS: Final = (0, 1, 2)
 LANGUAGES: Final = ("cpp", "python")
-_NODES: Final = ("first handle", "host")
+_NODES: Final = ("first handle", "interfaces", "host")
 
 
 class Form(NamedTuple):
@@ -92,7 +92,8 @@ _COMMON: Final[Mapping[str, Form]] = {
     "arguments": _COUNTS,
     "parameters": _TEXTS,
     "node": Form(
-        'the number of an argument, "first handle" or "host"', lambda value: _is_index(value) or value in _NODES
+        'the number of an argument, "first handle", "interfaces" or "host"',
+        lambda value: _is_index(value) or value in _NODES,
     ),
     "node_name": _INDEX,
     "mark": _TEXT,
@@ -145,6 +146,8 @@ INTERFACE: Final[Mapping[str, Form]] = {
 """The keys of an interface."""
 PARAMETER: Final[Mapping[str, Form]] = {
     **_EFFECT,
+    "type": _TEXTS,
+    "value": Form("a text, a number or a truth value", lambda value: isinstance(value, str | int | float)),
     "default": _INDEX,
     "output": _INDEX,
     "prefix": _INDEX,

@@ -29,6 +29,8 @@ class Effect:
     access: Access | None = None
     name: int | None = None
     fixed: str | None = None
+    value: str | float | bool | None = None
+    """The default of a parameter where no argument has it."""
     types: tuple[str, ...] = ()
     qos: int | None = None
     default: int | None = None

@@ -267,6 +267,11 @@ class Framework:
         """Return the node or handle of a call, and the arguments as the description counts them."""
         if node == "host":
             return self.host_node(), arguments
+        if node == "interfaces":
+            rest = arguments[1:]
+            while len(rest) > 1 and self.is_node(rest[0]):
+                rest = rest[1:]
+            return (arguments[0] if arguments else None), rest
         if node == "first handle":
             if arguments and any(isinstance(one, Object) for one in alternatives(arguments[0])):
                 return arguments[0], arguments[1:]

@@ -22,6 +22,7 @@ from kg.symbolic.values import (
     Value,
     concatenate,
     join,
+    number,
     worse,
 )
 
@@ -78,18 +79,20 @@ class Parameters:
         """Return an access to a parameter, and remember the value for accesses without default."""
         whole = _whole_name(owner, name)
         shown = whole.shown if isinstance(whole, Text) else None
-        default = call.argument(effect.default)
+        default = call.argument(effect.default) if effect.value is None else _literal(effect.value)
         if isinstance(default, Object) and default.kind.name in _DESCRIPTORS:
             default = None
         written = effect.output is not None and effect.output < len(call.arguments.written)
         before = call.argument(effect.output) if written and call.arguments.frame is not None else None
+        if isinstance(before, Sequence) and _is_pair(before):
+            before = before.items[1]  # a `rclcpp::Parameter` that receives the parameter
         key = (id(owner) if owner is not None and "of" not in owner.native else None, shown or "")
         known = self._values.get(key) if shown is not None and effect.access is not Access.WRITE else None
         value = _value(default, known, before, shown)
         kind = _type(call.arguments.template, default, before)
         if kind is None:
             declared = call.declared(effect.output, language)
-            kind = ros_type(declared) if declared is not None else None
+            kind = ros_type(declared) if declared is not None else next(iter(effect.types), None)
         reading = Reading(whole, value, before, default, kind)
         if shown is not None and effect.access is not Access.WRITE and (default is not None or known is None):
             self._values[key] = value
@@ -99,6 +102,13 @@ class Parameters:
         if default is None and first and not isinstance(value, Unknown):
             return replace(reading, default=value)
         return reading
+
+
+def _literal(value: str | float) -> Value:
+    """Return a value of a description."""
+    if isinstance(value, bool):
+        return Truth(value)
+    return Text.of(value) if isinstance(value, str) else number(value)
 
 
 def _whole_name(owner: Object | None, name: Value) -> Text | Unknown:

@@ -1,0 +1,91 @@
+"""What the calls of frameworks outside of the build create, as `ontology/calls` describes it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from extract.cpp.packages import interfaces_of, node_of, nodes_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from kg.facts import NodeType
+
+TYPE = "std_msgs::msg::String"
+
+
+def component(body: str, members: str = "", outer: str = "", base: str = 'rclcpp::Node("demo")') -> str:
+    """Return a ROS 2 program that constructs one node, whose constructor has a body."""
+    name = base.partition("(")[0]
+    return (
+        f"#include <rclcpp/rclcpp.hpp>\n{outer}\nclass Demo : public {name} {{ public: Demo() : {base} {{ {body} }}\n"
+        f"{members} }};\nint main(int argc, char** argv) {{ rclcpp::spin(std::make_shared<Demo>()); }}\n"
+    )
+
+
+def parameters_of(nodes: Iterable[NodeType]) -> list[tuple[str | None, str | None, str | None]]:
+    """Return name, type and default of the parameters of some nodes, without that of the client library."""
+    found = [(one.name, one.type, one.default) for node in nodes for one in node.parameters]
+    return [row for row in found if "use_sim_time" not in str(row[0])]
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        "this, ",
+        "get_node_topics_interface(), ",
+        "get_node_parameters_interface(), get_node_topics_interface(), ",
+    ],
+)
+@pytest.mark.parametrize(
+    ("function", "rest"), [("create_publisher", ""), ("create_subscription", f", [](const {TYPE}& m) {{}}")]
+)
+def test_free_functions_take_a_node_or_its_interfaces(arguments: str, function: str, rest: str) -> None:
+    """The topic follows the node, or one or two of its interfaces."""
+    source = component(f'rclcpp::{function}<{TYPE}>({arguments}"scan", 7{rest});')
+    (found,) = interfaces_of(source)
+    assert (found.name, found.type) == ("scan", "std_msgs/String")
+    assert found.qos is not None
+    assert found.qos.depth == 7
+
+
+def test_marker_servers_have_topics_below_their_name() -> None:
+    """An interactive marker server of ROS 2 has two topics and a service below its first argument."""
+    source = component('interactive_markers::InteractiveMarkerServer server("tools", this);')
+    found = {(str(item.role), item.name) for item in node_of(source).interfaces}
+    assert {
+        ("publishes", "tools/update"),
+        ("subscribes", "tools/feedback"),
+        ("services", "tools/get_interactive_markers"),
+    } <= found
+
+
+def test_controllers_declare_the_parameters_of_their_base_class() -> None:
+    """The base class of controllers of ros2_control declares three parameters."""
+    outer = "class Arm : public controller_interface::ControllerInterface { public: Arm() {} };"
+    export = "PLUGINLIB_EXPORT_CLASS(Arm, controller_interface::ControllerInterface)"
+    nodes = nodes_of({"arm.cpp": f"{outer}\n{export}\n"})
+    assert set(parameters_of(nodes)) == {
+        ("update_rate", "int", None),
+        ("is_async", "bool", "false"),
+        ("thread_priority", "int", "-100"),
+    }
+
+
+def test_the_broadcaster_of_agnocast_publishes_transforms() -> None:
+    """The wrapper of Autoware around tf2 publishes /tf as tf2 does."""
+    source = component("autoware::agnocast_wrapper::TransformBroadcaster tf(*this);")
+    assert ("/tf", "tf2_msgs/TFMessage") in {(one.name, one.type) for one in node_of(source).interfaces}
+
+
+def test_the_prefix_of_frames_is_a_parameter() -> None:
+    """`tf::getPrefixParam` reads `tf_prefix` in the namespace of its handle."""
+    node = node_of('int main() { ros::NodeHandle nh("~"); std::string p = tf::getPrefixParam(nh); }')
+    assert parameters_of([node]) == [("~/tf_prefix", "string", '""')]
+
+
+def test_a_parameter_object_receives_the_type_of_its_value() -> None:
+    """`get_parameter(name, object)` into a `rclcpp::Parameter` of a truth value reads a truth value."""
+    source = component('rclcpp::Parameter given("fast", true); get_parameter("fast", given);')
+    assert parameters_of([node_of(source)]) == [("fast", "bool", "true")]
