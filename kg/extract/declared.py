@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final, Protocol
 
 from kg.facts import Access, Interface, Location, Parameter, Resolution
 from kg.names import resolve
+from kg.symbolic.form import Literal
 from kg.symbolic.values import Either, Number, Sequence, Text, Truth, Unknown, Value
 
 if TYPE_CHECKING:
@@ -69,12 +70,28 @@ def _better(one: Parameter, other: Parameter) -> bool:
     return worth(one) > worth(other)
 
 
-def evidence(stack: tuple[Site, ...], home: Home) -> tuple[Location, tuple[Location, ...]]:
-    """Return the innermost call in the node's own package, else the innermost of all, and the calls from there on."""
+def evidence(stack: tuple[Site, ...], home: Home, name: str | None = None) -> tuple[Location, tuple[Location, ...]]:
+    """Return the innermost call in the node's own package, else the innermost of all, and the calls from there on.
+
+    With the `name` of a parameter: if a call gives that name as a text, the innermost one that does. A call in another
+    package has to give the whole name.
+    """
     sites = [site for site in stack if site.line] or [stack[-1]]
-    own = (index for index in reversed(range(len(sites))) if home.is_own(sites[index].unit.key))
-    first, *calls = (_place(site, home) for site in sites[next(own, -1) :])
-    return first, tuple(dict.fromkeys(calls))
+    own = [home.is_own(site.unit.key) for site in sites]
+    calls = range(len(sites) - 1, -1, -1)
+    named = (at for at in calls if name is not None and _gives(sites[at], name, part=own[at]))
+    start = next(named, None)
+    if start is None:
+        start = next((at for at in calls if own[at]), -1)
+    first, *rest = (_place(site, home) for site in sites[start:])
+    return first, tuple(dict.fromkeys(rest))
+
+
+def _gives(site: Site, name: str, *, part: bool) -> bool:
+    """Check whether an argument of a call is a name as text, or the last `part` of it."""
+    texts = [given.value for given in site.given if isinstance(given, Literal) and isinstance(given.value, str)]
+    whole = name.removeprefix("~/")
+    return whole in texts or (part and any(text and whole.endswith(("/" + text, "." + text)) for text in texts))
 
 
 def _place(site: Site, home: Home) -> Location:
@@ -122,7 +139,7 @@ def _interface(one: Declared, role: Role, home: Home, ros: int, alone: str) -> I
 
 def _parameter(one: Declared, access: Access, home: Home) -> Parameter:
     name, resolution, _, reason = _named(one.name)
-    place, via = evidence(one.stack, home)
+    place, via = evidence(one.stack, home, name)
     return Parameter(
         name=name,
         type=one.value_type,

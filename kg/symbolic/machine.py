@@ -365,7 +365,7 @@ class Machine:
         return read_back(for_each(of, lambda one: self.language.member(one, expression.name)))
 
     def _call(self, expression: form.Call, frame: Frame) -> Value:
-        self.stack.append(Site(frame.unit, expression.line, frame.this))
+        self.stack.append(Site(frame.unit, expression.line, frame.this, expression.arguments))
         try:
             return self.language.call(expression, frame)
         finally:

@@ -49,7 +49,7 @@ class Site:
     line: int
     this: Value | None = None
     given: tuple[Expression, ...] = ()
-    """The arguments of a construction, as expressions."""
+    """Its arguments, as expressions."""
 
 
 @dataclass(slots=True, eq=False)

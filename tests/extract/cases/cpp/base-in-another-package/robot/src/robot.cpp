@@ -7,9 +7,16 @@ class Robot : public toolkit::Machine<std_msgs::String>, public toolkit::Stoppab
 public:
   Robot() : toolkit::Machine<std_msgs::String>("state"), odometry_("odom")
   {
+    read("speed");
   }
 
 private:
+  void read(const std::string& name)
+  {
+    ros::NodeHandle("~").getParam(name, speed_);
+  }
+
+  double speed_;
   toolkit::Machine<nav_msgs::Odometry> odometry_;
 };
 

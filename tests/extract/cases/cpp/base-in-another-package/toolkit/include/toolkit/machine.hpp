@@ -27,5 +27,6 @@ protected:
   void stop(const std_msgs::BoolConstPtr& stop);
   ros::NodeHandle nh_;
   ros::Subscriber subscriber_;
+  double timeout_;
 };
 }  // namespace toolkit
