@@ -22,8 +22,6 @@ The keys (`namespace` and `detail` are empty where a line does not name them; na
 * `interactive_markers.server`: `detail` is its topic namespace.
 * `smach.introspection`: an introspection server of `smach_ros`; `detail` is its name.
 * `jsk_topic_tools.transport`: a class derived from `jsk_topic_tools.ConnectionBasedTransport` that is not in the build.
-* `generate_parameter_library`: `detail` is the name of the CMake target whose header (`TARGET.hpp`,
-  `PACKAGE/TARGET.hpp`) the node includes; `namespace` is the prefix given to its listener, if one is.
 
 The base interface itself (`image` and `camera_info` of a camera publisher, the action of an action server) is an
 ordinary interface of the node and not the business of a mark.

@@ -374,7 +374,7 @@ class Framework:
         if call.node is not None and owner is None and effect.role and not isinstance(call.node, Unknown):
             return None
         if effect.listed:
-            single = replace(effect, listed=False, name=0, default=1)
+            single = replace(effect, listed=False, name=0, default=1, prefix=None)
             for key, value in listed(effect, call):
                 self._apply(single, Invocation(owner, Arguments([key, value])))
             return None

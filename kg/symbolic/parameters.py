@@ -77,7 +77,8 @@ class Parameters:
 
     def read(self, language: Language, effect: Effect, owner: Object | None, name: Value, call: Invocation) -> Reading:
         """Return an access to a parameter, and remember the value for accesses without default."""
-        whole = _whole_name(owner, name)
+        prefix = call.argument(effect.prefix)
+        whole = _whole_name(owner, prefixed(prefix, name) if prefix is not None else name)
         shown = whole.shown if isinstance(whole, Text) else None
         default = call.argument(effect.default) if effect.value is None else _literal(effect.value)
         if isinstance(default, Object) and default.kind.name in _DESCRIPTORS:
@@ -158,9 +159,16 @@ def listed(effect: Effect, call: Invocation) -> list[tuple[Value, Value]]:
         else:
             pairs.append((item, missing))
     prefix = call.argument(effect.prefix)
-    if isinstance(prefix, Text) and prefix.known:
-        return [(concatenate(prefix, Text.of("."), key), value) for key, value in pairs]
-    return pairs
+    return [(prefixed(prefix, key), value) for key, value in pairs] if prefix is not None else pairs
+
+
+def prefixed(prefix: Value, name: Value) -> Value:
+    """Return the name of a parameter below a prefix, which can end with the dot that separates them."""
+    if isinstance(prefix, Text) and prefix.known == "":
+        return name
+    last = prefix.parts[-1] if isinstance(prefix, Text) else None
+    dot = "" if isinstance(last, str) and last.endswith(".") else "."
+    return concatenate(prefix, Text.of(dot), name)
 
 
 def _is_pair(value: Value | None) -> bool:

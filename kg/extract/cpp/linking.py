@@ -227,7 +227,7 @@ def _rank(at: _Scope, wanted: _Scope, scope: _Scope, unit: Unit) -> float | None
 
 
 def _is_header(path: str) -> bool:
-    return path.endswith((".h", ".hpp", ".hh", ".hxx"))
+    return path.endswith((".h", ".hpp", ".hh", ".hxx", ".yaml", ".yml"))
 
 
 def _classes(unit: CppUnit, name: str) -> list[tuple[_Scope, Class]]:

@@ -75,7 +75,7 @@ class _Nodes:
 
     def __init__(self, reader: Reader, package: PackageFolder, build: BuildModel, calls: Descriptions) -> None:
         self._calls = calls
-        self._project = Project(reader, package)
+        self._project = Project(reader, package, build)
         self._package = package
         self.build = build
 

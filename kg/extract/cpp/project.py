@@ -1,5 +1,6 @@
 """The files of C++ that the extraction of one package sees: its own, and on demand those of other packages.
 
+The header of a parameter library (`generate_parameter_library`) is made of its YAML file and has the path of that.
 Files are read through `kg.corpus.reading.Reader`, which records them. Parsed files of other packages are
 kept for the next package of the same process, within a bound.
 """
@@ -12,6 +13,8 @@ from typing import TYPE_CHECKING, Final
 from kg.corpus.files import FilePath, Place
 from kg.extract.cpp.includes import included
 from kg.extract.cpp.units import CppUnit
+from kg.extract.manifests import read_build
+from kg.extract.parameters import listener
 from kg.facts import FileKind
 
 if TYPE_CHECKING:
@@ -19,6 +22,7 @@ if TYPE_CHECKING:
 
     from kg.corpus.files import PackageFolder
     from kg.corpus.reading import Reader
+    from kg.extract.buildmodel import BuildModel
 
 __all__ = ["FRAMEWORKS", "Project"]
 
@@ -82,6 +86,7 @@ FRAMEWORKS: Final = frozenset(
 )
 """Packages that the descriptions of calls cover; their headers are never read."""
 
+_GENERATOR: Final = b"generate_parameter_library"
 _CACHE_BYTES: Final = 12 << 20
 _MOST_HEADERS: Final = 600
 _cache: OrderedDict[FilePath, CppUnit] = OrderedDict()
@@ -90,7 +95,7 @@ _cache: OrderedDict[FilePath, CppUnit] = OrderedDict()
 class Project:
     """The C++ of one package and of what it includes."""
 
-    def __init__(self, reader: Reader, package: PackageFolder) -> None:
+    def __init__(self, reader: Reader, package: PackageFolder, build: BuildModel) -> None:
         self.reader = reader
         self.package = package
         self.repository = reader.repository
@@ -101,6 +106,10 @@ class Project:
         self._holding: dict[tuple[FilePath, str], list[FilePath]] = {}
         self._read: dict[FilePath, list[tuple[FilePath, bytes]]] = {}
         self._bodies: dict[Place, list[FilePath]] = {}
+        self._libraries = {self._place: self._headers_of(self._place, build)}
+        """The YAML files of parameter libraries by the names of their headers, for each package."""
+        self._made: dict[FilePath, bytes] = {}
+        """The headers made of YAML files."""
 
     def own(self, path: str) -> FilePath:
         """Return the key of a file of this source."""
@@ -117,7 +126,7 @@ class Project:
     def unit(self, file: FilePath) -> CppUnit | None:
         """Return the parsed file; None if it cannot be read."""
         if file not in self._units:
-            data = self.reader.read(file)
+            data = self._content(file)
             self._units[file] = None if data is None else self._parse(file, data)
         return self._units[file]
 
@@ -134,22 +143,48 @@ class Project:
 
     def contains(self, file: FilePath, word: bytes) -> bool:
         """Return whether a file contains some bytes."""
-        data = self.reader.read(file)
+        data = self._content(file)
         return data is not None and word in data
 
     def include(self, file: FilePath, path: str) -> FilePath | None:
         """Return what `#include "path"` means in `file`, unless it is of a framework or not in the build."""
         found = self.reader.workspace.include(path, near=file)
         if found is None:
-            return None
+            return self._parameter_library(file, path)
         owner = self.reader.workspace.owner(found)
         framework = owner is not None and owner != self._place and owner.name in FRAMEWORKS
         return None if framework else found
 
+    def _content(self, file: FilePath) -> bytes | None:
+        return self._made[file] if file in self._made else self.reader.read(file)
+
+    def _parameter_library(self, file: FilePath, path: str) -> FilePath | None:
+        """Return the YAML file of the parameter library whose header `path` is, `library.hpp` or `package/library.hpp`.
+
+        Its content is the header from then on.
+        """
+        folder, _, name = path.rpartition("/")
+        workspace = self.reader.workspace
+        home = workspace.package(folder, near=file.repository) if folder else workspace.owner(file)
+        if home is None or not name.endswith(".hpp"):
+            return None
+        if home not in self._libraries:
+            package = workspace.folder(home)[1]
+            makefile = self.reader.read(FilePath(home.repository, package.join("CMakeLists.txt")))
+            build = read_build(self.reader, package) if _GENERATOR in (makefile or b"") else None
+            self._libraries[home] = self._headers_of(home, build) if build is not None else {}
+        found = self._libraries[home].get(name)
+        if found is not None and found not in self._made:
+            self._made[found] = listener(self.reader.read(found) or b"", found.path)
+        return found
+
+    def _headers_of(self, place: Place, build: BuildModel) -> dict[str, FilePath]:
+        return {f"{name}.hpp": FilePath(place.repository, yaml) for name, yaml in build.parameter_libraries}
+
     def _includes(self, file: FilePath) -> tuple[FilePath, ...]:
         known = self._direct.get(file)
         if known is None:
-            data = self.reader.read(file)
+            data = self._content(file)
             paths = included(data) if data is not None else []
             found = (self.include(file, path) for path in paths)
             known = self._direct[file] = tuple(dict.fromkeys(header for header in found if header is not None))
@@ -172,7 +207,7 @@ class Project:
         """Return the headers of a file that can be read, nearest first, with their contents."""
         known = self._read.get(file)
         if known is None:
-            texts = ((header, self.reader.read(header)) for header in self.headers(file))
+            texts = ((header, self._content(header)) for header in self.headers(file))
             known = self._read[file] = [(header, data) for header, data in texts if data is not None]
         return known
 

@@ -2,6 +2,7 @@
 
 from kg.extract.parameters.attaching import attach
 from kg.extract.parameters.generated import read_generated
+from kg.extract.parameters.listener import listener
 from kg.extract.parameters.reconfigure import Configuration, read_configuration
 
-__all__ = ["Configuration", "attach", "read_configuration", "read_generated"]
+__all__ = ["Configuration", "attach", "listener", "read_configuration", "read_generated"]

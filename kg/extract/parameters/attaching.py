@@ -1,8 +1,8 @@
-"""Which nodes have the parameters that are declared outside of code.
+"""Parameters that are declared outside of code: what their files say of them, and which nodes have them.
 
-A library of `generate_parameter_library` belongs to the nodes that include its header (a mark), and to those whose
-targets link it; a Python module of it to the scripts that import it. A configuration of dynamic_reconfigure belongs to
-the nodes that make a server of it (a mark).
+A node has the parameters of a YAML file of `generate_parameter_library` if its code constructs the generated class. In
+C++ running the node shows this (see `kg.extract.parameters.listener`), in Python a construction in its sources. A
+configuration of dynamic_reconfigure belongs to the nodes that make a server of it (a mark).
 """
 
 from __future__ import annotations
@@ -12,12 +12,11 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from kg.corpus.files import FilePath
-from kg.extract import manifests
 from kg.extract.marks import Extracted, Mark
 from kg.extract.parameters.generated import read_generated
 from kg.extract.parameters.reconfigure import read_configuration
-from kg.extract.python.syntax import captures, code, parse
-from kg.facts import FileKind, Location, NodeKind, NodeType
+from kg.extract.python.syntax import argument_nodes, captures, code, parse
+from kg.facts import FileKind, Location, NodeKind, NodeType, Resolution
 from kg.names import join
 
 if TYPE_CHECKING:
@@ -25,12 +24,13 @@ if TYPE_CHECKING:
 
     from kg.corpus.files import PackageFolder
     from kg.corpus.reading import Reader
-    from kg.extract.buildmodel import BuildModel, Target
+    from kg.extract.buildmodel import BuildModel
     from kg.facts import Parameter
 
 __all__ = ["attach"]
 
-_LIBRARY: Final = "generate_parameter_library"
+_LISTENER: Final = b"ParamListener"
+_HOLE: Final = "{}"
 _SERVER: Final = "dynamic_reconfigure.server"
 _ROS2: Final = 2
 
@@ -38,34 +38,35 @@ _ROS2: Final = 2
 def attach(reader: Reader, package: PackageFolder, build: BuildModel, nodes: Iterable[Extracted]) -> list[Extracted]:
     """Return the nodes with the parameters that YAML and `.cfg` files declare for them.
 
-    A library of the package that none of its nodes is seen to use is returned as a node of kind `class`, so that what
+    A library of the package that none of its nodes constructs is returned as a node of kind `class`, so that what
     it declares is not lost: other packages use it.
     """
-    libraries = {target: read_generated(reader, path) for target, path in build.parameter_libraries}
-    links = _Links(build.targets)
-    complete, used = [], set()
+    libraries = {path: read_generated(reader, path) for _, path in build.parameter_libraries}
+    complete = []
     for extracted in nodes:
-        linked = {
-            target
-            for target in libraries
-            if links.reach(extracted.node, target) or _imports(reader, extracted.node, target)
-        }
-        prefixes = {mark.detail: mark.namespace for mark in extracted.marks if mark.key == _LIBRARY}
-        own = [target for target in libraries if target in linked or target in prefixes]
-        used.update(own)
         found = [
-            *(_prefixed(parameter, prefixes.get(target, "")) for target in own for parameter in libraries[target]),
-            *_foreign(reader, extracted.marks, libraries),
+            *(_declared(parameter, libraries) for parameter in extracted.node.parameters),
+            *_imported(reader, extracted.node, build),
             *_reconfigured(reader, package, build, extracted.marks),
         ]
-        node = replace(extracted.node, parameters=extracted.node.parameters + tuple(found))
-        complete.append(replace(extracted, node=node))
+        complete.append(replace(extracted, node=replace(extracted.node, parameters=tuple(found))))
+    used = {parameter.location.path for extracted in complete for parameter in extracted.node.parameters}
     complete.extend(
-        Extracted(_library_node(target, path, libraries[target], "cpp" if build.targets else "python"))
+        Extracted(_library_node(target, path, libraries[path], "cpp" if build.targets else "python"))
         for target, path in build.parameter_libraries
-        if target not in used and libraries[target]
+        if path not in used and libraries[path]
     )
     return complete
+
+
+def _declared(parameter: Parameter, libraries: dict[str, tuple[Parameter, ...]]) -> Parameter:
+    """Return a parameter with what the YAML file says of it, if its place is the line of a key there."""
+    place, name = parameter.location, parameter.name or ""
+    keys = libraries.get(place.path, ()) if place.repository is None else ()
+    written = next((key for key in keys if key.location == place and name.endswith(key.name or "")), None)
+    if written is None:
+        return parameter
+    return replace(written, name=name, resolution=Resolution.PARTIAL if _HOLE in name else parameter.resolution)
 
 
 def _library_node(target: str, path: str, parameters: tuple[Parameter, ...], language: str) -> NodeType:
@@ -80,61 +81,34 @@ def _library_node(target: str, path: str, parameters: tuple[Parameter, ...], lan
     )
 
 
-def _imports(reader: Reader, node: NodeType, module: str) -> bool:
-    """Tell whether a Python node imports the module that is made of a parameter file."""
-    for path in node.sources if node.language == "python" else ():
-        content = reader.read(path)
-        if content is None or module.encode() not in content:
-            continue
-        for statement in captures(parse(content).root_node).get("import", ()):
-            names = [statement.child_by_field_name("module_name"), *statement.children_by_field_name("name")]
-            if any(code(name).rpartition(".")[2] == module for name in names):
-                return True
-    return False
+def _imported(reader: Reader, node: NodeType, build: BuildModel) -> Iterator[Parameter]:
+    """Yield the parameters of the modules made of YAML files whose class a Python node constructs."""
+    for module, path in build.parameter_libraries if node.language == "python" else ():
+        for source in node.sources:
+            content = reader.read(source)
+            if content is None or module.encode() not in content or _LISTENER not in content:
+                continue
+            for prefix in _listeners(content, module):
+                for parameter in read_generated(reader, path):
+                    yield replace(parameter, name=f"{prefix}{parameter.name}")
 
 
-class _Links:
-    """What the targets of a package link, directly and through each other."""
-
-    def __init__(self, targets: tuple[Target, ...]) -> None:
-        self._targets = {target.name: target for target in targets}
-        self._by_source: dict[str, list[str]] = {}
-        for target in targets:
-            for source in target.sources:
-                self._by_source.setdefault(source, []).append(target.name)
-
-    def reach(self, node: NodeType, library: str) -> bool:
-        """Tell whether a target that makes the node links the library."""
-        starts = [name for source in node.sources for name in self._by_source.get(source, ())]
-        open_names, seen = [node.executable or "", *starts], set[str]()
-        while open_names:
-            name = open_names.pop()
-            if name == library:
-                return True
-            if name not in seen and name in self._targets:
-                seen.add(name)
-                open_names.extend(link.rpartition("::")[2] for link in self._targets[name].links)
-        return False
-
-
-def _prefixed(parameter: Parameter, prefix: str) -> Parameter:
-    return replace(parameter, name=f"{prefix}{parameter.name}") if prefix else parameter
-
-
-def _foreign(reader: Reader, marks: tuple[Mark, ...], own: dict[str, tuple[Parameter, ...]]) -> Iterator[Parameter]:
-    """Yield the parameters of libraries of other packages, which a base class there brings in."""
-    for mark in marks:
-        if mark.key != _LIBRARY or mark.detail in own:
-            continue
-        here = reader.repository
-        repository = mark.location.repository or here
-        owner = reader.workspace.owner(FilePath(repository, mark.location.path))
-        if owner is None or owner == reader.place or repository != here:
-            continue
-        libraries = dict(manifests.read_build(reader, reader.workspace.folder(owner)[1]).parameter_libraries)
-        if mark.detail in libraries:
-            found = read_generated(reader, libraries[mark.detail])
-            yield from (_prefixed(parameter, mark.namespace) for parameter in found)
+def _listeners(content: bytes, module: str) -> Iterator[str]:
+    """Yield the prefixes of the listeners that a Python source constructs of a module: `module.ParamListener(node)`."""
+    found = captures(parse(content).root_node)
+    names = {module}
+    for statement in found.get("import", ()):
+        for name in statement.children_by_field_name("name"):
+            alias = name.child_by_field_name("alias")
+            if alias is not None and code(name.child_by_field_name("name")).rpartition(".")[2] == module:
+                names.add(code(alias))
+    for call in found.get("call", ()):
+        *outer, last = code(call.child_by_field_name("function")).split(".")
+        if last == _LISTENER.decode() and outer and outer[-1] in names:
+            given = [code(argument) for argument in argument_nodes(call)]
+            prefix = next((one.partition("=")[2] for one in given if one.startswith("prefix=")), "")
+            text = (prefix or (given[1] if len(given) > 1 else "")).strip("\"'")
+            yield text if not text or text.endswith(".") else f"{text}."
 
 
 def _reconfigured(

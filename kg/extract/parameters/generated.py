@@ -8,6 +8,7 @@ names that are the values of the parameter `x` at run time; it becomes the hole 
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import yaml
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
     from kg.corpus.reading import Reader
 
-__all__ = ["read_generated"]
+__all__ = ["GeneratedLibrary", "parse_generated", "read_generated"]
 
 _LOADER: Final = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _MOST_DEPTH: Final = 50
@@ -40,23 +41,48 @@ class _TooMuchError(Exception):
     """The file is nested too deep, or its aliases mean too much."""
 
 
+@dataclass(frozen=True, slots=True)
+class GeneratedLibrary:
+    """The parameters of a YAML file, in its order, and the namespace of the class that declares them.
+
+    `namespace` is empty if the file has not exactly one top key. `error` tells what stopped the reading of the file:
+    a message and a line, which can be unknown.
+    """
+
+    namespace: str
+    parameters: tuple[Parameter, ...]
+    error: tuple[str, int | None] | None = None
+
+
+def parse_generated(content: bytes, path: str) -> GeneratedLibrary:
+    """Return what the YAML file at `path` declares; where it is malformed, what comes before the mistake."""
+    found: list[Parameter] = []
+    keys: list[str] = []
+    error: tuple[str, int | None] | None = None
+    try:
+        root = compose_yaml(content.decode(), _LOADER)
+        keys += [str(key.value) for key, _ in root.value] if isinstance(root, yaml.MappingNode) else []
+        found.extend(_Walk(path).parameters_of(root))
+    except yaml.YAMLError as malformed:
+        mark = getattr(malformed, "problem_mark", None)
+        message = str(getattr(malformed, "problem", None) or malformed).partition("\n")[0]
+        error = (f"no YAML: {message}", mark.line + 1 if mark else None)
+    except (_TooMuchError, RecursionError) as large:
+        message = str(large) or "the file is nested too deep"
+        error = (f"{message}; the parameters before that were read", None)
+    return GeneratedLibrary(keys[0] if len(keys) == 1 else "", tuple(found), error)
+
+
 def read_generated(reader: Reader, path: str) -> tuple[Parameter, ...]:
     """Return the parameters of the YAML file at `path`; one that cannot be used is a problem KG119 of the `reader`."""
     content = reader.read(path)
     if content is None:
         return ()
-    found: list[Parameter] = []
-    try:
-        root = compose_yaml(content.decode(), _LOADER)
-        found.extend(_Walk(path).parameters_of(root))
-    except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        message = str(getattr(error, "problem", None) or error).partition("\n")[0]
-        reader.problem("KG119", f"no YAML: {message}", path, mark.line + 1 if mark else None)
-    except (_TooMuchError, RecursionError) as error:
-        message = str(error) or "the file is nested too deep"
-        reader.problem("KG119", f"{message}; the parameters before that were read", path)
-    return tuple(found)
+    library = parse_generated(content, path)
+    if library.error is not None:
+        message, line = library.error
+        reader.problem("KG119", message, path, line)
+    return library.parameters
 
 
 class _Walk:

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 from extract.workspaces import reader_of
 
-from kg.extract.buildmodel import BuildModel, Target, TargetKind
+from kg.extract.buildmodel import BuildModel
 from kg.extract.marks import Extracted, Mark
 from kg.extract.parameters import attach
 from kg.facts import Location, NodeKind, NodeType
@@ -19,11 +19,6 @@ FILES: dict[str, str | bytes] = {"params.yaml": YAML, "cfg/Demo.cfg": CFG}
 LIBRARIES = (("demo_parameters", "demo/params.yaml"),)
 
 
-def target(name: str, source: str, *links: str) -> Target:
-    """Return a library of one source."""
-    return Target(name, TargetKind.LIBRARY, (source,), links, Location("demo/CMakeLists.txt", 1))
-
-
 def names(root: Path, build: BuildModel, *marks: Mark) -> list[tuple[str, list[str | None]]]:
     """Return name and parameter names of the nodes that become of one node with these marks."""
     reader = reader_of(root, FILES)
@@ -32,36 +27,20 @@ def names(root: Path, build: BuildModel, *marks: Mark) -> list[tuple[str, list[s
     return [(found.node.name, [p.name for p in found.node.parameters]) for found in nodes]
 
 
-def test_a_node_has_the_parameters_of_a_library_it_links(tmp_path: Path) -> None:
-    """Linking counts through other libraries and with a namespace in front of the name."""
-    targets = (
-        target("a", "demo/src/a.cpp", "rclcpp::rclcpp", "middle"),
-        target("middle", "demo/src/m.cpp", "demo::demo_parameters", "a"),
-    )
-    assert names(tmp_path, BuildModel(targets=targets, parameter_libraries=LIBRARIES)) == [("a", ["gain"])]
-
-
-def test_a_node_has_the_parameters_of_a_header_it_includes(tmp_path: Path) -> None:
-    """A mark is enough, and its prefix stands before the names."""
-    build = BuildModel(parameter_libraries=LIBRARIES)
-    mark = Mark("generate_parameter_library", HERE, "plugin.", "demo_parameters")
-    assert names(tmp_path, build, mark) == [("a", ["plugin.gain"])]
-
-
-def test_a_script_has_the_parameters_of_a_module_it_imports(tmp_path: Path) -> None:
-    """A Python node whose code imports the generated module has what it declares; one that does not has nothing."""
-    files = {
-        **FILES,
-        "a.py": "from demo.demo_parameters import demo_parameters\n",
-        "b.py": "import demo_parameters_b\n",
-    }
+def test_a_script_has_the_parameters_of_the_listener_it_constructs(tmp_path: Path) -> None:
+    """A Python node has what the generated class declares if it constructs that class, not if it only imports it."""
+    use = "from demo.demo_parameters import demo_parameters\n"
+    files = {**FILES, "a.py": use + "demo_parameters.ParamListener(node, 'arm')\n", "b.py": use + "ParamListener = 1\n"}
     reader = reader_of(tmp_path, files)
     scripts = [
         NodeType(name, NodeKind.SCRIPT, "python", 2, HERE, sources=(f"demo/{name}",)) for name in ("a.py", "b.py")
     ]
     build = BuildModel(parameter_libraries=LIBRARIES)
     nodes = attach(reader, reader.package, build, [Extracted(script) for script in scripts])
-    assert [(n.node.name, len(n.node.parameters)) for n in nodes] == [("a.py", 1), ("b.py", 0)]
+    assert [(n.node.name, [one.name for one in n.node.parameters]) for n in nodes] == [
+        ("a.py", ["arm.gain"]),
+        ("b.py", []),
+    ]
 
 
 def test_a_library_that_no_node_uses_is_kept_as_a_class(tmp_path: Path) -> None:

@@ -1,0 +1,83 @@
+"""The C++ class `ParamListener` that `generate_parameter_library` makes of a YAML file.
+
+A node has the parameters of the file if it constructs this class, so the C++ front end reads the header that the tool
+would generate, reduced to what the construction does. The declaration of each parameter is on the line of its key in
+the YAML file. `ontology/calls/rclcpp.toml` describes `generate_parameter_library::declare`.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import Any, Final
+
+import yaml
+
+from kg.extract.parameters.generated import parse_generated
+
+__all__ = ["listener"]
+
+_TYPES: Final = {"bool": "bool", "int": "int64_t", "double": "double", "string": "std::string"}
+_HOLE: Final = "{}"
+_CLASS: Final = """class ParamListener { public: Params params_; Params get_params() { return params_; } \
+bool try_get_params(Params & params) { params = params_; return true; } \
+bool try_update_params(Params & params) { params = params_; return true; } \
+template <typename N> ParamListener(N node, rclcpp::Logger, const std::string & prefix = "") \
+: ParamListener(node, prefix) {} \
+template <typename N> ParamListener(N node, const std::string & prefix = "") { """
+
+
+def listener(content: bytes, path: str) -> bytes:
+    """Return the header for the YAML file at `path`, as UTF-8; empty if the file has not exactly one top key."""
+    library = parse_generated(content, path)
+    if not library.namespace:
+        return b""
+    groups: dict[str, Any] = {}
+    lines = [""] * max((parameter.location.line for parameter in library.parameters), default=1)
+    for parameter in library.parameters:
+        name, kind = parameter.name or "", _cpp_type(parameter.type)
+        if kind is None:
+            continue
+        spelled = json.dumps(name).replace(_HOLE, '" + value_at_run_time + "')
+        default = _literal(yaml.safe_load(parameter.default)) if parameter.default is not None else None
+        arguments = [spelled, "prefix", default] if default is not None else [spelled, "prefix"]
+        statement = f"generate_parameter_library::declare<{kind}>(node, {', '.join(arguments)});"
+        *outer, last = name.split(".")
+        if all(part.isidentifier() for part in (*outer, last)):
+            group = groups
+            for part in outer:
+                group = group.setdefault(part, {})
+            group[last] = kind
+            statement = f"params_.{name} = {statement}"
+        lines[parameter.location.line - 1] += statement
+    lines[0] = f"namespace {library.namespace} {{ struct Params {{ {_members(groups)} }}; {_CLASS}{lines[0]}"
+    return "\n".join([*lines, "} }; }"]).encode()
+
+
+def _cpp_type(kind: str | None) -> str | None:
+    element, _, array = (kind or "").partition("_")
+    known = _TYPES.get(element)
+    return f"std::vector<{known}>" if array and known is not None else known
+
+
+def _members(groups: dict[str, Any]) -> str:
+    members = (
+        f"struct {name.title()} {{ {_members(inner)} }}; {name.title()} {name};"
+        if isinstance(inner, dict)
+        else f"{inner} {name};"
+        for name, inner in groups.items()
+    )
+    return " ".join(members)
+
+
+def _literal(value: object) -> str | None:
+    """Return a value as an expression of C++; None for what has no literal, such as infinity."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, int | float):
+        return repr(value) if value - value == 0 else None
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)
+    if isinstance(value, list):
+        items = [_literal(item) for item in value]
+        return None if None in items else f"{{{', '.join(str(item) for item in items)}}}"
+    return None
