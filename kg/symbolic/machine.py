@@ -83,6 +83,8 @@ class Machine:
         self.executed: set[int] = set()
         """The functions that have run, by identity."""
         self.steps = 0
+        self.counting = False
+        """Whether the condition of a loop is evaluated: it counts the default of a list, other tests leave it open."""
         self.globals: dict[object, Variables] = {}
         self._journal = Journal(self._joined)
         self._values: dict[type, Callable[[Any, Frame], Value]] = {
@@ -259,7 +261,9 @@ class Machine:
         if condition is None or _runs_at_least_once(loop):
             return self._unknown_times(loop, frame, ())
         for _ in range(MOST_TURNS):
+            counting, self.counting = self.counting, True
             holds = truth(self.value(condition, frame))
+            self.counting = counting
             if not isinstance(holds, Truth):
                 return self._unknown_times(loop, frame, terms_of(holds))
             if not holds.value:

@@ -395,7 +395,7 @@ def method(language: Cpp, of: Value, name: str, given: Arguments, written: Expre
     if name in ("at", "operator[]") and values:
         return element(of, values[0])
     if name in ("size", "length") and isinstance(of, Sequence | Mapping) and not of.open:
-        return number(float(len(of.items)))
+        return number(float(len(of.items)), None if language.machine.counting else of.parameter)
     if name == "empty" and not isinstance(of, Unknown):
         return _empty(of)
     if name in ("find", "count", "contains") and isinstance(of, Mapping | Sequence) and values:

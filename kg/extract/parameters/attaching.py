@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.corpus.files import FilePath
 from kg.extract.marks import Extracted, Mark
-from kg.extract.parameters.generated import read_generated
+from kg.extract.parameters.generated import parse_generated, read_generated
 from kg.extract.parameters.reconfigure import read_configuration
 from kg.extract.python.syntax import argument_nodes, captures, code, parse
 from kg.facts import FileKind, Location, NodeKind, NodeType, Resolution
@@ -41,32 +41,39 @@ def attach(reader: Reader, package: PackageFolder, build: BuildModel, nodes: Ite
     A library of the package that none of its nodes constructs is returned as a node of kind `class`, so that what
     it declares is not lost: other packages use it.
     """
-    libraries = {path: read_generated(reader, path) for _, path in build.parameter_libraries}
+    own = {path: read_generated(reader, path) for _, path in build.parameter_libraries}
+    libraries = {FilePath(reader.repository, path): keys for path, keys in own.items()}
     complete = []
     for extracted in nodes:
         found = [
-            *(_declared(parameter, libraries) for parameter in extracted.node.parameters),
+            *(_declared(reader, parameter, libraries) for parameter in extracted.node.parameters),
             *_imported(reader, extracted.node, build),
             *_reconfigured(reader, package, build, extracted.marks),
         ]
         complete.append(replace(extracted, node=replace(extracted.node, parameters=tuple(found))))
     used = {parameter.location.path for extracted in complete for parameter in extracted.node.parameters}
     complete.extend(
-        Extracted(_library_node(target, path, libraries[path], "cpp" if build.targets else "python"))
+        Extracted(_library_node(target, path, own[path], "cpp" if build.targets else "python"))
         for target, path in build.parameter_libraries
-        if path not in used and libraries[path]
+        if path not in used and own[path]
     )
     return complete
 
 
-def _declared(parameter: Parameter, libraries: dict[str, tuple[Parameter, ...]]) -> Parameter:
+def _declared(reader: Reader, parameter: Parameter, libraries: dict[FilePath, tuple[Parameter, ...]]) -> Parameter:
     """Return a parameter with what the YAML file says of it, if its place is the line of a key there."""
     place, name = parameter.location, parameter.name or ""
-    keys = libraries.get(place.path, ()) if place.repository is None else ()
-    written = next((key for key in keys if key.location == place and name.endswith(key.name or "")), None)
+    if not place.path.endswith((".yaml", ".yml")):
+        return parameter
+    file = FilePath(place.repository or reader.repository, place.path)
+    if file not in libraries:
+        libraries[file] = parse_generated(reader.read(file) or b"", place.path).parameters
+    keys = [key for key in libraries[file] if key.location.line == place.line and f".{name}".endswith(f".{key.name}")]
+    written = max(keys, key=lambda key: len(key.name or ""), default=None)
     if written is None:
         return parameter
-    return replace(written, name=name, resolution=Resolution.PARTIAL if _HOLE in name else parameter.resolution)
+    resolution = Resolution.PARTIAL if _HOLE in name else parameter.resolution
+    return replace(written, name=name, location=place, resolution=resolution)
 
 
 def _library_node(target: str, path: str, parameters: tuple[Parameter, ...], language: str) -> NodeType:

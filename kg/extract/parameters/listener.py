@@ -2,7 +2,8 @@
 
 A node has the parameters of the file if it constructs this class, so the C++ front end reads the header that the tool
 would generate, reduced to what the construction does. The declaration of each parameter is on the line of its key in
-the YAML file. `ontology/calls/rclcpp.toml` describes `generate_parameter_library::declare`.
+the YAML file. `ontology/calls/rclcpp.toml` describes `generate_parameter_library::declare`, and `document` for a
+key whose type is `none`: other code reads that parameter.
 """
 
 from __future__ import annotations
@@ -35,9 +36,10 @@ def listener(content: bytes, path: str) -> bytes:
     lines = [""] * max((parameter.location.line for parameter in library.parameters), default=1)
     for parameter in library.parameters:
         name, kind = parameter.name or "", _cpp_type(parameter.type)
-        if kind is None:
-            continue
         spelled = json.dumps(name).replace(_HOLE, '" + value_at_run_time + "')
+        if kind is None:
+            lines[parameter.location.line - 1] += f"generate_parameter_library::document(node, {spelled}, prefix);"
+            continue
         default = _literal(yaml.safe_load(parameter.default)) if parameter.default is not None else None
         arguments = [spelled, "prefix", default] if default is not None else [spelled, "prefix"]
         statement = f"generate_parameter_library::declare<{kind}>(node, {', '.join(arguments)});"

@@ -7,7 +7,7 @@ from extract.workspaces import reader_of
 from kg.extract.buildmodel import BuildModel
 from kg.extract.marks import Extracted, Mark
 from kg.extract.parameters import attach
-from kg.facts import Location, NodeKind, NodeType
+from kg.facts import Access, Location, NodeKind, NodeType, Parameter
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -25,6 +25,19 @@ def names(root: Path, build: BuildModel, *marks: Mark) -> list[tuple[str, list[s
     node = NodeType("a", NodeKind.COMPONENT, "cpp", 2, HERE, sources=("demo/src/a.cpp",))
     nodes = attach(reader, reader.package, build, [Extracted(node, marks)])
     return [(found.node.name, [p.name for p in found.node.parameters]) for found in nodes]
+
+
+def test_a_parameter_has_what_its_key_states(tmp_path: Path) -> None:
+    """A declaration on the line of a key has type, default and description of the key whose name ends its own."""
+    keys = "ns: {gain: {type: double, default_value: .inf, description: Of the loop}, ain: {type: bool}}\n"
+    reader = reader_of(tmp_path, {"params.yaml": keys})
+    place = Location("demo/params.yaml", 1)
+    declared = Parameter("plugin.gain", "double", None, Access.DECLARE, place)
+    node = NodeType("a", NodeKind.COMPONENT, "cpp", 2, HERE, parameters=(declared,))
+    (found,) = attach(reader, reader.package, BuildModel(parameter_libraries=LIBRARIES), [Extracted(node)])
+    (whole,) = found.node.parameters
+    assert (whole.name, whole.type, whole.default) == ("plugin.gain", "double", ".inf")
+    assert (whole.description, whole.location) == ("Of the loop", place)
 
 
 def test_a_script_has_the_parameters_of_the_listener_it_constructs(tmp_path: Path) -> None:
