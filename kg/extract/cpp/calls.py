@@ -144,7 +144,11 @@ class Calls:
         if last in library.TYPES:
             return language.construct(Kind(names, given.template), given.values, frame, line)
         kind = self._kinds.kind(form.Type(names, function.template), frame)
-        if isinstance(kind, Kind) and (kind.cls is not None or language.machine.framework.constructs(kind)):
+        if isinstance(kind, Kind) and (
+            kind.cls is not None
+            or language.machine.framework.constructs(kind)
+            or (not given.values and (kind.names != names or names[-2:-1] == ("msg",)))
+        ):
             return language.construct(kind, given.values, frame, line)
         language.escape(given.values)
         for prototype in self._linker.find_prototypes(names, frame.unit, frame.scope)[:1]:

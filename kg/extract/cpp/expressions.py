@@ -218,7 +218,9 @@ class Expressions:
 
     def _cast(self, node: Node) -> Expression:
         value = node.child_by_field_name("value")
-        return self.expression(value) if value is not None else self._opaque(node)
+        if value is None:
+            return self._opaque(node)
+        return self._converted(node, node.child_by_field_name("type"), self.expression(value))
 
     def _call(self, node: Node) -> Expression:
         function = node.child_by_field_name("function")
@@ -228,10 +230,18 @@ class Expressions:
         if function.type in ("template_function", "qualified_identifier"):
             name = syntax.simple_name(function)
             if name in _CASTS and given:
-                return given[0]
+                templates = (syntax.arguments(part.template) for part in syntax.parts(function))
+                return self._converted(node, next((one for listed in templates for one in listed), None), given[0])
         if function.type in ("primitive_type", "sized_type_specifier"):
             return Construct(line_of(node), self.type(function), given)
         return Call(self._callline_of(function), self.expression(function), given)
+
+    def _converted(self, node: Node, to: Node | None, given: Expression) -> Expression:
+        """Return the operand of a cast, or a number of a built-in type; other types keep their value."""
+        kind = self.type(to.child_by_field_name("type") or to) if to is not None else None
+        if kind is not None and kind.names in (("int",), ("float",), ("double",)):
+            return Construct(line_of(node), kind, (given,))
+        return given
 
     def _callline_of(self, function: Node) -> int:
         """Return the line of the name that is called: in a chain of calls over several lines, not where it begins."""

@@ -257,6 +257,8 @@ class Cpp:
             found = self.kind_of(kind, frame)
             if found is not None and (found.cls is not None or self.machine.framework.constructs(found)):
                 return self.construct(found, [value], frame)
+            if found is not None:
+                return library.stored(found, value)
         return value
 
     def assigned(self, target: Expression, value: Value, written: Expression, frame: Frame) -> Value:
@@ -267,6 +269,9 @@ class Cpp:
             held = self.machine.value(target, frame)
             if isinstance(held, Object):
                 return self.construct(held.kind, [value], frame)
+        if isinstance(value, Number):
+            kind = self.kinds.type_of(target, frame)
+            return library.stored(kind, value) if kind is not None else value
         if isinstance(value, Sequence):
             declared = self.kinds.declared_type(target, frame)
             if declared is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
@@ -54,6 +55,7 @@ __all__ = [
     "formatted",
     "likeness",
     "method",
+    "stored",
     "type_of",
 ]
 
@@ -161,7 +163,8 @@ _PAIR: Final = 2
 _RANGE: Final = 3
 """How many arguments `insert(position, begin, end)` has."""
 _MOST_ITEMS: Final = 64
-_TO_TEXT: Final = frozenset({"to_string", "lexical_cast", "str", "to_wstring", "value_to_string"})
+_TO_TEXT: Final = frozenset({"lexical_cast", "str", "value_to_string"})
+_FLOATING: Final = frozenset({"double", "float"})
 _JOINERS: Final = frozenset({"StrCat", "append_path", "concat"})
 _BINDERS: Final = frozenset({"bind", "bind_front", "mem_fn"})
 _PACKERS: Final = frozenset({"make_pair", "make_tuple", "tie", "forward_as_tuple"})
@@ -187,7 +190,8 @@ def type_of(value: Value) -> Kind | None:
     if isinstance(value, Truth | Guard):
         return Kind(("bool",))
     if isinstance(value, Number):
-        return Kind(("double",) if "." in value.written or "e" in value.written else ("int",))
+        whole = value.written.startswith(("0x", "0X")) or not set(value.written) & set(".eE")
+        return Kind(("int",) if whole else ("double",))
     if isinstance(value, Either):
         return type_of(value.items[0])
     if isinstance(value, Sequence):
@@ -241,11 +245,31 @@ def construct(language: Cpp, kind: Kind, arguments: list[Value], *, listed: bool
     if name in MAPS:
         return _map(language, kind, arguments)
     if name in NUMBERS or name in ("bool", "char", "auto", "byte", "function"):
-        return arguments[0] if arguments else Unknown("it is given no value in the code that was run")
+        if arguments:
+            return join(*(stored(kind, item) for item in alternatives(arguments[0])))
+        return Unknown("it is given no value in the code that was run")
     if name in ("thread", "jthread"):
         language.escape(arguments)
         return Object(kind)
     return None
+
+
+def stored(kind: Kind, value: Value) -> Value:
+    """Return a number as a variable of a type stores it: without its fraction, or with one."""
+    if not isinstance(value, Number) or not math.isfinite(value.value):
+        return value
+    if kind.name in _FLOATING:
+        return value if set(value.written) & set(".eE") else replace(value, written=f"{int(value.value)}.0")
+    whole = int(value.value)
+    return Number(whole, str(whole), value.parameter) if kind.name in NUMBERS and value.value != whole else value
+
+
+def _decimal(value: Value) -> Text:
+    """Return the text of `std::to_string`: six digits after the point, and no number in hexadecimal."""
+    if not isinstance(value, Number) or not math.isfinite(value.value):
+        return as_text(value)
+    floating = type_of(value) == Kind(("double",))
+    return as_text(replace(value, written=f"{value.value:.6f}" if floating else str(int(value.value))))
 
 
 def _list(language: Cpp, kind: Kind, arguments: list[Value], *, listed: bool) -> Value:
@@ -306,6 +330,8 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
         return values[0] if len(values) == 1 else Pack(tuple(values))
     if name in _BINDERS:
         return _bind(values)
+    if name in ("to_string", "to_wstring"):
+        return join(*(_decimal(item) for item in alternatives(values[0])))
     if name in _TO_TEXT:
         return join(*(as_text(item) for item in alternatives(values[0])))
     if name in _JOINERS:

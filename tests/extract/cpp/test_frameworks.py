@@ -89,3 +89,10 @@ def test_a_parameter_object_receives_the_type_of_its_value() -> None:
     """`get_parameter(name, object)` into a `rclcpp::Parameter` of a truth value reads a truth value."""
     source = component('rclcpp::Parameter given("fast", true); get_parameter("fast", given);')
     assert parameters_of([node_of(source)]) == [("fast", "bool", "true")]
+
+
+@pytest.mark.parametrize("local", ["double r = 25;", "double r; r = 25;", "double r{25};"])
+def test_a_default_has_the_type_of_its_variable(local: str) -> None:
+    """A parameter whose default is a floating variable is floating, also if the variable has a whole value."""
+    source = component(f'{local} declare_parameter("range", r);')
+    assert parameters_of([node_of(source)]) == [("range", "double", "25.0")]

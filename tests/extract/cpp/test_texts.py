@@ -125,6 +125,22 @@ def test_numbers_are_computed(one: int, other: int, third: int, sign: str) -> No
     }
 
 
+@pytest.mark.parametrize(
+    ("expression", "local", "shown"),
+    [
+        ("std::to_string(k)", "int k = 2.7;", "2"),
+        ("std::to_string(k)", "int k; k = 2.7;", "2"),
+        ("std::to_string(static_cast<int>(2.7))", "", "2"),
+        ("std::to_string((int) 2.7)", "", "2"),
+        ("std::to_string(0x10)", "", "16"),
+        ("std::to_string(r)", "double r = 0.5;", "0.500000"),
+    ],
+)
+def test_numbers_have_the_form_of_their_type(expression: str, local: str, shown: str) -> None:
+    """A whole number has no fraction, and `std::to_string` writes decimal digits, six of them after a point."""
+    assert texts_of(expression, local) == {shown}
+
+
 def test_what_is_not_known_is_said() -> None:
     """A call of a function that is not in the sources leaves a hole, with a reason that names it."""
     (found,) = interfaces_of(publisher_of('"a/" + foreign()'))
