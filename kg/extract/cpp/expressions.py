@@ -184,7 +184,8 @@ class Expressions:
         found = syntax.parts(node)
         written = next((part.template for part in reversed(found) if part.template is not None), None)
         template = self._template(written)
-        return Name(line_of(node), tuple(part.name for part in found if part.name), template)
+        names = tuple(part.name for part in found if part.name)
+        return Name(line_of(node), names, template) if names else self._opaque(node)
 
     def _string(self, node: Node) -> Expression:
         return Literal(line_of(node), syntax.literal(node))

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from extract.cpp.packages import names_of
 from hypothesis import given
 from hypothesis import strategies as st
 from tree_sitter import Query
@@ -37,3 +38,12 @@ def test_a_text_before_a_macro_is_one_argument() -> None:
     """`"text" MACRO`, which does not parse, stays one argument."""
     call = first('void g() { f("/" NAME, 1); }', "call_expression")
     assert len(syntax.arguments(call.child_by_field_name("arguments"))) == 2
+
+
+def test_signals_of_qt_do_not_end_the_reading() -> None:
+    """The grammar completes `Item *,` in a macro of Qt by an empty name; the rest of the program is read."""
+    source = (
+        "int main() { ros::NodeHandle nh; QObject::connect(&tree, SIGNAL(clicked(Item *, int)), &window, SLOT(shown()));\n"
+        'nh.advertise<std_msgs::String>("x", 1); }'
+    )
+    assert names_of(source) == {"x"}
