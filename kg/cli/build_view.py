@@ -119,6 +119,7 @@ def report_object(report: BuildReport) -> dict[str, Any]:
         "definitions",
         "files",
         "unresolved",
+        "bounded",
         "problems",
         "triples",
     )

@@ -89,6 +89,9 @@ def _header(record: NodeRecord, links: Links) -> Iterable[Text]:
     if node.node_name and node.node_name != node.name:
         yield _field("name", f"calls itself {node.node_name}")
     yield Text.assemble(_field("declared", ""), place_text(node.location, record.repository, links))
+    for bound in node.bounds:
+        text = Text.assemble(_field("cut short", f"by the limit of {bound.limit} at "))
+        yield text.append_text(place_text(bound.location, record.repository, links))
     others = [path for path in node.sources if path != node.location.path]
     if others:
         yield _field("sources", _some(others))

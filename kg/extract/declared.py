@@ -6,20 +6,20 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final, Protocol
 
-from kg.facts import Access, Interface, Location, Parameter, Resolution
+from kg.facts import Access, Bound, Interface, Location, Parameter, Resolution
 from kg.names import resolve
 from kg.symbolic.form import Literal
 from kg.symbolic.values import Either, Number, Sequence, Text, Truth, Unknown, Value
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
     from kg.corpus.files import FilePath
     from kg.facts import Role
     from kg.symbolic.effects import Declared
     from kg.symbolic.state import Site
 
-__all__ = ["Home", "evidence", "facts_of"]
+__all__ = ["Home", "bounds_of", "evidence", "facts_of"]
 
 _ROS2: Final = 2
 _COUNT: Final = re.compile(r"argc(==|!=|>=|<=|>|<)(\d+)")
@@ -68,6 +68,11 @@ def _better(one: Parameter, other: Parameter) -> bool:
         return (parameter.default is not None, parameter.access is Access.DECLARE, parameter.type is not None)
 
     return worth(one) > worth(other)
+
+
+def bounds_of(reached: Mapping[str, Site], home: Home) -> tuple[Bound, ...]:
+    """Return the limits that an interpretation reached, with their places."""
+    return tuple(Bound(limit, _place(site, home)) for limit, site in sorted(reached.items()))
 
 
 def evidence(stack: tuple[Site, ...], home: Home, name: str | None = None) -> tuple[Location, tuple[Location, ...]]:

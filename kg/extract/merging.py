@@ -39,6 +39,7 @@ def _both(one: Extracted, other: Extracted) -> Extracted:
         sources=_once(first.sources + second.sources),
         interfaces=_once(first.interfaces + second.interfaces),
         parameters=_once(first.parameters + second.parameters),
+        bounds=_once(first.bounds + second.bounds),
     )
     return replace(one, node=node, marks=_once(one.marks + other.marks))
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from kg.facts.code import (
     Access,
+    Bound,
     Dependency,
     Field,
     FileKind,
@@ -59,6 +60,7 @@ from kg.facts.texts import Description, DescriptionKind, Phrase
 
 __all__ = [
     "Access",
+    "Bound",
     "Dependency",
     "Description",
     "DescriptionKind",

@@ -197,6 +197,17 @@ class Parameter:
 
 
 @dataclass(frozen=True, slots=True)
+class Bound:
+    """A limit at which the interpretation of a node stopped short, so that facts may be missing.
+
+    `limit` is `steps`, `depth` (of calls) or `turns` (of one loop); `location` is the call that was running.
+    """
+
+    limit: str
+    location: Location
+
+
+@dataclass(frozen=True, slots=True)
 class NodeType:
     """What an executable, script, nodelet, component, plugin or node class declares in code (RNKG's node)."""
 
@@ -216,6 +227,7 @@ class NodeType:
     sources: tuple[str, ...] = ()
     interfaces: tuple[Interface, ...] = ()
     parameters: tuple[Parameter, ...] = ()
+    bounds: tuple[Bound, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

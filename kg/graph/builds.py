@@ -21,7 +21,10 @@ __all__ = ["BuildRecord", "Counts", "build_triples", "count"]
 
 @dataclass(frozen=True, slots=True)
 class Counts:
-    """How much a reading of a source found; `unresolved` counts interfaces whose name is not or partly known."""
+    """How much a reading of a source found; `unresolved` counts interfaces whose name is not or partly known.
+
+    `bounded` counts nodes at which a limit ended the reading early.
+    """
 
     packages: int = 0
     nodes: int = 0
@@ -31,6 +34,7 @@ class Counts:
     files: int = 0
     problems: int = 0
     unresolved: int = 0
+    bounded: int = 0
     triples: int = 0
 
 
@@ -60,6 +64,7 @@ def count(packages: Iterable[PackageFacts], problems: Iterable[Problem] = (), tr
         files=sum(len(facts.files) for facts in listed),
         problems=sum(len(facts.problems) for facts in listed) + len(tuple(problems)),
         unresolved=sum(each.resolution in unknown for each in interfaces),
+        bounded=sum(bool(node.bounds) for node in nodes),
         triples=triples,
     )
 
@@ -101,5 +106,6 @@ def _numbers(counts: Counts) -> tuple[tuple[str, int], ...]:
         (v.FILES, counts.files),
         (v.PROBLEMS, counts.problems),
         (v.UNRESOLVED, counts.unresolved),
+        (v.BOUNDED, counts.bounded),
         (v.TRIPLES, counts.triples),
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kg.graph import vocabulary as v
+from kg.graph.chains import chain_text
 from kg.graph.interfaces import interface
 from kg.graph.ntriples import boolean, integer, literal
 
@@ -30,6 +31,8 @@ def node(scope: Scope, package: str, fact: NodeType) -> None:
     writer.text(subject, v.BASE_CLASS, fact.base_class)
     for alias in fact.aliases:
         writer.text(subject, v.ALIAS, alias)
+    for bound in fact.bounds:
+        writer.text(subject, v.BOUND, f"{bound.limit} {chain_text((bound.location,))}")
     scope.evidence(subject, fact.location)
     _executable(scope, subject, fact)
     for path in fact.sources:

@@ -13,6 +13,7 @@ from pyoxigraph import NamedNode
 
 from kg.facts import (
     Access,
+    Bound,
     Interface,
     Location,
     NodeKind,
@@ -66,7 +67,7 @@ _ROLES: Final = {
 _ANY: Final = "?node a rnkg:NodeType ."
 _OF_NODES: Final = (
     *(v.NAME, v.KIND, v.LANGUAGE, v.ROS_VERSION, v.PATH, v.LINE, v.IN_REPOSITORY),
-    *(v.PLUGIN_NAME, v.NODE_NAME, v.BASE_CLASS, v.ALIAS),
+    *(v.PLUGIN_NAME, v.NODE_NAME, v.BASE_CLASS, v.ALIAS, v.BOUND),
 )
 """The properties of node types that facts have."""
 _OF_PARTS: Final = (
@@ -343,7 +344,13 @@ def _node(
         sources=tuple(sources),
         interfaces=tuple(sorted(parts[0], key=_order)),
         parameters=tuple(sorted(parts[1], key=_order)),
+        bounds=tuple(map(_bound, sorted(properties.get(v.bare(v.BOUND), ())))),
     )
+
+
+def _bound(text: str) -> Bound:
+    limit, _, place = text.partition(" ")
+    return Bound(limit, *chain_of(place))
 
 
 def _order(fact: Interface | Parameter) -> tuple[str, str, str, int, str]:

@@ -47,6 +47,7 @@ def node_object(record: NodeRecord) -> dict[str, Any]:
     for role in Role:
         fields[str(role)] = [interface_object(one) for one in node.interfaces if one.role == role]
     fields["parameters"] = [parameter_object(one) for one in node.parameters]
+    fields["bounds"] = [{"limit": one.limit, **_place(one.location)} for one in node.bounds]
     return fields
 
 

@@ -36,6 +36,7 @@ _COUNTS: Final = {
     "files": v.FILES,
     "problems": v.PROBLEMS,
     "unresolved": v.UNRESOLVED,
+    "bounded": v.BOUNDED,
     "triples": v.TRIPLES,
 }
 

@@ -78,7 +78,8 @@ class Machine:
         self.queue: deque[Callable[[], object]] = deque()
         self.queued: set[object] = set()
         self.guards: list[str] = []
-        self.bounds: set[str] = set()
+        self.bounds: dict[str, Site] = {}
+        """The limits that were reached, each with the call that was running then."""
         self.fruitless: Counter[int] = Counter()
         self.executed: set[int] = set()
         """The functions that have run, by identity."""
@@ -144,11 +145,16 @@ class Machine:
             self.write(frame.variables, name, value)
         return ended
 
+    def reached(self, limit: str) -> None:
+        """Record a limit and where it was reached first."""
+        if self.stack:
+            self.bounds.setdefault(limit, self.stack[-1])
+
     def run(self, statement: Statement, frame: Frame) -> str | None:
         """Run a statement; return None, or how it left the ones after it: `return`, `break`, `continue` or `raise`."""
         self.steps += 1
         if self.steps > MOST_STEPS:
-            self.bounds.add("steps")
+            self.reached("steps")
             return "return"
         if isinstance(statement, form.Block):
             return self._block(statement, frame)
@@ -260,6 +266,7 @@ class Machine:
         condition = loop.condition
         if condition is None or _runs_at_least_once(loop):
             return self._unknown_times(loop, frame, ())
+        before = self.framework.progress()
         for _ in range(MOST_TURNS):
             counting, self.counting = self.counting, True
             holds = truth(self.value(condition, frame))
@@ -275,7 +282,8 @@ class Machine:
                 return ended
             if loop.step is not None:
                 self.value(loop.step, frame)
-        self.bounds.add("turns")
+        if self.framework.progress() != before:  # else the turns that are left create nothing either
+            self.reached("turns")
         return None
 
     def _unknown_times(self, loop: form.Loop, frame: Frame, terms: tuple[str, ...]) -> str | None:
@@ -311,7 +319,7 @@ class Machine:
         items = self.language.elements(over)
         known = isinstance(over, Sequence | Mapping) and not over.open
         if known and len(items) > MOST_TURNS:
-            self.bounds.add("turns")
+            self.reached("turns")
             items = items[:MOST_TURNS]
         for item in items:
             self._target(loop, item, frame)
@@ -342,7 +350,7 @@ class Machine:
         """Return what an expression is, and do what it does."""
         self.steps += 1
         if self.steps > MOST_STEPS:
-            self.bounds.add("steps")
+            self.reached("steps")
             return Unknown("the interpretation was too long")
         return self._values[type(expression)](expression, frame)
 
@@ -524,7 +532,7 @@ class Machine:
     ) -> Value:
         """Run a function in its new frame; its writes to reference parameters go to the caller's arguments `given`."""
         if len(self.stack) > DEEPEST:
-            self.bounds.add("depth")
+            self.reached("depth")
             return Unknown("the calls are too deep")
         if self.running[id(function)] >= MOST_REPEATS:
             return Unknown("it calls itself")

@@ -10,6 +10,7 @@ from pyoxigraph import RdfFormat, Store
 
 from kg.facts import (
     Access,
+    Bound,
     Interface,
     Location,
     NodeKind,
@@ -60,6 +61,7 @@ ROVER: Final = NodeType(
         Parameter("rate", "double", "10.0", Access.DECLARE, HERE, description="How often, in Hz.", via=(HERE,)),
         Parameter(None, None, None, Access.READ, HERE, Resolution.UNRESOLVED, reason="built at run time"),
     ),
+    bounds=(Bound("depth", HERE), Bound("steps", Location("include/base.hpp", 8, "github.com/other/base"))),
 )
 
 

@@ -158,7 +158,7 @@ def status(
         Column("source", "name"),
         Column("commit"),
         Column("changed"),
-        *(Column(title, "number") for title in ("packages", "nodes", "unresolved", "problems")),
+        *(Column(title, "number") for title in ("packages", "nodes", "unresolved", "bounded", "problems")),
         Column("read", spare=1),
         Column("folder", "dim", spare=1),
     )
@@ -184,7 +184,7 @@ def _change(name: str, changed: dict[str, tuple[str, ...] | None]) -> str:
 def _row(state: "SourceState", changed: dict[str, tuple[str, ...] | None]) -> tuple[object, ...]:
     counts = state.counts
     commit = f"{state.commit[:12]}{' + changes' if state.dirty else ''}" if state.commit else "-"
-    numbers = (counts.packages, counts.nodes, counts.unresolved, counts.problems)
+    numbers = (counts.packages, counts.nodes, counts.unresolved, counts.bounded, counts.problems)
     read = (state.read or "").partition(".")[0].replace("T", " ")
     return state.name, commit, _change(state.name, changed), *numbers, read, state.root
 

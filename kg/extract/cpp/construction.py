@@ -105,7 +105,7 @@ class Constructions:
             machine.framework.construct_base(made, kind, Arguments(arguments))
             return
         if len(machine.stack) > _DEEPEST:
-            machine.bounds.add("depth")
+            machine.reached("depth")
             return
         bound = self._kinds.bound(cls, kind.arguments)
         own = inside(cls, bound, made)
@@ -118,7 +118,7 @@ class Constructions:
         frame = frame_of(chosen, bound, made)
         self._kinds.bind_template(chosen, frame, arguments)
         if len(machine.stack) > _DEEPEST or machine.running[id(chosen)] >= _MOST_REPEATS:
-            machine.bounds.add("depth")
+            machine.reached("depth")
             return
         machine.bind(chosen, frame, arguments)
         given = {name: (values, line) for name, values, line in chosen.initialisers}

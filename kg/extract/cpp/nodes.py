@@ -16,7 +16,7 @@ from kg.extract.cpp import syntax
 from kg.extract.cpp.language import Cpp
 from kg.extract.cpp.linking import Linker
 from kg.extract.cpp.project import FRAMEWORKS, Project
-from kg.extract.declared import evidence, facts_of
+from kg.extract.declared import bounds_of, evidence, facts_of
 from kg.extract.manifests import read_build
 from kg.extract.marks import Extracted, Mark
 from kg.facts import Location, NodeKind, NodeType
@@ -295,7 +295,8 @@ class _Nodes:
         interfaces, parameters = (*interfaces, *loaded_interfaces), (*parameters, *loaded_parameters)
         if not (interfaces or parameters or framework.marks or framework.nodes or framework.node_names):
             return []
-        whole = replace(node, ros=ros, node_name=named, interfaces=interfaces, parameters=parameters)
+        bounds = bounds_of(framework.machine.bounds, self._project)
+        whole = replace(node, ros=ros, node_name=named, interfaces=interfaces, parameters=parameters, bounds=bounds)
         marks = [_mark(one, self._project) for one in framework.marks]
         described = (one for made in framework.nodes for one in framework.described(made.kind))
         if any(one.name == "rclcpp_lifecycle::LifecycleNode" for one in described):

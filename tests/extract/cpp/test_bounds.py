@@ -1,0 +1,30 @@
+"""Limits of interpretation are recorded with the node that they cut short."""
+
+from __future__ import annotations
+
+import pytest
+from extract.cpp.packages import node_of
+
+LOOP = """#include <ros/ros.h>
+#include <std_msgs/String.h>
+int main(int argc, char** argv)
+{
+  ros::NodeHandle nh;
+  ros::Publisher all = nh.advertise<std_msgs::String>("all", 1);
+  for (int i = 0; i < %d; ++i)
+    %s("topic" + std::to_string(i), 1);
+}
+"""
+ADVERTISE = "nh.advertise<std_msgs::String>"
+
+
+def test_a_loop_that_creates_interfaces_and_goes_on_is_cut_short() -> None:
+    """The limit is recorded with the line of the function that was running."""
+    (bound,) = node_of(LOOP % (1000, ADVERTISE)).bounds
+    assert (bound.limit, bound.location.path, bound.location.line) == ("turns", "demo/main.cpp", 3)
+
+
+@pytest.mark.parametrize(("turns", "call"), [(5, ADVERTISE), (1000, "print")])
+def test_a_loop_that_ends_or_creates_nothing_is_no_bound(turns: int, call: str) -> None:
+    """The limit of turns counts only where interfaces may be missing."""
+    assert node_of(LOOP % (turns, call)).bounds == ()
