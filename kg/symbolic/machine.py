@@ -58,7 +58,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Machine"]
 
-MOST_STEPS: Final = 500_000
+MOST_STEPS: Final = 250_000
 DEEPEST: Final = 70
 MOST_TURNS: Final = 64
 MOST_REPEATS: Final = 2
