@@ -42,8 +42,6 @@ def test_a_text_before_a_macro_is_one_argument() -> None:
 
 def test_signals_of_qt_do_not_end_the_reading() -> None:
     """The grammar completes `Item *,` in a macro of Qt by an empty name; the rest of the program is read."""
-    source = (
-        "int main() { ros::NodeHandle nh; QObject::connect(&tree, SIGNAL(clicked(Item *, int)), &window, SLOT(shown()));\n"
-        'nh.advertise<std_msgs::String>("x", 1); }'
-    )
+    connect = "QObject::connect(&tree, SIGNAL(collapsed(Item *)), this, SLOT(shown(Item *)));"
+    source = f'int main() {{ ros::NodeHandle nh; {connect} nh.advertise<std_msgs::String>("x", 1); }}'
     assert names_of(source) == {"x"}
