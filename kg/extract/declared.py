@@ -56,8 +56,10 @@ def facts_of(
             parameter = _parameter(one, one.effect.access, home)
             key = (parameter.name, parameter.access, parameter.location if parameter.name is None else None)
             held = parameters.get(key)
-            if held is None or _better(parameter, held):
+            if held is None:
                 parameters[key] = parameter
+            elif _better(parameter, held):  # the first access stays its place
+                parameters[key] = replace(parameter, location=held.location, via=held.via)
     typed = {(i.role, i.name, i.parameter) for i in interfaces.values() if i.type is not None}
     kept = (i for i in interfaces.values() if i.type is not None or (i.role, i.name, i.parameter) not in typed)
     return tuple(kept), tuple(parameters.values())

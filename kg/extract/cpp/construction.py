@@ -173,7 +173,7 @@ class Constructions:
             expressions, line = given.get(base.name, given.get(found.name, ((), 0)))
             if not line:
                 expressions, line = self._by_alias(found, cls, own, given)
-            with self._at(frame, line or cls.line):
+            with self._at(frame, line) if line else self._at(own, cls.line):
                 self.initialise(made, found, self._language.machine.arguments(expressions, frame))
 
     def _by_alias(self, base: Kind, cls: Class, own: Frame, given: _Initialisers) -> tuple[tuple[Expression, ...], int]:

@@ -96,3 +96,19 @@ def test_a_default_has_the_type_of_its_variable(local: str) -> None:
     """A parameter whose default is a floating variable is floating, also if the variable has a whole value."""
     source = component(f'{local} declare_parameter("range", r);')
     assert parameters_of([node_of(source)]) == [("range", "double", "25.0")]
+
+
+def test_a_base_without_initialiser_is_at_the_head_of_the_class() -> None:
+    """What a base class of a framework declares has the line of the class if no initialiser names the base."""
+    header = "\n\nclass Arm : public controller_interface::ControllerInterface { public: Arm(); };\n"
+    export = "PLUGINLIB_EXPORT_CLASS(Arm, controller_interface::ControllerInterface)"
+    source = f'#include "arm.hpp"\n\n\n\n\nArm::Arm() {{}}\n{export}\n'
+    (node,) = nodes_of({"arm.cpp": source, "arm.hpp": header})
+    assert {(one.location.path, one.location.line) for one in node.parameters} == {("demo/arm.hpp", 3)}
+
+
+def test_a_parameter_is_at_its_first_access() -> None:
+    """A parameter that is tested before it is read with a default has the line of the test."""
+    lines = ["int main() {", 'ros::NodeHandle nh("~");', 'bool set = nh.hasParam("x");', "", "", "", "int x;"]
+    node = node_of("\n".join([*lines, 'nh.param("x", x, 3); }']))
+    assert [(p.location.line, p.default) for p in node.parameters if p.name == "~/x"] == [(3, "3")]
