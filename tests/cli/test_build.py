@@ -81,6 +81,23 @@ def test_a_second_build_says_that_nothing_changed(kg: Program, workspace: Path) 
     assert "read 1 package of 1 source, 4 unchanged in " in kg("build").err
 
 
+def test_a_node_that_reached_a_limit_is_marked(kg: Program, workspace: Path) -> None:
+    """The source counts it, and the node shows which limit it was and where; the rest is built."""
+    kg("build", str(workspace))
+    before = json.loads(kg("status", "--json").out)["counts"]
+    source = workspace / "rover" / "rover_robot" / "src" / "arm_server.cpp"
+    text = source.read_text()
+    call = 'ros::NodeHandle().advertise<std_msgs::Bool>("ready", 1);'
+    loop = f"  for (int turn = 0; turn < 1000; ++turn) {{\n    {call}\n  }}\n"
+    source.write_text(text.replace("  ros::spin(", f"{loop}  ros::spin(", 1))
+    kg("build")
+    after = json.loads(kg("status", "--json").out)["counts"]
+    assert (before["bounded"], after["bounded"]) == (0, 1)
+    assert "by the limit of turns at " in kg("node", "arm_server").out
+    (bound,) = json.loads(kg("node", "arm_server", "--json").out)["bounds"]
+    assert (bound["limit"], bound["file"]) == ("turns", "rover/rover_robot/src/arm_server.cpp")
+
+
 def test_the_report_is_data_when_asked_for(kg: Program, workspace: Path) -> None:
     """`--json` writes the report to standard output."""
     report = json.loads(kg("build", str(workspace), "--json").out)

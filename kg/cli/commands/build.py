@@ -142,8 +142,9 @@ def status(
 ) -> None:
     """List the sources in the store, and what has changed since.
 
-    Each with its commit, how many packages and nodes it has, how many names stayed unresolved, and how many
-    packages a build would read again. It says so when rules were written, edited or removed since they ran.
+    Each with its commit, how many packages and nodes it has, how many names stayed unresolved, how many nodes reached
+    a limit of the interpretation (`bounded`), and how many packages a build would read again. It says so when rules
+    were written, edited or removed since they ran.
     """
     from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
     from kg.pipeline.pending import pending, rules_changed  # noqa: PLC0415 - start-up time
