@@ -1,4 +1,9 @@
-"""From what several readers found to the node types of a package: each once, complete, and in a fixed order."""
+"""From what several readers found to the node types of a package: each once, complete, and in a fixed order.
+
+A class that is loaded by name and the executables that only start it are one node type with several ways to start.
+They are known by running the same code: they declare the same interfaces and parameters by the same calls. An
+executable that declares anything else, as a publisher of its `main`, is a node type of its own.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +11,7 @@ from collections import Counter
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final, TypeVar
 
-from kg.facts import Interface, Parameter, Role
+from kg.facts import Interface, NodeKind, Parameter, Role
 from kg.names import resolve
 
 if TYPE_CHECKING:
@@ -21,13 +26,82 @@ _ROLES: Final = {role: position for position, role in enumerate(Role)}
 
 
 def merge(read: Iterable[Extracted]) -> list[Extracted]:
-    """Return each node once; one read twice (two entry points to the same code) has the facts of both."""
+    """Return each node once; one read twice (two entry points to the same code) has the facts of both.
+
+    The first executable of a class is its `executable` and gives it its name; others are among its `aliases`.
+    """
     known: dict[tuple[object, ...], Extracted] = {}
     for extracted in read:
         node = extracted.node
         key = (node.name, node.kind, node.executable, node.plugin, node.language)
         known[key] = _both(known[key], extracted) if key in known else extracted
-    return list(known.values())
+    return _joined(known.values())
+
+
+def _joined(found: Iterable[Extracted]) -> list[Extracted]:
+    """Return nodes with each class and its executables as one."""
+    classes: dict[object, Extracted] = {}
+    others: list[Extracted] = []
+    for extracted in found:
+        node = extracted.node
+        if node.plugin is None:
+            others.append(extracted)
+            continue
+        key = (node.plugin, node.language, node.kind)
+        classes[key] = _started_by(classes[key], extracted) if key in classes else extracted
+    same: dict[object, list[object]] = {}
+    for name, extracted in classes.items():
+        same.setdefault(_declared(extracted), []).append(name)
+    alone: list[Extracted] = []
+    for extracted in others:
+        keys = same.get(_declared(extracted), [])
+        if extracted.node.kind is NodeKind.EXECUTABLE and len(keys) == 1 and _fits(classes[keys[0]], extracted):
+            classes[keys[0]] = _started_by(classes[keys[0]], extracted)
+        else:
+            alone.append(extracted)
+    return [*alone, *classes.values()]
+
+
+def _declared(extracted: Extracted) -> object:
+    """Return what a node declares, and at which calls of the framework."""
+    node = extracted.node
+    return (
+        node.language,
+        node.ros,
+        frozenset((one.role, one.name, one.type, _call(one)) for one in node.interfaces),
+        frozenset((one.name, one.access, _call(one)) for one in node.parameters),
+        frozenset((mark.key, mark.namespace, mark.detail) for mark in extracted.marks),
+    )
+
+
+def _call(fact: Interface | Parameter) -> Location:
+    return fact.via[-1] if fact.via else fact.location
+
+
+def _fits(loaded: Extracted, executable: Extracted) -> bool:
+    """Check whether a class and an executable that declare the same are one node: they do, and by one name."""
+    one, other = loaded.node, executable.node
+    names = {one.node_name, other.node_name} - {None}
+    return bool(one.interfaces or one.parameters) and len(names) < 2  # noqa: PLR2004 - not two names
+
+
+def _started_by(loaded: Extracted, executable: Extracted) -> Extracted:
+    """Return a class with one more way to start it."""
+    first, second = loaded.node, executable.node
+    other = second.executable
+    node = first if _declared(loaded) == _declared(executable) else _both(loaded, executable).node
+    node = replace(
+        node,
+        node_name=first.node_name or second.node_name,
+        sources=_once(first.sources + second.sources),
+        interfaces=tuple(replace(one, resolved=None) for one in node.interfaces),
+        bounds=_once(first.bounds + second.bounds),
+    )
+    if other is not None and first.executable is None:
+        node = replace(node, name=other, executable=other)
+    elif other is not None and first.executable != other:
+        node = replace(node, aliases=_once((*first.aliases, other)))
+    return replace(loaded, node=node)
 
 
 def _both(one: Extracted, other: Extracted) -> Extracted:

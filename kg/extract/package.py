@@ -98,12 +98,12 @@ def _nodes(reader: Reader, package: PackageFolder, build: BuildModel, calls: Des
 
 
 def _aliases(node: NodeType, build: BuildModel) -> tuple[str, ...]:
-    """Return the names of the target that makes a node, or of the library that it is the only plugin of."""
+    """Return the other executables of a node, its target, and the library that it is the only plugin of."""
     targets = {t.name for t in build.targets if node.executable is not None and t.output_name == node.executable}
     libraries = Counter(plugin.library for plugin in build.plugins)
     own = {plugin.library for plugin in build.plugins if node.plugin is not None and plugin.name == node.plugin}
     alone = {PurePosixPath(library).name.removeprefix("lib") for library in own if library and libraries[library] == 1}
-    return tuple(sorted((targets | alone) - {node.name, node.executable or ""}))
+    return tuple(sorted(({*node.aliases} | targets | alone) - {node.name, node.executable or ""}))
 
 
 def _guard(reader: Reader, read: Callable[..., _Result], instead: _Result, *arguments: object) -> _Result:

@@ -223,7 +223,7 @@ class NodeType:
     base_class: str | None = None
     """For plugins and nodelets the class they are loaded as (`nodelet::Nodelet`, `nav2_core::Controller`)."""
     aliases: tuple[str, ...] = ()
-    """Other names that build files know it by: its target, or a library that holds nothing else to load."""
+    """Other executables that start it, and its names in build files: its target, a library that holds nothing else."""
     sources: tuple[str, ...] = ()
     interfaces: tuple[Interface, ...] = ()
     parameters: tuple[Parameter, ...] = ()

@@ -26,10 +26,46 @@ def test_a_node_read_twice_is_one_with_the_facts_of_both() -> None:
     assert (both.node.node_name, both.marks) == ("gmapping", (mark,))
 
 
-def test_nodes_of_different_kinds_stay_apart() -> None:
-    """An executable and a nodelet of one name are two node types."""
-    nodelet = replace(NODE, kind=NodeKind.NODELET, executable=None, plugin="slam/Slam")
-    assert len(merge([Extracted(NODE), Extracted(nodelet)])) == 2
+LOADED = replace(
+    NODE,
+    name="Slam",
+    kind=NodeKind.NODELET,
+    executable=None,
+    plugin="slam/Slam",
+    interfaces=(SCAN,),
+    parameters=(RATE,),
+)
+STARTED = replace(NODE, node_name="gmapping", interfaces=(SCAN,), parameters=(RATE,))
+
+
+def merged(*nodes: NodeType) -> list[tuple[str, str | None, str | None, tuple[str, ...]]]:
+    """Return name, executable, class and aliases of what nodes become."""
+    found = [one.node for one in merge([Extracted(node) for node in nodes])]
+    return [(one.name, one.executable, one.plugin, one.aliases) for one in found]
+
+
+def test_a_class_and_its_executables_are_one_node() -> None:
+    """They declare the same, whatever calls lead to it; the first executable gives the name, others are aliases."""
+    called = replace(STARTED, interfaces=(replace(SCAN, location=Location("main.cpp", 9), via=(SCAN.location,)),))
+    other = replace(called, name="slam_mt", executable="slam_mt")
+    assert merged(called, other, LOADED) == [("slam", "slam", "slam/Slam", ("slam_mt",))]
+    (one,) = merge([Extracted(called), Extracted(LOADED)])
+    assert (one.node.kind, one.node.node_name, len(one.node.interfaces)) == (NodeKind.NODELET, "gmapping", 1)
+
+
+def test_a_class_registered_twice_is_one_node() -> None:
+    """The same class is one node type, with the executable that one of its registrations makes."""
+    assert merged(LOADED, replace(LOADED, name="slam", executable="slam")) == [("slam", "slam", "slam/Slam", ())]
+
+
+def test_an_executable_that_differs_from_a_class_stays_apart() -> None:
+    """More facts, another line, another name, no facts at all, or two classes that fit: each is a node of its own."""
+    assert len(merged(replace(STARTED, interfaces=(SCAN, MAP)), LOADED)) == 2
+    assert len(merged(replace(STARTED, interfaces=(replace(SCAN, location=MAP.location),)), LOADED)) == 2
+    assert len(merged(STARTED, replace(LOADED, node_name="slam"))) == 2
+    assert len(merged(NODE, replace(LOADED, interfaces=(), parameters=()))) == 2
+    assert len(merged(STARTED, LOADED, replace(LOADED, name="Other", plugin="slam/Other"))) == 3
+    assert len(merge([Extracted(STARTED, (Mark("tf.listener", SCAN.location),)), Extracted(LOADED)])) == 2
 
 
 def test_names_left_open_are_resolved_under_the_nodes_own_name() -> None:

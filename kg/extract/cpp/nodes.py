@@ -226,7 +226,7 @@ class _Nodes:
         language.initialise(root, kind, given)
         framework.constructed(root)
         machine.drain()
-        for name in _called_from_outside(language, kind):
+        for name in _called_from_outside(language, kind, node=framework.host is root):
             if not all(id(function) in machine.executed for function, _ in language.methods(kind, name)[:1]):
                 language.escape([Bound(name, root)])
                 machine.drain()
@@ -329,8 +329,11 @@ def _remappings(value: Value) -> Iterator[tuple[str, str]]:
             yield normalise(old), normalise(new)
 
 
-def _called_from_outside(language: Cpp, kind: Kind) -> list[str]:
-    """Return the methods that the loader of a class may call: those of its bases, then those that override."""
+def _called_from_outside(language: Cpp, kind: Kind, *, node: bool) -> list[str]:
+    """Return the methods that the loader of a class may call: those of its bases, then those that override.
+
+    The loader of a `node` calls virtual methods only; the others of its bases are for the class itself.
+    """
     chain = language.chain(kind)[0]
     inherited: dict[str, None] = {}
     overriding: dict[str, None] = {}
@@ -341,7 +344,7 @@ def _called_from_outside(language: Cpp, kind: Kind) -> list[str]:
                 continue
             if any(function.virtual for function in listed):
                 overriding[name] = None
-            elif cls is not chain[0][0]:
+            elif cls is not chain[0][0] and not node:
                 inherited[name] = None
     return [*(name for name in inherited if name not in overriding), *overriding]
 

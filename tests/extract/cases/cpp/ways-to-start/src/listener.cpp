@@ -1,0 +1,7 @@
+#include "nodes.hpp"
+
+int main(int argc, char ** argv)
+{
+  rclcpp::init(argc, argv);
+  rclcpp::spin(std::make_shared<ways::Listener>(rclcpp::NodeOptions()));
+}
