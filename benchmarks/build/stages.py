@@ -1,0 +1,106 @@
+"""Prints the processor seconds of extraction by stage, and the peak of memory, as JSON: stages.py CHECKOUT.
+
+All packages are read in one process, as one worker of a build does; texts are not tagged, and nothing is wired, stored
+or derived. A stage that calls another one is not charged for it.
+"""
+
+from __future__ import annotations
+
+import ast
+import gc
+import json
+import resource
+import sys
+import time
+from functools import wraps
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from kg.corpus.reading import Reader
+from kg.corpus.workspace import scan_tree
+from kg.extract import cpp, definitions, implicit, launch, manifests, package, parameters, python, texts
+from kg.extract.cpp import syntax
+from kg.extract.cpp.linking import Linker
+from kg.extract.cpp.nodes import _Nodes
+from kg.extract.cpp.units import CppUnit
+from kg.pipeline.recording import RecordingWorkspace
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+STAGES = {
+    "reading files": [(Reader, "read")],
+    "parsing C++": [(syntax, "parse")],
+    "lowering C++": [(CppUnit, "__init__"), (CppUnit, "lower_body"), (CppUnit, "expand")],
+    "linking C++": [
+        (Linker, name)
+        for name, held in vars(Linker).items()
+        if callable(held) and (name == "__init__" or not name.startswith("_"))
+    ],
+    "running C++": [(_Nodes, "_started"), (_Nodes, "_executable")],
+    "entries of C++": [(cpp, "read_nodes")],
+    "parsing Python": [(ast, "parse")],
+    "Python": [(python, "read_nodes")],
+    "launch files": [(launch, "read_launches")],
+    "parameters": [(parameters, "attach"), (implicit, "add")],
+    "definitions": [(definitions, "read_definitions")],
+    "manifests": [(manifests, "read_manifest"), (manifests, "read_build")],
+    "texts": [(texts, "read_descriptions")],
+}
+"""The functions that begin each stage."""
+
+
+class Clock:
+    """Processor seconds by stage; a stage stops while one inside of it runs."""
+
+    def __init__(self) -> None:
+        self.seconds = dict.fromkeys([*STAGES, "rest"], 0.0)
+        self._stage = "rest"
+        self._since = time.process_time()
+
+    def enter(self, stage: str) -> str:
+        """Begin a stage; return the one that ran."""
+        now = time.process_time()
+        self.seconds[self._stage] += now - self._since
+        before, self._stage, self._since = self._stage, stage, now
+        return before
+
+    def timed(self, stage: str, function: Callable[..., Any]) -> Callable[..., Any]:
+        """Return a function that is charged to a stage."""
+
+        @wraps(function)
+        def run(*arguments: object, **named: object) -> object:
+            if self._stage == stage:
+                return function(*arguments, **named)
+            before = self.enter(stage)
+            try:
+                return function(*arguments, **named)
+            finally:
+                self.enter(before)
+
+        return run
+
+
+def main() -> None:
+    """Read all packages of a checkout and print the figures."""
+    clock = Clock()
+    for stage, functions in STAGES.items():
+        for holder, name in functions:
+            setattr(holder, name, clock.timed(stage, getattr(holder, name)))
+    gc.set_threshold(100_000)  # as the workers of a build
+    sources = scan_tree(Path(sys.argv[1]))
+    workspace = RecordingWorkspace(sources)
+    workspace.prepare()
+    gc.freeze()
+    clock.enter("rest")
+    clock.seconds["rest"] = 0.0
+    packages = [(source, one) for source in sources for one in source.packages]
+    for source, one in sorted(packages, key=lambda pair: -sum(entry.bytes for entry in pair[1].files)):
+        workspace.forget()
+        package.extract_package(workspace, source, one)
+    clock.enter("rest")
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
+    print(json.dumps({"seconds": clock.seconds, "megabytes": peak}))
+
+
+main()
