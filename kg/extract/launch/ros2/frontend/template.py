@@ -7,6 +7,7 @@ substitution may stand too, with operands that have no such quote. A backslash m
 from __future__ import annotations
 
 import re
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.launch.ros2.actions import Substitution
@@ -25,11 +26,18 @@ class TemplateError(Exception):
     """A text breaks the grammar of substitutions."""
 
 
+@lru_cache(maxsize=64)
 def parse_template(text: str) -> Text:
     """Return the parts of a text; raises `TemplateError`."""
     if "$(" not in text and "\\" not in text:
         return (text,) if text else ()
     return _Reader(text).template("", 0)
+
+
+@cache
+def _run(ends: str) -> re.Pattern[str]:
+    """Return the pattern of characters that mean themselves, up to one of `ends`."""
+    return re.compile(rf"[^\\${re.escape(ends)}]+")
 
 
 class _Reader:
@@ -54,7 +62,12 @@ class _Reader:
     def _plain(self, ends: str) -> str:
         """Read text up to a substitution or one of the characters `ends`."""
         read = []
+        run = _run(ends)
         while self._at < len(self._text) and self._text[self._at] not in ends:
+            if (ordinary := run.match(self._text, self._at)) is not None:
+                read.append(ordinary.group())
+                self._at = ordinary.end()
+                continue
             if self._text.startswith("$(", self._at):
                 break
             escapes = self._text[self._at] == "\\" and self._at + 1 < len(self._text)
