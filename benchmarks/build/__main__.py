@@ -1,6 +1,9 @@
 """Measures what a build costs, beside only parsing the same files, and prints the ratios.
 
-    python benchmarks/build CHECKOUT [--repeat 3] [--output figures.json]
+    python benchmarks/build CHECKOUT [--repeat 3] [--output figures.json] [--stages]
+
+With `--stages` it measures extraction alone: processor seconds of each stage in one process, their ratio to parsing,
+and the memory of that process. Without texts, wiring, rules and the store.
 
 Every measurement is a process of its own; of several the smallest counts, since whatever else the machine does only
 adds. CPU is that of the process and of all it started, user and system. Memory is the largest sum, over all
@@ -45,7 +48,10 @@ def main() -> None:
     """Read the command line, measure, print, write."""
     options = _options()
     with tempfile.TemporaryDirectory(prefix="kg-benchmark-") as folder:
-        figures = _figures(options.checkout.absolute(), Path(folder), options.repeat)
+        checkout = options.checkout.absolute()
+        figures = (
+            _stages(checkout, options.repeat) if options.stages else _figures(checkout, Path(folder), options.repeat)
+        )
     for name, value in figures.items():
         print(f"{name:32} {value}")
     if options.output:
@@ -56,8 +62,29 @@ def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("checkout", type=Path, help="a checkout, for example of autoware.universe at b8ce82e")
     parser.add_argument("--repeat", type=int, default=3, help="how often each is measured")
+    parser.add_argument("--stages", action="store_true", help="measure the stages of extraction alone")
     parser.add_argument("--output", type=Path, help="a file for the figures, as JSON")
     return parser.parse_args()
+
+
+def _stages(checkout: Path, repeat: int) -> dict[str, object]:
+    parse = _least([measure(python("-c", PARSE, str(checkout))) for _ in range(repeat)], "cpu")
+    programs = [str(Path(__file__).with_name("stages.py")), str(checkout)]
+    whole = [json.loads(measure(python(*programs, "--whole")).output) for _ in range(repeat)]
+    # The clock of the stages costs time itself, so the total is measured without it.
+    staged = json.loads(measure(python(*programs)).output)
+    total = round(min(one["seconds"]["rest"] for one in whole), 2)
+    parsing = min(one["parsing"] for one in whole)
+    return {
+        "checkout": checkout.name,
+        "python": platform.python_version(),
+        "reading and parsing, with start, CPU s": parse,
+        "only parsing, CPU s": round(parsing, 2),
+        "extraction, CPU s": total,
+        "extraction / parsing (at most 5)": round(total / parsing, 1),
+        **{f"{stage}, CPU s": round(seconds, 2) for stage, seconds in staged["seconds"].items()},
+        "peak MB (at most 350)": round(max(one["megabytes"] for one in whole)),
+    }
 
 
 def _figures(checkout: Path, folder: Path, repeat: int) -> dict[str, object]:

@@ -1,7 +1,10 @@
-"""Prints the processor seconds of extraction by stage, and the peak of memory, as JSON: stages.py CHECKOUT.
+"""Prints the processor seconds of extraction by stage, and the peak of memory, as JSON.
 
-All packages are read in one process, as one worker of a build does; texts are not tagged, and nothing is wired, stored
-or derived. A stage that calls another one is not charged for it.
+    python benchmarks/build/stages.py CHECKOUT [--whole]
+
+All packages are read in one process, as one worker of a build does; texts are left out, and nothing is wired, stored
+or derived. A stage that calls another one is not charged for it. With `--whole` there is only the stage `rest`, since
+the clock itself costs time. `parsing` is the time to parse each file once, after all is read.
 """
 
 from __future__ import annotations
@@ -16,6 +19,10 @@ from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import tree_sitter_cpp
+import tree_sitter_python
+from tree_sitter import Language, Parser
+
 from kg.corpus.reading import Reader
 from kg.corpus.workspace import scan_tree
 from kg.extract import cpp, definitions, implicit, launch, manifests, package, parameters, python, texts
@@ -23,10 +30,13 @@ from kg.extract.cpp import syntax
 from kg.extract.cpp.linking import Linker
 from kg.extract.cpp.nodes import _Nodes
 from kg.extract.cpp.units import CppUnit
+from kg.facts import FileKind
 from kg.pipeline.recording import RecordingWorkspace
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from kg.corpus.files import Source
 
 STAGES = {
     "reading files": [(Reader, "read")],
@@ -45,7 +55,6 @@ STAGES = {
     "parameters": [(parameters, "attach"), (implicit, "add")],
     "definitions": [(definitions, "read_definitions")],
     "manifests": [(manifests, "read_manifest"), (manifests, "read_build")],
-    "texts": [(texts, "read_descriptions")],
 }
 """The functions that begin each stage."""
 
@@ -84,7 +93,8 @@ class Clock:
 def main() -> None:
     """Read all packages of a checkout and print the figures."""
     clock = Clock()
-    for stage, functions in STAGES.items():
+    texts.read_descriptions = _no_texts
+    for stage, functions in STAGES.items() if "--whole" not in sys.argv else ():
         for holder, name in functions:
             setattr(holder, name, clock.timed(stage, getattr(holder, name)))
     gc.set_threshold(100_000)  # as the workers of a build
@@ -100,7 +110,28 @@ def main() -> None:
         package.extract_package(workspace, source, one)
     clock.enter("rest")
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
-    print(json.dumps({"seconds": clock.seconds, "megabytes": peak}))
+    print(json.dumps({"seconds": clock.seconds, "megabytes": peak, "parsing": _parsing(sources)}))
+
+
+def _no_texts(*_: object) -> tuple[()]:
+    return ()
+
+
+def _parsing(sources: list[Source]) -> float:
+    """Return the processor seconds to parse each file of C++ and Python once."""
+    languages = {FileKind.CPP: tree_sitter_cpp.language(), FileKind.PYTHON: tree_sitter_python.language()}
+    parsers = {kind: Parser(Language(held)) for kind, held in languages.items()}
+    files = [
+        (parsers[entry.kind], (source.root / entry.path).read_bytes())
+        for source in sources
+        for one in source.packages
+        for entry in one.files
+        if entry.kind in parsers
+    ]
+    began = time.process_time()
+    for parser, content in files:
+        parser.parse(content)
+    return time.process_time() - began
 
 
 main()

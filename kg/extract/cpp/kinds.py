@@ -51,8 +51,8 @@ class Kinds:
     def __init__(self, language: Cpp) -> None:
         self._language = language
         self._linker = language.linker
-        self._plain: dict[tuple[object, ...], Kind | Value] = {}
-        """Types without template arguments, by names, file and scope."""
+        self._meanings: dict[tuple[object, ...], Kind | Value] = {}
+        """Types by names, template arguments, file, scope and depth of the search."""
         self._chains: dict[object, tuple[list[tuple[Class, dict[str, Value]]], list[Kind]]] = {}
 
     def kind(self, kind: Type, frame: Frame, depth: int = 0) -> Kind | Value:
@@ -72,12 +72,11 @@ class Kinds:
                 return bound.kind if isinstance(bound, TypeValue) else bound
             if isinstance(bound, TypeValue):
                 return self._nested(bound.kind, names[1:], arguments, depth)
-        if arguments or depth:
-            return self._named(names, arguments, frame.unit, frame.scope, depth)
-        key = (names, frame.unit, frame.scope)
-        if key not in self._plain:
-            self._plain[key] = self._named(names, (), frame.unit, frame.scope, 0)
-        return self._plain[key]
+        key = (names, arguments, frame.unit, frame.scope, depth)
+        found = self._meanings.get(key)
+        if found is None:
+            found = self._meanings[key] = self._named(names, arguments, frame.unit, frame.scope, depth)
+        return found
 
     def kind_of(self, kind: Type | None, frame: Frame) -> Kind | None:
         """Return the type of a declaration, without pointers; None if it has none."""
