@@ -489,6 +489,8 @@ class Machine:
                 if isinstance(of, Object):
                     before = of.fields.get(target.name, value)
                     self.write(of.fields, target.name, value if len(owners) == 1 else join(before, value))
+                if not isinstance(of, Object) or of.kind.cls is None:
+                    self.language.escape([value])  # code outside of the sources calls what its objects hold
         elif isinstance(target, form.Index):
             containers = alternatives(self.value(target.of, frame))
             key = self.value(target.key, frame)

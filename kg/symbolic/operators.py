@@ -232,7 +232,8 @@ def truth(value: Value) -> Truth | Guard | Unknown:
     if isinstance(value, Number):
         return Truth(value.value != 0) if value.parameter is None else Unknown("it depends", value.parameter)
     if isinstance(value, Object):
-        return Truth(True) if value.made else Unknown("it may be null")
+        # A subscriber without a topic, for one, is an object and false.
+        return Truth(True) if value.made and "empty" not in value.native else Unknown("it may be null")
     if isinstance(value, Text) and value.known is not None:
         return Truth(value.known != "") if value.parameter is None else Unknown("it depends", value.parameter)
     if isinstance(value, Sequence | Mapping) and not value.open:

@@ -11,7 +11,7 @@ from kg.extract.cpp.kinds import frame_of, inside
 from kg.symbolic import form
 from kg.symbolic.kinds import POINTER_ALIASES, POINTERS
 from kg.symbolic.state import Arguments, Frame, Site
-from kg.symbolic.values import Kind, Object, Sequence, Text, TypeValue, Unknown, Value
+from kg.symbolic.values import Kind, Object, Sequence, Text, Truth, TypeValue, Unknown, Value
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -56,7 +56,10 @@ class Constructions:
             return Unknown("its type is not known")
         if found.cls is None and _is_pointer(found):
             return Unknown("it is null")
-        return self.construct(found, [], frame, line)
+        value = self.construct(found, [], frame, line)
+        if isinstance(value, Object) and value.kind.cls is None:
+            value.native["empty"] = Truth(True)
+        return value
 
     def construct(
         self, kind: Kind, arguments: list[Value], frame: Frame | None, line: int = 0, *, listed: bool = False

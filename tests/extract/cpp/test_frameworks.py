@@ -112,3 +112,22 @@ def test_a_parameter_is_at_its_first_access() -> None:
     lines = ["int main() {", 'ros::NodeHandle nh("~");', 'bool set = nh.hasParam("x");', "", "", "", "int x;"]
     node = node_of("\n".join([*lines, 'nh.param("x", x, 3); }']))
     assert [(p.location.line, p.default) for p in node.parameters if p.name == "~/x"] == [(3, "3")]
+
+
+def test_a_callback_in_a_field_of_options_is_called() -> None:
+    """A framework calls the functions in the options that it receives: here a lazy subscription."""
+    body = f"""rclcpp::PublisherOptions options;
+      options.event_callbacks.matched_callback = [this](rclcpp::MatchedInfo &) {{
+        if (!camera_) camera_ = image_transport::create_camera_subscription(this, "image", nullptr, "raw");
+        subscription_ = create_subscription<{TYPE}>("in", 1, [](const {TYPE} & message) {{}});
+      }};
+      publisher_ = create_publisher<{TYPE}>("out", 1, options);"""
+    members = f"""rclcpp::Publisher<{TYPE}>::SharedPtr publisher_;
+      rclcpp::Subscription<{TYPE}>::SharedPtr subscription_;
+      image_transport::CameraSubscriber camera_;"""
+    assert {(str(one.role), one.name) for one in interfaces_of(component(body, members))} == {
+        ("publishes", "out"),
+        ("subscribes", "in"),
+        ("subscribes", "image"),
+        ("subscribes", "camera_info"),
+    }
