@@ -6,20 +6,24 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final, Protocol
 
+from kg.extract.marks import Mark
 from kg.facts import Access, Bound, Interface, Location, Parameter, Resolution
-from kg.names import resolve
+from kg.names import normalise, resolve
 from kg.symbolic.form import Literal
-from kg.symbolic.values import Either, Number, Sequence, Text, Truth, Unknown, Value
+from kg.symbolic.names import namespace_of
+from kg.symbolic.values import Either, Mapping, Number, Sequence, Text, Truth, TypeValue, Unknown, Value
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable
+    from collections.abc import Mapping as Counts
 
     from kg.corpus.files import FilePath
     from kg.facts import Role
     from kg.symbolic.effects import Declared
     from kg.symbolic.state import Site
+    from kg.symbolic.values import Object
 
-__all__ = ["Home", "bounds_of", "evidence", "facts_of"]
+__all__ = ["Home", "bounds_of", "evidence", "facts_of", "mark_of"]
 
 _ROS2: Final = 2
 _COUNT: Final = re.compile(r"argc(==|!=|>=|<=|>|<)(\d+)")
@@ -72,7 +76,7 @@ def _better(one: Parameter, other: Parameter) -> bool:
     return worth(one) > worth(other)
 
 
-def bounds_of(reached: Mapping[str, Site], home: Home) -> tuple[Bound, ...]:
+def bounds_of(reached: Counts[str, Site], home: Home) -> tuple[Bound, ...]:
     """Return the limits that an interpretation reached, with their places."""
     return tuple(Bound(limit, _place(site, home)) for limit, site in sorted(reached.items()))
 
@@ -106,6 +110,19 @@ def _place(site: Site, home: Home) -> Location:
     return Location(key.path, site.line, key.repository if key.repository != home.repository else None)
 
 
+def mark_of(found: tuple[str, Object | None, tuple[Site, ...], Value | None], home: Home) -> Mark:
+    """Return the use of a framework as a mark."""
+    key, node, stack, detail = found
+    place, _ = evidence(stack, home)
+    if not key.startswith("dynamic_reconfigure"):
+        return Mark(key, place, "", detail.shown if isinstance(detail, Text) else None)
+    namespace = namespace_of(node)
+    shown = normalise(namespace.shown) if isinstance(namespace, Text) else ""
+    names = [part for part in detail.kind.names if part != "cfg"] if isinstance(detail, TypeValue) else []
+    config = "/".join(names[-2:]).removesuffix("Config") if names else None
+    return Mark(key, place, shown if node is not None else "~", config)
+
+
 def _named(name: Text | Unknown) -> tuple[str | None, Resolution, str | None, str | None]:
     """Return name, resolution, parameter and reason."""
     if isinstance(name, Unknown):
@@ -114,6 +131,8 @@ def _named(name: Text | Unknown) -> tuple[str | None, Resolution, str | None, st
         given = name.parameter is not None and name.parameter.startswith("argv")
         return None, Resolution.LAUNCH_ARGUMENT if given else Resolution.UNRESOLVED, name.parameter, name.reason
     shown = name.shown
+    if "//" in shown or (shown.endswith("/") and len(shown) > 1):
+        shown = normalise(shown)
     if shown.startswith("~") and not shown.startswith("~/") and shown != "~":
         shown = "~/" + shown[1:]
     if name.known is None:
@@ -132,7 +151,7 @@ def _interface(one: Declared, role: Role, home: Home, ros: int, alone: str) -> I
         type=one.type,
         resolution=resolution,
         location=place,
-        resolved=resolve(name, alone) if name is not None and "{" not in name else None,
+        resolved=_resolved(name, one, alone) if name is not None and "{" not in name else None,
         written=one.written,
         parameter=parameter,
         implicit=one.effect.implicit,
@@ -142,6 +161,15 @@ def _interface(one: Declared, role: Role, home: Home, ros: int, alone: str) -> I
         switches=tuple(term for term in one.guards if not term.startswith(("argc", "?", "!?"))),
         via=via,
     )
+
+
+def _resolved(name: str, one: Declared, alone: str) -> str:
+    """Return a name for the node started alone; the namespace that the code gives is in front of private names."""
+    native = one.node.native if one.node is not None else {}
+    own, namespace = native.get("name"), native.get("namespace")
+    known = namespace.known if isinstance(namespace, Text) and "of" not in native else None
+    inside = known if known and name.startswith("~") and not known.startswith("~") else "/"
+    return resolve(name, (own.known if isinstance(own, Text) else None) or alone, inside)
 
 
 def _parameter(one: Declared, access: Access, home: Home) -> Parameter:
@@ -191,6 +219,10 @@ def _written(value: Value) -> str | None:
         return value.written
     if isinstance(value, Truth):
         return "true" if value.value else "false"
+    if isinstance(value, Mapping):
+        pairs = [(_written(key), _written(held)) for key, held in value.items]
+        known = all(key is not None and held is not None for key, held in pairs)
+        return "{" + ", ".join(f"{key}: {held}" for key, held in pairs) + "}" if known else None
     if isinstance(value, Sequence):
         items = [_written(item) for item in value.items]
         return None if None in items else "[" + ", ".join(str(item) for item in items) + "]"

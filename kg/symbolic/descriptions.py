@@ -44,6 +44,8 @@ class Effect:
     """The depth of the queue where the call gives none."""
     specification: int | None = None
     """The argument whose template argument is a class with the name, the type and the quality of service."""
+    descriptor: int | None = None
+    """The argument with the descriptor of the parameter, which may allow values of any type."""
     ros: int = 0
     """The version of ROS of the description; 0 for either."""
 
@@ -69,6 +71,8 @@ class CallDescription:
     """Whether it stores the interface in its object, for a call that receives the object."""
     parameters: tuple[str, ...] = ()
     """The names of its parameters in order, for arguments by name."""
+    creates: int | None = None
+    """The argument with a class of which it creates an object."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,6 +170,7 @@ def _call(row: dict[str, Any], ros: int) -> CallDescription:
         row.get("loads", False),
         row.get("options", False),
         tuple(row.get("parameters", ())),
+        row.get("creates"),
     )
 
 

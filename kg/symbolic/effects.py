@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fnmatch
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
@@ -14,6 +15,7 @@ from kg.symbolic.names import (
     camera_info,
     handle_namespace,
     namespace_of,
+    placed,
     with_node_name,
 )
 from kg.symbolic.parameters import Parameters, listed, type_of_value
@@ -21,6 +23,7 @@ from kg.symbolic.results import result
 from kg.symbolic.spelling import spelled
 from kg.symbolic.state import Arguments, Invocation
 from kg.symbolic.values import (
+    ABSENT,
     Bound,
     Closure,
     Kind,
@@ -36,6 +39,7 @@ from kg.symbolic.values import (
     alternatives,
     combinations,
     join,
+    number,
 )
 
 if TYPE_CHECKING:
@@ -81,6 +85,8 @@ class Framework:
         self.marks: list[tuple[str, Object | None, tuple[Site, ...], Value | None]] = []
         self.parameters = Parameters()
         self.node_names: list[Value] = []
+        self.node_sites: list[tuple[Site, ...]] = []
+        """The calls that led to each node and to each name of the node."""
         self.nodes: list[Object] = []
         self.loaded: list[tuple[Value, ...]] = []
         self._option_sites: dict[int, tuple[Site, ...]] = {}
@@ -193,7 +199,8 @@ class Framework:
         if what == "pair":
             return Sequence(tuple(arguments[:2])) if arguments else Unknown("it has no value")
         if what == "duration":
-            return durations.made_duration(kind, float(detail), arguments)
+            parts: list[Value] = [number(0) if one is ABSENT else one for one in arguments]
+            return durations.made_duration(kind, float(detail), parts)
         made = Object(kind, line=self.machine.stack[-1].line if self.machine.stack else 0)
         self._construct(made, kind, described, given)
         return made
@@ -210,9 +217,16 @@ class Framework:
         """Schedule the methods of an object that a framework calls after construction."""
         language = self.machine.language
         for described in self._classes(made):
-            for name in described.runs:
+            for name in (one for pattern in described.runs for one in self._matching(made, pattern)):
                 if language.methods(made.kind, name):
                     language.escape([Bound(name, made)])
+
+    def _matching(self, made: Object, pattern: str) -> list[str]:
+        """Return the methods of an object whose names match: `test*`."""
+        if "*" not in pattern:
+            return [pattern]
+        names = dict.fromkeys(name for cls, _ in self.machine.language.chain(made.kind)[0] for name in cls.methods)
+        return fnmatch.filter(names, pattern)
 
     def _construct(self, made: Object, kind: Kind, described: ClassDescription, given: Arguments) -> None:
         arguments = given.values
@@ -256,6 +270,7 @@ class Framework:
         if made in self.nodes:
             return
         self.nodes.append(made)
+        self.node_sites.append(tuple(self.machine.stack))
         running = (site.this for site in self.machine.stack)
         outer = next(
             (one for one in running if isinstance(one, Object) and one is not made and one in self.nodes), None
@@ -324,8 +339,12 @@ class Framework:
         given = call.arguments
         if described.node_name is not None and described.node_name < len(given.values):
             self.node_names.append(given.values[described.node_name])
+            self.node_sites.append(tuple(self.machine.stack))
         if described.loads and len(given.values) > 1:
             self.loaded.append(tuple(given.values))
+        created = call.argument(described.creates)
+        if created is not None:
+            self.machine.language.create(created)
         if described.options and given.values:
             return self._options(described, call)
         if described.mark is not None:
@@ -393,7 +412,7 @@ class Framework:
         if isinstance(name, Closure | Bound | Sequence | Mapping):
             return None
         kind = message_type(self.machine.language, effect, call)
-        whole = with_node_name(below(namespace_of(owner), name), owner)
+        whole = placed(with_node_name(below(namespace_of(owner), name), owner))
         profile = self._profile(effect, call)
         written = _written(effect, call, stack[-1].given if stack else ())
         self._add(Declared(effect, _shown(whole), kind, owner, stack, profile, written=written))

@@ -101,5 +101,8 @@ class Language(Protocol):
     def construct_expression(self, expression: form.Construct, frame: Frame) -> Value:
         """Return the object that a construction makes."""
 
+    def create(self, value: Value) -> None:
+        """Create an object of a class, as code outside the sources does."""
+
     def escape(self, values: list[Value]) -> None:
         """Schedule functions that are passed to code outside the sources."""

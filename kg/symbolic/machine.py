@@ -576,8 +576,13 @@ class Machine:
             self.assign(expression, value, frame)
 
     def bind(self, function: Function, frame: Frame, arguments: list[Value]) -> None:
-        """Set the parameters of a function to arguments, to their defaults, or to unknown values."""
+        """Set the parameters of a function to arguments, to their defaults, or to unknown values.
+
+        Those that have a value already keep it.
+        """
         for index, parameter in enumerate(function.parameters):
+            if parameter.name in frame.variables:
+                continue
             if parameter.variadic:
                 frame.variables[parameter.name] = Pack(tuple(arguments[index:]))
                 return

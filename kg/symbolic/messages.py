@@ -99,6 +99,8 @@ def _from(language: Language, source: str, call: Invocation) -> str | None:
         return found if found is not None else _first_parameter(call.declared(int(index), language))
     if what == "text":
         return _of_names(argument.known.split("/")) if isinstance(argument, Text) and argument.known else None
+    if isinstance(argument, TypeValue):
+        return _type_of_argument(argument) if _GENERATED & set(argument.kind.names[:-1]) else None
     if not isinstance(argument, Object):
         return None
     if what == "options":

@@ -131,6 +131,8 @@ def compute(sign: str, row: tuple[Value, ...]) -> Value:
                 result = float(math.trunc(result))
         except (KeyError, ZeroDivisionError, OverflowError, TypeError, ValueError):
             return _COMPUTED
+    if not math.isfinite(result):
+        return _COMPUTED
     return number(result, next((v.parameter for v in numbers if v.parameter), None))
 
 

@@ -83,6 +83,9 @@ class Parameters:
         default = call.argument(effect.default) if effect.value is None else _literal(effect.value)
         if isinstance(default, Object) and default.kind.name in _DESCRIPTORS:
             default = None
+        stated = _stated_type(default)
+        if isinstance(default, TypeValue):
+            default = None
         written = effect.output is not None and effect.output < len(call.arguments.written)
         before = call.argument(effect.output) if written and call.arguments.frame is not None else None
         if isinstance(before, Sequence) and _is_pair(before):
@@ -90,10 +93,12 @@ class Parameters:
         key = (id(owner) if owner is not None and "of" not in owner.native else None, shown or "")
         known = self._values.get(key) if shown is not None and effect.access is not Access.WRITE else None
         value = _value(default, known, before, shown)
-        kind = _type(call.arguments.template, default, before)
+        kind = stated or _type(call.arguments.template, default, before)
         if kind is None:
             declared = call.declared(effect.output, language)
             kind = ros_type(declared) if declared is not None else next(iter(effect.types), None)
+        if _is_dynamic(call.argument(effect.descriptor)):
+            kind = None
         reading = Reading(whole, value, before, default, kind)
         if shown is not None and effect.access is not Access.WRITE and (default is not None or known is None):
             self._values[key] = value
@@ -169,6 +174,19 @@ def prefixed(prefix: Value, name: Value) -> Value:
     last = prefix.parts[-1] if isinstance(prefix, Text) else None
     dot = "" if isinstance(last, str) and last.endswith(".") else "."
     return concatenate(prefix, Text.of(dot), name)
+
+
+def _stated_type(default: Value | None) -> str | None:
+    """Return the type that `Parameter.Type.STRING` states in place of a default."""
+    names = default.kind.names if isinstance(default, TypeValue) else ()
+    if names[-2:-1] != ("Type",):
+        return None
+    word = names[-1].lower()
+    return {"integer": "int", "integer_array": "int_array"}.get(word, word) if word != "not_set" else None
+
+
+def _is_dynamic(descriptor: Value | None) -> bool:
+    return isinstance(descriptor, Object) and descriptor.fields.get("dynamic_typing") == Truth(True)
 
 
 def _is_pair(value: Value | None) -> bool:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.facts import Qos
 from kg.symbolic.durations import INFINITE, duration, seconds_of
-from kg.symbolic.values import Kind, Number, Object, Profile, Sequence, Text, Unknown, Value, number
+from kg.symbolic.values import ABSENT, Kind, Number, Object, Profile, Sequence, Text, Unknown, Value, number
 
 if TYPE_CHECKING:
     from kg.symbolic.machine import Machine
@@ -30,6 +30,7 @@ __all__ = [
 ]
 
 RMW_PROFILE: Final = "rmw_qos_profile_t"
+PYTHON_PROFILE: Final = "QoSProfile"
 _DEFAULT: Final = Qos("reliable", "volatile", "keep_last", 10)
 _SENSOR: Final = Qos("best_effort", "volatile", "keep_last", 5)
 _PARAMETERS: Final = Qos("reliable", "volatile", "keep_last", 1000)
@@ -80,6 +81,10 @@ _FIELDS: Final = (
     "liveliness_lease_duration",
 )
 """The fields of rmw_qos_profile_t, in order."""
+_OF_PYTHON: Final = ("depth", *(name for name in _FIELDS if name != "depth"))
+"""The fields of rclpy's QoSProfile, in the order of its description."""
+_STRUCTS: Final = (RMW_PROFILE, PYTHON_PROFILE)
+"""Classes whose objects hold the policies in fields."""
 _SETTERS: Final[dict[str, dict[str, Any]]] = {
     "reliable": {"reliability": "reliable"},
     "best_effort": {"reliability": "best_effort"},
@@ -122,10 +127,18 @@ def _field(qos: Qos, name: str) -> Value | None:
 
 def construct(made: Object, kind: Kind, arguments: list[Value]) -> None:
     """Initialise a profile as its constructor does."""
-    if kind.name == RMW_PROFILE:
+    if kind.name == PYTHON_PROFILE:
+        held = zip(_OF_PYTHON, arguments, strict=False)
+        given = {name: value for name, value in held if value is not ABSENT and _may_be(name, value)}
+        made.fields.update(rmw_profile(replace(_DEFAULT, depth=None)).fields | given)
+    elif kind.name == RMW_PROFILE:
         made.fields.update(rmw_profile(Qos()).fields | dict(zip(_FIELDS, arguments, strict=False)))
     else:
         made.native["qos"] = Profile(_constructed(kind.name, arguments))
+
+
+def _may_be(name: str, value: Value) -> bool:
+    return name != "depth" or isinstance(value, Number)
 
 
 def _constructed(name: str, arguments: list[Value]) -> Qos | None:
@@ -155,7 +168,7 @@ def profile_of(value: Value) -> Qos | None:
         return _constructed("QoS", list(value.items))
     if not isinstance(value, Object):
         return None
-    if value.kind.name == RMW_PROFILE:
+    if value.kind.name in _STRUCTS:
         return with_fields(Qos(), {name: value.fields[name] for name in _FIELDS if name in value.fields})
     held = value.native.get("qos")
     return held.qos if isinstance(held, Profile) else None
@@ -181,7 +194,7 @@ def changed_profile(machine: Machine, of: Object, name: str, arguments: list[Val
 
 def copied(value: Value) -> Value:
     """Return a copy of a profile, which C++ copies on assignment; other values are returned as they are."""
-    if not isinstance(value, Object) or not ("qos" in value.native or value.kind.name == RMW_PROFILE):
+    if not isinstance(value, Object) or not ("qos" in value.native or value.kind.name in _STRUCTS):
         return value
     fields = {name: _copied_duration(held) for name, held in value.fields.items()}
     return replace(value, fields=fields, native=dict(value.native))

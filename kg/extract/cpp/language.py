@@ -278,6 +278,11 @@ class Cpp:
                 return self.converted(value, declared[0], written, declared[1])
         return value
 
+    def create(self, value: Value) -> None:
+        """Create an object of a class, as code outside of the sources does."""
+        if isinstance(value, TypeValue):
+            self.construct(value.kind, [], None)
+
     def element(self, of: Value, key: Value) -> Value:
         """Return the element of a container at a key."""
         return element(of, key)

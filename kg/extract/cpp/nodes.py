@@ -16,7 +16,7 @@ from kg.extract.cpp import syntax
 from kg.extract.cpp.language import Cpp
 from kg.extract.cpp.linking import Linker
 from kg.extract.cpp.project import FRAMEWORKS, Project
-from kg.extract.declared import bounds_of, evidence, facts_of
+from kg.extract.declared import bounds_of, facts_of, mark_of
 from kg.extract.manifests import read_build
 from kg.extract.marks import Extracted, Mark
 from kg.facts import Location, NodeKind, NodeType
@@ -24,9 +24,8 @@ from kg.names import normalise
 from kg.symbolic.containers import COMMAND_LINE
 from kg.symbolic.effects import Framework
 from kg.symbolic.machine import Machine
-from kg.symbolic.names import namespace_of
 from kg.symbolic.state import Frame, Site
-from kg.symbolic.values import Bound, Kind, Mapping, Object, Text, TypeValue, Unknown, Value
+from kg.symbolic.values import Bound, Kind, Mapping, Object, Text, Unknown, Value
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -297,7 +296,7 @@ class _Nodes:
             return []
         bounds = bounds_of(framework.machine.bounds, self._project)
         whole = replace(node, ros=ros, node_name=named, interfaces=interfaces, parameters=parameters, bounds=bounds)
-        marks = [_mark(one, self._project) for one in framework.marks]
+        marks = [mark_of(one, self._project) for one in framework.marks]
         described = (one for made in framework.nodes for one in framework.described(made.kind))
         if any(one.name == "rclcpp_lifecycle::LifecycleNode" for one in described):
             marks.append(Mark("ros2.lifecycle", node.location))
@@ -347,18 +346,6 @@ def _called_from_outside(language: Cpp, kind: Kind, *, node: bool) -> list[str]:
             elif cls is not chain[0][0] and not node:
                 inherited[name] = None
     return [*(name for name in inherited if name not in overriding), *overriding]
-
-
-def _mark(found: tuple[str, Object | None, tuple[Site, ...], Value | None], project: Project) -> Mark:
-    key, node, stack, detail = found
-    place, _ = evidence(stack, project)
-    namespace = namespace_of(node)
-    shown = namespace.shown if isinstance(namespace, Text) else ""
-    if key == "dynamic_reconfigure.server":
-        kind = detail.kind if isinstance(detail, TypeValue) else None
-        config = "/".join(kind.names[-2:]).removesuffix("Config") if kind is not None else None
-        return Mark(key, place, shown if node is not None else "~", config)
-    return Mark(key, place, "", detail.shown if isinstance(detail, Text) else None)
 
 
 def _belongs(owner: Object | None, root: Object | None) -> bool:

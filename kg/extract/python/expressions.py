@@ -8,6 +8,7 @@ that fills a list or a dictionary, and an f-string a call of `str.format`.
 from __future__ import annotations
 
 import ast
+import math
 import warnings
 from typing import TYPE_CHECKING, ClassVar, Final
 
@@ -105,6 +106,8 @@ class Expressions:
         try:
             value = float(int(plain, 8 if octal else 0)) if node.type == "integer" else float(plain)
         except (ValueError, OverflowError):
+            value = math.inf
+        if not math.isfinite(value):
             return Opaque(line_of(node), written[:_SHOWN])
         return Literal(line_of(node), value, written.replace("_", "") if not octal else str(int(value)))
 

@@ -1,281 +1,534 @@
-"""Functions outside of the build whose results matter for names: of Python itself, `rospy`, `rclpy` and argparse."""
+"""Types and functions of Python itself, `os.path`, `argparse` and their like, over abstract values."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.python.arguments import read_arguments
-from kg.extract.python.core import COMPUTED
-from kg.extract.python.entities import (
-    ArgumentsParsed,
-    Bound,
-    Dotted,
-    Items,
-    Made,
-    Nothing,
-    ParameterRead,
-    Table,
-    plain,
-)
-from kg.extract.python.lookup import Lookups
-from kg.extract.python.pure import PURE
-from kg.extract.values import COMMAND_LINE, HOLE, OWN_NAMESPACE, Text, Unknown, concatenate
+from kg.extract.python import texts
 from kg.facts import Resolution
-from kg.names import normalise
+from kg.symbolic import containers
+from kg.symbolic.containers import COMMAND_LINE, is_unknown_parameter, part_of, with_element
+from kg.symbolic.operators import NULL
+from kg.symbolic.parameters import with_parameter
+from kg.symbolic.values import (
+    ABSENT,
+    Closure,
+    Hole,
+    Kind,
+    Mapping,
+    Number,
+    Object,
+    Sequence,
+    Text,
+    Truth,
+    TypeValue,
+    Unknown,
+    Value,
+    alternatives,
+    as_text,
+    combinations,
+    concatenate,
+    join,
+    number,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from tree_sitter import Node
+    from kg.extract.python.language import Python
+    from kg.symbolic.form import Expression
+    from kg.symbolic.state import Arguments
 
-    from kg.extract.python.arguments import Arguments
-    from kg.extract.python.entities import Alternatives, Choice, Frame, Thing
-    from kg.extract.python.unit import CallSite, Scope
+__all__ = ["CONSTANTS", "call", "element", "elements", "member", "method", "object_method"]
 
-__all__ = ["Library"]
+_COMPUTED: Final = Unknown("it is computed when the program runs")
+_NOTHING: Final = NULL
+_MOST_NUMBERS: Final = 64
+_SAME: Final = frozenset({"get_parameter_value", "copy", "to_msg", "get_type_hash"})
+_VALUES: Final = frozenset({"value", *(f"{kind}_value" for kind in ("string", "integer", "double", "bool"))}) | {
+    f"{kind}_array_value" for kind in ("string", "integer", "double", "bool")
+}
+"""Members of a parameter, or of an enumerator, that are its value."""
+CONSTANTS: Final[dict[str, Value]] = {
+    "sys.argv": COMMAND_LINE,
+    "os.sep": Text.of("/"),
+    "os.path.sep": Text.of("/"),
+}
 
 
-class Library(Lookups):
-    """The part of the evaluator that knows functions outside of the build."""
+# Elements
 
-    sites: dict[str, list[tuple[Scope, CallSite]]]
-    _declared: dict[str, Thing] | None = None
-    _options: dict[int, dict[str, Thing]] | None = None
 
-    def library_call(self, value: Dotted | Bound, node: Node, frame: Frame, choice: Choice) -> Alternatives:
-        """Return what calling something outside of the build gives."""
-        last = value.path.rpartition(".")[2]
-        arguments = read_arguments(node, frame)
-        if value.path in PURE:
-            return self.pure(PURE[value.path], value, arguments, frame, choice)
-        if last in _PARSERS:
-            return [(ArgumentsParsed(frame.scope.unit), choice)]
-        if isinstance(value, Bound) and last in _NODE_METHODS:
-            return _NODE_METHODS[last](self, value, arguments, frame, choice)
-        special = _SPECIAL.get(value.path)
-        if special:
-            return special(self, value, arguments, frame, choice)
-        prefix = value.path.partition(".")[0]
-        if prefix in ("str", "dict", "list", "parameter", "?") and isinstance(value, Bound):
-            return [(COMPUTED, choice)]
-        return [(Made(value.path, node, frame), choice)]
+def elements(of: Value) -> list[Value]:
+    """Return what a loop over a value gives."""
+    if isinstance(of, Mapping):
+        keys = [key for key, _ in of.items]
+        return keys if keys or of.parameter is None else [_key_of(of.parameter)]
+    if isinstance(of, Sequence) and not of.items and of.parameter is not None:
+        return [part_of(f"{of.parameter}[]")]
+    if isinstance(of, Text) and of.known is not None and of.parameter is None:
+        return [replace(of, parts=(letter,)) for letter in of.known][:_MOST_NUMBERS]
+    return containers.elements(of)
 
-    def pure(
-        self,
-        function: Callable[[Thing, list[Thing], dict[str, Thing]], Thing],
-        value: Dotted | Bound,
-        arguments: Arguments,
-        frame: Frame,
-        choice: Choice,
-    ) -> Alternatives:
-        """Return what a function that needs nothing but its arguments gives."""
-        receiver: Thing = value.receiver if isinstance(value, Bound) and value.receiver is not None else COMPUTED
-        names = list(arguments.named)
-        rows = self.combined([*arguments.positional, *arguments.named.values()], frame, choice)
-        split = len(arguments.positional)
-        return [
-            (function(receiver, values[:split], dict(zip(names, values[split:], strict=True))), after)
-            for values, after in rows
-        ]
 
-    def get_param(self, value: Dotted | Bound, arguments: Arguments, frame: Frame, choice: Choice) -> Alternatives:
-        """`rospy.get_param(name, default)`: the default, marked with the parameter's name."""
-        del value
-        name, default = arguments.get(0, "param_name"), arguments.get(1, "default")
-        if name is None:
-            return [(COMPUTED, choice)]
-        rows = self.combined([name] if default is None else [name, default], frame, choice)
-        return [(parameter_value(row[0], row[1] if len(row) > 1 else None), after) for row, after in rows]
+def _key_of(parameter: str) -> Text:
+    return Text.hole(f"it is a key of a parameter: {parameter}", parameter=f"{parameter}[key]")
 
-    def same(self, value: Dotted | Bound, arguments: Arguments, frame: Frame, choice: Choice) -> Alternatives:
-        """A function that gives its first argument back, as far as names are concerned."""
-        del value, frame
-        first = arguments.get(0, "name")
-        return self.thunk(first, choice) if first else [(COMPUTED, choice)]
 
-    def get_attribute(self, value: Dotted | Bound, arguments: Arguments, frame: Frame, choice: Choice) -> Alternatives:
-        """`getattr(value, name, default)`."""
-        del value
-        if len(arguments.positional) < 2:  # noqa: PLR2004 - the value and the name
-            return [(COMPUTED, choice)]
-        found: Alternatives = []
-        for (held, name), after in self.combined(arguments.positional[:2], frame, choice):
-            known = name.known if isinstance(name, Text) else None
-            found.extend(self.member(held, known, frame, after) if known else [(COMPUTED, after)])
-        return found
+def element(of: Value, key: Value) -> Value:
+    """Return the element of a container at a key."""
+    if isinstance(of, Object):
+        return Unknown("it is an element of an object")
+    if isinstance(of, Sequence | Mapping) and not of.items and of.parameter not in (None, "argv"):
+        return containers.element(Unknown("it is a parameter", of.parameter), key)
+    if isinstance(of, Sequence | Text) and isinstance(key, Number) and key.value < 0:
+        items = elements(of) if not isinstance(of, Text) or of.known is not None else []
+        count = int(-key.value)
+        return items[-count] if len(items) >= count and not _is_open(of) else Unknown("it is one of the last elements")
+    if isinstance(of, Text) and of.known is not None and isinstance(key, Number) and key.value < len(of.known):
+        return replace(of, parts=(of.known[int(key.value)],))
+    return containers.element(of, key)
 
-    def declare(self, value: Dotted | Bound, arguments: Arguments, frame: Frame, choice: Choice) -> Alternatives:
-        """`node.declare_parameter(name, default)`."""
-        del value
-        name, default = arguments.get(0, "name"), arguments.get(1, "value")
-        if name is None:
-            return [(COMPUTED, choice)]
-        rows = self.combined([name] if default is None else [name, default], frame, choice)
-        return [
-            (ParameterRead(parameter_value(row[0], row[1] if len(row) > 1 else None)), after) for row, after in rows
-        ]
 
-    def get_parameter(self, value: Dotted | Bound, arguments: Arguments, frame: Frame, choice: Choice) -> Alternatives:
-        """`node.get_parameter(name)`: what was declared for it."""
-        del value, frame
-        name = arguments.get(0, "name")
-        found: Alternatives = []
-        for asked, after in self.thunk(name, choice) if name else ():
-            known = asked.known if isinstance(asked, Text) else None
-            default = self.declared().get(known or "")
-            if default is None and arguments.get(1) is not None:
-                default = self.thunk(arguments.positional[1], after)[0][0]
-            found.append((ParameterRead(default or parameter_value(asked, None)), after))
-        return found or [(COMPUTED, choice)]
+def _is_open(of: Value) -> bool:
+    return isinstance(of, Sequence | Mapping) and of.open
 
-    def parameter_object(
-        self, value: Dotted | Bound, arguments: Arguments, frame: Frame, choice: Choice
-    ) -> Alternatives:
-        """`parameter.get_parameter_value()`: the parameter itself, seen as a message."""
-        del arguments, frame
-        receiver = value.receiver if isinstance(value, Bound) else None
-        return [(receiver or COMPUTED, choice)]
 
-    def declared(self) -> dict[str, Thing]:
-        """Return the values with which parameters are declared in the code that was reached."""
-        if self._declared is None:
-            self._declared = {}
-            for scope, call in self.sites.get("declare_parameter", ()):
-                for frame in self.frames_around(scope):
-                    self._declare_one(read_arguments(call.node, frame), frame)
-            for scope, call in self.sites.get("declare_parameters", ()):
-                for frame in self.frames_around(scope):
-                    self._declare_many(read_arguments(call.node, frame), frame)
-        return self._declared
+def member(of: Value, name: str) -> Value | None:
+    """Return a member of a parameter, an enumerator or a number; None for others."""
+    return of if name in _VALUES else None
 
-    def frames_around(self, scope: Scope) -> list[Frame]:
-        """Return the runs of a scope."""
-        return self.frames_of(scope, None) if scope.kind == "function" else [self.program.scope_frame(scope)]
 
-    def _declare_one(self, arguments: Arguments, frame: Frame) -> None:
-        name, default = arguments.get(0, "name"), arguments.get(1, "value")
-        if name is None:
-            return
-        for row, _ in self.combined([name] if default is None else [name, default], frame, {}):
-            self._remember(row[0], row[1] if len(row) > 1 else None)
+# Functions
 
-    def _declare_many(self, arguments: Arguments, frame: Frame) -> None:
-        listed = arguments.get(1, "parameters")
-        namespace = arguments.get(0, "namespace")
-        if listed is None or namespace is None:
-            return
-        for (prefix, items), _ in self.combined([namespace, listed], frame, {}):
-            for name, default in declared_pairs(prefix, items):
-                self._remember(name, default)
 
-    def _remember(self, name: Thing, default: Thing | None) -> None:
-        known = name.known if isinstance(name, Text) else None
-        if known and self._declared is not None:
-            self._declared.setdefault(known, parameter_value(name, default))
+def call(language: Python, names: tuple[str, ...], given: Arguments) -> Value | None:
+    """Return the result of a function outside of the sources, by its full name; None for other functions."""
+    path = ".".join(names)
+    apply = _FUNCTIONS.get(path)
+    if apply is not None:
+        return join(*(apply(list(row), given) for row in combinations(given.values)))
+    special = _SPECIAL.get(path)
+    return special(language, given) if special is not None else None
 
-    def option(self, parsed: ArgumentsParsed, name: str) -> Thing:
-        """Return the default of an option of argparse or optparse, as a launch argument."""
-        self._options = self._options if self._options is not None else {}
-        key = id(parsed.unit)
-        if key not in self._options:
-            self._options[key] = {}
-            self._options[key] = self._read_options(parsed)
-        return self._options[key].get(name, replace(COMMAND_LINE, reason="it is given on the command line"))
 
-    def _read_options(self, parsed: ArgumentsParsed) -> dict[str, Thing]:
-        calls = [(scope, call) for scope in parsed.unit.scopes for call in scope.calls if call.name in _OPTIONS]
-        found: dict[str, Thing] = {}
-        for scope, call in calls:
-            found.update(self._read_option(read_arguments(call.node, self.program.scope_frame(scope))))
-        return found
+def _first(values: list[Value], given: Arguments) -> Value:
+    del given
+    return values[0] if values else _COMPUTED
 
-    def _read_option(self, arguments: Arguments) -> dict[str, Thing]:
-        flags = [str(plain(self.thunk(thunk, {})[0][0]) or "") for thunk in arguments.positional]
-        named = arguments.named.get("dest")
-        long = [flag for flag in flags if flag.startswith("--")] or flags[:1]
-        target = (
-            plain(self.thunk(named, {})[0][0]) if named else (long[0].lstrip("-").replace("-", "_") if long else "")
+
+def _string(values: list[Value], given: Arguments) -> Value:
+    del given
+    return concatenate(texts.stringified(values[0])) if values else Text.of("")
+
+
+def _listed(values: list[Value], given: Arguments) -> Value:
+    """`list(x)`, `tuple(x)`, `sorted(x)`, `reversed(x)`, `set(x)`."""
+    del given
+    if not values:
+        return Sequence(())
+    of = values[0]
+    if isinstance(of, Mapping) and of.items:
+        return Sequence(tuple(elements(of)), of.open)
+    return of
+
+
+def _countable(value: Value) -> list[Value] | None:
+    known = isinstance(value, Sequence | Mapping) and not value.open
+    return elements(value) if known or is_unknown_parameter(value) else None
+
+
+def _zip(values: list[Value], given: Arguments) -> Value:
+    del given
+    columns = [_countable(value) for value in values]
+    known = [column for column in columns if column is not None]
+    if len(known) != len(columns):
+        return _COMPUTED
+    return Sequence(tuple(Sequence(row) for row in zip(*known, strict=False)))
+
+
+def _enumerate(values: list[Value], given: Arguments) -> Value:
+    items = _countable(values[0]) if values else None
+    start = given.named.get("start", values[1] if len(values) > 1 else number(0))
+    if items is None or not isinstance(start, Number):
+        return Sequence((Sequence((_COMPUTED, elements(values[0])[0])),), open=True) if values else _COMPUTED
+    return Sequence(tuple(Sequence((number(start.value + index), item)) for index, item in enumerate(items)))
+
+
+def _range(values: list[Value], given: Arguments) -> Value:
+    del given
+    bounds = [int(value.value) for value in values if isinstance(value, Number)]
+    if not bounds or len(bounds) != len(values) or len(bounds) > 3 or bounds[2:] == [0]:  # noqa: PLR2004 - start, stop, step
+        return _COMPUTED
+    return Sequence(tuple(number(one) for one in range(*bounds)[:_MOST_NUMBERS]))
+
+
+def _length(values: list[Value], given: Arguments) -> Value:
+    del given
+    of = values[0] if values else _COMPUTED
+    if isinstance(of, Sequence) and of.parameter == "argv":
+        return Unknown("it is the number of arguments", "argc")
+    if isinstance(of, Sequence | Mapping) and not of.open and (of.items or of.parameter is None):
+        return number(len(of.items), of.parameter)
+    return number(len(of.known), of.parameter) if isinstance(of, Text) and of.known is not None else _COMPUTED
+
+
+def _dictionary(values: list[Value], given: Arguments) -> Value:
+    pairs: tuple[tuple[Value, Value], ...] = ()
+    if values and isinstance(values[0], Mapping):
+        pairs = values[0].items
+    elif values and isinstance(values[0], Sequence):
+        rows = [item.items for item in values[0].items if isinstance(item, Sequence)]
+        pairs = tuple((row[0], row[1]) for row in rows if len(row) == 2)  # noqa: PLR2004 - key and value
+    elif values:
+        return _COMPUTED
+    return Mapping((*pairs, *((Text.of(name), value) for name, value in given.named.items())))
+
+
+def _truth(values: list[Value], given: Arguments) -> Value:
+    del given
+    return values[0] if values and isinstance(values[0], Truth | Number) else _COMPUTED
+
+
+def _join_path(values: list[Value], given: Arguments) -> Value:
+    """`os.path.join` and the joins of names: parts with one slash between them; an absolute part starts anew."""
+    del given
+    joined = Text.of("")
+    for value in values:
+        part = as_text(texts.stringified(value))
+        first, last = part.parts[0], joined.parts[-1] if joined.parts else ""
+        if isinstance(first, str) and first.startswith(("/", "~")):
+            joined = part
+            continue
+        slash = "" if last == "" or (isinstance(last, str) and last.endswith("/")) else "/"
+        joined = as_text(concatenate(joined, Text.of(slash), part))
+    return joined
+
+
+def _typed(kind: str) -> Callable[[list[Value], Arguments], Value]:
+    """`get_message_class("package/Type")` and its like."""
+
+    def apply(values: list[Value], given: Arguments) -> Value:
+        del given
+        name = values[0].known if values and isinstance(values[0], Text) else None
+        parts = name.split("/") if name else []
+        return TypeValue(Kind((parts[0], kind, parts[-1]))) if len(parts) > 1 else _COMPUTED
+
+    return apply
+
+
+def _command_line(values: list[Value], given: Arguments) -> Value:
+    del values, given
+    return COMMAND_LINE
+
+
+_FUNCTIONS: Final[dict[str, Callable[[list[Value], Arguments], Value]]] = {
+    **{f"builtins.{name}": _listed for name in ("list", "tuple", "sorted", "reversed", "set", "frozenset", "iter")},
+    **{f"builtins.{name}": _string for name in ("str", "unicode", "repr")},
+    **{f"builtins.{name}": _first for name in ("int", "float", "bool", "abs")},
+    **{f"builtins.{name}": _range for name in ("range", "xrange")},
+    "builtins.zip": _zip,
+    "itertools.izip": _zip,
+    "builtins.enumerate": _enumerate,
+    "builtins.len": _length,
+    "builtins.dict": _dictionary,
+    "collections.OrderedDict": _dictionary,
+    "rospy.numpy_msg.numpy_msg": _first,
+    "copy.copy": _first,
+    "copy.deepcopy": _first,
+    "ast.literal_eval": _truth,
+    **dict.fromkeys(("os.path.join", "posixpath.join"), _join_path),
+    **{f"{package}.names.ns_join": _join_path for package in ("rosgraph", "roslib", "rospy")},
+    "roslib.message.get_message_class": _typed("msg"),
+    "roslib.message.get_service_class": _typed("srv"),
+    "rosidl_runtime_py.utilities.get_message": _typed("msg"),
+    "rosidl_runtime_py.utilities.get_service": _typed("srv"),
+    "rosidl_runtime_py.utilities.get_action": _typed("action"),
+    **dict.fromkeys(("rospy.myargv", "rospy.client.myargv", "rclpy.utilities.remove_ros_args"), _command_line),
+}
+
+
+def _attribute(language: Python, given: Arguments) -> Value:
+    """`getattr(value, name, default)`."""
+    if len(given.values) < 2:  # noqa: PLR2004 - the value and the name
+        return _COMPUTED
+    found = [
+        language.member(of, name.known) if isinstance(name, Text) and name.known else _COMPUTED
+        for of, name in combinations(given.values[:2])
+    ]
+    missing = all(isinstance(one, Unknown) for one in found)
+    return given.values[2] if missing and len(given.values) > 2 else join(*found)  # noqa: PLR2004 - the default
+
+
+def _set_attribute(language: Python, given: Arguments) -> Value:
+    """`setattr(object, name, value)`."""
+    of, name, value = (*given.values, *[_COMPUTED] * 3)[:3]
+    for one in alternatives(of):
+        if isinstance(one, Object) and isinstance(name, Text) and name.known:
+            language.machine.write(one.fields, name.known, value)
+    return _NOTHING
+
+
+def _partial(language: Python, given: Arguments) -> Value:
+    """`functools.partial(function, ...)`."""
+    del language
+    first = given.values[0] if given.values else _COMPUTED
+    if not isinstance(first, Closure):
+        return first
+    return replace(first, bound=(*first.bound, *given.values[1:]), named=(*first.named, *given.named.items()))
+
+
+def _mapped(language: Python, given: Arguments) -> Value:
+    """`map(function, items)`."""
+    items = _countable(given.values[1]) if len(given.values) > 1 else None
+    if items is None:
+        language.escape(given.values)
+        return _COMPUTED
+    called = [replace(given, values=[item], named={}) for item in items]
+    return Sequence(tuple(language.calls.value(given.values[0], one) for one in called))
+
+
+def _next(language: Python, given: Arguments) -> Value:
+    """`next(iterator, default)`."""
+    del language
+    found = elements(given.values[0]) if given.values else []
+    return found[0] if found else next(iter(given.values[1:]), _COMPUTED)
+
+
+def _is_instance(language: Python, given: Arguments) -> Value:
+    """`isinstance(value, class)`, as far as the classes are those of texts, numbers and collections."""
+    del language
+    of, kinds = (*given.values, _COMPUTED, _COMPUTED)[:2]
+    names = {
+        kind.kind.name
+        for kind in (kinds.items if isinstance(kinds, Sequence) else (kinds,))
+        if isinstance(kind, TypeValue)
+    }
+    own = next((own for known, own in _CLASSES.items() if isinstance(of, known)), None)
+    if own is None or not names or getattr(of, "parameter", None) is not None:
+        return _COMPUTED
+    return Truth(bool(own & names))
+
+
+_CLASSES: Final = {
+    Text: {"str", "basestring", "unicode", "string_types"},
+    Number: {"int", "float", "long", "Number"},
+    Truth: {"bool", "int"},
+    Sequence: {"list", "tuple", "set", "Iterable", "Sequence"},
+    Mapping: {"dict", "OrderedDict", "Mapping"},
+}
+
+
+def _globals(language: Python, given: Arguments) -> Value:
+    """`globals()`: the module as a mapping."""
+    del language
+    frame = given.frame
+    *_, module = frame.outward() if frame is not None else (None,)
+    if module is None:
+        return _COMPUTED
+    return Mapping(tuple((Text.of(name), value) for name, value in module.variables.items()))  # type: ignore[misc]
+
+
+def _tests(language: Python, given: Arguments) -> Value:
+    """`unittest.main()`: runs the test cases of the module."""
+    *_, module = given.frame.outward() if given.frame is not None else (None,)
+    for value in module.variables.values() if module is not None else ():
+        if isinstance(value, TypeValue) and any(base.name == "TestCase" for base in language.chain(value.kind)[1]):
+            language.create(value)
+    return _NOTHING
+
+
+_SPECIAL: Final[dict[str, Callable[[Python, Arguments], Value]]] = {
+    "builtins.getattr": _attribute,
+    "builtins.setattr": _set_attribute,
+    "builtins.map": _mapped,
+    "builtins.next": _next,
+    "builtins.isinstance": _is_instance,
+    "builtins.globals": _globals,
+    "builtins.vars": _globals,
+    "functools.partial": _partial,
+    "unittest.main": _tests,
+}
+
+
+# Methods
+
+
+def method(language: Python, of: Value, name: str, given: Arguments, written: Expression | None) -> Value | None:
+    """Return the result of a method of a text, a container or a parameter; None for other methods."""
+    values = given.values
+    if name in _SAME:
+        return of
+    if isinstance(of, Sequence | Mapping):
+        changed = _changed(of, name, values, given)
+        if changed is not None and written is not None and given.frame is not None:
+            language.machine.assign(written, changed, given.frame)
+            return _popped(of, name, values)
+    if name == "<slice>":
+        return _slice(of, values)
+    if name in ("items", "iteritems", "viewitems", "keys", "iterkeys", "values", "itervalues"):
+        return _view(of, name)
+    if name == "get" and values:
+        return _got(of, values, given)
+    if isinstance(of, Text):
+        if name == "format":
+            return texts.braces(of, values, given.named)
+        if name in ("startswith", "endswith") and len(values) == 1:
+            return _begins(of, name, values[0])
+        return join(*(texts.method(of, name, list(row)) or _COMPUTED for row in combinations(values)))
+    return None
+
+
+def _changed(of: Sequence | Mapping, name: str, values: list[Value], given: Arguments) -> Value | None:
+    """Return a container after a method changed it; None for other methods."""
+    if name == "clear":
+        return replace(of, items=())
+    if isinstance(of, Mapping):
+        if name == "update":
+            merged = of
+            pairs = [pair for one in values if isinstance(one, Mapping) for pair in one.items]
+            pairs += [(Text.of(key), value) for key, value in given.named.items()]
+            for key, value in pairs:
+                changed = with_element(merged, key, value)
+                merged = changed if isinstance(changed, Mapping) else merged
+            return merged
+        if name == "setdefault" and values and all(key != values[0] for key, _ in of.items):
+            return with_element(of, values[0], values[1] if len(values) > 1 else NULL)
+        return of if name in ("setdefault", "pop") else None
+    if name in ("append", "add", "appendleft", "put") and values:
+        return replace(of, items=(*of.items, values[0])) if len(of.items) < _MOST_NUMBERS else replace(of, open=True)
+    if name == "insert" and len(values) > 1:
+        return replace(of, items=(values[1], *of.items))
+    if name in ("extend", "update") and values:
+        more = values[0]
+        known = isinstance(more, Sequence) and not more.open
+        return replace(of, items=(*of.items, *elements(more)), open=of.open or not known)
+    return of if name in ("sort", "reverse", "pop", "remove", "popleft") else None
+
+
+def _popped(of: Sequence | Mapping, name: str, values: list[Value]) -> Value:
+    """Return what a method that changes a container gives."""
+    if name == "setdefault":
+        held = (
+            element(of, values[0]) if any(key == values[0] for key, _ in of.items if isinstance(of, Mapping)) else None
         )
-        if not target:
-            return {}
-        default = arguments.named.get("default")
-        value = self.thunk(default, {})[0][0] if default is not None else Nothing()
-        single = flags[0].startswith("-") and not {"nargs", "action"} & arguments.named.keys()
-        parameter = f"argv[{'|'.join(flags)}]" if single else None
-        if isinstance(value, Text):
-            return {str(target): replace(value, resolution=Resolution.LAUNCH_ARGUMENT, parameter=parameter)}
-        if not isinstance(value, Nothing):
-            return {str(target): value}
-        reason = f"it is the option {parameter} of the command line"
-        return {str(target): replace(COMMAND_LINE, parameter=parameter, reason=reason)} if single else {}
+        return held if held is not None else next(iter(values[1:]), NULL)
+    if name == "pop":
+        return (
+            _got(of, values, None) if isinstance(of, Mapping) and values else element(of, *(values[:1] or [number(-1)]))
+        )
+    return join(*of.items) if name == "popleft" and isinstance(of, Sequence) and of.items else _NOTHING
 
 
-def parameter_value(name: Thing, default: Thing | None) -> Thing:
-    """Return the value of a parameter: its default, marked with the parameter's name, or a hole."""
-    asked = name.pattern if isinstance(name, Text) else None
-    written = normalise(asked) if asked else None
-    reason = f"the parameter {written or ''} has no default in the code".replace("  ", " ")
-    if default is None or isinstance(default, Nothing) or (isinstance(default, Items | Table) and not default.items):
-        return Text((HOLE,), Resolution.UNRESOLVED, written, reason)
-    return _marked(default, written, reason)
+def _view(of: Value, name: str) -> Value | None:
+    """Return the keys, the values or the pairs of a mapping."""
+    kind = name.removeprefix("iter").removeprefix("view")
+    if isinstance(of, Object | TypeValue):
+        return None
+    if is_unknown_parameter(of) or (isinstance(of, Sequence | Mapping) and not of.items and of.parameter):
+        parameter: str = getattr(of, "parameter", None) or ""
+        parts: dict[str, Value] = {"keys": _key_of(parameter), "values": part_of(f"{parameter}[]")}
+        return Sequence((parts[kind],) if kind in parts else (Sequence((parts["keys"], parts["values"])),))
+    if not isinstance(of, Mapping):
+        return None
+    rows: dict[str, tuple[Value, ...]] = {
+        "keys": tuple(key for key, _ in of.items),
+        "values": tuple(value for _, value in of.items),
+        "items": tuple(Sequence(pair) for pair in of.items),
+    }
+    return Sequence(rows[kind], of.open)
 
 
-def _marked(value: Thing, parameter: str | None, reason: str) -> Thing:
-    if isinstance(value, Text):
-        return replace(value, resolution=Resolution.PARAMETER_DEFAULT, parameter=parameter)
-    if isinstance(value, Items):
-        return Items(tuple(_marked(item, parameter, reason) for item in value.items))
-    if isinstance(value, Unknown):
-        return Text((HOLE,), Resolution.UNRESOLVED, parameter, reason)
-    return value
+def _got(of: Value, values: list[Value], given: Arguments | None) -> Value | None:
+    """Return what `mapping.get(key, default)` gives."""
+    default = given.named.get("default") if given is not None else None
+    if default is None:
+        default = values[1] if len(values) > 1 else NULL
+    if isinstance(of, Mapping) and (of.items or of.parameter is None):
+        found = element(of, values[0])
+        return default if isinstance(found, Unknown) and found.parameter is None else found
+    if is_unknown_parameter(of) or isinstance(of, Mapping | Sequence):
+        part = element(of, values[0])
+        name: str | None = getattr(part, "parameter", None)
+        return with_parameter(default, name) if name is not None and not isinstance(default, Unknown) else part
+    return None
 
 
-def declared_pairs(prefix: Thing, items: Thing) -> list[tuple[Text, Thing | None]]:
-    """Return names and defaults of the list that `declare_parameters` takes, the namespace put in front."""
-    before = prefix.known if isinstance(prefix, Text) else None
-    found: list[tuple[Text, Thing | None]] = []
-    for item in items.items if isinstance(items, Items) else ():
-        parts = item.items if isinstance(item, Items) else (item,)
-        if parts and isinstance(parts[0], Text):
-            name = concatenate(Text.of(f"{before}."), parts[0]) if before else parts[0]
-            found.append((name, parts[1] if len(parts) > 1 else None))
-    return found
+def _begins(of: Text, name: str, value: Value) -> Value:
+    given = value.known if isinstance(value, Text) else None
+    part = of.parts[0 if name == "startswith" else -1] if of.parts else ""
+    if given is None or of.parameter is not None or not isinstance(part, str):
+        return Unknown("it depends on a value", of.parameter)
+    if of.known is None and len(part) < len(given):
+        return Unknown("it depends on a value")
+    return Truth(part.startswith(given) if name == "startswith" else part.endswith(given))
 
 
-_SPECIAL: Final[dict[str, Callable[[Library, Dotted | Bound, Arguments, Frame, Choice], Alternatives]]] = {
-    **{f"rospy.{name}": Library.get_param for name in ("get_param", "get_param_cached", "client.get_param")},
-    **{f"rospy.{name}": Library.same for name in ("resolve_name", "remap_name", "names.resolve_name")},
-    "roslib.names.resolve_name": Library.same,
-    "rosgraph.names.resolve_name": Library.same,
-    "builtins.getattr": Library.get_attribute,
-    "parameter.get_parameter_value": Library.parameter_object,
-}
-
-_OPTIONS: Final = frozenset({"add_argument", "add_option"})
-_PARSERS: Final = frozenset({"parse_args", "parse_known_args", "parse_intermixed_args"})
-
-
-def _own_name(self: Library, value: Dotted | Bound, arguments: Arguments, frame: Frame, choice: Choice) -> Alternatives:
-    del self, value, arguments, frame
-    return [(Text.of("~", Resolution.CONSTANT), choice)]
+def _slice(of: Value, bounds: list[Value]) -> Value | None:
+    """Return `of[start:stop:step]`."""
+    numbers = [int(one.value) if isinstance(one, Number) else None for one in bounds]
+    known = all(isinstance(one, Number) or one == NULL for one in bounds)
+    if isinstance(of, Sequence) and of.parameter == "argv":
+        return of
+    if isinstance(of, Text):
+        if of.known is None or not known:
+            return Text.hole("it is cut when the program runs", parameter=of.parameter)
+        return replace(of, parts=(of.known[slice(*numbers)],))
+    if isinstance(of, Sequence) and known and numbers[2] != 0:
+        return replace(of, items=of.items[slice(*numbers)])
+    return of if isinstance(of, Sequence) or is_unknown_parameter(of) else None
 
 
-def _own_namespace(
-    self: Library, value: Dotted | Bound, arguments: Arguments, frame: Frame, choice: Choice
-) -> Alternatives:
-    del self, value, arguments, frame
-    return [(Text.of(OWN_NAMESPACE, Resolution.CONSTANT), choice)]
+# Parsers of the command line
 
 
-_NODE_METHODS: Final[dict[str, Callable[[Library, Dotted | Bound, Arguments, Frame, Choice], Alternatives]]] = {
-    "declare_parameter": Library.declare,
-    "get_parameter": Library.get_parameter,
-    "get_parameter_or": Library.get_parameter,
-    "get_name": _own_name,
-    "get_fully_qualified_name": _own_name,
-    "get_namespace": _own_namespace,
-    "resolve_topic_name": Library.same,
-    "resolve_service_name": Library.same,
-}
-"""Methods of a ROS 2 node (or of an object not known) that give names or parameters."""
+def object_method(language: Python, of: Object, name: str, given: Arguments) -> Value | None:
+    """Return the result of a method of a parser of the command line; None for other methods."""
+    if of.kind.name not in ("ArgumentParser", "OptionParser"):
+        return None
+    if name in ("add_argument", "add_option"):
+        option = _option(given)
+        options = of.native.get("options", Mapping(()))
+        if option is not None:
+            language.machine.write(of.native, "options", with_element(options, *option))
+        return _NOTHING
+    if name in (
+        "add_argument_group",
+        "add_mutually_exclusive_group",
+        "add_option_group",
+        "add_subparsers",
+        "add_parser",
+    ):
+        return of
+    if name in ("parse_args", "parse_known_args", "parse_intermixed_args"):
+        options = of.native.get("options")
+        pairs = options.items if isinstance(options, Mapping) else ()
+        fields = {key.known: value for key, value in pairs if isinstance(key, Text) and key.known}
+        made = Object(Kind(("argparse", "Namespace")), fields=fields)
+        both = name == "parse_known_args" or of.kind.name == "OptionParser"
+        return Sequence((made, COMMAND_LINE)) if both else made
+    return None
+
+
+def _option(given: Arguments) -> tuple[Value, Value] | None:
+    """Return the name and the value of an option of the command line."""
+    flags = [value.known for value in given.values if isinstance(value, Text) and value.known]
+    target = given.named.get("dest")
+    long = [flag for flag in flags if flag.startswith("--")] or flags[:1]
+    name = target.known if isinstance(target, Text) else long[0].lstrip("-").replace("-", "_") if long else None
+    if not name:
+        return None
+    single = bool(flags) and flags[0].startswith("-") and not {"nargs", "action"} & given.named.keys()
+    parameter = f"argv[{'|'.join(flags)}]" if single else None
+    default = given.named.get("default", ABSENT)
+    if isinstance(default, Text):
+        value: Value = replace(default, resolution=Resolution.LAUNCH_ARGUMENT, parameter=parameter)
+    elif isinstance(default, Number | Sequence | Mapping):
+        value = default
+    elif given.named.get("action") is not None:
+        value = Unknown("it is given on the command line")
+    else:
+        shown = f"it is the option {parameter} of the command line" if parameter else "it is given on the command line"
+        value = Text((Hole(),), Resolution.LAUNCH_ARGUMENT, parameter, shown)
+    return Text.of(name), value

@@ -1,37 +1,46 @@
-"""From the build model to nodes: every script, entry point and program of a package, run in outline from its root."""
+"""The nodes in the Python of a package, and the facts of each.
+
+Programs come from the build: entry points, installed scripts, other files with a main part, and programs that give a
+plugin to rqt. Plugins run in the node of the program that loads them. Node classes of ROS 2 that no program of the
+package creates are entries of their own.
+"""
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass, replace
 from pathlib import PurePosixPath
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
+from kg.extract.declared import facts_of, mark_of
 from kg.extract.marks import Extracted
-from kg.extract.python.declare import declare, plugin_asked
-from kg.extract.python.entities import ClassRef, Dotted, FunctionRef
-from kg.extract.python.evaluate import Evaluator
-from kg.extract.python.program import Program, mentions_ros
-from kg.extract.python.reach import reach
-from kg.extract.python.walk import Walk
+from kg.extract.python.language import Python
+from kg.extract.python.modules import Modules, mentions_ros
 from kg.facts import FileKind, Location, NodeKind, NodeType
+from kg.symbolic.descriptions import shipped
+from kg.symbolic.effects import Framework
+from kg.symbolic.machine import Machine
+from kg.symbolic.names import EMPTY
+from kg.symbolic.state import Arguments, Site
+from kg.symbolic.values import Kind, Object, Text, TypeValue
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from kg.corpus.files import PackageFolder
     from kg.corpus.reading import Reader
-    from kg.corpus.workspace import PackageFolder
     from kg.extract.buildmodel import BuildModel, PluginClass
-    from kg.extract.python.declare import Declarations
-    from kg.extract.python.entities import Frame
-    from kg.extract.python.unit import Scope, Unit
-    from kg.extract.python.walk import Site
+    from kg.extract.python.units import PythonUnit
+    from kg.symbolic.form import Class
 
 __all__ = ["read_nodes"]
+
+_RECURSION: Final = 20_000
 
 
 @dataclass(frozen=True, slots=True)
 class _Root:
-    """Where a node begins: the top level of a file, or a function of an entry point."""
+    """Where a node begins: the statements of a file, or a function of an entry point."""
 
     name: str
     executable: str | None
@@ -41,184 +50,179 @@ class _Root:
     plugin: str | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class _Start:
-    """All that the run of one root begins with."""
-
-    root: _Root
-    evaluator: Evaluator
-    scopes: list[Scope]
-    frames: list[Frame]
-    hosted: bool = False
-    """Whether it runs in a node that something outside of the build makes."""
-
-
 def read_nodes(reader: Reader, package: PackageFolder, build: BuildModel) -> list[Extracted]:
-    """Return the Python nodes of a package: scripts, entry points, other programs, then node classes nobody starts."""
-    program = Program(reader)
-    found: list[Extracted] = []
-    started: set[int] = set()
-    for root in _roots(reader, package, build):
-        unit = program.unit(reader.file(root.path))
-        if unit is not None:
-            extracted = _read_root(program, unit, root, started) or _read_gui(program, unit, root, build, started)
-            if extracted is not None:
-                found.append(extracted)
-    found.extend(_plugins(program, package, build, started))
-    found.extend(_classes(program, reader, package, started))
-    return found
+    """Return the nodes in the Python of a package; no content of the sources raises an error."""
+    limit = sys.getrecursionlimit()
+    sys.setrecursionlimit(max(limit, _RECURSION))
+    try:
+        return list(_Nodes(reader, package, build).read())
+    finally:
+        sys.setrecursionlimit(limit)
 
 
-def _roots(reader: Reader, package: PackageFolder, build: BuildModel) -> Iterator[_Root]:
-    seen: set[str] = set()
-    for entry in build.entry_points:
-        if entry.path is not None:
-            seen.add(entry.path)
-            yield _Root(entry.name, entry.name, NodeKind.EXECUTABLE, entry.path, entry.function)
-    for script in build.scripts:
-        if script.path not in seen:
-            seen.add(script.path)
-            yield _Root(script.name.removesuffix(".py"), script.name, NodeKind.SCRIPT, script.path)
-    for path in _python_files(package):
-        data = reader.read(path) if path not in seen else None
-        if data is not None and b"__main__" in data and mentions_ros(data):
-            yield _Root(PurePosixPath(path).stem, None, NodeKind.SCRIPT, path)
+class _Nodes:
+    """The reading of one package."""
 
+    def __init__(self, reader: Reader, package: PackageFolder, build: BuildModel) -> None:
+        self._reader = reader
+        self._package = package
+        self._build = build
+        self._modules = Modules(reader, package)
+        self._started: set[Class | None] = set()
 
-def _python_files(package: PackageFolder) -> Iterator[str]:
-    for entry in package.files:
-        if entry.kind is FileKind.PYTHON:
-            yield entry.path
+    def read(self) -> Iterator[Extracted]:
+        """Yield the nodes: programs, plugins, then classes."""
+        for root in self._roots():
+            unit = self._modules.unit(self._reader.file(root.path))
+            if unit is not None:
+                yield from self._program(unit, root)
+        for plugin in self._build.plugins:
+            cls = self._plugin_class(plugin)
+            if cls is not None:
+                root = _Root(cls.name, None, NodeKind.PLUGIN, cls.unit.path, plugin=plugin.name)
+                yield from self._plugin(cls, plugin, root)
+        for path in self._files():
+            yield from self._classes(path)
+        self._modules.report()
 
+    def _roots(self) -> Iterator[_Root]:
+        seen: set[str] = set()
+        for entry in self._build.entry_points:
+            if entry.path is not None:
+                seen.add(entry.path)
+                yield _Root(entry.name, entry.name, NodeKind.EXECUTABLE, entry.path, entry.function)
+        for script in self._build.scripts:
+            if script.path not in seen:
+                seen.add(script.path)
+                yield _Root(script.name.removesuffix(".py"), script.name, NodeKind.SCRIPT, script.path)
+        for path in self._files():
+            data = self._reader.read(path) if path not in seen else None
+            if data is not None and b"__main__" in data and mentions_ros(data):
+                yield _Root(PurePosixPath(path).stem, None, NodeKind.SCRIPT, path)
 
-def _read_root(program: Program, unit: Unit, root: _Root, started: set[int]) -> Extracted | None:
-    start = _start(program, unit, root)
-    return _extract(start, _run(start), started)
+    def _files(self) -> Iterator[str]:
+        for entry in self._package.files:
+            if entry.kind is FileKind.PYTHON:
+                yield entry.path
 
+    def _language(self, main: PythonUnit | None = None) -> tuple[Python, Framework]:
+        language, framework = Python(self._modules, main), Framework(shipped("python"))
+        language.machine = framework.machine = Machine(language, framework)
+        return language, framework
 
-def _start(program: Program, unit: Unit, root: _Root) -> _Start:
-    module = program.module_frame(unit)
-    start = _Start(root, Evaluator(program), [unit.module], [module])
-    function = program.global_name(unit, root.function) if root.function else None
-    if isinstance(function, FunctionRef):
-        start.scopes.append(function.scope)
-        start.frames.append(start.evaluator.frame_for(function, None, module))
-    elif root.function is None:
-        start.evaluator.main = unit
-    return start
+    # Programs
 
+    def _program(self, unit: PythonUnit, root: _Root) -> Iterator[Extracted]:
+        language, framework = self._language(None if root.function else unit)
+        language.machine.stack.append(Site(unit, 1))
+        module = language.module(unit)
+        if root.function:
+            language.calls.value(language.member(module, root.function))
+        language.machine.drain()
+        if framework.nodes or framework.node_names:
+            yield self._extracted(framework, root)
+            return
+        for row in framework.loaded:
+            asked = row[1].known if isinstance(row[1], Text) else None
+            for plugin in self._build.plugins:
+                cls = self._plugin_class(plugin) if asked in (plugin.name, plugin.type) else None
+                if cls is not None:
+                    yield from self._plugin(cls, plugin, replace(root, plugin=plugin.name))
+                    return
 
-def _run(start: _Start) -> list[Site]:
-    found = reach(start.evaluator.program, start.scopes)
-    start.evaluator.sites = found.sites()
-    walk = Walk(start.evaluator, found)
-    walk.run(start.frames)
-    return walk.sites
+    # Plugins and classes
 
+    def _plugin_class(self, plugin: PluginClass) -> Class | None:
+        """Return the class of a plugin that is written in Python."""
+        module, _, name = plugin.type.rpartition(".")
+        near = self._reader.file(self._package.manifest or f"{self._package.path}/package.xml")
+        file = self._reader.workspace.module(module, near=near) if module else None
+        unit = self._modules.unit(file) if file is not None else None
+        if unit is None:
+            return None
+        language, _ = self._language()
+        held = language.member(language.module(unit), name)
+        return held.kind.cls if isinstance(held, TypeValue) else None
 
-def _extract(start: _Start, sites: list[Site], started: set[int]) -> Extracted | None:
-    evaluator, root = start.evaluator, start.root
-    made = [site for site in sites if site.api.kind == "node"]
-    if not made and not start.hosted:
-        return None
-    started.update(id(instance.klass) for instance in evaluator.instances.values())
-    declared = declare(sites, evaluator, evaluator.program.reader.repository)
-    sources = {site.frame.scope.unit.file.path for site in sites} | {root.path}
-    ros = _ros_version(made or sites, start.scopes)
-    return Extracted(_node(root, declared, ros, tuple(sorted(sources))), tuple(declared.marks))
+    def _plugin(self, cls: Class, plugin: PluginClass, root: _Root) -> Iterator[Extracted]:
+        """Yield the node that runs a plugin, which gets it with its context."""
+        found = self._created(cls, root, hosted=True)
+        base = plugin.base_type if root.kind is NodeKind.PLUGIN else None
+        if found is not None:
+            yield replace(found, node=replace(found.node, base_class=base))
 
-
-def _ros_version(sites: list[Site], scopes: list[Scope]) -> int:
-    known = {site.api.ros for site in sites} - {None}
-    if known:
-        return 1 if 1 in known else 2
-    return 2 if any(b"rclpy" in scope.unit.source for scope in scopes) else 1
-
-
-def _node(root: _Root, declared: Declarations, ros: int, sources: tuple[str, ...]) -> NodeType:
-    lines = [
-        site.call.start_point.row + 1 for site, _ in declared.nodes if site.frame.scope.unit.file.path == root.path
-    ]
-    return NodeType(
-        name=root.name,
-        kind=root.kind,
-        language="python",
-        ros=ros,
-        location=Location(root.path, lines[0] if lines else 1),
-        executable=root.executable,
-        plugin=root.plugin,
-        node_name=declared.name,
-        sources=sources,
-        interfaces=tuple(declared.interfaces),
-        parameters=tuple(declared.parameters),
-    )
-
-
-def _classes(program: Program, reader: Reader, package: PackageFolder, started: set[int]) -> Iterator[Extracted]:
-    """Yield the ROS 2 node classes of a package that none of its programs starts."""
-    for path in _python_files(package):
-        data = reader.read(path)
+    def _classes(self, path: str) -> Iterator[Extracted]:
+        """Yield the node classes of ROS 2 in a file that no program of the package creates."""
+        data = self._reader.read(path)
         if data is None or b"rclpy" not in data or b"class " not in data:
-            continue
-        unit = program.unit(reader.file(path))
-        for klass in unit.classes if unit is not None else ():
-            lineage = program.lineage(klass)
-            if id(klass) not in started and any(isinstance(base, Dotted) and _is_node(base) for base in lineage):
-                extracted = _read_class(program, klass, started)
-                if extracted is not None:
-                    yield extracted
+            return
+        unit = self._modules.unit(self._reader.file(path))
+        language, framework = self._language()
+        module = language.module(unit) if unit is not None else Object(Kind(()))
+        for value in list(module.fields.values()):
+            cls = value.kind.cls if isinstance(value, TypeValue) else None
+            if cls is None or cls.unit is not unit or cls in self._started:
+                continue
+            described = framework.described(value.kind) if isinstance(value, TypeValue) else []
+            if any(one.is_a == "node" for one in described):
+                found = self._created(cls, _Root(cls.name, None, NodeKind.CLASS, path))
+                if found is not None:
+                    yield found
+
+    def _created(self, cls: Class, root: _Root, *, hosted: bool = False) -> Extracted | None:
+        """Return the node of an object of a class."""
+        language, framework = self._language()
+        unit = self._modules.unit(cls.unit.key)
+        if unit is None:
+            return None
+        language.machine.stack.append(Site(unit, cls.line))
+        held = language.member(language.module(unit), cls.name)
+        arguments = []
+        if hosted:
+            framework.host = Object(Kind(("rclpy", "Node")), native={"namespace": EMPTY})
+            arguments.append(Object(Kind(("qt_gui", "PluginContext")), fields={"node": framework.host}))
+        language.calls.value(held, Arguments(list(arguments)))
+        language.machine.drain()
+        if not framework.nodes and not hosted:
+            return None
+        return self._extracted(framework, root)
+
+    # Facts
+
+    def _extracted(self, framework: Framework, root: _Root) -> Extracted:
+        self._started.update(made.kind.cls for made in framework.nodes)
+        ros = self._version(framework, root)
+        named = _name(framework)
+        interfaces, parameters = facts_of(framework.declared, self._modules, ros, named or "node")
+        stacks = [one.stack for one in framework.declared] + [stack for _, _, stack, _ in framework.marks]
+        places = [stack[-1] for stack in (*stacks, *framework.node_sites)]
+        lines = [stack[-1].line for stack in framework.node_sites if stack[-1].unit.path == root.path]
+        node = NodeType(
+            name=root.name,
+            kind=root.kind,
+            language="python",
+            ros=ros,
+            location=Location(root.path, lines[0] if lines else 1),
+            executable=root.executable,
+            plugin=root.plugin,
+            node_name=named,
+            sources=tuple(sorted({place.unit.path for place in places} | {root.path})),
+            interfaces=interfaces,
+            parameters=parameters,
+        )
+        return Extracted(node, tuple(dict.fromkeys(mark_of(one, self._modules) for one in framework.marks)))
+
+    def _version(self, framework: Framework, root: _Root) -> int:
+        """Return the version of ROS that a node uses."""
+        if framework.node_names or framework.nodes:
+            return 1 if framework.node_names else 2
+        versions = {one.effect.ros for one in framework.declared} - {0}
+        data = self._reader.read(root.path) or b""
+        return min(versions, default=2 if b"rclpy" in data else 1)
 
 
-def _is_node(base: Dotted) -> bool:
-    return base.path.startswith("rclpy.") and base.path.rpartition(".")[2] in ("Node", "LifecycleNode")
-
-
-def _read_class(program: Program, klass: Scope, started: set[int]) -> Extracted | None:
-    root = _Root(klass.name, None, NodeKind.CLASS, klass.unit.file.path)
-    return _read_object(program, klass, root, started)
-
-
-def _read_object(
-    program: Program, klass: Scope, root: _Root, started: set[int], *, hosted: bool = False
-) -> Extracted | None:
-    start = _Start(root, Evaluator(program), [klass], [], hosted)
-    instance = start.evaluator.open_instance(klass)
-    if instance.frame is not None:
-        start.frames.append(instance.frame)
-    return _extract(start, _run(start), started)
-
-
-def _plugins(program: Program, package: PackageFolder, build: BuildModel, started: set[int]) -> Iterator[Extracted]:
-    """Yield the plugins written in Python: they run in the node of the program that loads them."""
-    for plugin in build.plugins:
-        klass = _plugin_class(program, package, plugin)
-        if klass is not None:
-            root = _Root(klass.name, None, NodeKind.PLUGIN, klass.unit.file.path, plugin=plugin.name)
-            extracted = _read_object(program, klass, root, started, hosted=True)
-            if extracted is not None:
-                yield replace(extracted, node=replace(extracted.node, base_class=plugin.base_type))
-
-
-def _plugin_class(program: Program, package: PackageFolder, plugin: PluginClass) -> Scope | None:
-    module, _, name = plugin.type.rpartition(".")
-    near = program.reader.file(package.manifest or f"{package.path}/package.xml")
-    file = program.reader.workspace.module(module, near=near) if module else None
-    unit = program.unit(file) if file is not None else None
-    value = program.global_name(unit, name) if unit is not None else None
-    return value.scope if isinstance(value, ClassRef) else None
-
-
-def _read_gui(program: Program, unit: Unit, root: _Root, build: BuildModel, started: set[int]) -> Extracted | None:
-    """Return the node of a program that hands a plugin to rqt, named by its name or by its class."""
-    if b"rqt_gui" not in unit.source:
-        return None
-    start = _start(program, unit, root)
-    package = program.reader.package
-    for site in _run(start):
-        if site.api.kind == "gui":
-            wanted = plugin_asked(site, start.evaluator)
-            for plugin in build.plugins:
-                klass = _plugin_class(program, package, plugin) if wanted in (plugin.name, plugin.type) else None
-                if klass is not None:
-                    return _read_object(program, klass, replace(root, plugin=plugin.name), started, hosted=True)
-    return None
+def _name(framework: Framework) -> str | None:
+    """Return the name that the code gives to a node; None if it gives none."""
+    own = (made.native.get("name") for made in framework.nodes)
+    named = (value.known for value in (*own, *framework.node_names) if isinstance(value, Text))
+    return next((name for name in named if name), None)

@@ -1,0 +1,299 @@
+"""Calls in Python: functions, methods, constructions, and functions that code outside of the sources calls later."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING, Final
+
+from kg.extract.python import library
+from kg.extract.python.statements import DECORATED
+from kg.symbolic import form
+from kg.symbolic.state import Arguments, Frame
+from kg.symbolic.values import (
+    Bound,
+    Closure,
+    Either,
+    Kind,
+    Mapping,
+    Object,
+    Sequence,
+    Text,
+    TypeValue,
+    Unknown,
+    Value,
+    alternatives,
+    join,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+    from collections.abc import Mapping as Names
+
+    from kg.extract.python.language import Python
+    from kg.symbolic.form import Expression, Function
+
+__all__ = ["Calls"]
+
+_DEEPEST: Final = 60
+_MOST_REPEATS: Final = 2
+_MOST_SITES: Final = 12
+"""How many calls on the way to its registration a callback keeps."""
+_CLASS: Final = "__class__"
+_PLAIN: Final = frozenset({"builtins", "abc", "enum", "typing", "object", "collections", "dataclasses"})
+"""Packages whose classes call no methods of those that derive from them."""
+
+
+class Calls:
+    """The calls of a program."""
+
+    def __init__(self, language: Python) -> None:
+        self._language = language
+
+    # Calls as written
+
+    def call(self, expression: form.Call, frame: Frame) -> Value:
+        """Run a call and return its value."""
+        function, machine = expression.function, self._language.machine
+        if isinstance(function, form.Name):
+            if function.names[0] == DECORATED:
+                return self._decorated(expression, frame)
+            if function.names[0] == "super":
+                return _super(machine.arguments(expression.arguments, frame), frame)
+        if isinstance(function, form.Member):
+            of = machine.value(function.of, frame)
+            given = self._given(expression, frame)
+            return join(*(self.method(one, function.name, given, function.of) for one in alternatives(of)))
+        called = machine.value(function, frame)
+        return self.value(called, self._given(expression, frame))
+
+    def _given(self, expression: form.Call, frame: Frame) -> Arguments:
+        machine = self._language.machine
+        values = machine.arguments(expression.arguments, frame)
+        named: dict[str, Value] = {}
+        for name, written in expression.keywords:
+            value = machine.value(written, frame)
+            if name != "**":
+                named[name] = value
+            elif isinstance(value, Mapping):
+                named.update((key.known, held) for key, held in value.items if isinstance(key, Text) and key.known)
+        return Arguments(values, (), expression, frame, named)
+
+    def _decorated(self, expression: form.Call, frame: Frame) -> Value:
+        """Return a function or class as a decorator makes it; decorators outside of the sources leave it as it is."""
+        machine = self._language.machine
+        decorator, function = (machine.value(one, frame) for one in expression.arguments)
+        if not isinstance(decorator, Closure):
+            return function
+        made = self.value(decorator, Arguments([function]))
+        return made if isinstance(made, Closure | TypeValue | Object) else function
+
+    def construct_expression(self, expression: form.Construct, frame: Frame) -> Value:
+        """Return an unknown value, since Python constructs by calls."""
+        self._language.machine.arguments(expression.arguments, frame)
+        return Unknown("it is not constructed")
+
+    # Calls of values
+
+    def value(self, called: Value, given: Arguments | None = None) -> Value:
+        """Call a value: a function, a method, a class."""
+        given = given if given is not None else Arguments([])
+        if isinstance(called, Either):
+            return join(*(self.value(item, given) for item in called.items))
+        if isinstance(called, Closure):
+            return self._invoke(called, given)
+        if isinstance(called, Bound) and isinstance(called.of, Object):
+            return self._outside_method(called.of, called.name, given)
+        if isinstance(called, TypeValue):
+            return self.construct(called.kind, given) if called.kind.cls is not None else self._outside(called, given)
+        if isinstance(called, Object):
+            held = self._language.of_object(called, "__call__")
+            if isinstance(held, Closure):
+                return self._invoke(held, given)
+        self._escape_all(given)
+        return Unknown(called.reason if isinstance(called, Unknown) else "it is not known what is called")
+
+    def _invoke(self, called: Closure, given: Arguments) -> Value:
+        frame = self._frame(called)
+        named = {**dict(called.named), **given.named}
+        arguments = [*called.bound, *given.values]
+        _bind(called.function, frame, arguments, named)
+        return self._language.machine.invoke(called.function, frame, arguments)
+
+    def _frame(self, called: Closure) -> Frame:
+        """Return a new frame for a function, within the variables around it."""
+        function = called.function
+        this = next(iter(called.bound), None)
+        made = Frame(function.unit, (*function.scope, function.name), this, parent=called.frame)
+        if this is None:
+            made.this = called.frame.this
+        if function.owner is not None:
+            made.types[_CLASS] = TypeValue(Kind(("class",), cls=function.owner))
+        return made
+
+    def method(self, of: Value, name: str, given: Arguments, written: Expression | None = None) -> Value:
+        """Call a method of a value; `written` is the expression of the value."""
+        if isinstance(of, Object):
+            held = self._language.of_object(of, name)
+            if not isinstance(held, Unknown):
+                return self.value(held, given)
+        elif isinstance(of, TypeValue):
+            return self.value(self._language.member(of, name), given)
+        else:
+            known = library.method(self._language, of, name, given, written)
+            if known is not None:
+                return known
+        self._escape_all(given)
+        return Unknown(of.reason if isinstance(of, Unknown) else f"{name}() is not in the sources that were read")
+
+    # Outside of the sources
+
+    def _outside_method(self, of: Object, name: str, given: Arguments) -> Value:
+        """Call a method of an object whose class, or one of its bases, is not in the sources."""
+        machine = self._language.machine
+        if name == "__init__":
+            for base in self._language.chain(of.kind)[1]:
+                machine.framework.construct_base(of, base, given)
+            return Unknown("it returns nothing")
+        known = library.object_method(self._language, of, name, given)
+        if known is None:
+            known = machine.framework.call_method(of, name, given)
+        if known is not None:
+            return known
+        self._escape_all(given)
+        return Unknown(f"{name}() is not in the sources that were read")
+
+    def _outside(self, called: TypeValue, given: Arguments) -> Value:
+        """Call a function or construct a class that is not in the sources."""
+        from kg.extract.python.language import public  # noqa: PLC0415 - each needs the other
+
+        language, names = self._language, called.kind.names
+        framework = language.machine.framework
+        if names[-1] == "__init__" and given.values and isinstance(given.values[0], Object):
+            base = Kind(public(names[:-1]))
+            framework.construct_base(given.values[0], base, replace(given, values=given.values[1:]))
+            return Unknown("it returns nothing")
+        known = library.call(language, names, given)
+        if known is None:
+            known = framework.construct(Kind(public(names)), given)
+        if known is None:
+            known = framework.call_function(public(names), given)
+        if known is not None:
+            return known
+        self._escape_all(given)
+        if names[-1][:1].isupper():
+            return Object(called.kind, fields=dict(given.named))
+        return Unknown(f"{names[-1]}() is not in the sources that were read")
+
+    # Constructions
+
+    def construct(self, kind: Kind, given: Arguments, *, hosted: bool = False) -> Object:
+        """Return a new object of a class of the sources; `hosted` if a framework makes it."""
+        language, cls = self._language, kind.cls
+        machine = language.machine
+        line = given.call.line if given.call is not None else cls.line if cls is not None else 0
+        made = Object(kind, line=line, path=cls.unit.path if cls is not None else "")
+        if len(machine.stack) > _DEEPEST:
+            machine.bounds.add("depth")
+            return made
+        chain, outside = language.chain(kind)
+        owner = next((one for one, _ in chain if "__init__" in one.methods), None)
+        if owner is not None:
+            self._initialise(Closure(owner.methods["__init__"][0], language.around[owner], (made,)), given)
+        else:
+            made.fields.update(given.named)
+            for base in outside:
+                machine.framework.construct_base(made, base, given)
+        machine.framework.constructed(made)
+        if not hosted and any(self._calls_back(base) for base in outside):
+            self._open(made)
+        return made
+
+    def _initialise(self, called: Closure, given: Arguments) -> None:
+        machine, function = self._language.machine, called.function
+        if machine.running[id(function)] >= _MOST_REPEATS:
+            machine.bounds.add("depth")
+            return
+        frame, arguments = self._frame(called), [*called.bound, *given.values]
+        _bind(function, frame, arguments, given.named)
+        with machine.entered(function):
+            machine.bind(function, frame, arguments)
+            machine.run(function.body, frame)
+
+    def _calls_back(self, base: Kind) -> bool:
+        """Check whether a base outside of the sources may call any method of the classes that derive from it."""
+        framework = self._language.machine.framework
+        return base.names[0] not in _PLAIN and not framework.constructs(base) and not base.name.endswith("Exception")
+
+    def _open(self, made: Object) -> None:
+        """Schedule the methods of an object that code outside of the sources may call."""
+        names = dict.fromkeys(name for cls, _ in self._language.chain(made.kind)[0] for name in cls.methods)
+        self.escape([self._language.of_object(made, name) for name in names if not name.startswith("_")])
+
+    # Callbacks
+
+    def _escape_all(self, given: Arguments) -> None:
+        self.escape([*given.values, *given.named.values()])
+
+    def escape(self, values: Iterable[Value]) -> None:
+        """Schedule the functions among some values that are handed to code outside of the sources."""
+        for value in values:
+            for one in alternatives(value):
+                if isinstance(one, Closure):
+                    self._schedule(one)
+                elif isinstance(one, Bound) and isinstance(one.of, Object):
+                    held = self._language.of_object(one.of, one.name)
+                    if isinstance(held, Closure):
+                        self._schedule(held)
+                elif isinstance(one, Sequence):
+                    self.escape(item for item in one.items if isinstance(item, Closure | Sequence))
+                elif isinstance(one, Mapping):
+                    self.escape(item for _, item in one.items if isinstance(item, Closure))
+
+    def create(self, value: Value) -> None:
+        """Schedule the creation of an object of a class by code outside of the sources."""
+        for one in alternatives(value):
+            if isinstance(one, TypeValue) and one.kind.cls is not None:
+                self._later((one.kind.cls, "create"), partial(self.construct, one.kind, Arguments([])))
+
+    def _schedule(self, called: Closure) -> None:
+        owners = tuple(id(one) for one in called.bound if isinstance(one, Object))
+        key = (id(called.function), owners or id(called.frame.this))
+        self._later(key, partial(self._invoke, called, Arguments([])))
+
+    def _later(self, key: object, work: Callable[[], object]) -> None:
+        """Schedule work as part of the calls that lead to it, once for each key."""
+        machine = self._language.machine
+        stack, guards = machine.stack[:_MOST_SITES], list(machine.guards)
+
+        def run() -> None:
+            outer = machine.stack, machine.guards
+            machine.stack, machine.guards = list(stack), list(guards)
+            try:
+                work()
+            finally:
+                machine.stack, machine.guards = outer
+
+        machine.schedule(key, run)
+
+
+def _super(arguments: list[Value], frame: Frame) -> Value:
+    """Return what `super()` and `super(Class, self)` give: the object, seen as one of the bases behind a class."""
+    after = arguments[0] if arguments else frame.bound_type(_CLASS)
+    of = arguments[1] if len(arguments) > 1 else next((one.this for one in frame.outward() if one.this), None)
+    if not isinstance(of, Object) or not isinstance(after, TypeValue):
+        return Unknown("it is not known what super() means")
+    return Object(Kind(("builtins", "super")), native={"super": of, "after": after})
+
+
+def _bind(function: Function, frame: Frame, arguments: list[Value], named: Names[str, Value]) -> None:
+    """Set the parameters of a function that arguments give by name, and those that take all others."""
+    plain = [one for one in function.parameters if not one.variadic and not one.named]
+    for index, parameter in enumerate(function.parameters):
+        if parameter.variadic:
+            rest = Sequence(tuple(arguments[len(plain) :]))
+            own = {one.name for one in function.parameters}
+            others = tuple((Text.of(name), value) for name, value in named.items() if name not in own)
+            frame.variables[parameter.name] = Mapping(others) if parameter.named else rest
+        elif parameter.name in named and (parameter.named or index >= len(arguments)):
+            frame.variables[parameter.name] = named[parameter.name]

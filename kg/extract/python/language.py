@@ -1,0 +1,387 @@
+"""What names, members and values of Python mean to the interpreter.
+
+A module is an object whose fields are its variables; a class is a type as a value. What is outside of the build, such
+as `rospy.Publisher`, is a type by its full name, whatever it is.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final, cast
+
+from kg.extract.python import library
+from kg.extract.python.calls import Calls
+from kg.extract.python.modules import BUILTINS, GENERATED, mentions_ros
+from kg.extract.python.texts import percent
+from kg.symbolic import form
+from kg.symbolic.containers import counted, with_element
+from kg.symbolic.qos import PROFILES, policy, rmw_profile
+from kg.symbolic.state import Frame
+from kg.symbolic.values import (
+    Bound,
+    Closure,
+    Kind,
+    Object,
+    Pack,
+    Sequence,
+    Text,
+    TypeValue,
+    Unknown,
+    Value,
+    alternatives,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from kg.corpus.files import FilePath
+    from kg.extract.python.modules import Modules
+    from kg.extract.python.units import PythonUnit
+    from kg.symbolic.form import Class, Expression, Function, Type
+    from kg.symbolic.machine import Machine
+    from kg.symbolic.state import Variables
+
+__all__ = ["CLASS", "Python", "public"]
+
+CLASS: Final = "__class__"
+"""The name under which the frame of a method has the class that defines it."""
+MODULE: Final = "<module>"
+_MOST_BASES: Final = 200
+_PUBLIC: Final = {("rclpy", "lifecycle", "Node"): ("rclpy", "LifecycleNode")}
+_PRESETS: Final = {name.removeprefix("rmw_qos_profile_"): qos for name, qos in PROFILES.items()}
+
+
+def public(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the name of a class or function by its package and its own name: `rclpy.Node` of `rclpy.node.Node`."""
+    return _PUBLIC.get(names, (names[0], names[-1]) if len(names) > 1 else names)
+
+
+class Python:
+    """The meaning of Python in one program, with `main` as the module that runs first."""
+
+    machine: Machine
+
+    def __init__(self, modules: Modules, main: PythonUnit | None = None) -> None:
+        self.modules = modules
+        self.calls = Calls(self)
+        self.call = self.calls.call
+        self.construct_expression = self.calls.construct_expression
+        self.escape = self.calls.escape
+        self.create = self.calls.create
+        self.counted = counted
+        self.with_element = with_element
+        self.elements = library.elements
+        self.element = library.element
+        self.classes: dict[Class, Variables] = {}
+        """The variables of each class that was defined."""
+        self.around: dict[Class, Frame] = {}
+        """The frame around each class that was defined."""
+        self._bases: dict[Class, list[Kind]] = {}
+        self._main = main
+        self._loaded: dict[FilePath, Object] = {}
+        self._waiting: dict[int, PythonUnit] = {}
+        """Modules that run when one of their names is used, by the identity of their object."""
+        self._stars: dict[int, list[str]] = {}
+        """The modules outside of the build from which a module takes all names, by the identity of its variables."""
+
+    @property
+    def expressions(self) -> Mapping[type, Callable[[Any, Frame], Value]]:
+        """How expressions run that only Python has."""
+        return {form.Import: self._import, form.Define: self._define, form.Spread: self._spread}
+
+    # Modules
+
+    def module(self, unit: PythonUnit, *, lazy: bool = False) -> Object:
+        """Return a module as an object, after its statements ran; `lazy` if they may wait until a name is used."""
+        made = self._loaded.get(unit.key)
+        if made is None:
+            name = "__main__" if unit is self._main else unit.name
+            made = Object(Kind((MODULE, unit.name)), path=unit.path)
+            made.fields.update({"__name__": Text.of(name), "__file__": Text.hole("it is the path of the file")})
+            self._loaded[unit.key] = made
+            self._waiting[id(made)] = unit
+        if not lazy or mentions_ros(unit.source):
+            self._run(made)
+        return made
+
+    def _run(self, module: Object) -> None:
+        unit = self._waiting.pop(id(module), None)
+        if unit is not None:
+            self.machine.run(unit.body, self.frame_of_module(unit, module))
+
+    @staticmethod
+    def frame_of_module(unit: PythonUnit, module: Object) -> Frame:
+        """Return the frame whose variables are the fields of a module."""
+        return Frame(unit, (), variables=cast("Variables", module.fields))
+
+    def _import(self, statement: form.Import, frame: Frame) -> Value:
+        unit = cast("PythonUnit", frame.unit)
+        names = [name for name in statement.module.split(".") if name]
+        if statement.name is None:
+            found = self._imported(names if statement.alias else names[:1], unit)
+            self._set(frame, statement.alias or names[0], found)
+            if not statement.alias and len(names) > 1:
+                self._imported(names, unit)
+        elif statement.name == "*":
+            self._import_all(statement.module, unit, frame)
+        else:
+            self._set(frame, statement.alias, self._imported_name(statement.module, statement.name, unit))
+        return Unknown("it is an import")
+
+    def _set(self, frame: Frame, name: str, value: Value) -> None:
+        self.machine.assign(form.Name(0, (name,)), value, frame)
+
+    def _imported(self, names: list[str], unit: PythonUnit) -> Value:
+        module = self.modules.find(".".join(names), unit)
+        return self.module(module, lazy=True) if module is not None else TypeValue(Kind(tuple(names)))
+
+    def _import_all(self, module: str, unit: PythonUnit, frame: Frame) -> None:
+        found = self.modules.find(module, unit) if not GENERATED & set(module.split(".")) else None
+        if found is None:
+            self._stars.setdefault(id(frame.variables), []).append(module)
+            return
+        made = self.module(found)
+        for name, value in list(made.fields.items()):
+            if not name.startswith("_"):
+                self._set(frame, name, value)
+        self._stars.setdefault(id(frame.variables), []).extend(self._stars.get(id(made.fields), ()))
+
+    def _imported_name(self, module: str, name: str, unit: PythonUnit) -> Value:
+        inner = module.strip(".").split(".")
+        outside = TypeValue(_kind((*inner, name) if inner != [""] else (name,)))
+        if GENERATED & set(module.split(".")[1:]) or (name in GENERATED and not module.startswith(".")):
+            return outside
+        found = self.modules.find(module, unit)
+        if found is not None:
+            held = self._of_module(self.module(found), name)
+            if held is not None:
+                return held
+        below = self.modules.find(f"{module}{'' if module.endswith('.') else '.'}{name}", unit)
+        return self.module(below, lazy=True) if below is not None else self._constant(outside)
+
+    def _of_module(self, module: Object, name: str) -> Value | None:
+        """Return a variable of a module, or a module in its folder; None if it has neither."""
+        self._run(module)
+        if name in module.fields:
+            return module.fields[name]
+        unit = next(unit for unit in (self.modules.unit(key) for key, one in self._loaded.items() if one is module))
+        if unit is None:
+            return None
+        starred = self._starred(name, module.fields)
+        if starred is not None:
+            return starred
+        if name in GENERATED:
+            return TypeValue(Kind((unit.path.rpartition("/")[0].rpartition("/")[2], name)))
+        below = self.modules.find(f".{name}", unit) if unit.is_package else None
+        return self.module(below, lazy=True) if below is not None else None
+
+    def _starred(self, name: str, variables: Mapping[str, object]) -> Value | None:
+        modules = self._stars.get(id(variables))
+        names = self.modules.starred(name, modules) if modules and name not in BUILTINS else None
+        return self._constant(TypeValue(Kind(names))) if names is not None else None
+
+    # Names
+
+    def name(self, expression: form.Name, frame: Frame) -> Value:
+        """Return what a name means that is not a variable: of all names of a module, or of Python itself."""
+        name = expression.names[-1]
+        for outer in frame.outward():
+            found = self._starred(name, outer.variables)
+            if found is not None:
+                return found
+        if name in BUILTINS:
+            return TypeValue(Kind(("builtins", name)))
+        return Unknown(f"{name} is not in the sources that were read")
+
+    def assign_name(self, target: form.Name, value: Value, frame: Frame) -> None:
+        """Set a variable that has no value yet: one of the module."""
+        *_, module = frame.outward()
+        self.machine.write(module.variables, target.names[-1], value)
+
+    def static_member(self, kind: Kind, name: str) -> Value | None:
+        """Return a variable of a class; None if it has none of that name."""
+        held = self._of_class(kind, name)
+        return held if held is not None and not isinstance(held, Closure) else None
+
+    # Classes
+
+    def _define(self, statement: form.Define, frame: Frame) -> Value:
+        cls = statement.cls
+        inner = Frame(cls.unit, (*cls.scope, cls.name), parent=frame)
+        bases = [one for base in cls.derived for one in alternatives(self.machine.value(base, frame))]
+        self._bases[cls] = [base.kind for base in bases if isinstance(base, TypeValue)]
+        self.classes[cls], self.around[cls] = inner.variables, frame
+        if cls.body is not None:
+            self.machine.run(cls.body, inner)
+        return TypeValue(kind_of_class(cls))
+
+    def chain(self, kind: Kind) -> tuple[list[tuple[Class, dict[str, Value]]], list[Kind]]:
+        """Return the classes of an object, its own first, and its bases outside of the build."""
+        classes: dict[Class, None] = {}
+        outside: list[Kind] = []
+        pending = [kind]
+        while pending and len(classes) < _MOST_BASES:
+            current = pending.pop(0)
+            if current.cls is None:
+                outside.append(Kind(public(current.names)))
+            elif current.cls not in classes:
+                classes[current.cls] = None
+                pending = [*self._bases.get(current.cls, ()), *pending]
+        return [(cls, {}) for cls in classes], outside
+
+    def methods(self, kind: Kind, name: str) -> list[tuple[Function, dict[str, Value]]]:
+        """Return the methods of a name, those of the class before those of its bases."""
+        return [(one, bound) for cls, bound in self.chain(kind)[0] for one in cls.methods.get(name, ())]
+
+    declarations = methods
+
+    def _of_class(self, kind: Kind, name: str, after: Class | None = None) -> Value | None:
+        """Return a variable or a method of a class or its bases; `after` skips the classes up to one."""
+        classes = [cls for cls, _ in self.chain(kind)[0]]
+        for cls in classes[classes.index(after) + 1 :] if after in classes else classes:
+            held = self.classes.get(cls, {}).get(name)
+            if held is not None:
+                return cast("Value", held)
+            if name in cls.methods and cls in self.around:
+                return Closure(cls.methods[name][0], self.around[cls])
+        return None
+
+    # Members
+
+    def member(self, of: Value, name: str) -> Value:
+        """Return a member of a value."""
+        if isinstance(of, Object):
+            return self.of_object(of, name)
+        if isinstance(of, TypeValue):
+            return self._of_type(of, name)
+        known = library.member(of, name)
+        if known is not None:
+            return known
+        return Unknown(of.reason if isinstance(of, Unknown) else f"the member {name} is not known")
+
+    def of_object(self, of: Object, name: str, after: Class | None = None) -> Value:
+        """Return a member of an object, a module, or of what `super()` gives."""
+        if of.kind.names[0] == MODULE:
+            held = self._of_module(of, name)
+            return held if held is not None else Unknown(f"{name} is not in the module")
+        through = of.native.get("super")
+        if isinstance(through, Object):
+            held = of.native.get("after")
+            return self.of_object(through, name, held.kind.cls if isinstance(held, TypeValue) else None)
+        if name in of.fields and after is None:
+            return of.fields[name]
+        if name == CLASS:
+            return TypeValue(of.kind)
+        found = self._of_class(of.kind, name, after)
+        if found is not None:
+            return self._bound(found, of)
+        if of.kind.cls is None or self.chain(of.kind)[1]:
+            return Bound(name, of)
+        return Unknown(f"the member {name} is not known")
+
+    def _bound(self, found: Value, of: Object) -> Value:
+        """Return a member of a class as the member of an object: methods with the object as first argument."""
+        if not isinstance(found, Closure) or found.bound or found.function.static:
+            return found
+        marks = found.function.marks
+        method = Closure(found.function, found.frame, (TypeValue(of.kind) if "classmethod" in marks else of,))
+        if marks & {"property", "cached_property"}:
+            return self.calls.value(method)
+        return method
+
+    def _of_type(self, of: TypeValue, name: str) -> Value:
+        kind = of.kind
+        if kind.cls is None:
+            return self._constant(TypeValue(_kind((*kind.names, name))))
+        if name == "__name__":
+            return Text.of(kind.name)
+        held = self._of_class(kind, name)
+        if isinstance(held, Closure) and "classmethod" in held.function.marks:
+            return Closure(held.function, held.frame, (of,))
+        if held is not None:
+            return held
+        outside = self.chain(kind)[1]
+        return TypeValue(Kind((*outside[0].names, name))) if outside else Unknown(f"{name} is not in the class")
+
+    def _constant(self, found: TypeValue) -> Value:
+        """Return a constant of a framework, of the quality of service or a duration, for its full name."""
+        names = found.kind.names
+        if "QoSPresetProfiles" in names[:-1] or names[-1].startswith("qos_profile_"):
+            profile = _PRESETS.get(names[-1].lower().removeprefix("qos_profile_"))
+            return rmw_profile(profile) if profile is not None else found
+        if names[0] == "rclpy" and len(names) > 2:  # noqa: PLR2004 - package, class and policy
+            known = policy((*names[:-2], names[-2].removeprefix("QoS"), names[-1]))
+            if known is not None:
+                return known
+        return library.CONSTANTS.get(".".join(names), found)
+
+    # Types and values, as far as Python has them
+
+    def kind(self, kind: Type, frame: Frame) -> Kind | Value:
+        """Return the meaning of a type; Python has types only as values."""
+        del frame
+        return Kind(kind.names)
+
+    def kind_of(self, kind: Type | None, frame: Frame) -> Kind | None:
+        """Return None, since declarations have no types that count."""
+        del kind, frame
+        return None
+
+    def type_of(self, expression: Expression, frame: Frame) -> Kind | None:
+        """Return None, since variables have no types."""
+        del expression, frame
+        return None
+
+    def nested_type(self, kind: Kind, name: str) -> Kind | None:
+        """Return None, since classes have no aliases of types."""
+        del kind, name
+        return None
+
+    def default(self, kind: Type, frame: Frame, line: int) -> Value:
+        """Return the value of a variable without a value."""
+        del kind, frame, line
+        return Unknown("it has no value")
+
+    def unknown(self, kind: Type | None, frame: Frame, name: str) -> Value:
+        """Return a value that comes from outside."""
+        del kind, frame
+        return Unknown(f"{name} comes from outside")
+
+    def converted(self, value: Value, kind: Type | None, written: Expression | None, frame: Frame) -> Value:
+        """Return the value, which variables hold as it is."""
+        del kind, written, frame
+        return value
+
+    def assigned(self, target: Expression, value: Value, written: Expression, frame: Frame) -> Value:
+        """Return the value, which variables hold as it is."""
+        del target, written, frame
+        return value
+
+    # Operators
+
+    def formatted(self, row: tuple[Value, ...]) -> Value:
+        """Return the text of `format % value`."""
+        return percent(row[0], row[1])
+
+    def shifted(self, values: list[Value]) -> Value | None:
+        """Return None: `<<` shifts bits."""
+        del values
+        return None
+
+    def _spread(self, expression: form.Spread, frame: Frame) -> Value:
+        """Return the elements of a collection as items of another one."""
+        held = self.machine.value(expression.of, frame)
+        rows = [one for one in alternatives(held) if isinstance(one, Sequence) and not one.open]
+        return Pack(rows[0].items) if rows else Unknown("it is passed on by *")
+
+
+def kind_of_class(cls: Class) -> Kind:
+    """Return the type of a class of the sources."""
+    return Kind((cls.unit.path, *cls.scope, cls.name), cls=cls)
+
+
+def _kind(names: tuple[str, ...]) -> Kind:
+    """Return the type of a full name; a message type is `package.msg.Type`, wherever it was imported from."""
+    inner = next((index for index, part in enumerate(names) if index and part in GENERATED), None)
+    if inner is not None and len(names) > inner + 2 and names[inner + 1].startswith("_"):
+        names = (*names[: inner + 1], *names[inner + 2 :])
+    return Kind(names)

@@ -1,0 +1,127 @@
+"""The modules of a build: files read once, imports, and names of message types."""
+
+from __future__ import annotations
+
+import builtins
+import tomllib
+from functools import cache
+from typing import TYPE_CHECKING, Final
+
+from kg.corpus.files import Place
+from kg.extract.python.units import PythonUnit
+from kg.resources import folder
+
+if TYPE_CHECKING:
+    from kg.corpus.files import FilePath, PackageFolder
+    from kg.corpus.reading import Reader
+
+__all__ = ["BUILTINS", "FRAMEWORKS", "GENERATED", "Modules", "mentions_ros"]
+
+FRAMEWORKS: Final = frozenset(
+    {
+        "rospy", "rclpy", "tf", "tf2_ros", "tf2_py", "actionlib", "message_filters", "diagnostic_updater",
+        "dynamic_reconfigure", "interactive_markers", "bondpy", "roslib", "genpy", "image_transport", "rosgraph",
+        "ddynamic_reconfigure_python", "launch", "launch_ros", "rosidl_runtime_py", "std_msgs", "numpy", "cv_bridge",
+    }
+)  # fmt: skip
+"""Packages that the descriptions of calls cover; their sources are not followed."""
+_TOOLS: Final = frozenset(
+    {
+        "roslaunch", "rostest", "rosunit", "rosmaster", "rosnode", "rostopic", "rosservice", "rosparam", "rosmsg",
+        "rosbag", "rospkg", "genmsg", "launch_testing", "launch_testing_ros", "rosidl_parser", "roswtf",
+    }
+)  # fmt: skip
+"""Packages of tools that create no interfaces of others; only they themselves follow their sources."""
+GENERATED: Final = frozenset({"msg", "srv", "action", "cfg"})
+"""Modules that are generated from interface definitions."""
+BUILTINS: Final = frozenset(vars(builtins)) | {"unicode", "xrange", "raw_input", "basestring", "long", "unichr"}
+_ROS_WORDS: Final = (b"rospy", b"rclpy", b"roslib", b"actionlib", b"tf2_ros", b"message_filters", b"jsk_topic_tools")
+_SUFFIXES: Final = ("Request", "Response", "Goal", "Result", "Feedback", "Action")
+
+
+def mentions_ros(source: bytes) -> bool:
+    """Check whether a file can contain anything of ROS."""
+    return any(word in source for word in _ROS_WORDS)
+
+
+class Modules:
+    """The modules that the reading of one package sees."""
+
+    def __init__(self, reader: Reader, package: PackageFolder) -> None:
+        self.reader = reader
+        self.repository = reader.repository
+        self._place = Place(reader.repository, package.path, package.name)
+        self._units: dict[FilePath, PythonUnit | None] = {}
+        self._outside = FRAMEWORKS | _TOOLS - {package.name}
+
+    def is_own(self, file: FilePath) -> bool:
+        """Return whether a file belongs to the package that is read."""
+        return self.reader.workspace.owner(file) == self._place
+
+    def unit(self, file: FilePath) -> PythonUnit | None:
+        """Return a file; None if it cannot be read."""
+        if file not in self._units:
+            source = self.reader.read(file)
+            self._units[file] = None if source is None else self._parsed(file, source)
+        return self._units[file]
+
+    def _parsed(self, file: FilePath, source: bytes) -> PythonUnit:
+        unit = PythonUnit(file, source)
+        if unit.error is not None:
+            self.reader.problem("KG115", "part of the file does not parse as Python", file.path, unit.error)
+        return unit
+
+    def report(self) -> None:
+        """Report the files that are nested too deep, after they were lowered."""
+        for file, unit in self._units.items():
+            if unit is not None and unit.too_deep is not None:
+                self.reader.problem(
+                    "KG114", "functions and classes stand too deep in each other", file.path, unit.too_deep
+                )
+
+    def find(self, dotted: str, unit: PythonUnit) -> PythonUnit | None:
+        """Return the module of a name as imported in a file; None if it is of a framework or not in the build."""
+        if not dotted.strip("."):
+            dotted += "__init__"
+        elif dotted.partition(".")[0] in self._outside:
+            return None
+        file = self.reader.workspace.module(dotted, near=unit.key)
+        return self.unit(file) if file and file != unit.key else None
+
+    def starred(self, name: str, modules: list[str]) -> tuple[str, ...] | None:
+        """Return the full name of what `from module import *` of one of the modules outside of the build gives.
+
+        Message types are looked up among the definitions of the build; else the name must be that of one module alone.
+        """
+        if not name[:1].isalpha():
+            return None
+        generated = [module for module in dict.fromkeys(modules) if module.rpartition(".")[2] in GENERATED]
+        if not name[0].isupper():
+            return (*modules[0].split("."), name) if len(modules) == 1 and not generated else None
+        for module in generated:
+            if self._defines(module, name):
+                return (*module.split("."), name)
+        for module in generated if len(generated) > 1 else ():
+            if name in _standard_types().get(module.partition(".")[0], ()):
+                return (*module.split("."), name)
+        others = [module for module in generated if self._may_define(module, alone=len(generated) == 1)]
+        return (*others[0].split("."), name) if len(others) == 1 else None
+
+    def _defines(self, module: str, name: str) -> bool:
+        """Check whether a package of the build defines an interface; an action's messages are among the messages."""
+        package, _, kind = module.rpartition(".")
+        kinds = (kind, "action") if kind == "msg" else (kind,)
+        suffix = next((one for one in _SUFFIXES if name.endswith(one) and name != one), "")
+        return any(self.reader.workspace.definition(package, name.removesuffix(suffix), each) for each in kinds)
+
+    def _may_define(self, module: str, *, alone: bool) -> bool:
+        """Check whether a package could have interfaces that are not known here."""
+        package = module.partition(".")[0]
+        return self.reader.workspace.package(package) is None and (alone or package not in _standard_types())
+
+
+@cache
+def _standard_types() -> dict[str, frozenset[str]]:
+    """Return the names of the message types that every distribution of ROS has, by package."""
+    with (folder("ontology") / "standard_messages.toml").open("rb") as stream:
+        return {package: frozenset(names) for package, names in tomllib.load(stream).items()}

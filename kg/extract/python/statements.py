@@ -1,0 +1,394 @@
+"""Python to the intermediate form: statements, functions and classes."""
+
+from __future__ import annotations
+
+from itertools import chain
+from typing import TYPE_CHECKING, ClassVar, Final
+
+from kg.extract.python.syntax import argument_nodes, code, line_of
+from kg.symbolic.form import (
+    Assign,
+    Binary,
+    Block,
+    Branch,
+    Call,
+    Class,
+    Declare,
+    Define,
+    Display,
+    Function,
+    Import,
+    Jump,
+    Lambda,
+    Literal,
+    Loop,
+    Name,
+    Opaque,
+    Return,
+    Spread,
+    Step,
+    Try,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from tree_sitter import Node
+
+    from kg.extract.python.expressions import Expressions
+    from kg.symbolic.form import Expression, Statement, Unit
+
+__all__ = ["DECORATED", "Statements"]
+
+DECORATED: Final = "<decorated>"
+"""The name of the function that applies a decorator to a function or class."""
+_DEEPEST: Final = 60
+_METHODS: Final = frozenset({"property", "cached_property", "classmethod", "staticmethod", "setter", "deleter"})
+
+
+class Statements:
+    """The statements of one file. `too_deep` is the line of the first one that is nested too deep to be read."""
+
+    def __init__(self, unit: Unit, expressions: Expressions) -> None:
+        self._unit = unit
+        self._expressions = expressions
+        self._depth = 0
+        self._scope: tuple[str, ...] = ()
+        self.too_deep: int | None = None
+
+    def module(self, root: Node) -> Block:
+        """Return the statements of a file."""
+        return Block(1, self._of(root.named_children), open=True)
+
+    def body(self, function: Function, node: Node) -> Block:
+        """Return the statements of a function; its local variables have no value at first."""
+        outer, self._scope = self._scope, (*function.scope, function.name)
+        inner = node.child_by_field_name("body")
+        statements = self._of(inner.named_children) if inner is not None else ()
+        self._scope = outer
+        taken = {parameter.name for parameter in function.parameters} | _globals(inner)
+        local = [name for name in dict.fromkeys(_assigned(statements)) if name not in taken]
+        line = line_of(node)
+        return Block(line, (*(Declare(line, name, None, None) for name in local), *statements), open=True)
+
+    def _of(self, nodes: Iterable[Node]) -> tuple[Statement, ...]:
+        return tuple(chain.from_iterable(self._statement(node) for node in nodes))
+
+    def _block(self, node: Node | None) -> Block:
+        """Return the form of a block; it has no scope of its own."""
+        if node is None:
+            return Block(0, (), open=True)
+        return Block(line_of(node), self._of(node.named_children), open=True)
+
+    def _statement(self, node: Node) -> tuple[Statement, ...]:
+        lower = self._lowered.get(node.type)
+        if lower is None:
+            return ()
+        if self._depth >= _DEEPEST:
+            self.too_deep = self.too_deep or line_of(node)
+            return ()
+        self._depth += 1
+        try:
+            return tuple(lower(self, node))
+        finally:
+            self._depth -= 1
+
+    # Simple statements
+
+    def _step(self, node: Node) -> list[Statement]:
+        found: list[Statement] = []
+        for child in node.named_children:
+            if child.type == "assignment":
+                found += self._assignment(child)
+            elif child.type == "augmented_assignment":
+                found.append(self._augmented(child))
+            elif child.type not in ("comment", "string", "concatenated_string", "ellipsis"):
+                found.append(Step(line_of(child), self._expressions.expression(child)))
+        return found
+
+    def _assignment(self, node: Node) -> list[Statement]:
+        """Return the assignments of `a = b = value`, whose value runs once."""
+        line = line_of(node)
+        targets: list[Expression] = []
+        held: Node | None = node
+        while held is not None and held.type == "assignment":
+            targets.append(self._expressions.expression(held.child_by_field_name("left")))
+            held = held.child_by_field_name("right")
+        if held is None:
+            return []
+        value = self._expressions.expression(held)
+        if len(targets) > 1:
+            shared = Name(line, ("<value>",))
+            targets, first, value = [shared, *targets], value, shared
+            return [Step(line, Assign(line, one, value if index else first)) for index, one in enumerate(targets)]
+        return [Step(line, Assign(line, targets[0], value))]
+
+    def _augmented(self, node: Node) -> Statement:
+        line = line_of(node)
+        target = self._expressions.expression(node.child_by_field_name("left"))
+        value = self._expressions.expression(node.child_by_field_name("right"))
+        sign = code(node.child_by_field_name("operator")).removesuffix("=")
+        return Step(line, Assign(line, target, value, "true/" if sign == "/" else sign))
+
+    def _values(self, node: Node) -> list[Statement]:
+        """Return the expressions of a statement that does nothing else that matters."""
+        return [
+            Step(line_of(child), self._expressions.expression(child))
+            for child in node.named_children
+            if child.type not in ("comment", "chevron")
+        ]
+
+    def _return(self, node: Node) -> list[Statement]:
+        inner = next((child for child in node.named_children if child.type != "comment"), None)
+        line = line_of(node)
+        return [Return(line, self._expressions.expression(inner) if inner is not None else Literal(line, None))]
+
+    def _raise(self, node: Node) -> list[Statement]:
+        return [Jump(line_of(node), "raise")]
+
+    def _break(self, node: Node) -> list[Statement]:
+        return [Jump(line_of(node), "break")]
+
+    def _continue(self, node: Node) -> list[Statement]:
+        return [Jump(line_of(node), "continue")]
+
+    # Imports
+
+    def _import(self, node: Node) -> list[Statement]:
+        found: list[Statement] = []
+        for child in node.children_by_field_name("name"):
+            name, alias = _import_names(child)
+            found.append(Step(line_of(node), Import(line_of(node), name, None, alias or "")))
+        return found
+
+    def _import_from(self, node: Node) -> list[Statement]:
+        line, module = line_of(node), code(node.child_by_field_name("module_name")).replace(" ", "")
+        found: list[Statement] = []
+        if any(child.type == "wildcard_import" for child in node.named_children):
+            found.append(Step(line, Import(line, module, "*", "")))
+        for child in node.children_by_field_name("name"):
+            name, alias = _import_names(child)
+            found.append(Step(line, Import(line, module, name, alias or name)))
+        return found
+
+    # Compound statements
+
+    def _if(self, node: Node) -> list[Statement]:
+        arms: list[tuple[Expression | None, Statement]] = []
+        for arm in (node, *node.children_by_field_name("alternative")):
+            if arm.type == "else_clause":
+                arms.append((None, self._block(arm.child_by_field_name("body"))))
+            else:
+                condition = self._expressions.expression(arm.child_by_field_name("condition"))
+                arms.append((condition, self._block(arm.child_by_field_name("consequence"))))
+        return [Branch(line_of(node), tuple(arms))]
+
+    def _for(self, node: Node) -> list[Statement]:
+        body = self._block(node.child_by_field_name("body")).body
+        over = self._expressions.expression(node.child_by_field_name("right"))
+        loop = self._expressions.loop(line_of(node), node.child_by_field_name("left"), over, body)
+        return [loop, *self._otherwise(node)]
+
+    def _while(self, node: Node) -> list[Statement]:
+        condition = self._expressions.expression(node.child_by_field_name("condition"))
+        body = self._block(node.child_by_field_name("body"))
+        return [Loop(line_of(node), body, condition=condition), *self._otherwise(node)]
+
+    def _otherwise(self, node: Node) -> list[Statement]:
+        other = node.child_by_field_name("alternative")
+        return [self._block(other.child_by_field_name("body"))] if other is not None else []
+
+    def _try(self, node: Node) -> list[Statement]:
+        body = self._block(node.child_by_field_name("body"))
+        handlers: list[Block] = []
+        parts: dict[str, Block] = {}
+        for child in node.named_children:
+            if child.type in ("except_clause", "except_group_clause"):
+                inner = next((part for part in child.named_children if part.type == "block"), None)
+                handlers.append(self._block(inner))
+            elif child.type in ("else_clause", "finally_clause"):
+                inner = next((part for part in child.named_children if part.type == "block"), None)
+                parts[child.type] = self._block(inner)
+        return [Try(line_of(node), body, tuple(handlers), parts.get("else_clause"), parts.get("finally_clause"))]
+
+    def _with(self, node: Node) -> list[Statement]:
+        found: list[Statement] = []
+        clause = next((child for child in node.named_children if child.type == "with_clause"), None)
+        for item in clause.named_children if clause is not None else ():
+            inner = item.named_children[0] if item.named_child_count else None
+            if inner is not None and inner.type == "as_pattern" and inner.named_child_count > 1:
+                value = self._expressions.expression(inner.named_children[0])
+                target = self._expressions.expression(inner.named_children[-1])
+                found.append(Step(line_of(item), Assign(line_of(item), target, value)))
+            else:
+                found.append(Step(line_of(item), self._expressions.expression(inner)))
+        return [*found, self._block(node.child_by_field_name("body"))]
+
+    def _match(self, node: Node) -> list[Statement]:
+        subject = self._expressions.expression(node.child_by_field_name("subject"))
+        arms: list[tuple[Expression | None, Statement]] = []
+        body = node.child_by_field_name("body")
+        for case in body.named_children if body is not None else ():
+            if case.type != "case_clause":
+                continue
+            pattern = next((child for child in case.named_children if child.type == "case_pattern"), None)
+            inner = pattern.named_children[0] if pattern is not None and pattern.named_child_count else None
+            held = self._block(case.child_by_field_name("consequence"))
+            if inner is None or inner.type in ("dotted_name", "identifier"):
+                arms.append((None if inner is None else Opaque(line_of(case), code(inner)), held))
+            else:
+                arms.append((Binary(line_of(case), "==", (subject, self._expressions.expression(inner))), held))
+        return [Branch(line_of(node), tuple(arms))]
+
+    # Functions and classes
+
+    def _decorated(self, node: Node) -> list[Statement]:
+        inner = node.child_by_field_name("definition")
+        decorators = [child.named_children[0] for child in node.named_children if child.type == "decorator"]
+        if inner is None:
+            return []
+        defined = self._class_of(inner) if inner.type == "class_definition" else self._function_of(inner)
+        for decorator in reversed([one for one in decorators if one.named_child_count or one.type == "identifier"]):
+            line = line_of(decorator)
+            defined = Call(line, Name(line, (DECORATED,)), (self._expressions.expression(decorator), defined))
+        return [self._named(inner, defined)]
+
+    def _function(self, node: Node) -> list[Statement]:
+        return [self._named(node, self._function_of(node))]
+
+    def _class(self, node: Node) -> list[Statement]:
+        return [self._named(node, self._class_of(node))]
+
+    def _named(self, node: Node, value: Expression) -> Statement:
+        line, name = line_of(node), code(node.child_by_field_name("name"))
+        return Step(line, Assign(line, Name(line, (name,)), value))
+
+    def _function_of(self, node: Node) -> Expression:
+        return Lambda(line_of(node), self._read(node, self._scope))
+
+    def _read(self, node: Node, scope: tuple[str, ...], marks: frozenset[str] = frozenset()) -> Function:
+        parameters = self._expressions.parameters(node)
+        name = code(node.child_by_field_name("name"))
+        static = "staticmethod" in marks
+        return Function(self._unit, name, scope, parameters, line_of(node), static=static, marks=marks, source=node)
+
+    def _class_of(self, node: Node) -> Expression:
+        """Return the definition of a class: the methods in its body are members, all other statements run."""
+        name, line = code(node.child_by_field_name("name")), line_of(node)
+        cls = Class(self._unit, name, self._scope, line)
+        bases = [one for one in argument_nodes(node) if one.type != "keyword_argument"]
+        cls.derived = tuple(self._expressions.expression(base) for base in bases)
+        outer, self._scope = self._scope, (*self._scope, name)
+        body = node.child_by_field_name("body")
+        statements: list[Statement] = []
+        for child in body.named_children if body is not None else ():
+            if not self._method(cls, child):
+                statements += self._statement(child)
+        self._scope = outer
+        own = (Declare(line, one, None, None) for one in dict.fromkeys(_assigned(statements)))
+        cls.body = Block(line, (*own, *statements), open=True)
+        return Define(line, cls)
+
+    def _method(self, cls: Class, node: Node) -> bool:
+        """Add a method to its class; return False for other statements."""
+        inner: Node | None = node
+        marks: frozenset[str] = frozenset()
+        if node.type == "decorated_definition":
+            inner = node.child_by_field_name("definition")
+            names = [code(child)[1:].strip() for child in node.named_children if child.type == "decorator"]
+            marks = frozenset(name.rpartition(".")[2] for name in names) & _METHODS
+            if not marks and inner is not None and inner.type == "function_definition":
+                marks = frozenset({"decorated"})
+        if inner is None or inner.type != "function_definition":
+            return False
+        if not marks & {"setter", "deleter"}:
+            function = self._read(inner, self._scope, marks)
+            function.owner = cls
+            cls.methods[function.name] = [function]
+        return True
+
+    _lowered: ClassVar[dict[str, Callable[[Statements, Node], Iterable[Statement]]]] = {
+        "expression_statement": _step,
+        **dict.fromkeys(("print_statement", "assert_statement", "exec_statement"), _values),
+        "return_statement": _return,
+        "raise_statement": _raise,
+        "break_statement": _break,
+        "continue_statement": _continue,
+        "import_statement": _import,
+        "import_from_statement": _import_from,
+        "if_statement": _if,
+        "for_statement": _for,
+        "while_statement": _while,
+        "try_statement": _try,
+        "with_statement": _with,
+        "match_statement": _match,
+        "decorated_definition": _decorated,
+        "function_definition": _function,
+        "class_definition": _class,
+    }
+
+
+def _import_names(node: Node) -> tuple[str, str | None]:
+    if node.type == "aliased_import":
+        return code(node.child_by_field_name("name")), code(node.child_by_field_name("alias"))
+    return code(node), None
+
+
+def _globals(body: Node | None) -> set[str]:
+    """Return the names that a function takes from around it by `global` or `nonlocal`."""
+    found: set[str] = set()
+    pending = list(body.named_children) if body is not None else []
+    while pending:
+        node = pending.pop()
+        if node.type in ("global_statement", "nonlocal_statement"):
+            found.update(code(child) for child in node.named_children)
+        elif node.type in _HOLDERS:
+            pending += node.named_children
+    return found
+
+
+_HOLDERS: Final = frozenset(
+    {
+        "block",
+        "if_statement",
+        "elif_clause",
+        "else_clause",
+        "for_statement",
+        "while_statement",
+        "try_statement",
+        "except_clause",
+        "finally_clause",
+        "with_statement",
+    }
+)
+
+
+def _assigned(statements: Iterable[Statement]) -> Iterable[str]:
+    """Yield the names that statements assign, in order."""
+    for one in statements:
+        if isinstance(one, Step):
+            if isinstance(one.value, Assign):
+                yield from _targets(one.value.target)
+            elif isinstance(one.value, Import):
+                yield one.value.alias or one.value.module.partition(".")[0]
+        elif isinstance(one, Block):
+            yield from _assigned(one.body)
+        elif isinstance(one, Branch):
+            for _, body in one.arms:
+                yield from _assigned((body,))
+        elif isinstance(one, Loop):
+            yield from one.targets
+            yield from _assigned((one.body,))
+        elif isinstance(one, Try):
+            blocks = (one.body, *one.handlers, one.otherwise, one.last)
+            yield from _assigned(block for block in blocks if block is not None)
+
+
+def _targets(target: Expression) -> Iterable[str]:
+    if isinstance(target, Name):
+        yield target.names[0]
+    elif isinstance(target, Spread):
+        yield from _targets(target.of)
+    elif isinstance(target, Display):
+        for item in target.items:
+            yield from _targets(item)
