@@ -268,6 +268,8 @@ class Workspace:
         """Return a module whose folder is a possible root of imports, that is, no Python package itself."""
         fits = []
         for file in self._python[parts.rpartition("/")[2]]:
+            if not file.path.endswith(".py"):
+                continue
             stem = _module_stem(file.path)
             root = stem[: -len(parts)].rstrip("/")
             whole = stem == parts or stem.endswith("/" + parts)

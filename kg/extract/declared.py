@@ -131,8 +131,6 @@ def _named(name: Text | Unknown) -> tuple[str | None, Resolution, str | None, st
         given = name.parameter is not None and name.parameter.startswith("argv")
         return None, Resolution.LAUNCH_ARGUMENT if given else Resolution.UNRESOLVED, name.parameter, name.reason
     shown = name.shown
-    if "//" in shown or (shown.endswith("/") and len(shown) > 1):
-        shown = normalise(shown)
     if shown.startswith("~") and not shown.startswith("~/") and shown != "~":
         shown = "~/" + shown[1:]
     if name.known is None:

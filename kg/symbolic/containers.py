@@ -19,6 +19,7 @@ from kg.symbolic.values import (
     Unknown,
     Value,
     join,
+    options,
 )
 
 if TYPE_CHECKING:
@@ -86,6 +87,8 @@ def element(of: Value, key: Value) -> Value:
             found = [value for own, value in of.items if own == key]
         else:
             found = [value for _, value in of.items]
+            choice = (tuple(own for own, _ in of.items), key) if getattr(key, "parameter", None) else object()
+            return options(found, choice) if found else Unknown("the map is empty")
         return join(*found) if found else Unknown("the map has no such key")
     if is_unknown_parameter(of):
         part = f".{key.known}" if isinstance(key, Text) and key.known is not None else "[]"
@@ -117,7 +120,7 @@ def counted(loop: form.Loop) -> list[Expression]:
                 found.append(one.operand)
             pending.append(one.operand)
         elif isinstance(one, form.Assign):
-            if one.sign in ("+", "-"):
+            if one.sign in ("+", "-") or _counts(one):
                 found.append(one.target)
             pending.append(one.value)
         elif isinstance(one, form.Block):
@@ -130,4 +133,16 @@ def counted(loop: form.Loop) -> list[Expression]:
             pending += one.arguments
         elif isinstance(one, form.Branch):
             pending += [body for _, body in one.arms]
+        elif isinstance(one, form.Try):
+            pending += [one.body, *one.handlers]
     return found
+
+
+def _counts(assign: form.Assign) -> bool:
+    """Check for `i = i + 1`."""
+    value, target = assign.value, assign.target
+    if not (isinstance(value, form.Binary) and value.sign in ("+", "-") and isinstance(target, form.Name)):
+        return False
+    first, *rest = value.operands
+    steps = all(isinstance(one, form.Literal) and isinstance(one.value, float) for one in rest)
+    return steps and isinstance(first, form.Name) and first.names == target.names

@@ -200,7 +200,7 @@ class Framework:
             return Sequence(tuple(arguments[:2])) if arguments else Unknown("it has no value")
         if what == "duration":
             parts: list[Value] = [number(0) if one is ABSENT else one for one in arguments]
-            return durations.made_duration(kind, float(detail), parts)
+            return durations.made_duration(kind, float(detail), parts or [number(0)])
         made = Object(kind, line=self.machine.stack[-1].line if self.machine.stack else 0)
         self._construct(made, kind, described, given)
         return made

@@ -36,6 +36,9 @@ class Language(Protocol):
     def static_member(self, kind: Kind, name: str) -> Value | None:
         """Return a static member of a class; None if it has no such member."""
 
+    def static_fields(self, of: Value) -> dict[str, Value] | None:
+        """Return the variables of a class, for writing; None if they are not written so."""
+
     # Types
 
     def kind(self, kind: Type, frame: Frame) -> Kind | Value:

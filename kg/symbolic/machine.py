@@ -41,9 +41,10 @@ from kg.symbolic.values import (
     Unknown,
     Value,
     alternatives,
-    combinations,
     join,
     number,
+    options,
+    over,
     read_back,
     whole_parameter,
 )
@@ -64,6 +65,8 @@ MOST_TURNS: Final = 64
 MOST_REPEATS: Final = 2
 MOST_FRUITLESS: Final = 6
 """How often a function runs that declares nothing and returns only numbers, truth values or unknown values."""
+MOST_BARREN: Final = 3_000
+"""How many steps a function takes in all its runs that declare nothing; after that it does not run again."""
 _COUNTS: Final = Unknown("it counts the turns of a loop")
 
 
@@ -81,6 +84,7 @@ class Machine:
         self.bounds: dict[str, Site] = {}
         """The limits that were reached, each with the call that was running then."""
         self.fruitless: Counter[int] = Counter()
+        self.barren: Counter[int] = Counter()
         self.executed: set[int] = set()
         """The functions that have run, by identity."""
         self.steps = 0
@@ -111,8 +115,8 @@ class Machine:
         """Set a variable or a field."""
         self._journal.write(holder, name, value)
 
-    def _joined(self, values: list[Value]) -> Value:
-        joined = join(*values)
+    def _joined(self, values: list[Value], choice: object) -> Value:
+        joined = options(values, choice)
         for value in values:
             parameter = getattr(value, "parameter", None)
             if parameter is not None and whole_parameter(value) and not whole_parameter(joined):
@@ -374,7 +378,7 @@ class Machine:
 
     def _member(self, expression: form.Member, frame: Frame) -> Value:
         of = self.value(expression.of, frame)
-        return read_back(for_each(of, lambda one: self.language.member(one, expression.name)))
+        return read_back(over((of,), lambda one: self.language.member(one, expression.name)))
 
     def _call(self, expression: form.Call, frame: Frame) -> Value:
         self.stack.append(Site(frame.unit, expression.line, frame.this, expression.arguments))
@@ -429,9 +433,7 @@ class Machine:
             special = self.language.shifted(values)
             if special is not None:
                 return special
-        if any(isinstance(value, Either) for value in values):
-            return join(*(self._computed(sign, row) for row in combinations(values)))
-        return self._computed(sign, tuple(values))
+        return over(values, lambda *row: self._computed(sign, row))
 
     def _computed(self, sign: str, row: tuple[Value, ...]) -> Value:
         if sign == "%" and isinstance(row[0], Text | Object):
@@ -448,7 +450,7 @@ class Machine:
 
     def _index(self, expression: form.Index, frame: Frame) -> Value:
         of, key = self.value(expression.of, frame), self.value(expression.key, frame)
-        return join(*(self.language.element(one, other) for one, other in combinations((of, key))))
+        return over((of, key), self.language.element)
 
     def _display(self, expression: form.Display, frame: Frame) -> Value:
         return Sequence(tuple(self.arguments(expression.items, frame)))
@@ -466,7 +468,7 @@ class Machine:
             return Sequence((Text.of(target.names[0]), value))
         if expression.sign:
             before = self.value(target, frame)
-            value = join(*(self._computed(expression.sign, row) for row in combinations((before, value))))
+            value = over((before, value), lambda *row: self._computed(expression.sign, row))
         else:
             value = self.framework.copied(self.language.assigned(target, value, expression.value, frame))
         self.assign(target, value, frame)
@@ -486,10 +488,11 @@ class Machine:
         elif isinstance(target, form.Member):
             owners = alternatives(self.value(target.of, frame))
             for of in owners:
-                if isinstance(of, Object):
-                    before = of.fields.get(target.name, value)
-                    self.write(of.fields, target.name, value if len(owners) == 1 else join(before, value))
-                if not isinstance(of, Object) or of.kind.cls is None:
+                fields = of.fields if isinstance(of, Object) else self.language.static_fields(of)
+                if fields is not None:
+                    before = fields.get(target.name, value)
+                    self.write(fields, target.name, value if len(owners) == 1 else join(before, value))
+                if fields is None or (isinstance(of, Object) and of.kind.cls is None):
                     self.language.escape([value])  # code outside of the sources calls what its objects hold
         elif isinstance(target, form.Index):
             containers = alternatives(self.value(target.of, frame))
@@ -538,9 +541,9 @@ class Machine:
             return Unknown("the calls are too deep")
         if self.running[id(function)] >= MOST_REPEATS:
             return Unknown("it calls itself")
-        if self.fruitless[id(function)] >= MOST_FRUITLESS:
+        if self.fruitless[id(function)] >= MOST_FRUITLESS or self.barren[id(function)] > MOST_BARREN:
             return self.language.unknown(function.returns, frame, function.name)
-        before = self.framework.progress()
+        before, steps = self.framework.progress(), self.steps
         with self.entered(function):
             self.bind(function, frame, arguments)
             self.run(function.body, frame)
@@ -552,8 +555,10 @@ class Machine:
                     if isinstance(value, Text | Number | Truth | Sequence | Mapping | Either):
                         self.put(expression, value, caller)
         result = join(*frame.returned) if frame.returned else Unknown("it returns nothing")
-        if isinstance(result, Unknown | Number | Truth) and self.framework.progress() == before:
-            self.fruitless[id(function)] += 1
+        if self.framework.progress() == before:
+            self.barren[id(function)] += self.steps - steps
+            if isinstance(result, Unknown | Number | Truth):
+                self.fruitless[id(function)] += 1
         return result
 
     @contextmanager

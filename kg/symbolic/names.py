@@ -16,9 +16,9 @@ from kg.symbolic.values import (
     Unknown,
     Value,
     as_text,
-    combinations,
     concatenate,
     join,
+    over,
     worse,
 )
 
@@ -45,7 +45,7 @@ NODE_NAME: Final = Hole("node name")
 def below(namespace: Value, name: Value) -> Value:
     """Return a name resolved in a namespace; absolute and private names stay as they are."""
     if isinstance(namespace, Either) or isinstance(name, Either):
-        return join(*(below(*row) for row in combinations((namespace, name))))
+        return over((namespace, name), below)
     if isinstance(name, Unknown) and (namespace == EMPTY or not isinstance(namespace, Text)):
         return name
     name = as_text(name)
@@ -125,7 +125,7 @@ def placed(name: Value) -> Value:
         return name
     parts: list[str | Hole] = []
     for part in name.parts:
-        pieces = part.split(OWN_NAMESPACE) if isinstance(part, str) else [part]
+        pieces: list[str | Hole] = [*part.split(OWN_NAMESPACE)] if isinstance(part, str) else [part]
         for index, piece in enumerate(pieces):
             parts += [Hole()] if index else []
             parts += [piece] if piece else []

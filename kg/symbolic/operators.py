@@ -25,6 +25,7 @@ from kg.symbolic.values import (
     concatenate,
     join,
     number,
+    over,
 )
 
 if TYPE_CHECKING:
@@ -94,9 +95,7 @@ def _without_empty(value: Value) -> Value:
 
 def for_each(value: Value, apply: Callable[[Value], Value]) -> Value:
     """Apply a function to each alternative of a value, and join the results."""
-    if isinstance(value, Either):
-        return join(*(apply(item) for item in value.items))
-    return apply(value)
+    return over((value,), apply)
 
 
 def compute(sign: str, row: tuple[Value, ...]) -> Value:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 __all__ = [
     "METHODS",
     "PROFILES",
+    "RMW_PROFILE",
     "changed_profile",
     "construct",
     "copied",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from enum import Enum, auto
+from itertools import count
 from typing import TYPE_CHECKING, Final, TypeAlias, TypeVar, cast
 
 from kg.symbolic.form import Opaque
@@ -75,7 +76,12 @@ class Frame:
 
     def holder(self, name: str) -> Variables | None:
         """Return the variables of the innermost frame that has a variable of a name."""
-        return next((frame.variables for frame in self.outward() if name in frame.variables), None)
+        frame: Frame | None = self
+        while frame is not None:
+            if name in frame.variables:
+                return frame.variables
+            frame = frame.parent
+        return None
 
     def bound_type(self, name: str) -> Value | None:
         """Return the value of a template parameter."""
@@ -153,8 +159,9 @@ class Journal:
     `joined` returns the value that several alternatives have together.
     """
 
-    def __init__(self, joined: Callable[[list[Value]], Value]) -> None:
+    def __init__(self, joined: Callable[[list[Value], object], Value]) -> None:
         self._joined = joined
+        self._choices = count()
         self._entries: list[_Entry] | None = None
 
     def write(self, holder: Holder, name: str, value: Slot) -> None:
@@ -183,10 +190,11 @@ class Journal:
 
     def merge(self, sides: list[Written]) -> None:
         """Write the joined values of several sides, one of which runs."""
+        choice = next(self._choices)
         keys = {key: entry for side in sides for key, entry in side.items()}
         for key, (holder, name, _) in keys.items():
             before = holder.get(name, _MISSING)
             values = [side[key][2] if key in side else before for side in sides]
             kept: list[Slot] = [value for value in values if not isinstance(value, _Missing)]
             plain: list[Value] = [value for value in kept if not isinstance(value, Alias | Pack)]
-            self.write(holder, name, kept[0] if len(plain) != len(kept) else self._joined(plain))
+            self.write(holder, name, kept[0] if len(plain) != len(kept) else self._joined(plain, choice))

@@ -8,13 +8,13 @@ part is a hole in a text, or `Unknown` with its reason; nothing is guessed.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from itertools import product
+from itertools import islice, product, repeat
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from kg.facts import Resolution
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
 
     from kg.facts import Qos
     from kg.symbolic.form import Class, Function
@@ -47,12 +47,19 @@ __all__ = [
     "concatenate",
     "join",
     "number",
+    "options",
+    "over",
     "read_back",
     "whole_parameter",
     "worse",
 ]
 
+Way: TypeAlias = "frozenset[tuple[object, int]]"
+"""Choices, each with the option that was taken."""
 MOST_ALTERNATIVES: Final = 12
+MOST_ROWS: Final = 500
+"""How many rows of alternatives are tried for those that choices allow."""
+_ALWAYS: Final[Way] = frozenset()
 _ORDER: Final = {resolution: index for index, resolution in enumerate(Resolution)}
 
 
@@ -235,9 +242,10 @@ class Profile:
 
 @dataclass(frozen=True, slots=True)
 class Either:
-    """One of several values."""
+    """One of several values. `ways` are the choices that lead to each, so that choices stay together."""
 
     items: tuple[Value, ...]
+    ways: tuple[Way, ...] = field(default=(), compare=False)
 
 
 ABSENT: Final = Unknown("it is not given")
@@ -252,15 +260,69 @@ Value: TypeAlias = Scalar | Sequence | Mapping | TypeValue | Object | Closure | 
 
 def alternatives(value: Value) -> tuple[Value, ...]:
     """Return the values that a value can be."""
-    return value.items if isinstance(value, Either) else (value,)
+    if not isinstance(value, Either):
+        return (value,)
+    return tuple(_unique(value.items)) if value.ways else value.items
+
+
+def _unique(items: Iterable[Value]) -> list[Value]:
+    found: list[Value] = []
+    for item in items:
+        if item not in found:
+            found.append(item)
+    return found
+
+
+def _paths(value: Value) -> Iterable[tuple[Value, Way]]:
+    """Return the values that a value can be, each with the choices that lead to it."""
+    if not isinstance(value, Either):
+        return ((value, _ALWAYS),)
+    return zip(value.items, value.ways or repeat(_ALWAYS), strict=False)
+
+
+def options(values: Iterable[Value], choice: object) -> Value:
+    """Return one of several values, of which a choice takes one: the same wherever the choice is the same."""
+    found: list[Value] = []
+    for index, value in enumerate(values):
+        pairs = list(_paths(value))
+        ways = tuple(way | {(choice, index)} for _, way in pairs)
+        found.append(Either(tuple(item for item, _ in pairs), ways))
+    return join(*found, *found[:1])
+
+
+def _rows(values: tuple[Value, ...], most: int) -> Iterator[tuple[tuple[Value, ...], Way]]:
+    """Yield the rows of alternatives that no choice excludes, with their choices."""
+    count = 0
+    for pairs in islice(product(*map(_paths, values)), MOST_ROWS):
+        way: dict[object, int] = {}
+        if all(way.setdefault(choice, option) == option for _, one in pairs for choice, option in one):
+            count += 1
+            yield tuple(item for item, _ in pairs), frozenset(way.items())
+        if count >= most:
+            return
 
 
 def combinations(values: Iterable[Value], most: int = MOST_ALTERNATIVES) -> Iterator[tuple[Value, ...]]:
     """Yield the rows of alternatives of some values, at most `most` of them."""
-    for count, row in enumerate(product(*(alternatives(value) for value in values))):
-        if count >= most:
-            return
+    values = tuple(values)
+    if not any(isinstance(value, Either) for value in values):
+        yield values
+        return
+    for row, _ in _rows(values, most):
         yield row
+
+
+def over(values: Iterable[Value], apply: Callable[..., Value]) -> Value:
+    """Apply a function to each row of alternatives of some values, and join the results."""
+    values = tuple(values)
+    if not any(isinstance(value, Either) for value in values):
+        return apply(*values)
+    found: list[Value] = []
+    for row, way in _rows(values, MOST_ALTERNATIVES):
+        result = apply(*row)
+        pairs = list(_paths(result))
+        found.append(Either(tuple(item for item, _ in pairs), tuple(own | way for _, own in pairs)))
+    return join(*found, found[0]) if found else Unknown("its parts exclude each other")
 
 
 def read_back(value: Value) -> Value:
@@ -268,7 +330,7 @@ def read_back(value: Value) -> Value:
     if isinstance(value, Text):
         return replace(value, resolution=Resolution.CONSTANT) if value.resolution is Resolution.LITERAL else value
     if isinstance(value, Either):
-        return Either(tuple(read_back(item) for item in value.items))
+        return replace(value, items=tuple(read_back(item) for item in value.items))
     if isinstance(value, Sequence) and value.items:
         return replace(value, items=tuple(read_back(item) for item in value.items))
     return value
@@ -286,16 +348,25 @@ def join(*values: Value) -> Value:
 
     A parameter without default that falls back to another value has that value as its default.
     """
-    found: list[Value] = []
+    if len(values) == 1:
+        return values[0]
+    paths: list[tuple[Value, Way]] = []
     for value in values:
-        found += [item for item in alternatives(value) if item not in found]
-    if len(found) > 1:
-        found = _with_defaults(found)
+        paths += [pair for pair in _paths(value) if pair not in paths]
+    found = _unique(item for item, _ in paths)
+    known = _with_defaults(found) if len(found) > 1 else found
+    if known is not found:
+        paths, found = [], known
     if len(found) > 1 and any(not isinstance(item, Unknown) for item in found):
         found = [item for item in found if not isinstance(item, Unknown) or item.parameter is not None] or found
     if len(found) > MOST_ALTERNATIVES:
         return Unknown(f"it has more than {MOST_ALTERNATIVES} possible values")
-    return found[0] if len(found) == 1 else Either(tuple(found))
+    if len(found) == 1:
+        return found[0]
+    kept = [pair for pair in paths if pair[0] in found]
+    if len(kept) > MOST_ALTERNATIVES or not any(way for _, way in kept):
+        return Either(tuple(found))
+    return Either(tuple(item for item, _ in kept), tuple(way for _, way in kept))
 
 
 def _with_defaults(found: list[Value]) -> list[Value]:
@@ -331,7 +402,7 @@ def number(value: float, parameter: str | None = None) -> Number:
 def concatenate(*values: Value) -> Value:
     """Return the text of all values in a row; an unknown value becomes a hole."""
     if any(isinstance(value, Either) for value in values):
-        return join(*(concatenate(*row) for row in combinations(values)))
+        return over(values, concatenate)
     parts: list[str | Hole] = []
     resolution, parameter, reason = Resolution.LITERAL, None, None
     for value in values:

@@ -124,6 +124,10 @@ class Cpp:
             return None
         return self._static((*kind.names, name), (), Frame(kind.cls.unit, kind.cls.scope))
 
+    def static_fields(self, of: Value) -> dict[str, Value] | None:  # noqa: ARG002 - a class is no value in C++
+        """Return None: static members are written by their names."""
+        return None
+
     def _global(self, found: Variable, name: str) -> Value:
         statement, unit, at = found
         holder = self.machine.globals.setdefault(id(statement), {})

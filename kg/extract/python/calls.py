@@ -245,8 +245,10 @@ class Calls:
                     held = self._language.of_object(one.of, one.name)
                     if isinstance(held, Closure):
                         self._schedule(held)
+                elif isinstance(one, TypeValue) and any(map(self._calls_back, self._language.chain(one.kind)[1])):
+                    self.create(one)
                 elif isinstance(one, Sequence):
-                    self.escape(item for item in one.items if isinstance(item, Closure | Sequence))
+                    self.escape(item for item in one.items if isinstance(item, Closure | Sequence | TypeValue))
                 elif isinstance(one, Mapping):
                     self.escape(item for _, item in one.items if isinstance(item, Closure))
 

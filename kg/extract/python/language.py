@@ -14,7 +14,7 @@ from kg.extract.python.modules import BUILTINS, GENERATED, mentions_ros
 from kg.extract.python.texts import percent
 from kg.symbolic import form
 from kg.symbolic.containers import counted, with_element
-from kg.symbolic.qos import PROFILES, policy, rmw_profile
+from kg.symbolic.qos import PROFILES, RMW_PROFILE, policy, rmw_profile
 from kg.symbolic.state import Frame
 from kg.symbolic.values import (
     Bound,
@@ -46,7 +46,7 @@ CLASS: Final = "__class__"
 """The name under which the frame of a method has the class that defines it."""
 MODULE: Final = "<module>"
 _MOST_BASES: Final = 200
-_PUBLIC: Final = {("rclpy", "lifecycle", "Node"): ("rclpy", "LifecycleNode")}
+_PUBLIC: Final[dict[tuple[str, ...], tuple[str, ...]]] = {("rclpy", "lifecycle", "Node"): ("rclpy", "LifecycleNode")}
 _PRESETS: Final = {name.removeprefix("rmw_qos_profile_"): qos for name, qos in PROFILES.items()}
 
 
@@ -202,6 +202,11 @@ class Python:
         held = self._of_class(kind, name)
         return held if held is not None and not isinstance(held, Closure) else None
 
+    def static_fields(self, of: Value) -> dict[str, Value] | None:
+        """Return the variables of a class; None for other values."""
+        cls = of.kind.cls if isinstance(of, TypeValue) else None
+        return cast("dict[str, Value] | None", self.classes.get(cls)) if cls is not None else None
+
     # Classes
 
     def _define(self, statement: form.Define, frame: Frame) -> Value:
@@ -274,6 +279,8 @@ class Python:
         found = self._of_class(of.kind, name, after)
         if found is not None:
             return self._bound(found, of)
+        if name == "value" and of.kind.name == RMW_PROFILE:
+            return of
         if of.kind.cls is None or self.chain(of.kind)[1]:
             return Bound(name, of)
         return Unknown(f"the member {name} is not known")

@@ -9,8 +9,10 @@ from kg.extract.python import texts
 from kg.facts import Resolution
 from kg.symbolic import containers
 from kg.symbolic.containers import COMMAND_LINE, is_unknown_parameter, part_of, with_element
+from kg.symbolic.durations import INFINITE, duration
 from kg.symbolic.operators import NULL
 from kg.symbolic.parameters import with_parameter
+from kg.symbolic.state import Alias
 from kg.symbolic.values import (
     ABSENT,
     Closure,
@@ -31,6 +33,7 @@ from kg.symbolic.values import (
     concatenate,
     join,
     number,
+    over,
 )
 
 if TYPE_CHECKING:
@@ -54,6 +57,11 @@ CONSTANTS: Final[dict[str, Value]] = {
     "sys.argv": COMMAND_LINE,
     "os.sep": Text.of("/"),
     "os.path.sep": Text.of("/"),
+    "rclpy.duration.Infinite": duration(INFINITE),
+    **{
+        f"diagnostic_updater.{name}": TypeValue(Kind(("diagnostic_msgs", "msg", name)))
+        for name in ("DiagnosticArray", "DiagnosticStatus", "KeyValue")
+    },
 }
 
 
@@ -68,7 +76,7 @@ def elements(of: Value) -> list[Value]:
     if isinstance(of, Sequence) and not of.items and of.parameter is not None:
         return [part_of(f"{of.parameter}[]")]
     if isinstance(of, Text) and of.known is not None and of.parameter is None:
-        return [replace(of, parts=(letter,)) for letter in of.known][:_MOST_NUMBERS]
+        return [replace(of, parts=(letter,)) for letter in of.known[:_MOST_NUMBERS]]
     return containers.elements(of)
 
 
@@ -108,7 +116,7 @@ def call(language: Python, names: tuple[str, ...], given: Arguments) -> Value | 
     path = ".".join(names)
     apply = _FUNCTIONS.get(path)
     if apply is not None:
-        return join(*(apply(list(row), given) for row in combinations(given.values)))
+        return over(given.values, lambda *row: apply(list(row), given))
     special = _SPECIAL.get(path)
     return special(language, given) if special is not None else None
 
@@ -257,6 +265,8 @@ def _attribute(language: Python, given: Arguments) -> Value:
         language.member(of, name.known) if isinstance(name, Text) and name.known else _COMPUTED
         for of, name in combinations(given.values[:2])
     ]
+    if isinstance(given.values[0], Unknown):
+        return _COMPUTED
     missing = all(isinstance(one, Unknown) for one in found)
     return given.values[2] if missing and len(given.values) > 2 else join(*found)  # noqa: PLR2004 - the default
 
@@ -292,8 +302,8 @@ def _mapped(language: Python, given: Arguments) -> Value:
 def _next(language: Python, given: Arguments) -> Value:
     """`next(iterator, default)`."""
     del language
-    found = elements(given.values[0]) if given.values else []
-    return found[0] if found else next(iter(given.values[1:]), _COMPUTED)
+    found = [*(elements(given.values[0]) if given.values else []), *given.values[1:]]
+    return found[0] if found else _COMPUTED
 
 
 def _is_instance(language: Python, given: Arguments) -> Value:
@@ -323,20 +333,30 @@ _CLASSES: Final = {
 def _globals(language: Python, given: Arguments) -> Value:
     """`globals()`: the module as a mapping."""
     del language
-    frame = given.frame
-    *_, module = frame.outward() if frame is not None else (None,)
-    if module is None:
-        return _COMPUTED
-    return Mapping(tuple((Text.of(name), value) for name, value in module.variables.items()))  # type: ignore[misc]
+    return Mapping(tuple((Text.of(name), value) for name, value in _module(given).items()))
+
+
+def _module(given: Arguments) -> dict[str, Value]:
+    """Return the variables of the module that makes a call."""
+    if given.frame is None:
+        return {}
+    *_, module = given.frame.outward()
+    return {name: value for name, value in module.variables.items() if not isinstance(value, Alias)}
 
 
 def _tests(language: Python, given: Arguments) -> Value:
     """`unittest.main()`: runs the test cases of the module."""
-    *_, module = given.frame.outward() if given.frame is not None else (None,)
-    for value in module.variables.values() if module is not None else ():
+    module = _module(given)
+    for value in module.values():
         if isinstance(value, TypeValue) and any(base.name == "TestCase" for base in language.chain(value.kind)[1]):
             language.create(value)
     return _NOTHING
+
+
+def _preset(language: Python, given: Arguments) -> Value:
+    """`QoSPresetProfiles.get_from_short_key("sensor_data")`."""
+    name = given.values[0].known if given.values and isinstance(given.values[0], Text) else None
+    return language.member(TypeValue(Kind(("rclpy", "qos", "QoSPresetProfiles"))), name) if name else _COMPUTED
 
 
 _SPECIAL: Final[dict[str, Callable[[Python, Arguments], Value]]] = {
@@ -349,6 +369,7 @@ _SPECIAL: Final[dict[str, Callable[[Python, Arguments], Value]]] = {
     "builtins.vars": _globals,
     "functools.partial": _partial,
     "unittest.main": _tests,
+    "rclpy.qos.QoSPresetProfiles.get_from_short_key": _preset,
 }
 
 
@@ -376,14 +397,14 @@ def method(language: Python, of: Value, name: str, given: Arguments, written: Ex
             return texts.braces(of, values, given.named)
         if name in ("startswith", "endswith") and len(values) == 1:
             return _begins(of, name, values[0])
-        return join(*(texts.method(of, name, list(row)) or _COMPUTED for row in combinations(values)))
+        return over(values, lambda *row: texts.method(of, name, list(row)) or _COMPUTED)
     return None
 
 
 def _changed(of: Sequence | Mapping, name: str, values: list[Value], given: Arguments) -> Value | None:
     """Return a container after a method changed it; None for other methods."""
     if name == "clear":
-        return replace(of, items=())
+        return Mapping(()) if isinstance(of, Mapping) else Sequence(())
     if isinstance(of, Mapping):
         if name == "update":
             merged = of
@@ -409,16 +430,16 @@ def _changed(of: Sequence | Mapping, name: str, values: list[Value], given: Argu
 
 def _popped(of: Sequence | Mapping, name: str, values: list[Value]) -> Value:
     """Return what a method that changes a container gives."""
-    if name == "setdefault":
-        held = (
-            element(of, values[0]) if any(key == values[0] for key, _ in of.items if isinstance(of, Mapping)) else None
-        )
-        return held if held is not None else next(iter(values[1:]), NULL)
+    if isinstance(of, Mapping):
+        if name == "pop" and values:
+            return _got(of, values, None) or _COMPUTED
+        if name == "setdefault" and values:
+            held = next((value for key, value in of.items if key == values[0]), None)
+            return held if held is not None else next(iter(values[1:]), NULL)
+        return _NOTHING
     if name == "pop":
-        return (
-            _got(of, values, None) if isinstance(of, Mapping) and values else element(of, *(values[:1] or [number(-1)]))
-        )
-    return join(*of.items) if name == "popleft" and isinstance(of, Sequence) and of.items else _NOTHING
+        return element(of, values[0] if values else number(-1))
+    return join(*of.items) if name == "popleft" and of.items else _NOTHING
 
 
 def _view(of: Value, name: str) -> Value | None:
@@ -502,8 +523,8 @@ def object_method(language: Python, of: Object, name: str, given: Arguments) -> 
     ):
         return of
     if name in ("parse_args", "parse_known_args", "parse_intermixed_args"):
-        options = of.native.get("options")
-        pairs = options.items if isinstance(options, Mapping) else ()
+        known = of.native.get("options")
+        pairs = known.items if isinstance(known, Mapping) else ()
         fields = {key.known: value for key, value in pairs if isinstance(key, Text) and key.known}
         made = Object(Kind(("argparse", "Namespace")), fields=fields)
         both = name == "parse_known_args" or of.kind.name == "OptionParser"
@@ -516,7 +537,9 @@ def _option(given: Arguments) -> tuple[Value, Value] | None:
     flags = [value.known for value in given.values if isinstance(value, Text) and value.known]
     target = given.named.get("dest")
     long = [flag for flag in flags if flag.startswith("--")] or flags[:1]
-    name = target.known if isinstance(target, Text) else long[0].lstrip("-").replace("-", "_") if long else None
+    name = long[0].lstrip("-").replace("-", "_") if long else None
+    if isinstance(target, Text):
+        name = target.known
     if not name:
         return None
     single = bool(flags) and flags[0].startswith("-") and not {"nargs", "action"} & given.named.keys()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import builtins
+import re
 import tomllib
 from functools import cache
 from typing import TYPE_CHECKING, Final
@@ -22,12 +23,13 @@ FRAMEWORKS: Final = frozenset(
         "rospy", "rclpy", "tf", "tf2_ros", "tf2_py", "actionlib", "message_filters", "diagnostic_updater",
         "dynamic_reconfigure", "interactive_markers", "bondpy", "roslib", "genpy", "image_transport", "rosgraph",
         "ddynamic_reconfigure_python", "launch", "launch_ros", "rosidl_runtime_py", "std_msgs", "numpy", "cv_bridge",
+        "rostest", "rosunit",
     }
 )  # fmt: skip
 """Packages that the descriptions of calls cover; their sources are not followed."""
 _TOOLS: Final = frozenset(
     {
-        "roslaunch", "rostest", "rosunit", "rosmaster", "rosnode", "rostopic", "rosservice", "rosparam", "rosmsg",
+        "roslaunch", "rosmaster", "rosnode", "rostopic", "rosservice", "rosparam", "rosmsg",
         "rosbag", "rospkg", "genmsg", "launch_testing", "launch_testing_ros", "rosidl_parser", "roswtf",
     }
 )  # fmt: skip
@@ -36,6 +38,9 @@ GENERATED: Final = frozenset({"msg", "srv", "action", "cfg"})
 """Modules that are generated from interface definitions."""
 BUILTINS: Final = frozenset(vars(builtins)) | {"unicode", "xrange", "raw_input", "basestring", "long", "unichr"}
 _ROS_WORDS: Final = (b"rospy", b"rclpy", b"roslib", b"actionlib", b"tf2_ros", b"message_filters", b"jsk_topic_tools")
+_STARTERS: Final = (b"init_node", b"rclpy", b"rqt_gui")
+"""One of these words is in a module of every program that starts a node."""
+_IMPORTS: Final = re.compile(r"^[ \t]*(?:from[ \t]+(\S+)[ \t]+)?import[ \t]+([^#\n]+)", re.MULTILINE)
 _SUFFIXES: Final = ("Request", "Response", "Goal", "Result", "Feedback", "Action")
 
 
@@ -71,6 +76,10 @@ class Modules:
             self.reader.problem("KG115", "part of the file does not parse as Python", file.path, unit.error)
         return unit
 
+    def loaded(self) -> list[PythonUnit]:
+        """Return the files that were read so far."""
+        return [unit for unit in self._units.values() if unit is not None]
+
     def report(self) -> None:
         """Report the files that are nested too deep, after they were lowered."""
         for file, unit in self._units.items():
@@ -83,10 +92,32 @@ class Modules:
         """Return the module of a name as imported in a file; None if it is of a framework or not in the build."""
         if not dotted.strip("."):
             dotted += "__init__"
-        elif dotted.partition(".")[0] in self._outside:
+        elif not self._follows(dotted):
             return None
         file = self.reader.workspace.module(dotted, near=unit.key)
         return self.unit(file) if file and file != unit.key else None
+
+    def may_start(self, unit: PythonUnit) -> bool:
+        """Check whether a program can start a node: one of its modules, directly or not, names what starts one."""
+        seen = {unit.key: unit.source}
+        pending = [unit.key]
+        while pending:
+            file = pending.pop()
+            if any(word in seen[file] for word in _STARTERS):
+                return True
+            for module, names in _IMPORTS.findall(seen[file].decode("utf-8", "replace")):
+                base = f"{module}." if module and not module.endswith(".") else module
+                parts = [one.split()[0] for one in names.strip(" (").split(",") if one.split()]
+                for dotted in (module, *(f"{base}{part}" for part in parts)):
+                    found = self.reader.workspace.module(dotted, near=file) if dotted.strip(".") else None
+                    data = self.reader.read(found) if found and found not in seen and self._follows(dotted) else None
+                    if found and data is not None:
+                        seen[found] = data
+                        pending.append(found)
+        return False
+
+    def _follows(self, dotted: str) -> bool:
+        return dotted.partition(".")[0] not in self._outside
 
     def starred(self, name: str, modules: list[str]) -> tuple[str, ...] | None:
         """Return the full name of what `from module import *` of one of the modules outside of the build gives.

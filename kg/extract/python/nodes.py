@@ -17,6 +17,7 @@ from kg.extract.marks import Extracted
 from kg.extract.python.language import Python
 from kg.extract.python.modules import Modules, mentions_ros
 from kg.facts import FileKind, Location, NodeKind, NodeType
+from kg.names import normalise
 from kg.symbolic.descriptions import shipped
 from kg.symbolic.effects import Framework
 from kg.symbolic.machine import Machine
@@ -74,7 +75,7 @@ class _Nodes:
         """Yield the nodes: programs, plugins, then classes."""
         for root in self._roots():
             unit = self._modules.unit(self._reader.file(root.path))
-            if unit is not None:
+            if unit is not None and self._modules.may_start(unit):
                 yield from self._program(unit, root)
         for plugin in self._build.plugins:
             cls = self._plugin_class(plugin)
@@ -194,6 +195,8 @@ class _Nodes:
         ros = self._version(framework, root)
         named = _name(framework)
         interfaces, parameters = facts_of(framework.declared, self._modules, ros, named or "node")
+        interfaces = tuple(replace(one, name=_clean(one.name)) for one in interfaces)
+        parameters = tuple(replace(one, name=_clean(one.name)) for one in parameters)
         stacks = [one.stack for one in framework.declared] + [stack for _, _, stack, _ in framework.marks]
         places = [stack[-1] for stack in (*stacks, *framework.node_sites)]
         lines = [stack[-1].line for stack in framework.node_sites if stack[-1].unit.path == root.path]
@@ -226,3 +229,8 @@ def _name(framework: Framework) -> str | None:
     own = (made.native.get("name") for made in framework.nodes)
     named = (value.known for value in (*own, *framework.node_names) if isinstance(value, Text))
     return next((name for name in named if name), None)
+
+
+def _clean(name: str | None) -> str | None:
+    """Return a name without doubled slashes and without one at its end, as rospy and rclpy resolve it."""
+    return normalise(name) if name is not None and name != "~" else name

@@ -43,6 +43,7 @@ __all__ = ["DECORATED", "Statements"]
 DECORATED: Final = "<decorated>"
 """The name of the function that applies a decorator to a function or class."""
 _DEEPEST: Final = 60
+_BROKEN: Final = frozenset({"ERROR", "assignment", "tuple", "parenthesized_expression"})
 _METHODS: Final = frozenset({"property", "cached_property", "classmethod", "staticmethod", "setter", "deleter"})
 
 
@@ -102,6 +103,8 @@ class Statements:
                 found += self._assignment(child)
             elif child.type == "augmented_assignment":
                 found.append(self._augmented(child))
+            elif child.type == "ERROR":
+                found += self._broken(child)
             elif child.type not in ("comment", "string", "concatenated_string", "ellipsis"):
                 found.append(Step(line_of(child), self._expressions.expression(child)))
         return found
@@ -137,6 +140,16 @@ class Statements:
             for child in node.named_children
             if child.type not in ("comment", "chevron")
         ]
+
+    def _broken(self, node: Node) -> list[Statement]:
+        """Return the statements and calls in code that does not parse."""
+        found: list[Statement] = []
+        for child in node.named_children:
+            if child.type == "call":
+                found.append(Step(line_of(child), self._expressions.expression(child)))
+            else:
+                found += self._broken(child) if child.type in _BROKEN else self._statement(child)
+        return found
 
     def _return(self, node: Node) -> list[Statement]:
         inner = next((child for child in node.named_children if child.type != "comment"), None)
@@ -310,6 +323,7 @@ class Statements:
     _lowered: ClassVar[dict[str, Callable[[Statements, Node], Iterable[Statement]]]] = {
         "expression_statement": _step,
         **dict.fromkeys(("print_statement", "assert_statement", "exec_statement"), _values),
+        "ERROR": _broken,
         "return_statement": _return,
         "raise_statement": _raise,
         "break_statement": _break,

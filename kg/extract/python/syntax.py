@@ -1,7 +1,6 @@
-"""Where Python code meets tree-sitter: one parser, one query for everything the reader indexes, texts of nodes.
+"""Where Python code meets tree-sitter: the parser, queries, and texts of nodes.
 
 The grammar of tree-sitter covers Python 2 as well (`print x`, `exec code`, backticks, `except X, error`).
-Nodes are found by the query, in C; nothing walks a whole tree in Python, so depth costs nothing.
 """
 
 from __future__ import annotations
@@ -30,27 +29,9 @@ __all__ = [
 _PATTERNS: Final = """
 (call) @call
 (function_definition) @function
-(class_definition) @class
 (assignment) @assign
-(augmented_assignment) @augment
-(named_expression) @walrus
-(for_statement) @for
-(for_in_clause) @clause
-(list_comprehension) @comprehension
-(generator_expression) @comprehension
-(dictionary_comprehension) @comprehension
-(set_comprehension) @comprehension
-(with_item) @with
-(return_statement) @return
-(yield) @return
 (import_statement) @import
 (import_from_statement) @import
-(global_statement) @global
-(decorated_definition) @decorated
-(if_statement) @if
-(if_statement consequence: (block) @arm)
-(if_statement alternative: (_) @arm)
-(except_clause) @except
 """
 
 
@@ -70,7 +51,7 @@ def parse(source: bytes) -> Tree:
 
 
 def captures(root: Node) -> dict[str, list[Node]]:
-    """Return the nodes that the index of a file is made of, by kind, in their order; outer ones come first."""
+    """Return the calls, functions, assignments and imports of a file by kind, outer ones first."""
     found = QueryCursor(_query(_PATTERNS)).captures(root)
     for nodes in found.values():  # they come in the order of their addresses
         nodes.sort(key=lambda node: (node.start_byte, -node.end_byte))

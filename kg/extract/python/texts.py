@@ -19,9 +19,9 @@ from kg.symbolic.values import (
     Truth,
     Unknown,
     Value,
-    combinations,
     concatenate,
     join,
+    over,
 )
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ _FEWEST_TO_REPLACE: Final = 2
 def stringified(value: Value) -> Value:
     """Return what `str(value)` gives."""
     if isinstance(value, Either):
-        return join(*(stringified(item) for item in value.items))
+        return over((value,), stringified)
     if isinstance(value, Number):
         whole = value.value == int(value.value) and not any(mark in value.written for mark in ".eE")
         return Text.of(str(int(value.value)) if whole else str(value.value))
@@ -53,9 +53,8 @@ def percent(template: Value, value: Value) -> Value:
     """Return `template % value`."""
     items = value.items if isinstance(value, Sequence) else (value,)
     if any(isinstance(one, Either) for one in (template, *items)):
-        rows = combinations((template, *items))
         whole = isinstance(value, Sequence)
-        return join(*(percent(row[0], Sequence(row[1:]) if whole else row[1]) for row in rows))
+        return over((template, *items), lambda one, *row: percent(one, Sequence(row) if whole else row[0]))
     if not isinstance(template, Text) or template.known is None:
         return concatenate(template, _HOLE)
     pieces: list[Value] = []
@@ -102,9 +101,11 @@ def braces(template: Value, positional: list[Value], named: Names[str, Value]) -
     """Return `template.format(*positional, **named)`."""
     everything = (template, *positional, *named.values())
     if any(isinstance(one, Either) for one in everything):
-        count = len(positional) + 1
-        rows = combinations(everything)
-        return join(*(braces(row[0], list(row[1:count]), dict(zip(named, row[count:], strict=True))) for row in rows))
+        count = len(positional)
+        return over(
+            everything,
+            lambda one, *row: braces(one, list(row[:count]), dict(zip(named, row[count:], strict=True))),
+        )
     if not isinstance(template, Text) or template.known is None:
         return concatenate(template, _HOLE)
     try:

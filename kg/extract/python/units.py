@@ -25,9 +25,9 @@ class PythonUnit(Unit):
     def __init__(self, key: FilePath, source: bytes) -> None:
         self.key = key
         self.source = source
-        self._root: Node = parse(source).root_node
+        self.root: Node = parse(source).root_node
         self._statements = Statements(self, Expressions(self))
-        self.error = first_error(self._root)
+        self.error = first_error(self.root)
 
     @property
     def is_package(self) -> bool:
@@ -42,7 +42,7 @@ class PythonUnit(Unit):
     @cached_property
     def body(self) -> Block:
         """The statements of the module."""
-        return self._statements.module(self._root)
+        return self._statements.module(self.root)
 
     @property
     def too_deep(self) -> int | None:

@@ -1,4 +1,4 @@
-"""Python sources given as text: evaluated, indexed, or read as the nodes of a package."""
+"""Python sources given as text: run, or read as the nodes of a package."""
 
 from __future__ import annotations
 
@@ -12,41 +12,44 @@ from kg.corpus.reading import Reader
 from kg.corpus.workspace import Workspace
 from kg.extract import manifests
 from kg.extract.python import read_nodes
-from kg.extract.python.evaluate import Evaluator
-from kg.extract.python.index import index_file
-from kg.extract.python.program import Program
+from kg.extract.python.language import Python
+from kg.extract.python.modules import Modules
+from kg.extract.python.units import PythonUnit
 from kg.facts import Repository
+from kg.symbolic.descriptions import shipped
+from kg.symbolic.effects import Framework
+from kg.symbolic.machine import Machine
+from kg.symbolic.state import Site
+from kg.symbolic.values import Number, Text, Truth, Unknown, Value, alternatives
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kg.extract.marks import Extracted
-    from kg.extract.python.entities import Thing
-    from kg.extract.python.unit import Unit
 
-__all__ = ["nodes_of", "program", "unit_of", "values_of"]
+__all__ = ["nodes_of", "plain", "values_of"]
 
 _NOWHERE = Path("/nowhere")
 
 
-def program() -> Program:
-    """Return a program without any file."""
+def values_of(text: str, name: str = "x") -> list[Value]:
+    """Return what a variable of a module can be after the text has run."""
     package = PackageFolder("demo", ".", None, ())
     source = Source(Repository("local/demo", str(_NOWHERE)), _NOWHERE, (package,), (), ())
-    return Program(Reader(Workspace([source]), source, package))
+    language = Python(Modules(Reader(Workspace([source]), source, package), package))
+    framework = Framework(shipped("python"))
+    language.machine = framework.machine = Machine(language, framework)
+    unit = PythonUnit(FilePath("local/demo", "demo.py"), text.encode())
+    language.machine.stack.append(Site(unit, 1))
+    module = language.module(unit)
+    return list(alternatives(module.fields.get(name, Unknown("it has no value"))))
 
 
-def unit_of(text: str) -> Unit:
-    """Return the index of a file with this text."""
-    return index_file(FilePath("local/demo", "demo.py"), text.encode())
-
-
-def values_of(text: str, name: str = "x") -> list[Thing]:
-    """Return what a variable of a module can be after the text has run."""
-    found = program()
-    unit = unit_of(text)
-    evaluator = Evaluator(found)
-    return [value for value, _ in evaluator.name(name, len(text.encode()) + 1, found.module_frame(unit), {})]
+def plain(value: Value) -> str | float | bool | None:
+    """Return the plain value of a known text, number or truth value; None for others."""
+    if isinstance(value, Text):
+        return value.known
+    return value.value if isinstance(value, Number | Truth) else None
 
 
 def nodes_of(root: Path, files: Mapping[str, str | bytes]) -> list[Extracted]:

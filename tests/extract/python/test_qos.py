@@ -3,8 +3,8 @@ from __future__ import annotations
 import pytest
 from extract.python.programs import values_of
 
-from kg.extract.python.qos import quality
 from kg.facts import Qos
+from kg.symbolic.qos import profile_of as quality
 
 HEAD = (
     "import rclpy.qos\nfrom rclpy.qos import *\nfrom rclpy.qos import QoSProfile, DurabilityPolicy\n"
