@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from kg.corpus.workspace import Workspace
     from kg.extract.marks import Extracted
     from kg.facts import InterfaceDefinition, NodeType
-    from kg.symbolic.descriptions import Descriptions
 
 __all__ = ["ExtractSettings", "extract_package"]
 
@@ -55,7 +54,7 @@ def extract_package(
     described = _guard(reader, manifests.read_manifest, _undescribed(package), reader, package)
     build = _guard(reader, manifests.read_build, BuildModel(), reader, package)
     no_definitions: tuple[InterfaceDefinition, ...] = ()
-    nodes = _nodes(reader, package, build, merged(limits.calls))
+    nodes = _nodes(reader, package, build, limits.calls)
     return PackageFacts(
         repository=source.repository.name,
         package=described,
@@ -85,11 +84,11 @@ def _programs(package: PackageFolder, build: BuildModel) -> tuple[str, ...]:
     return tuple(sorted({*built, *alone, *installed, *build.programs, *files}))
 
 
-def _nodes(reader: Reader, package: PackageFolder, build: BuildModel, calls: Descriptions) -> tuple[NodeType, ...]:
+def _nodes(reader: Reader, package: PackageFolder, build: BuildModel, calls: tuple[str, ...]) -> tuple[NodeType, ...]:
     nothing: list[Extracted] = []
     read = [
-        *_guard(reader, cpp.read_nodes, nothing, reader, package, build, calls),
-        *_guard(reader, python.read_nodes, nothing, reader, package, build),
+        *_guard(reader, cpp.read_nodes, nothing, reader, package, build, merged(calls)),
+        *_guard(reader, python.read_nodes, nothing, reader, package, build, merged(calls, "python")),
     ]
     whole = merge(read)
     complete = _guard(reader, parameters.attach, whole, reader, package, build, whole)

@@ -76,6 +76,7 @@ class _Row(NamedTuple):
 class _File(NamedTuple):
     path: str
     text: str
+    language: str = "cpp"
 
     def place(self, offset: int) -> Place:
         line = self.text.count("\n", 0, offset) + 1
@@ -96,7 +97,10 @@ def check(files: Mapping[str, str]) -> list[SourceError]:
     for row in rows:
         errors += _row_errors(row, classes)
     order = {path: index for index, path in enumerate(files)}
-    return sorted(errors or _unreachable(rows), key=lambda error: _position(error, order))
+    if not errors:
+        for language in LANGUAGES:
+            errors += _unreachable([row for row in rows if row.file.language == language])
+    return sorted(errors, key=lambda error: _position(error, order))
 
 
 def _position(error: SourceError, order: Mapping[str, int]) -> tuple[int, int, int]:
@@ -112,6 +116,7 @@ def _read(file: _File, errors: list[SourceError]) -> list[_Row]:
         message, line, column = toml_place(str(problem))
         errors.append(_error(Place(file.path, line, column), f"this is not TOML: {message}", "Correct the syntax."))
         return []
+    file = file._replace(language=str(content.get("language", file.language)))
     rows = []
     headers = list(_HEADER.finditer(file.text))
     for key, value in content.items():
@@ -274,7 +279,7 @@ def _class_errors(row: _Row, classes: Mapping[str, str | None]) -> Iterator[Sour
 
 
 def _unreachable(rows: Iterable[_Row]) -> Iterator[SourceError]:
-    """Yield the rows of which an earlier one matches all calls, or all classes."""
+    """Yield the rows of one language of which an earlier one matches all calls, or all classes."""
     listed = list(rows)
     likes = _classes(listed)
     calls: dict[tuple[str, str, str], dict[int, _Row]] = {}

@@ -112,6 +112,7 @@ CALL: Final[Mapping[str, Form]] = {
     "copies": Form("the arguments that the call copies from and to: [0, 1]", _are_indexes),
     "options": _FLAG,
     "loads": _FLAG,
+    "creates": _INDEX,
 }
 """The columns of `[[call]]`."""
 CLASS: Final[Mapping[str, Form]] = {
@@ -152,6 +153,7 @@ PARAMETER: Final[Mapping[str, Form]] = {
     "output": _INDEX,
     "prefix": _INDEX,
     "listed": _FLAG,
+    "descriptor": _INDEX,
     "weak": _FLAG,
 }
 """The keys of a parameter."""

@@ -15,7 +15,6 @@ from kg.symbolic.names import (
     camera_info,
     handle_namespace,
     namespace_of,
-    placed,
     with_node_name,
 )
 from kg.symbolic.parameters import Parameters, listed, type_of_value
@@ -412,7 +411,7 @@ class Framework:
         if isinstance(name, Closure | Bound | Sequence | Mapping):
             return None
         kind = message_type(self.machine.language, effect, call)
-        whole = placed(with_node_name(below(namespace_of(owner), name), owner))
+        whole = with_node_name(below(namespace_of(owner), name), owner)
         profile = self._profile(effect, call)
         written = _written(effect, call, stack[-1].given if stack else ())
         self._add(Declared(effect, _shown(whole), kind, owner, stack, profile, written=written))

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Final
 
-from kg.facts import Resolution
 from kg.symbolic.values import (
     Either,
     Hole,
@@ -31,7 +30,6 @@ __all__ = [
     "handle_namespace",
     "namespace_of",
     "own_namespace",
-    "placed",
     "with_node_name",
 ]
 
@@ -115,22 +113,6 @@ def with_node_name(name: Value, owner: Object | None) -> Value:
         return name
     joined = concatenate(*(known if part == NODE_NAME else Text((part,)) for part in name.parts))
     return replace(joined, resolution=name.resolution) if isinstance(joined, Text) else joined
-
-
-def placed(name: Value) -> Value:
-    """Return a name in which the node's namespace is a hole, where it does not stand at the beginning."""
-    if isinstance(name, Either):
-        return join(*(placed(item) for item in name.items))
-    if not isinstance(name, Text) or not any(isinstance(part, str) and OWN_NAMESPACE in part for part in name.parts):
-        return name
-    parts: list[str | Hole] = []
-    for part in name.parts:
-        pieces: list[str | Hole] = [*part.split(OWN_NAMESPACE)] if isinstance(part, str) else [part]
-        for index, piece in enumerate(pieces):
-            parts += [Hole()] if index else []
-            parts += [piece] if piece else []
-    reason = name.reason or "the namespace of the node is part of it"
-    return replace(name, parts=tuple(parts), resolution=worse(name.resolution, Resolution.PARTIAL), reason=reason)
 
 
 def camera_info(image: Value) -> Value:

@@ -9,12 +9,13 @@ if TYPE_CHECKING:
     from kg.corpus.workspace import PackageFolder
     from kg.extract.buildmodel import BuildModel
     from kg.extract.marks import Extracted
+    from kg.symbolic.descriptions import Descriptions
 
 __all__ = ["read_nodes"]
 
 
-def read_nodes(reader: Reader, package: PackageFolder, build: BuildModel) -> list[Extracted]:
+def read_nodes(reader: Reader, package: PackageFolder, build: BuildModel, calls: Descriptions) -> list[Extracted]:
     """Return the Python nodes of a package, with the frameworks that each uses."""
     from kg.extract.python.nodes import read_nodes as read  # noqa: PLC0415 - tree-sitter loads only when code is read
 
-    return read(reader, package, build)
+    return read(reader, package, build, calls)

@@ -194,7 +194,7 @@ class Calls:
         line = given.call.line if given.call is not None else cls.line if cls is not None else 0
         made = Object(kind, line=line, path=cls.unit.path if cls is not None else "")
         if len(machine.stack) > _DEEPEST:
-            machine.bounds.add("depth")
+            machine.reached("depth")
             return made
         chain, outside = language.chain(kind)
         owner = next((one for one, _ in chain if "__init__" in one.methods), None)
@@ -212,7 +212,7 @@ class Calls:
     def _initialise(self, called: Closure, given: Arguments) -> None:
         machine, function = self._language.machine, called.function
         if machine.running[id(function)] >= _MOST_REPEATS:
-            machine.bounds.add("depth")
+            machine.reached("depth")
             return
         frame, arguments = self._frame(called), [*called.bound, *given.values]
         _bind(function, frame, arguments, given.named)

@@ -12,16 +12,15 @@ from dataclasses import dataclass, replace
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.declared import facts_of, mark_of
+from kg.extract.declared import bounds_of, facts_of, mark_of
 from kg.extract.marks import Extracted
 from kg.extract.python.language import Python
 from kg.extract.python.modules import Modules, mentions_ros
-from kg.facts import FileKind, Location, NodeKind, NodeType
+from kg.facts import FileKind, Location, NodeKind, NodeType, Resolution
 from kg.names import normalise
-from kg.symbolic.descriptions import shipped
 from kg.symbolic.effects import Framework
 from kg.symbolic.machine import Machine
-from kg.symbolic.names import EMPTY
+from kg.symbolic.names import EMPTY, OWN_NAMESPACE
 from kg.symbolic.state import Arguments, Site
 from kg.symbolic.values import Kind, Object, Text, TypeValue
 
@@ -32,6 +31,8 @@ if TYPE_CHECKING:
     from kg.corpus.reading import Reader
     from kg.extract.buildmodel import BuildModel, PluginClass
     from kg.extract.python.units import PythonUnit
+    from kg.facts import Interface
+    from kg.symbolic.descriptions import Descriptions
     from kg.symbolic.form import Class
 
 __all__ = ["read_nodes"]
@@ -51,12 +52,12 @@ class _Root:
     plugin: str | None = None
 
 
-def read_nodes(reader: Reader, package: PackageFolder, build: BuildModel) -> list[Extracted]:
+def read_nodes(reader: Reader, package: PackageFolder, build: BuildModel, calls: Descriptions) -> list[Extracted]:
     """Return the nodes in the Python of a package; no content of the sources raises an error."""
     limit = sys.getrecursionlimit()
     sys.setrecursionlimit(max(limit, _RECURSION))
     try:
-        return list(_Nodes(reader, package, build).read())
+        return list(_Nodes(reader, package, build, calls).read())
     finally:
         sys.setrecursionlimit(limit)
 
@@ -64,7 +65,8 @@ def read_nodes(reader: Reader, package: PackageFolder, build: BuildModel) -> lis
 class _Nodes:
     """The reading of one package."""
 
-    def __init__(self, reader: Reader, package: PackageFolder, build: BuildModel) -> None:
+    def __init__(self, reader: Reader, package: PackageFolder, build: BuildModel, calls: Descriptions) -> None:
+        self._calls = calls
         self._reader = reader
         self._package = package
         self._build = build
@@ -107,7 +109,7 @@ class _Nodes:
                 yield entry.path
 
     def _language(self, main: PythonUnit | None = None) -> tuple[Python, Framework]:
-        language, framework = Python(self._modules, main), Framework(shipped("python"))
+        language, framework = Python(self._modules, main), Framework(self._calls)
         language.machine = framework.machine = Machine(language, framework)
         return language, framework
 
@@ -195,7 +197,7 @@ class _Nodes:
         ros = self._version(framework, root)
         named = _name(framework)
         interfaces, parameters = facts_of(framework.declared, self._modules, ros, named or "node")
-        interfaces = tuple(replace(one, name=_clean(one.name)) for one in interfaces)
+        interfaces = tuple(map(_placed, interfaces))
         parameters = tuple(replace(one, name=_clean(one.name)) for one in parameters)
         stacks = [one.stack for one in framework.declared] + [stack for _, _, stack, _ in framework.marks]
         places = [stack[-1] for stack in (*stacks, *framework.node_sites)]
@@ -212,6 +214,7 @@ class _Nodes:
             sources=tuple(sorted({place.unit.path for place in places} | {root.path})),
             interfaces=interfaces,
             parameters=parameters,
+            bounds=bounds_of(framework.machine.bounds, self._modules),
         )
         return Extracted(node, tuple(dict.fromkeys(mark_of(one, self._modules) for one in framework.marks)))
 
@@ -234,3 +237,13 @@ def _name(framework: Framework) -> str | None:
 def _clean(name: str | None) -> str | None:
     """Return a name without doubled slashes and without one at its end, as rospy and rclpy resolve it."""
     return normalise(name) if name is not None and name != "~" else name
+
+
+def _placed(one: Interface) -> Interface:
+    """Return an interface with a clean name, in which the node's namespace is a hole if it is not in front."""
+    name = _clean(one.name)
+    if name is None or OWN_NAMESPACE not in name:
+        return replace(one, name=name)
+    reason = one.reason or "the namespace of the node is part of it"
+    hidden = name.replace(OWN_NAMESPACE, "{}")
+    return replace(one, name=hidden, resolution=Resolution.PARTIAL, resolved=None, reason=reason)

@@ -62,4 +62,4 @@ def nodes_of(root: Path, files: Mapping[str, str | bytes]) -> list[Extracted]:
     for file in root.rglob("*.py"):
         file.chmod(0o755)
     reader = reader_of(root, {})
-    return read_nodes(reader, reader.package, manifests.read_build(reader, reader.package))
+    return read_nodes(reader, reader.package, manifests.read_build(reader, reader.package), shipped("python"))
