@@ -51,4 +51,4 @@ class PythonUnit(Unit):
 
     def lower_body(self, function: Function) -> Block:
         """Return the statements of a function of this file."""
-        return self._statements.body(function, function.source)  # type: ignore[arg-type]
+        return self._statements.body(function, function.source)  # type: ignore[arg-type]  # a node of this file
