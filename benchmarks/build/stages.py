@@ -9,7 +9,6 @@ the clock itself costs time. `parsing` is the time to parse each file once, afte
 
 from __future__ import annotations
 
-import ast
 import gc
 import json
 import resource
@@ -30,6 +29,7 @@ from kg.extract.cpp import syntax
 from kg.extract.cpp.linking import Linker
 from kg.extract.cpp.nodes import _Nodes
 from kg.extract.cpp.units import CppUnit
+from kg.extract.python import syntax as python_syntax
 from kg.facts import FileKind
 from kg.pipeline.recording import RecordingWorkspace
 
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
     from kg.corpus.files import Source
 
-STAGES = {
+STAGES: dict[str, list[tuple[Any, str]]] = {
     "reading files": [(Reader, "read")],
     "parsing C++": [(syntax, "parse")],
     "lowering C++": [(CppUnit, "__init__"), (CppUnit, "lower_body"), (CppUnit, "expand")],
@@ -49,7 +49,7 @@ STAGES = {
     ],
     "running C++": [(_Nodes, "_started"), (_Nodes, "_executable")],
     "entries of C++": [(cpp, "read_nodes")],
-    "parsing Python": [(ast, "parse")],
+    "parsing Python": [(python_syntax, "parse")],
     "Python": [(python, "read_nodes")],
     "launch files": [(launch, "read_launches")],
     "parameters": [(parameters, "attach"), (implicit, "add")],
@@ -110,10 +110,10 @@ def main() -> None:
         package.extract_package(workspace, source, one)
     clock.enter("rest")
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
-    print(json.dumps({"seconds": clock.seconds, "megabytes": peak, "parsing": _parsing(sources)}))
+    print(json.dumps({"seconds": clock.seconds, "megabytes": peak, "parsing": _parsing(list(sources))}))
 
 
-def _no_texts(*_: object) -> tuple[()]:
+def _no_texts(*_: object, **__: object) -> tuple[()]:
     return ()
 
 
