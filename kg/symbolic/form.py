@@ -35,6 +35,7 @@ __all__ = [
     "Function",
     "Import",
     "Index",
+    "Initialiser",
     "Jump",
     "Lambda",
     "Literal",
@@ -331,6 +332,16 @@ class Parameter:
     """Whether it is given by its name only; with `variadic`, it takes all arguments by name that are left."""
 
 
+@dataclass(frozen=True, slots=True)
+class Initialiser:
+    """What a constructor initialises, a member or a base; `listed` if braces hold the arguments."""
+
+    name: str
+    arguments: tuple[Expression, ...] = ()
+    line: int = 0
+    listed: bool = False
+
+
 @dataclass(slots=True, eq=False)
 class Function:
     """A function with its body. `scope` holds the namespaces and classes around its name, from the outside in.
@@ -352,7 +363,7 @@ class Function:
     """What decorators make of a method: `property`, `classmethod`."""
     source: object = None
     body_made: Block | None = None
-    initialisers: tuple[tuple[str, tuple[Expression, ...], int], ...] = ()
+    initialisers: tuple[Initialiser, ...] = ()
 
     @property
     def body(self) -> Block:

@@ -64,7 +64,7 @@ DEEPEST: Final = 70
 MOST_TURNS: Final = 64
 MOST_REPEATS: Final = 2
 MOST_FRUITLESS: Final = 6
-"""How often a function runs that declares nothing and returns only numbers, truth values or unknown values."""
+"""How often a function runs that never declares anything and returns only numbers, truth values or unknown values."""
 MOST_BARREN: Final = 3_000
 """How many steps a function takes in all its runs that declare nothing; after that it does not run again."""
 _COUNTS: Final = Unknown("it counts the turns of a loop")
@@ -85,6 +85,8 @@ class Machine:
         """The limits that were reached, each with the call that was running then."""
         self.fruitless: Counter[int] = Counter()
         self.barren: Counter[int] = Counter()
+        self.fruitful: set[int] = set()
+        """The functions that declared something in a run, by identity. With other arguments they may do so again."""
         self.executed: set[int] = set()
         """The functions that have run, by identity."""
         self.steps = 0
@@ -555,9 +557,11 @@ class Machine:
                     if isinstance(value, Text | Number | Truth | Sequence | Mapping | Either):
                         self.put(expression, value, caller)
         result = join(*frame.returned) if frame.returned else Unknown("it returns nothing")
-        if self.framework.progress() == before:
+        if self.framework.progress() != before:
+            self.fruitful.add(id(function))
+        else:
             self.barren[id(function)] += self.steps - steps
-            if isinstance(result, Unknown | Number | Truth):
+            if isinstance(result, Unknown | Number | Truth) and id(function) not in self.fruitful:
                 self.fruitless[id(function)] += 1
         return result
 

@@ -24,8 +24,8 @@ __all__ = ["Constructions"]
 _DEEPEST: Final = 60
 _MOST_REPEATS: Final = 2
 _PAIR: Final = 2
-_Initialisers: TypeAlias = "dict[str, tuple[tuple[Expression, ...], int]]"
-"""What a constructor initialises, by name: the arguments and the line."""
+_Initialisers: TypeAlias = "dict[str, form.Initialiser]"
+"""What a constructor initialises, by name."""
 
 
 class Constructions:
@@ -124,9 +124,9 @@ class Constructions:
             machine.reached("depth")
             return
         machine.bind(chosen, frame, arguments)
-        given = {name: (values, line) for name, values, line in chosen.initialisers}
+        given = {one.name: one for one in chosen.initialisers}
         if cls.name in given:
-            self.initialise(made, kind, machine.arguments(given[cls.name][0], frame), without=chosen)
+            self.initialise(made, kind, machine.arguments(given[cls.name].arguments, frame), without=chosen)
         else:
             self._bases(made, cls, own, frame, given)
             self._members(made, cls, own, frame, given)
@@ -173,20 +173,18 @@ class Constructions:
             found = self._kinds.kind(base, own)
             if not isinstance(found, Kind) or found.cls is cls:
                 continue
-            expressions, line = given.get(base.name, given.get(found.name, ((), 0)))
-            if not line:
-                expressions, line = self._by_alias(found, cls, own, given)
-            with self._at(frame, line) if line else self._at(own, cls.line):
-                self.initialise(made, found, self._language.machine.arguments(expressions, frame))
+            entry = given.get(base.name) or given.get(found.name) or self._by_alias(found, cls, own, given)
+            with self._at(frame, entry.line) if entry.line else self._at(own, cls.line):
+                self.initialise(made, found, self._language.machine.arguments(entry.arguments, frame))
 
-    def _by_alias(self, base: Kind, cls: Class, own: Frame, given: _Initialisers) -> tuple[tuple[Expression, ...], int]:
-        """Return the arguments of a base that an initialiser calls by another name."""
+    def _by_alias(self, base: Kind, cls: Class, own: Frame, given: _Initialisers) -> form.Initialiser:
+        """Return the initialiser of a base that it calls by another name, an empty one if there is none."""
         for name, entry in given.items():
             if name not in cls.fields:
                 meant = self._kinds.kind(form.Type((name,)), own)
                 if isinstance(meant, Kind) and meant.names == base.names:
                     return entry
-        return (), 0
+        return form.Initialiser("")
 
     def _members(self, made: Object, cls: Class, own: Frame, frame: Frame, given: _Initialisers) -> None:
         machine = self._language.machine
@@ -195,9 +193,9 @@ class Constructions:
             if field.static:
                 continue
             if field.name in given:
-                expressions, line = given[field.name]
-                with self._at(frame, line, expressions):
-                    value = self._initialised(kind, machine.arguments(expressions, frame), own, line)
+                entry = given[field.name]
+                with self._at(frame, entry.line, entry.arguments):
+                    value = self._initialised(kind, machine.arguments(entry.arguments, frame), own, entry)
             elif field.value is not None:
                 with self._at(own, field.line):
                     value = self._valued(field, field.value, own)
@@ -208,14 +206,14 @@ class Constructions:
                 continue
             machine.write(made.fields, field.name, value)
 
-    def _initialised(self, kind: Type | None, arguments: list[Value], own: Frame, line: int) -> Value:
+    def _initialised(self, kind: Type | None, arguments: list[Value], own: Frame, entry: form.Initialiser) -> Value:
         """Return the value of a member that a constructor initialises."""
         if kind is None or kind.pointer or kind.reference:
             return arguments[0] if arguments else Unknown("it is null")
         found = self._kinds.kind(kind, own)
         if not isinstance(found, Kind):
             return arguments[0] if len(arguments) == 1 else Unknown("its type is not known")
-        return self.construct(found, arguments, own, line)
+        return self.construct(found, arguments, own, entry.line, listed=entry.listed)
 
     def _valued(self, field: Field, written: Expression, own: Frame) -> Value:
         """Return the value of a member that its declaration initialises."""

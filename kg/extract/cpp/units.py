@@ -12,13 +12,13 @@ from kg.extract.cpp import syntax
 from kg.extract.cpp.expressions import PREPROCESSED, Expressions, line_of
 from kg.extract.cpp.includes import included
 from kg.extract.cpp.statements import Statements
-from kg.symbolic.form import Block, Class, Field, Function, Parameter, Type, Unit
+from kg.symbolic.form import Block, Class, Field, Function, Initialiser, Parameter, Type, Unit
 
 if TYPE_CHECKING:
     from tree_sitter import Node
 
     from kg.corpus.files import FilePath
-    from kg.symbolic.form import Declare, Expression
+    from kg.symbolic.form import Declare
 
 __all__ = ["CppUnit", "Macro"]
 
@@ -328,7 +328,7 @@ class CppUnit(Unit):
             initialisers=self._initialisers(node),
         )
 
-    def _initialisers(self, node: Node) -> tuple[tuple[str, tuple[Expression, ...], int], ...]:
+    def _initialisers(self, node: Node) -> tuple[Initialiser, ...]:
         clause = next(iter(syntax.of_type(node, "field_initializer_list")), None)
         found = []
         for entry in syntax.of_type(clause, "field_initializer"):
@@ -336,7 +336,9 @@ class CppUnit(Unit):
                 continue
             name = entry.named_children[0]
             given = next(iter(syntax.of_type(entry, "argument_list", "initializer_list")), None)
-            found.append((syntax.simple_name(name), self._expressions.arguments(given), line_of(entry)))
+            listed = given is not None and given.type == "initializer_list"
+            arguments = self._expressions.arguments(given)
+            found.append(Initialiser(syntax.simple_name(name), arguments, line_of(entry), listed))
         return tuple(found)
 
     def expand(self, macro: Macro) -> Function:

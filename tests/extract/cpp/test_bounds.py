@@ -28,3 +28,18 @@ def test_a_loop_that_creates_interfaces_and_goes_on_is_cut_short() -> None:
 def test_a_loop_that_ends_or_creates_nothing_is_no_bound(turns: int, call: str) -> None:
     """The limit of turns counts only where interfaces may be missing."""
     assert node_of(LOOP % (turns, call)).bounds == ()
+
+
+def test_a_function_that_declares_once_runs_again() -> None:
+    """A helper that finds its first parameter declared many times still declares another one."""
+    source = """#include <rclcpp/rclcpp.hpp>
+void ensure(rclcpp::Node & node, std::string name) { if (!node.has_parameter(name)) node.declare_parameter(name, 1); }
+int main(int argc, char** argv)
+{
+  rclcpp::Node node("demo");
+  %s
+  ensure(node, "last");
+}
+"""
+    found = node_of(source % ('ensure(node, "first");\n' * 20)).parameters
+    assert [one.name for one in found if "use_sim_time" not in str(one.name)] == ["first", "last"]

@@ -182,3 +182,12 @@ def test_objects_are_no_texts() -> None:
     (found,) = interfaces_of(source)
     assert (found.name, found.resolution) == (None, Resolution.UNRESOLVED)
     assert found.reason
+
+
+@pytest.mark.parametrize("known", [("a",), ("a", "b")])
+def test_braces_of_a_constructor_hold_the_elements_of_a_list(known: tuple[str, ...]) -> None:
+    """A member that is initialised with one text in braces is a list of one element."""
+    written = ", ".join(f'"{one}"' for one in known)
+    outer = f"struct Names {{ Names() : all{{{written}}} {{}} std::vector<std::string> all; }};"
+    local = "Names names; for (size_t i = 0; i != names.all.size(); i++)"
+    assert texts_of("names.all[i]", local, outer) == set(known)
