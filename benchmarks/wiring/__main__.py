@@ -2,11 +2,12 @@
 
     python benchmarks/wiring --mirrors MIRRORS --truth FILE... [--workspaces FOLDER] [--misses]
 
-A truth file (schema `rnkg-wiring/1`) names a repository with its commit, the launch files with their arguments, the nodes
-that start and the channels between them. The repository becomes a workspace, `kg build` reads it, `kg instances --launch`
-says what each launch file starts. A *connection* is (source, sink, kind, name, type); the kind is topic, service or
-action, the source publishes, calls or sends goals. Rows: connections without and with those whose ends a framework makes,
-pairs of nodes that a connection joins, and open ends (node, role, name, type) of the names that the truth lists.
+A truth file (schema `rnkg-wiring/1`) names a repository with its commit, the launch files with their arguments, the
+nodes that start and the channels between them. The repository becomes a workspace, `kg build` reads it, and
+`kg instances --launch` says what each launch file starts. A *connection* is (source, sink, kind, name, type): the kind
+is topic, service or action, and the source publishes, calls or sends goals. Rows: connections without and with those
+whose ends a framework makes, pairs of nodes that a connection joins, and ends (node, side, channel) of the channels
+that the truth lists.
 """
 
 from __future__ import annotations
@@ -78,7 +79,7 @@ def _resolved(system: str, truth: dict[str, Any], mirrors: Path, folder: Path) -
         make(Plan([(truth["repo"], truth["repo"].split("/")[1], truth["commit"])], []), mirrors, workspace)
         build(workspace, store)
     wanted = {node["name"] for node in truth["nodes"]}
-    ends = []
+    ends: list[End] = []
     for file in truth["launch"]:
         text = next(workspace.glob(f"**/{file}")).read_text(encoding="utf-8")
         declared = set(re.findall(r"DeclareLaunchArgument\(\s*[\"'](\w+)", text))
