@@ -64,10 +64,11 @@ DEEPEST: Final = 70
 MOST_TURNS: Final = 64
 MOST_REPEATS: Final = 2
 MOST_FRUITLESS: Final = 6
-"""How often a function runs that never declares anything and returns only numbers, truth values or unknown values."""
+"""How often a function runs that never declares anything, and returns and writes numbers, truth and unknown values."""
 MOST_BARREN: Final = 3_000
 """How many steps a function takes in all its runs that declare nothing; after that it does not run again."""
-_FIRST: Final = form.Literal(0, 0.0, "0")
+_PLAIN: Final = (Unknown, Number, Truth)
+"""Values that are seldom part of a name."""
 _COUNTS: Final = Unknown("it counts the turns of a loop")
 
 
@@ -95,6 +96,12 @@ class Machine:
         """Whether the condition of a loop is evaluated: it counts the default of a list, other tests leave it open."""
         self.globals: dict[object, Variables] = {}
         self._journal = Journal(self._joined)
+        self._local: Variables = {}
+        """The variables of the function that runs."""
+        self._outer_writes = 0
+        """How many writes to other variables and to fields have a value that can be part of a name."""
+        self._left: list[tuple[str, Written]] = []
+        """The writes of sides of branches that left the loop turn or the function that runs, and how they left it."""
         self._values: dict[type, Callable[[Any, Frame], Value]] = {
             form.Literal: self._literal,
             form.Name: self._name,
@@ -116,12 +123,9 @@ class Machine:
 
     def write(self, holder: Holder, name: str, value: Slot) -> None:
         """Set a variable or a field."""
+        if holder is not self._local and not isinstance(value, _PLAIN) and holder.get(name) is not value:
+            self._outer_writes += 1
         self._journal.write(holder, name, value)
-
-    def created(self, made: Object) -> Object:
-        """Return a new object, after recording that only the side of a branch that runs has it."""
-        self._journal.created(made.fields, made.native)
-        return made
 
     def _joined(self, values: list[Value], choice: object) -> Value:
         joined = options(values, choice)
@@ -182,10 +186,7 @@ class Machine:
             return self._try(statement, frame)
         elif isinstance(statement, form.Return):
             if statement.value is not None:
-                value = self.value(statement.value, frame)
-                local = isinstance(statement.value, form.Name) and statement.value.names[0] in frame.variables
-                written = None if local else statement.value
-                frame.returned.append(self.language.converted(value, frame.returns, written, frame))
+                frame.returned.append(self.value(statement.value, frame))
             return "return"
         else:
             return statement.kind
@@ -200,6 +201,8 @@ class Machine:
             value = self.value(written, frame)
             if kind is None or not kind.reference or not isinstance(written, form.Name | form.Member | form.Index):
                 value = self.language.converted(value, kind, written, frame)
+                if kind is None or not (kind.reference or kind.pointer):
+                    value = self.framework.copied(value)
             elif not isinstance(value, Object | Unknown):
                 self.write(frame.variables, statement.name, Alias(written, frame))
                 return
@@ -240,13 +243,41 @@ class Machine:
         if not closed:
             sides.append({})
             ends.append(None)
-        live = [side for side, ended in zip(sides, ends, strict=True) if ended is None]
-        self._journal.merge(live or sides)
+        live = self._joined_sides(sides, ends)
         if not live:
             return next((end for end in ends if end != "raise"), "raise")
         if len(live) < len(sides) and not closed and negated:
             self.guards += [term for term in negated if term not in self.guards]
         return None
+
+    def _joined_sides(self, sides: list[Written], ends: list[str | None]) -> list[Written]:
+        """Join the writes of the sides that reach the next statement, and return these sides.
+
+        If there are any, the writes of the others wait for the end of the loop turn or of the function.
+        """
+        live = [side for side, end in zip(sides, ends, strict=True) if end is None]
+        self._journal.merge(live or sides)
+        if live:
+            self._left += [(end, side) for side, end in zip(sides, ends, strict=True) if end and side]
+        return live
+
+    @contextmanager
+    def _until(self, *ends: str) -> Iterator[None]:
+        """Run code that sides of branches leave by one of some ways; their writes count after it."""
+        outer, self._left = self._left, []
+        try:
+            yield
+        finally:
+            left, self._left = self._left, outer
+        here = [side for end, side in left if end in ends]
+        outer += [one for one in left if one[0] not in (*ends, "raise")]
+        if here:
+            self._journal.merge([{}, *here])
+
+    def _turn(self, loop: form.Loop, frame: Frame) -> str | None:
+        """Run the body of a loop once."""
+        with self._until("break", "continue"):
+            return self.run(loop.body, frame)
 
     def _try(self, statement: form.Try, frame: Frame) -> str | None:
         """Run a block, then each of its handlers as one side of a branch."""
@@ -264,25 +295,13 @@ class Machine:
             else:
                 sides.append({})
             ends.append(ended)
-        live = [side for side, end in zip(sides, ends, strict=True) if end is None]
-        self._journal.merge(live or sides)
+        live = self._joined_sides(sides, ends)
         last = self.run(statement.last, frame) if statement.last is not None else None
         if last is not None or live:
             return last
         return next((end for end in ends if end != "raise"), "raise")
 
     def _loop(self, loop: form.Loop, frame: Frame) -> str | None:
-        """Run a loop; the variables that it declares hide those of the same name until its end."""
-        names = loop.targets if loop.declared is not None else ()
-        if isinstance(loop.first, form.Block):
-            names = tuple(one.name for one in loop.first.body if isinstance(one, form.Declare))
-        hidden = {name: frame.variables[name] for name in names if name in frame.variables}
-        ended = self._turns(loop, frame)
-        for name, value in hidden.items():
-            self.write(frame.variables, name, value)
-        return ended
-
-    def _turns(self, loop: form.Loop, frame: Frame) -> str | None:
         if loop.over is not None:
             return self._each(loop, loop.over, frame)
         if loop.first is not None:
@@ -299,7 +318,7 @@ class Machine:
                 return self._unknown_times(loop, frame, terms_of(holds))
             if not holds.value:
                 return None
-            ended = self.run(loop.body, frame)
+            ended = self._turn(loop, frame)
             if ended == "break":
                 return None
             if ended in ("return", "raise"):
@@ -315,7 +334,7 @@ class Machine:
         self._forget_counters(loop, frame)
 
         def once() -> str | None:
-            ended = self.run(loop.body, frame)
+            ended = self._turn(loop, frame)
             if loop.step is not None and ended is None:
                 self.value(loop.step, frame)
             return ended
@@ -345,42 +364,28 @@ class Machine:
         if known and len(items) > MOST_TURNS:
             self.reached("turns")
             items = items[:MOST_TURNS]
-        for index, item in enumerate(items):
+        for item in items:
             self._target(loop, item, frame)
             if known:
-                ended = self.run(loop.body, frame)
-                self._write_back(loop, index, frame)
+                ended = self._turn(loop, frame)
                 if ended == "break":
                     return None
                 if ended in ("return", "raise"):
                     return ended
             else:
                 self._forget_counters(loop, frame)
-                written, _ = self._journal.attempt(partial(self.run, loop.body, frame))
+                written, _ = self._journal.attempt(partial(self._turn, loop, frame))
                 self._journal.merge([written, {}])
         return None
 
     def _target(self, loop: form.Loop, item: Value, frame: Frame) -> None:
         if len(loop.targets) == 1:
-            name, kind = loop.targets[0], loop.declared
-            if kind is not None and loop.over is not None:
-                frame.declared[name] = kind
-                item = self.language.converted(item, kind, form.Index(loop.line, loop.over, _FIRST), frame)
-            self.write(frame.variables, name, item)
+            self.write(frame.variables, loop.targets[0], item)
             return
         parts = self.language.elements(item)
         for index, name in enumerate(loop.targets):
             value = parts[index] if len(parts) == len(loop.targets) else Unknown("it is a part of an unknown value")
             self.write(frame.variables, name, value)
-
-    def _write_back(self, loop: form.Loop, index: int, frame: Frame) -> None:
-        """Write a target that is a reference to the element that it means."""
-        kind, over = loop.declared, loop.over
-        if kind is None or not kind.reference or kind.constant or len(loop.targets) != 1:
-            return
-        value = frame.variables.get(loop.targets[0])
-        if isinstance(over, form.Name | form.Member) and isinstance(value, Text | Number | Truth | Sequence | Mapping):
-            self.assign(form.Index(loop.line, over, form.Literal(loop.line, float(index), str(index))), value, frame)
 
     # Expressions
 
@@ -493,16 +498,7 @@ class Machine:
         return Mapping(tuple((self.value(key, frame), self.value(value, frame)) for key, value in expression.items))
 
     def _lambda(self, expression: form.Lambda, frame: Frame) -> Value:
-        shared = expression.shared
-        if not expression.captures and shared is None:
-            return Closure(expression.function, frame)
-        inner = Frame(frame.unit, frame.scope, frame.this, parent=frame)
-        names = [name for name in frame.variables if name not in shared] if shared is not None else ()
-        around = [(name, form.Name(expression.line, (name,))) for name in names]
-        for name, written in (*around, *expression.captures):
-            inner.variables[name] = self.language.converted(self.value(written, frame), None, written, frame)
-        captured = tuple(self.value(form.Name(0, (name,)), inner) for name, _ in expression.captures)
-        return Closure(expression.function, inner, captured=captured)
+        return Closure(expression.function, frame)
 
     def _assignment(self, expression: form.Assign, frame: Frame) -> Value:
         target = expression.target
@@ -513,7 +509,7 @@ class Machine:
             before = self.value(target, frame)
             value = over((before, value), lambda *row: self._computed(expression.sign, row))
         else:
-            value = self.language.assigned(target, value, expression.value, frame)
+            value = self.framework.copied(self.language.assigned(target, value, expression.value, frame))
         self.assign(target, value, frame)
         return value
 
@@ -586,9 +582,10 @@ class Machine:
             return Unknown("it calls itself")
         if self.fruitless[id(function)] >= MOST_FRUITLESS or self.barren[id(function)] > MOST_BARREN:
             return self.language.unknown(function.returns, frame, function.name)
-        before, steps = self.framework.progress(), self.steps
+        before, steps, writes = self.framework.progress(), self.steps, self._outer_writes
+        outer, self._local = self._local, frame.variables
         with self.entered(function):
-            self.bind(function, frame, arguments, given)
+            self.bind(function, frame, arguments)
             self.run(function.body, frame)
         if caller is not None and len(given) == len(arguments):
             for parameter, expression in zip(function.parameters, given, strict=False):
@@ -597,12 +594,14 @@ class Machine:
                     value = frame.variables.get(parameter.name)
                     if isinstance(value, Text | Number | Truth | Sequence | Mapping | Either):
                         self.put(expression, value, caller)
+        self._local = outer
         result = join(*frame.returned) if frame.returned else Unknown("it returns nothing")
         if self.framework.progress() != before:
             self.fruitful.add(id(function))
         else:
             self.barren[id(function)] += self.steps - steps
-            if isinstance(result, Unknown | Number | Truth) and id(function) not in self.fruitful:
+            idle = isinstance(result, _PLAIN) and self._outer_writes == writes
+            if idle and id(function) not in self.fruitful:
                 self.fruitless[id(function)] += 1
         return result
 
@@ -613,7 +612,8 @@ class Machine:
         self.running[id(function)] += 1
         self.executed.add(id(function))
         try:
-            yield
+            with self._until("return"):
+                yield
         finally:
             self.running[id(function)] -= 1
             del self.guards[guards:]
@@ -625,12 +625,10 @@ class Machine:
         if isinstance(expression, form.Name | form.Member | form.Index):
             self.assign(expression, value, frame)
 
-    def bind(
-        self, function: Function, frame: Frame, arguments: list[Value], given: tuple[Expression, ...] = ()
-    ) -> None:
+    def bind(self, function: Function, frame: Frame, arguments: list[Value]) -> None:
         """Set the parameters of a function to arguments, to their defaults, or to unknown values.
 
-        Those that have a value already keep it. `given` are the arguments as expressions.
+        Those that have a value already keep it.
         """
         for index, parameter in enumerate(function.parameters):
             if parameter.name in frame.variables:
@@ -642,9 +640,9 @@ class Machine:
             if kind is not None:
                 frame.declared[parameter.name] = kind
             if index < len(arguments):
-                plain = kind is not None and kind.name != "auto" and kind.name not in function.template
-                written = given[index] if plain and len(given) == len(arguments) else None
-                frame.variables[parameter.name] = self.language.converted(arguments[index], kind, written, frame)
+                value = self.language.converted(arguments[index], kind, None, frame)
+                by_value = kind is not None and not kind.reference and not kind.pointer
+                frame.variables[parameter.name] = self.framework.copied(value) if by_value else value
             elif parameter.default is not None:
                 frame.variables[parameter.name] = self.value(parameter.default, frame)
             elif parameter.name:

@@ -193,8 +193,6 @@ class Object:
     """State of an object of a framework class, by the names that `kg.symbolic.effects` uses."""
     line: int = 0
     path: str = ""
-    heap: bool = False
-    """Whether `new` or `make_shared` made it, so that pointers hold it."""
 
 
 @dataclass(slots=True, eq=False)
@@ -206,8 +204,6 @@ class Closure:
     bound: tuple[Value, ...] = ()
     named: tuple[tuple[str, Value], ...] = ()
     """Arguments by name that are already given."""
-    captured: tuple[Value, ...] = ()
-    """The values that it copied by name when it was made."""
 
 
 @dataclass(slots=True, eq=False)
@@ -357,6 +353,8 @@ def join(*values: Value) -> Value:
     paths: list[tuple[Value, Way]] = []
     for value in values:
         paths += [pair for pair in _paths(value) if pair not in paths]
+        if len(paths) > MOST_ROWS:
+            return Unknown(f"it has more than {MOST_ALTERNATIVES} possible values")
     found = _unique(item for item, _ in paths)
     known = _with_defaults(found) if len(found) > 1 else found
     if known is not found:

@@ -9,6 +9,7 @@ from kg.extract.cpp import library
 from kg.extract.cpp.callbacks import closure_frame
 from kg.extract.cpp.kinds import frame_of, inside, this_of
 from kg.symbolic import form
+from kg.symbolic.kinds import POINTERS
 from kg.symbolic.state import Arguments
 from kg.symbolic.values import Bound, Closure, Either, Kind, Object, Unknown, Value, alternatives, join
 
@@ -141,7 +142,7 @@ class Calls:
         if known is not None:
             return known
         line = given.call.line if given.call is not None else 0
-        if last in library.TYPES:
+        if last in library.TYPES or last in POINTERS:
             return language.construct(Kind(names, given.template), given.values, frame, line)
         kind = self._kinds.kind(form.Type(names, function.template), frame)
         if isinstance(kind, Kind) and (
@@ -174,13 +175,10 @@ class Calls:
         fitting = self._fitting(of.kind, name, given)
         if fitting and of.made:
             return self._on(of, fitting, given)
-        node = language.machine.framework.is_node(of)
-        if not fitting or node:
+        if not fitting or language.machine.framework.is_node(of):
             known = self._framework_method(of, name, given)
             if known is not None:
                 return known
-        if fitting and node:  # what it creates on a node that was passed in belongs to the caller
-            return self._on(of, fitting, given)
         if fitting:
             language.escape(given.values)
             chosen, bound = self.overload(fitting, given.values)

@@ -9,7 +9,7 @@ from kg.extract.cpp import library
 from kg.extract.cpp.calls import fits
 from kg.extract.cpp.kinds import frame_of, inside
 from kg.symbolic import form
-from kg.symbolic.kinds import is_pointer
+from kg.symbolic.kinds import POINTER_ALIASES, POINTERS
 from kg.symbolic.state import Arguments, Frame, Site
 from kg.symbolic.values import Kind, Object, Sequence, Text, Truth, TypeValue, Unknown, Value
 
@@ -45,10 +45,7 @@ class Constructions:
             found = found.kind
         if not isinstance(found, Kind):
             return arguments[0] if len(arguments) == 1 else Unknown("its type is not known")
-        made = self.construct(found, arguments, frame, expression.line, listed=expression.listed)
-        if expression.heap and isinstance(made, Object):
-            made.heap = True
-        return made
+        return self.construct(found, arguments, frame, expression.line, listed=expression.listed)
 
     def default(self, kind: Type, frame: Frame, line: int) -> Value:
         """Return the value of a variable that is declared without one."""
@@ -57,7 +54,7 @@ class Constructions:
         found = self._kinds.kind(kind, frame)
         if not isinstance(found, Kind):
             return Unknown("its type is not known")
-        if is_pointer(found):
+        if found.cls is None and _is_pointer(found):
             return Unknown("it is null")
         value = self.construct(found, [], frame, line)
         if isinstance(value, Object) and value.kind.cls is None:
@@ -72,8 +69,8 @@ class Constructions:
         if kind.cls is None or machine.framework.replaces(kind):
             return self._outside(kind, arguments, line, listed=listed)
         if len(arguments) == 1 and isinstance(arguments[0], Object) and arguments[0].kind.cls is kind.cls:
-            return self._language.copies.copied(arguments[0], kind)
-        made = machine.created(Object(kind, line=line, path=frame.unit.path if frame is not None else ""))
+            return arguments[0]
+        made = Object(kind, line=line, path=frame.unit.path if frame is not None else "")
         if len(machine.stack) <= _DEEPEST:
             self.initialise(made, kind, arguments, listed=listed)
             machine.framework.constructed(made)
@@ -81,7 +78,7 @@ class Constructions:
 
     def _outside(self, kind: Kind, arguments: list[Value], line: int, *, listed: bool) -> Value:
         """Return an object of a class outside of the sources: of a framework, of a library, or unknown."""
-        if is_pointer(kind):
+        if _is_pointer(kind):
             return arguments[0] if arguments else Unknown("it is null")
         known = self._language.machine.framework.construct(kind, Arguments(arguments))
         if known is None:
@@ -133,13 +130,8 @@ class Constructions:
         else:
             self._bases(made, cls, own, frame, given)
             self._members(made, cls, own, frame, given)
-        machine.running[id(chosen)] += 1
-        guards = len(machine.guards)
-        try:
+        with machine.entered(chosen):
             machine.run(chosen.body, frame)
-        finally:
-            machine.running[id(chosen)] -= 1
-            del machine.guards[guards:]
 
     def _aggregate(self, made: Object, cls: Class, own: Frame, arguments: list[Value], *, listed: bool) -> None:
         """Initialise an object of a class without a constructor for some arguments."""
@@ -227,6 +219,10 @@ class Constructions:
         if isinstance(found, Kind):
             return self.construct(found, list(value.items), own, field.line, listed=True)
         return value
+
+
+def _is_pointer(kind: Kind) -> bool:
+    return kind.name in POINTER_ALIASES or kind.name in POINTERS
 
 
 def _designated(value: Value, cls: Class) -> tuple[Field, Value] | None:

@@ -312,7 +312,11 @@ class Expressions:
         operator = node.child_by_field_name("operator")
         if left is None or right is None or operator is None:
             return self._opaque(node)
-        return Assign(line_of(node), self.expression(left), self.expression(right), syntax.text(operator)[:-1])
+        target = self.expression(left)
+        function = target.function if isinstance(target, Call) and len(target.arguments) == 1 else None
+        if isinstance(target, Call) and isinstance(function, Member) and function.name == "at":
+            target = Index(target.line, function.of, target.arguments[0])
+        return Assign(line_of(node), target, self.expression(right), syntax.text(operator)[:-1])
 
     def _conditional(self, node: Node) -> Expression:
         parts = [node.child_by_field_name(name) for name in ("condition", "consequence", "alternative")]
@@ -354,31 +358,7 @@ class Expressions:
             line_of(node),
             source=body,
         )
-        captured, shared = self._captures(node.child_by_field_name("captures"))
-        return Lambda(line_of(node), made, captured, shared)
-
-    def _captures(self, node: Node | None) -> tuple[tuple[tuple[str, Expression], ...], frozenset[str] | None]:
-        """Return what a lambda copies or makes, and what it shares if it copies all else."""
-        captured: list[tuple[str, Expression]] = []
-        shared: set[str] = set()
-        copies = False
-        for child in node.named_children if node is not None else ():
-            before = child.prev_sibling
-            name = syntax.text(child)
-            if child.type == "lambda_default_capture":
-                copies = name == "="
-            elif child.type == "lambda_capture_initializer" and len(child.named_children) > 1:
-                made = self.expression(child.named_children[1])
-                by_reference = child.children[0].type == "&"
-                line = line_of(child)
-                captured.append(
-                    (syntax.text(child.named_children[0]), Unary(line, "&", made) if by_reference else made)
-                )
-            elif child.type == "identifier" and before is not None and before.type == "&":
-                shared.add(name)
-            elif child.type == "identifier":
-                captured.append((name, self.expression(child)))
-        return tuple(captured), frozenset(shared) if copies else None
+        return Lambda(line_of(node), made)
 
     def _comma(self, node: Node) -> Expression:
         sides = [node.child_by_field_name(name) for name in ("left", "right")]

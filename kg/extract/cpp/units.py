@@ -312,7 +312,7 @@ class CppUnit(Unit):
             returns = self._expressions.type(trailing.named_children[0]) if trailing.named_children else None
         body = node.child_by_field_name("body")
         if body is None:  # a function-try-block
-            if syntax.of_type(node, "delete_method_clause"):
+            if syntax.of_type(node, "delete_method_clause", "default_method_clause"):
                 return None
             body = next(iter(syntax.of_type(node, "try_statement")), None)
         return Function(

@@ -114,16 +114,17 @@ class Calls:
         return Unknown(called.reason if isinstance(called, Unknown) else "it is not known what is called")
 
     def _invoke(self, called: Closure, given: Arguments) -> Value:
-        frame = self._frame(called)
         named = {**dict(called.named), **given.named}
         arguments = [*called.bound, *given.values]
+        frame = self._frame(called, arguments)
         _bind(called.function, frame, arguments, named)
         return self._language.machine.invoke(called.function, frame, arguments)
 
-    def _frame(self, called: Closure) -> Frame:
+    def _frame(self, called: Closure, arguments: list[Value]) -> Frame:
         """Return a new frame for a function, within the variables around it."""
         function = called.function
-        this = next(iter(called.bound), None)
+        through_class = function.owner is not None and not called.bound and called.frame.this is None
+        this = next(iter(arguments if through_class else called.bound), None)
         made = Frame(function.unit, (*function.scope, function.name), this, parent=called.frame)
         if this is None:
             made.this = called.frame.this
@@ -214,7 +215,8 @@ class Calls:
         if machine.running[id(function)] >= _MOST_REPEATS:
             machine.reached("depth")
             return
-        frame, arguments = self._frame(called), [*called.bound, *given.values]
+        arguments = [*called.bound, *given.values]
+        frame = self._frame(called, arguments)
         _bind(function, frame, arguments, given.named)
         with machine.entered(function):
             machine.bind(function, frame, arguments)

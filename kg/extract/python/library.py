@@ -160,7 +160,11 @@ def _enumerate(values: list[Value], given: Arguments) -> Value:
     items = _countable(values[0]) if values else None
     start = given.named.get("start", values[1] if len(values) > 1 else number(0))
     if items is None or not isinstance(start, Number):
-        return Sequence((Sequence((_COMPUTED, elements(values[0])[0])),), open=True) if values else _COMPUTED
+        return (
+            Sequence(tuple(Sequence((_COMPUTED, one)) for one in elements(values[0])), open=True)
+            if values
+            else _COMPUTED
+        )
     return Sequence(tuple(Sequence((number(start.value + index), item)) for index, item in enumerate(items)))
 
 

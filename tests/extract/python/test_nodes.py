@@ -61,3 +61,25 @@ def test_every_run_gives_the_same(tmp_path: Path) -> None:
     }
     assert nodes_of(tmp_path, files) == nodes_of(tmp_path, files)
     assert [extracted.node.name for extracted in nodes_of(tmp_path, files)] == ["a", "b"]
+
+
+def test_a_base_initialised_by_its_name_reaches_the_one_behind_it(tmp_path: Path) -> None:
+    """`super()` in `Base.__init__(self)` means the bases of `Base`."""
+    text = """import rclpy
+from rclpy.node import Node
+from std_msgs.msg import String
+
+class Base(Node):
+    def __init__(self, name):
+        super().__init__(name)
+        self.create_publisher(String, 'out', 1)
+
+class Viewer(Base):
+    def __init__(self, *args):
+        Base.__init__(self, *args)
+
+rclpy.init()
+Viewer('viewer')
+"""
+    found = next(one for one in nodes_of(tmp_path, {"scripts/view.py": text}) if one.node.name == "view")
+    assert (found.node.node_name, [one.name for one in found.node.interfaces]) == ("viewer", ["out"])

@@ -157,3 +157,8 @@ def test_depth_and_breadth_are_bounded() -> None:
     assert [plain(value) for value in values_of(deep)] == [None]
     wide = "".join(f"if c{n}:\n    a{n} = '1'\nelse:\n    a{n} = '0'\n" for n in range(20))
     assert 0 < len(values_of(wide + "x = " + " + ".join(f"a{n}" for n in range(20)) + "\n")) <= 64
+
+
+def test_pairs_of_an_empty_collection_have_unknown_elements() -> None:
+    """`enumerate` of an empty list runs no turn."""
+    assert values_of("x = 'kept'\nfor i, y in enumerate([], start=n):\n    x = y\n")[0] == Text(("kept",))

@@ -1,0 +1,94 @@
+"""What one side of a branch writes counts after it, also if it leaves the loop or the function."""
+
+from __future__ import annotations
+
+import pytest
+from extract.cpp.packages import names_of, node_of, texts_of
+
+FACTORY = """#include <ros/ros.h>
+#include <std_msgs/String.h>
+struct Display {
+  Display(ros::NodeHandle& nh, const std::string& name) : nh_(nh), name_(name) {}
+  virtual void start() = 0;
+  ros::NodeHandle& nh_;
+  std::string name_;
+  ros::Publisher out_;
+};
+struct Map : Display {
+  using Display::Display;
+  void start() override { out_ = nh_.advertise<std_msgs::String>(name_ + "/map", 1); }
+};
+struct Cloud : Display {
+  using Display::Display;
+  void start() override { out_ = nh_.advertise<std_msgs::String>(name_ + "/cloud", 1); }
+};
+std::shared_ptr<Display> create(ros::NodeHandle& nh, const std::string& kind) {
+  if (kind == "map") return std::shared_ptr<Display>(new Map(nh, "a"));
+  if (kind == "cloud") return std::shared_ptr<Display>(new Cloud(nh, "b"));
+  return std::shared_ptr<Display>();
+}
+int main(int argc, char** argv) {
+  ros::NodeHandle nh;
+  std::shared_ptr<Display> display = create(nh, argv[1]);
+  display->start();
+}
+"""
+
+
+def test_a_factory_that_returns_from_branches_makes_whole_objects() -> None:
+    """Each object has what its constructor wrote."""
+    assert names_of(FACTORY) == {"a/map", "b/cloud"}
+
+
+@pytest.mark.parametrize("end", ["break", "continue"])
+def test_a_value_set_before_a_loop_ends_early_is_one_of_its_values(end: str) -> None:
+    """The value before the loop is another one."""
+    loop = f'std::string name = "none"; for (int i = 0; i < argc; ++i) {{ if (found(i)) {{ name = "one"; {end}; }} }}'
+    assert texts_of("name", loop) == {"none", "one"}
+
+
+def test_a_field_set_before_a_function_returns_early_keeps_the_value() -> None:
+    """Both ways through the function count."""
+    outer = """struct Names {
+  void read(bool simulated) { if (simulated) { name = "simulated"; return; } name = "real"; }
+  std::string name;
+};"""
+    assert texts_of("names.name", "Names names; names.read(ask());", outer) == {"simulated", "real"}
+
+
+def test_an_element_is_set_through_at() -> None:
+    """`at()` names the element, as brackets do."""
+    assert texts_of("names.at(1)", 'std::vector<std::string> names{"a", "b"}; names.at(1) = "c";') == {"c"}
+
+
+def test_a_function_that_fills_a_container_runs_as_often_as_it_is_called() -> None:
+    """It declares nothing itself."""
+    source = """#include <rclcpp/rclcpp.hpp>
+void add(std::map<std::string, int> & all, const std::string & name) { all[name] = 0; }
+int main(int argc, char** argv) {
+  rclcpp::Node node("demo");
+  std::map<std::string, int> all;
+  %s
+  node.declare_parameters("", all);
+}
+"""
+    names = [f"p{number}" for number in range(9)]
+    found = node_of(source % " ".join(f'add(all, "{name}");' for name in names)).parameters
+    assert [one.name for one in found if one.name in names] == names
+
+
+def test_a_copy_constructor_that_is_defaulted_does_not_start_a_component() -> None:
+    """The loader gives the options of a node."""
+    source = """#include <rclcpp/rclcpp.hpp>
+#include <rclcpp_components/register_node_macro.hpp>
+class Viewer : public rclcpp::Node {
+public:
+  explicit Viewer(const Viewer &) = default;
+  explicit Viewer(const rclcpp::NodeOptions & options) : Node("viewer", options) {
+    create_publisher<std_msgs::msg::String>("out", 1);
+  }
+};
+RCLCPP_COMPONENTS_REGISTER_NODE(Viewer)
+"""
+    build = "project(demo)\nadd_library(demo SHARED main.cpp)\n"
+    assert names_of(source, {"CMakeLists.txt": build}) == {"out"}
