@@ -96,6 +96,8 @@ def _walk(
             yield value, holder
         return
     step, rest = steps[0], steps[1:]
+    if step == _EACH and isinstance(value, str) and holder is not None:  # a list written as one text
+        value = re.split(r"[\s,;]+", value.strip()) if value.strip() else []
     if step == _EACH and isinstance(value, list):
         for element in value:
             yield from _walk(element, rest, holder)

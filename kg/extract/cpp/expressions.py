@@ -299,6 +299,8 @@ class Expressions:
             operands.append(right)
             current = left
         operands.append(current)
+        if sign == ">>":
+            return Call(line_of(node), Name(line_of(node), ("operator>>",)), self.expressions(reversed(operands)))
         return Binary(line_of(node), sign, self.expressions(reversed(operands)))
 
     def _unary(self, node: Node) -> Expression:

@@ -7,6 +7,8 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
+from kg.extract.cpp import tokens
+from kg.extract.cpp.tokens import STREAMS
 from kg.facts import Resolution
 from kg.symbolic import form
 from kg.symbolic.containers import COMMAND_LINE, element, elements, with_element
@@ -60,7 +62,6 @@ __all__ = [
 ]
 
 TEXTS: Final = frozenset({"string", "basic_string", "string_view", "path", "String", "QString"})
-STREAMS: Final = frozenset({"stringstream", "ostringstream", "basic_stringstream"})
 LISTS: Final = frozenset(
     {
         "V_string",
@@ -350,7 +351,8 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
     if name in ("min", "max"):
         numbers = [value.value for value in values if isinstance(value, Number)]
         return number(min(numbers) if name == "min" else max(numbers)) if len(numbers) == len(values) else None
-    return _command_line(language, name, given)
+    known = tokens.call(language, names, given)
+    return known if known is not None else _command_line(language, name, given)
 
 
 def _made(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | None:
