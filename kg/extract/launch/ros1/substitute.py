@@ -10,8 +10,16 @@ import re
 from functools import lru_cache
 from typing import TYPE_CHECKING, Final, Protocol
 
+from kg.extract.launch.expressions.dialect import (
+    MISSING,
+    Dialect,
+    ExpressionError,
+    NotKnownError,
+    UnsupportedError,
+    evaluate_text,
+)
+from kg.extract.launch.expressions.functions import is_builtin
 from kg.extract.launch.files import SCHEME
-from kg.extract.launch.ros1.expression import ExpressionError, NotKnownError, UnsupportedError, evaluate_expression
 from kg.extract.launch.ros1.texts import HOLE, MOST_CHARACTERS
 from kg.extract.launch.ros1.values import automatic
 from kg.facts import LaunchProblemKind
@@ -25,6 +33,7 @@ __all__ = ["Note", "Substituter", "Surroundings"]
 
 _PACKAGE: Final = re.compile(r"[\w.+-]{1,200}")
 _EVAL: Final = "$(eval "
+_TRUTH: Final[Mapping[str, object]] = {"true": True, "false": False}
 _COMMANDS: Final = frozenset({"find", "env", "optenv", "dirname", "anon", "arg"})
 
 
@@ -141,6 +150,12 @@ class _Commands:
             return HOLE
         return value
 
+    def _variable(self, name: str) -> object:
+        """Return what a name of an expression means: an argument, which is missing where Python has no such name."""
+        if name not in self._around.arguments and is_builtin(name):
+            return MISSING
+        return automatic(self._argument(name))
+
     def _anonymous(self, name: str) -> str:
         self._note(LaunchProblemKind.UNRESOLVED, f"$(anon {name}) is a name made up at run time", name)
         return f"{name}_{HOLE}"
@@ -161,8 +176,8 @@ class _Commands:
             "dirname": lambda: self._around.folder,
         }
         try:
-            value = str(evaluate_expression(expression, lambda name: automatic(self._argument(name)), functions))
-            return _plain(value)
+            dialect = Dialect(HOLE, _word, self._variable, functions)
+            return _plain(str(evaluate_text(expression, dialect)))
         except NotKnownError:
             return HOLE
         except UnsupportedError as error:
@@ -170,6 +185,10 @@ class _Commands:
             return HOLE
         except ExpressionError as error:
             raise _SubstitutionError(f"the expression of $(eval) is wrong: {error}") from None
+
+
+def _word(name: str) -> object:
+    return _TRUTH.get(name, MISSING)
 
 
 def _plain(text: str) -> str:

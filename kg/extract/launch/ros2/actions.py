@@ -9,15 +9,17 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
+from kg.extract.launch.expressions.values import Object, Substitution, TextLike, Words
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from kg.extract.launch.expressions.values import Condition, Text
     from kg.extract.launch.ros2.context import Context
     from kg.facts import Location
 
 __all__ = [
     "Action",
-    "Condition",
     "DeclareArgument",
     "Executable",
     "Group",
@@ -28,7 +30,6 @@ __all__ = [
     "ParameterFile",
     "ParameterSource",
     "ParameterValue",
-    "Part",
     "PushNamespace",
     "ResetConfigurations",
     "SetConfiguration",
@@ -36,46 +37,8 @@ __all__ = [
     "SetParameter",
     "SetParametersFromFile",
     "SetRemap",
-    "Substitution",
-    "Text",
     "UnsetConfiguration",
 ]
-
-
-@dataclass(frozen=True, slots=True)
-class Substitution:
-    """A part of a text that is known only when it is executed.
-
-    `kind` is that of the XML form: `var`, `env`, `find-pkg-share`, `find-pkg-prefix`, `find-exec`, `dirname`,
-    `filename`, `eval`, `command`, `anon`, `not`, `and`, `or`, `any`, `all`, `equals`, `not-equals`, `if`,
-    `file-content`, `path-join`, `local`, `unknown` (then `reason` tells why). `arguments` are its operands in order; a
-    missing default is left out. Two have no form in XML: `replaced-file` gives the name of a copy of a file (operands:
-    the file, whether texts are replaced, and old and new texts in turn), `rewritten-file` that of a copy of `file`.
-    """
-
-    kind: str
-    arguments: tuple[Text, ...] = ()
-    reason: str | None = None
-    file: ParameterFile | None = None
-
-
-Part: TypeAlias = str | Substitution
-Text: TypeAlias = tuple[Part, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Condition:
-    """`value` has to be true (`IfCondition`), or not with `negated` (`UnlessCondition`); None: it cannot be known."""
-
-    value: Text | None
-    negated: bool = False
-    written: str = ""
-
-    @property
-    def words(self) -> str:
-        """What has to hold, in the words of the file."""
-        text = self.written or "what is known only when it runs"
-        return f"not {text}" if self.negated else text
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,7 +58,7 @@ class ParameterValue:
 
 
 @dataclass(frozen=True, slots=True)
-class ParameterFile:
+class ParameterFile(TextLike):
     """A file of parameters; with `substitutions` texts like `$(var x)` in it are substituted.
 
     `rewrites` are nav2's `RewrittenYaml`: pairs of a key and its new value, put wherever the file has a parameter of
@@ -112,12 +75,17 @@ class ParameterFile:
     reason: str | None = None
     """Why what the file says in the end cannot be known, where something else is done to it."""
 
+    def as_text(self) -> Words:
+        """Return the path of the file, or of the copy that is made of it."""
+        changed = self.rewrites or self.root or self.keys
+        return Words((Substitution("rewritten-file", file=self),) if changed else self.path, lazy=True)
+
 
 ParameterSource: TypeAlias = ParameterValue | ParameterFile
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Action:
+class Action(Object):
     """What all actions have."""
 
     location: Location

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from kg.corpus.files import FilePath
+    from kg.extract.launch.expressions.values import Text
     from kg.extract.launch.files import Files
-    from kg.extract.launch.ros2.actions import Text
     from kg.extract.launch.ros2.generated import Generated
     from kg.facts import LaunchArgument, LaunchInclude, LaunchParameter, LaunchPlugin, Remap, StartedNode
 
@@ -119,6 +119,11 @@ class Context:
         from kg.extract.launch.ros2.substitute import perform  # noqa: PLC0415  (which needs this module)
 
         return perform(self, text)
+
+    def settled(self, text: Text) -> str | None:
+        """Return a text performed now; None where a part of it is not known."""
+        performed = self.perform(text)
+        return None if HOLE in performed else performed
 
     def quietly(self, text: Text) -> str:
         """Return a text performed, without noting problems: for what is shown only."""

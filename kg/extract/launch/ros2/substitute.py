@@ -10,8 +10,9 @@ import math
 import shlex
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.expressions import BUILTINS, MATHEMATICS, ExpressionError, evaluate_expression
+from kg.extract.launch.expressions.dialect import Dialect, ExpressionError, UnsupportedError, evaluate_text, failure
 from kg.extract.launch.files import SCHEME
+from kg.extract.launch.ros2.actions import ParameterFile
 from kg.extract.launch.ros2.context import HOLE
 from kg.extract.launch.ros2.generated import replaced_file, rewritten_file
 from kg.facts import LaunchParameter, LaunchProblemKind
@@ -19,7 +20,7 @@ from kg.facts import LaunchParameter, LaunchProblemKind
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from kg.extract.launch.ros2.actions import Condition, Substitution, Text
+    from kg.extract.launch.expressions.values import Condition, Substitution, Text
     from kg.extract.launch.ros2.context import Context
 
 __all__ = ["holds", "perform", "truth"]
@@ -31,10 +32,7 @@ _TRUE: Final = {"true", "1"}
 _FALSE: Final = {"false", "0"}
 _YAML_TRUE: Final = _TRUE | {"yes", "on"}
 _YAML_FALSE: Final = _FALSE | {"no", "off"}
-_KNOWN: Final[Mapping[str, object]] = {
-    **MATHEMATICS,
-    **{f"math.{name}": value for name, value in MATHEMATICS.items()},
-}
+_PYTHON: Final = Dialect(HOLE)
 
 
 def perform(context: Context, text: Text) -> str:
@@ -67,7 +65,7 @@ def truth(text: str) -> bool | None:
 
 
 def _perform(context: Context, part: Substitution) -> str:
-    if part.file is not None:
+    if isinstance(part.file, ParameterFile):
         return rewritten_file(context, part.file)
     context.found.substitutions += 1
     if context.found.substitutions > _MOST_SUBSTITUTIONS:
@@ -133,9 +131,9 @@ def _eval(context: Context, expression: Text, _modules: Text = ()) -> str:
     if HOLE in text:
         return HOLE
     try:
-        return str(evaluate_expression(text, _KNOWN, BUILTINS))
-    except ExpressionError as error:
-        return context.unresolved(str(error), "eval")
+        return str(evaluate_text(text, _PYTHON))
+    except (ExpressionError, UnsupportedError) as error:
+        return context.unresolved(failure(text, error), "eval")
 
 
 def _command(context: Context, command: Text, _on_error: Text = ()) -> str:

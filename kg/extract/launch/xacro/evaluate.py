@@ -10,13 +10,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
+from kg.extract.launch.expressions.dialect import NotKnownError
 from kg.extract.launch.ros1.substitute import Substituter
 from kg.extract.launch.ros1.texts import HOLE, shown
 from kg.extract.launch.xacro.document import Element, read_document
 from kg.extract.launch.xacro.early import collect
 from kg.extract.launch.xacro.loading import Loading
 from kg.extract.launch.xacro.macros import called, grab_macro
-from kg.extract.launch.xacro.table import Block, Macro, NotKnownError, Table, truth
+from kg.extract.launch.xacro.table import Block, Macro, Table, truth
 from kg.extract.launch.xacro.texts import Around, Texts
 from kg.facts import LaunchProblemKind
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
+from kg.extract.launch.expressions.dialect import NotKnownError
 from kg.extract.launch.files import SCHEME
 from kg.extract.launch.ros1.parameterfile import read_tree
 from kg.extract.launch.ros1.texts import HOLE, shown
 from kg.extract.launch.ros1.values import automatic
-from kg.extract.launch.xacro.table import NotKnownError
 from kg.facts import LaunchProblemKind
 
 if TYPE_CHECKING:

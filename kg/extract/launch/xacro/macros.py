@@ -8,8 +8,9 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Final
 
+from kg.extract.launch.expressions.dialect import NotKnownError
 from kg.extract.launch.ros1.texts import HOLE
-from kg.extract.launch.xacro.table import Block, Macro, NotKnownError, Table
+from kg.extract.launch.xacro.table import Block, Macro, Table
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
+from kg.extract.launch.expressions.dialect import NotKnownError
 from kg.extract.launch.ros1.texts import HOLE
 
 if TYPE_CHECKING:
@@ -17,14 +18,10 @@ if TYPE_CHECKING:
     from kg.corpus.files import FilePath
     from kg.extract.launch.xacro.document import Element
 
-__all__ = ["Block", "Macro", "NotKnownError", "Table", "literal", "truth"]
+__all__ = ["Block", "Macro", "Table", "literal", "truth"]
 
 _WORDS: Final = {"true": True, "True": True, "false": False, "False": False}
 _MOST_DIGITS: Final = 30
-
-
-class NotKnownError(Exception):
-    """A value depends on what is known only at run time."""
 
 
 @dataclass(frozen=True, slots=True)

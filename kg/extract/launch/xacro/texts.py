@@ -7,17 +7,26 @@ expression has the type of its value, while any other text is joined.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.expressions import BUILTINS, MATHEMATICS, ExpressionError, evaluate_expression
+from kg.extract.launch.expressions.dialect import (
+    MISSING,
+    Dialect,
+    ExpressionError,
+    NotKnownError,
+    UnsupportedError,
+    evaluate_text,
+    failure,
+)
+from kg.extract.launch.expressions.functions import is_builtin
+from kg.extract.launch.expressions.values import Table as Dictionary
 from kg.extract.launch.ros1.texts import HOLE, MOST_CHARACTERS
-from kg.extract.launch.xacro.table import NotKnownError, Table
+from kg.extract.launch.xacro.table import Table
 from kg.facts import LaunchProblemKind
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Mapping
 
     from kg.extract.launch.ros1.substitute import Note, Substituter
 
@@ -25,11 +34,7 @@ __all__ = ["Around", "Texts", "shown_value"]
 
 _TOKEN: Final = re.compile(r"\$\$+(?=[{(])|\$\{[^}]*\}|\$\([^)]*\)|[^$]+|\$")
 _NAME: Final = re.compile(r"[^\W\d]\w*")
-_PYTHON: Final[Mapping[str, object]] = {
-    **MATHEMATICS,
-    **{f"math.{name}": value for name, value in MATHEMATICS.items()},
-    **{f"python.{name}": value for name, value in BUILTINS.items()},
-}
+_MODULES: Final[Mapping[str, str]] = {"math": "math", "python": "builtins"}
 
 
 @dataclass(slots=True)
@@ -55,7 +60,6 @@ class Texts:
         """Returns what is defined only later; asked where a name is not known."""
         self._substituter = substituter
         self._functions: dict[str, Callable[..., object]] = {
-            **BUILTINS,
             "load_yaml": loads,
             "xacro.load_yaml": loads,
             "xacro.arg": self._argument,
@@ -98,13 +102,25 @@ class Texts:
                 return HOLE
         if HOLE in expression:
             return HOLE
+        dialect = Dialect(
+            HOLE,
+            lambda name: table[name] if name in table else MISSING,  # noqa: SIM401 - a scope is no dictionary
+            self._defined_later,
+            self._functions,
+            _MODULES,
+            _member,
+        )
         try:
-            return evaluate_expression(expression, _Names(table, self._functions, self.early), self._functions)
+            return evaluate_text(expression, dialect)
         except NotKnownError:
             return HOLE
-        except ExpressionError as error:
-            self.why.setdefault(str(error))
+        except (ExpressionError, UnsupportedError) as error:
+            self.why.setdefault(failure(expression, error))
             return HOLE
+
+    def _defined_later(self, name: str) -> object:
+        later = self.early() if self.early is not None and not is_builtin(name) else None
+        return later[name] if later is not None and name in later else MISSING
 
     def _command(self, words: str) -> str:
         if HOLE in words:
@@ -120,49 +136,11 @@ class Texts:
         return self.around.arguments[name]
 
 
-class _Names(Mapping[str, object]):
-    """The names that an expression can use: properties, also those of namespaces and dictionaries, and constants."""
-
-    def __init__(self, table: Table, functions: Mapping[str, object], early: Callable[[], Table] | None) -> None:
-        self._table = table
-        self._functions = functions
-        self._early = early
-
-    def _scope(self, name: str) -> Table | None:
-        """Return the scope that has a property: the one that is in force, else that of later definitions."""
-        if name in self._table:
-            return self._table
-        if self._early is None or name in self._functions or name in _PYTHON:
-            return None
-        later = self._early()
-        return later if name in later else None
-
-    def __iter__(self) -> Iterator[str]:
-        """Yield the names of constants; those of properties are looked up only."""
-        return iter(_PYTHON)
-
-    def __len__(self) -> int:
-        """Return how many constants there are."""
-        return len(_PYTHON)
-
-    def __contains__(self, name: object) -> bool:
-        """Tell whether a name, which may have dots, is known."""
-        return isinstance(name, str) and (
-            name in _PYTHON or (name not in self._functions and self._scope(name.partition(".")[0]) is not None)
-        )
-
-    def __getitem__(self, name: str) -> object:
-        """Return a value; `NotKnownError` where it, or a part of it, is not known."""
-        first, *rest = name.split(".")
-        scope = self._scope(first)
-        if scope is None:
-            return _PYTHON[name]
-        value = scope[first]
-        for key in rest:
-            value = value[key] if isinstance(value, dict | Table) else _missing(name)
-        if isinstance(value, Table) or (isinstance(value, str) and HOLE in value):
-            raise NotKnownError
-        return value
+def _member(holder: object, name: str) -> object:
+    """Return a property of a namespace, or an entry of a dictionary."""
+    if isinstance(holder, Table) or (isinstance(holder, Dictionary) and name in holder):
+        return holder[name]
+    return MISSING
 
 
 def shown_value(value: object) -> str:
@@ -173,10 +151,6 @@ def shown_value(value: object) -> str:
         return str(value)
     except ValueError:  # an integer of more digits than Python prints
         return HOLE
-
-
-def _missing(name: str) -> object:
-    raise KeyError(name)
 
 
 def _nothing(*_: object) -> str:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
+from kg.extract.launch.expressions.values import Substitution
 from kg.extract.launch.ros2 import actions as kinds
 from kg.extract.launch.ros2.frontend.element import Malformed
 from kg.extract.launch.ros2.frontend.nodes import NodeBuilder
@@ -16,6 +17,7 @@ from kg.facts import LaunchProblem, LaunchProblemKind
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
+    from kg.extract.launch.expressions.values import Text
     from kg.extract.launch.ros2.actions import Action
     from kg.extract.launch.ros2.frontend.element import Element
     from kg.facts import Location
@@ -95,7 +97,7 @@ class _Builder(NodeBuilder):
         """`<reset>`: forgets all configurations but those of `<keep>`."""
         return kinds.ResetConfigurations(configurations=self._kept(element), **self.common(element))
 
-    def _kept(self, element: Element) -> tuple[tuple[kinds.Text, kinds.Text], ...]:
+    def _kept(self, element: Element) -> tuple[tuple[Text, Text], ...]:
         return tuple((self.needed(keep, "name"), self.needed(keep, "value")) for keep in element.of("keep"))
 
     def timer(self, element: Element) -> Action:
@@ -141,7 +143,7 @@ class _Builder(NodeBuilder):
     def append_variable(self, element: Element) -> Action:
         """`<append_env>`: what was there before is unknown unless the file has set it."""
         name, value = self.needed(element, "name"), self.needed(element, "value")
-        before = kinds.Substitution("env", (name, ("{}",)))
+        before = Substitution("env", (name, ("{}",)))
         separator = element.get("separator") or ":"
         prepend = truth(element.get("prepend") or "false")
         joined = (*value, separator, before) if prepend else (before, separator, *value)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final, TypedDict
 
+from kg.extract.launch.expressions.values import Condition
 from kg.extract.launch.ros2 import actions as kinds
 from kg.extract.launch.ros2.context import HOLE
 from kg.extract.launch.ros2.frontend.element import Malformed
@@ -16,7 +17,8 @@ from kg.extract.launch.ros2.substitute import truth
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from kg.extract.launch.ros2.actions import Action, Part, Text
+    from kg.extract.launch.expressions.values import Part, Text
+    from kg.extract.launch.ros2.actions import Action
     from kg.extract.launch.ros2.frontend.element import Element
     from kg.facts import LaunchProblem, Location
 
@@ -28,7 +30,7 @@ _TYPES: Final = {"int": "int", "float": "double", "bool": "bool", "str": "string
 
 class _Common(TypedDict):
     location: Location
-    condition: kinds.Condition | None
+    condition: Condition | None
 
 
 class NodeBuilder:
@@ -74,7 +76,7 @@ class NodeBuilder:
         written = positive if positive is not None else negative
         condition = None
         if written is not None:
-            condition = kinds.Condition(self.text(element, written), positive is None, written)
+            condition = Condition(self.text(element, written), positive is None, written)
         return {"location": self.place(element.line), "condition": condition}
 
     def node(self, element: Element) -> Action:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.ros2.actions import Condition, Substitution
-from kg.extract.launch.ros2.python.values import Choice, Unknown, Words
+from kg.extract.launch.expressions.values import Choice, Condition, Substitution, Unknown, Words
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from kg.extract.launch.expressions.values import Value
     from kg.extract.launch.ros2.python.call import Call
-    from kg.extract.launch.ros2.python.values import Value
 
 __all__ = ["CONDITIONS", "condition_of"]
 

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.ros2.actions import DeclareArgument, NodeAction, Substitution
-from kg.extract.launch.ros2.python.texts import reason_of, to_text, unknown_text
-from kg.extract.launch.ros2.python.values import Description, Guarded, Items, Table
+from kg.extract.launch.expressions.texts import reason_of, to_text, unknown_text
+from kg.extract.launch.expressions.values import Guarded, Items, Substitution, Table
+from kg.extract.launch.ros2.actions import DeclareArgument, NodeAction
+from kg.extract.launch.ros2.python.values import Description
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kg.extract.launch.ros2.actions import Action, Text
+    from kg.extract.launch.expressions.values import Text, Value
+    from kg.extract.launch.ros2.actions import Action
     from kg.extract.launch.ros2.python.call import Call
-    from kg.extract.launch.ros2.python.values import Value
 
 __all__ = ["CONTROL"]
 

@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING, Final
 
 import yaml
 
-from kg.extract.launch.ros2.python.containers import hashable
-from kg.extract.launch.ros2.python.values import Unknown
+from kg.extract.launch.expressions.containers import hashable
+from kg.extract.launch.expressions.values import Unknown
 from kg.yamltext import compose_yaml
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from kg.extract.launch.expressions.values import Value
     from kg.extract.launch.ros2.python.machine import Machine
-    from kg.extract.launch.ros2.python.values import Value
     from kg.facts import Location
 
 __all__ = ["construct", "read_yaml"]

@@ -5,6 +5,8 @@ from __future__ import annotations
 import shlex
 from typing import TYPE_CHECKING, Final
 
+from kg.extract.launch.expressions.texts import known, reason_of, to_text
+from kg.extract.launch.expressions.values import Substitution, Table
 from kg.extract.launch.ros2.actions import (
     DeclareArgument,
     Executable,
@@ -16,27 +18,20 @@ from kg.extract.launch.ros2.actions import (
     SetParameter,
     SetParametersFromFile,
     SetRemap,
-    Substitution,
     UnsetConfiguration,
 )
 from kg.extract.launch.ros2.python.conditions import condition_of
 from kg.extract.launch.ros2.python.flatten import actions_of
 from kg.extract.launch.ros2.python.parameters import file_of, value_of
-from kg.extract.launch.ros2.python.texts import known, reason_of, to_text
-from kg.extract.launch.ros2.python.values import (
-    IGNORED,
-    ContextValue,
-    Description,
-    Table,
-)
+from kg.extract.launch.ros2.python.values import IGNORED, ContextValue, Description
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from kg.extract.launch.ros2.actions import Action, Text
+    from kg.extract.launch.expressions.values import Text, Value
+    from kg.extract.launch.ros2.actions import Action
     from kg.extract.launch.ros2.context import Context
     from kg.extract.launch.ros2.python.call import Call
-    from kg.extract.launch.ros2.python.values import Value
 
 __all__ = ["ENTITIES"]
 

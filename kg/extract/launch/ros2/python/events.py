@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.ros2.actions import Action, Condition, Executable, Group, NodeAction
+from kg.extract.launch.expressions.values import Condition, Function, Unknown
+from kg.extract.launch.ros2.actions import Action, Executable, Group, NodeAction
 from kg.extract.launch.ros2.python.conditions import condition_of
 from kg.extract.launch.ros2.python.flatten import actions_of
-from kg.extract.launch.ros2.python.values import IGNORED, Function, Unknown
+from kg.extract.launch.ros2.python.values import IGNORED
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from kg.extract.launch.expressions.values import Value
     from kg.extract.launch.ros2.python.call import Call
-    from kg.extract.launch.ros2.python.values import Value
 
 __all__ = ["EVENTS"]
 

@@ -4,22 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from kg.extract.launch.expressions.texts import reason_of
+from kg.extract.launch.expressions.values import Choice, Guarded, Items, Unknown
 from kg.extract.launch.ros2.actions import Action, Group
-from kg.extract.launch.ros2.python.texts import reason_of
-from kg.extract.launch.ros2.python.values import (
-    Choice,
-    Description,
-    Guarded,
-    Ignored,
-    Items,
-    Source,
-    Unknown,
-)
+from kg.extract.launch.ros2.python.values import Description, Ignored, Source
 
 if TYPE_CHECKING:
-    from kg.extract.launch.ros2.actions import Condition
+    from kg.extract.launch.expressions.values import Condition, Value
     from kg.extract.launch.ros2.python.machine import Machine
-    from kg.extract.launch.ros2.python.values import Value
     from kg.facts import Location
 
 __all__ = ["actions_of", "under"]

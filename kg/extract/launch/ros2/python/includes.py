@@ -4,29 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
+from kg.extract.launch.expressions.texts import reason_of, to_text
+from kg.extract.launch.expressions.values import Choice, Guarded, Items, Table, Unknown, Words, pair_of
 from kg.extract.launch.ros2.actions import Group, Include
 from kg.extract.launch.ros2.python.conditions import condition_of
 from kg.extract.launch.ros2.python.flatten import actions_of
-from kg.extract.launch.ros2.python.texts import reason_of, to_text
-from kg.extract.launch.ros2.python.values import (
-    Choice,
-    Description,
-    Guarded,
-    Items,
-    PathValue,
-    Source,
-    Table,
-    Unknown,
-    Words,
-    pair_of,
-)
+from kg.extract.launch.ros2.python.values import Description, PathValue, Source
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kg.extract.launch.ros2.actions import Text
+    from kg.extract.launch.expressions.values import Text, Value
     from kg.extract.launch.ros2.python.call import Call
-    from kg.extract.launch.ros2.python.values import Value
 
 __all__ = ["INCLUDES"]
 

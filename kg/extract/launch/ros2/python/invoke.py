@@ -5,39 +5,41 @@ from __future__ import annotations
 import ast
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.ros2.actions import Condition, ParameterFile
-from kg.extract.launch.ros2.python import builtin, methods
-from kg.extract.launch.ros2.python.call import Call
-from kg.extract.launch.ros2.python.library import FUNCTIONS
-from kg.extract.launch.ros2.python.machine import Frame, Return, written
-from kg.extract.launch.ros2.python.modules import Modules
-from kg.extract.launch.ros2.python.texts import HOLE, known, reason_of, simplify, to_text, words
-from kg.extract.launch.ros2.python.values import (
+from kg.extract.launch.expressions.functions import FUNCTIONS as PLAIN
+from kg.extract.launch.expressions.methods import method
+from kg.extract.launch.expressions.texts import known, reason_of, simplify, to_text, words, written
+from kg.extract.launch.expressions.values import (
     Choice,
-    ContextValue,
-    Description,
+    Condition,
+    Frame,
     Function,
-    Instance,
     Items,
-    Klass,
     Library,
-    LoadedFile,
     Method,
-    PathValue,
     Scope,
     Table,
     Unknown,
     Words,
 )
+from kg.extract.launch.ros2.actions import ParameterFile
+from kg.extract.launch.ros2.context import HOLE
+from kg.extract.launch.ros2.python.call import Call
+from kg.extract.launch.ros2.python.library import FUNCTIONS
+from kg.extract.launch.ros2.python.machine import Return
+from kg.extract.launch.ros2.python.methods import file_method, path_method
+from kg.extract.launch.ros2.python.modules import Modules
+from kg.extract.launch.ros2.python.values import ContextValue, Description, Instance, Klass, LoadedFile, PathValue
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kg.extract.launch.ros2.python.values import Value
+    from kg.extract.launch.expressions.values import Value
 
 __all__ = ["Invocations"]
 
 _MAX_DEPTH: Final = 24
+_PRINTED: Final = frozenset({"toxml", "toprettyxml"})
+"""Methods of what `xacro.process_file` gives; here that is its text already."""
 
 
 class Invocations(Modules):
@@ -63,13 +65,12 @@ class Invocations(Modules):
         return Unknown(function.reason if isinstance(function, Unknown) else f"`{written(node)}` calls no function")
 
     def _library(self, function: Library, call: Call) -> Value:
-        root = function.path.partition(".")[0]
-        if root == "builtins":
-            known_function = builtin.FUNCTIONS.get(function.name)
-        else:
-            known_function = FUNCTIONS.get(function.path) or FUNCTIONS.get(function.name)
-        if known_function is not None:
-            return known_function(call)
+        plain = PLAIN.get(function.path)
+        if plain is not None:
+            return plain(call)
+        own = FUNCTIONS.get(function.path) or FUNCTIONS.get(function.name)
+        if own is not None:
+            return own(call)
         if function.path in {"sys.exit", "builtins.exit", "builtins.quit"}:
             return Library("sys.exit()")
         return Unknown(f"`{function.path.removeprefix('builtins.')}()` is not run")
@@ -77,16 +78,14 @@ class Invocations(Modules):
     def _method(self, receiver: Value, name: str, call: Call) -> Value:
         if isinstance(receiver, Words | ParameterFile) and name in {"perform", "evaluate"}:
             return self.perform(receiver)
-        if isinstance(receiver, str | Words):
-            return methods.text_method(call, receiver, name)
-        if isinstance(receiver, Items):
-            return methods.list_method(call, receiver, name)
-        if isinstance(receiver, Table):
-            return methods.table_method(call, receiver, name)
+        if isinstance(receiver, Words) and name in _PRINTED:
+            return receiver
+        if isinstance(receiver, str | Words | Items | tuple | Table):
+            return method(call, receiver, name)
         if isinstance(receiver, PathValue):
-            return methods.path_method(call, receiver, name)
+            return path_method(call, receiver, name)
         if isinstance(receiver, LoadedFile):
-            return methods.file_method(call, receiver, name)
+            return file_method(call, receiver, name)
         if isinstance(receiver, Description):
             return self._describe(receiver, name, call)
         if isinstance(receiver, Choice):
@@ -136,7 +135,7 @@ class Invocations(Modules):
         names = [part.arguments[0] for part in parts if not isinstance(part, str) and part.kind == "var"]
         name = "".join(str(part) for part in names[0]) if names else ""
         reason = f"the launch configuration `{name}` is not known" if name else reason_of(value)
-        return words(found, reason)
+        return words(found, reason, HOLE)
 
     def run(self, function: Function, args: list[Value], kwargs: dict[str, Value], node: ast.expr) -> Value:
         """Return what a function of the build gives; its body is run in place."""

@@ -16,8 +16,8 @@ from kg.extract.launch.ros2.python.system import SYSTEM
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from kg.extract.launch.expressions.values import Value
     from kg.extract.launch.ros2.python.call import Call
-    from kg.extract.launch.ros2.python.values import Value
 
 __all__ = ["FUNCTIONS"]
 

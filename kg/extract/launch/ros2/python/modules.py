@@ -3,38 +3,38 @@
 from __future__ import annotations
 
 import ast
-import math
+import builtins
 import posixpath
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from kg.corpus.files import FilePath
-from kg.extract.launch.ros2.actions import ParameterFile
-from kg.extract.launch.ros2.python import paths
-from kg.extract.launch.ros2.python.machine import Frame
-from kg.extract.launch.ros2.python.source import Broken, parse
-from kg.extract.launch.ros2.python.statements import Statements
-from kg.extract.launch.ros2.python.texts import known, reason_of, simplify, to_text
-from kg.extract.launch.ros2.python.values import (
+from kg.extract.launch.expressions.functions import CONSTANTS
+from kg.extract.launch.expressions.functions import FUNCTIONS as PLAIN
+from kg.extract.launch.expressions.texts import known, reason_of, simplify, to_text, words
+from kg.extract.launch.expressions.values import (
     Choice,
-    ContextValue,
-    Description,
+    Frame,
     Function,
-    Instance,
     Items,
-    Klass,
     Library,
-    LoadedFile,
     Method,
     Module,
-    PathValue,
+    Substitution,
     Table,
     Unknown,
     Words,
 )
+from kg.extract.launch.ros2.actions import ParameterFile
+from kg.extract.launch.ros2.context import HOLE
+from kg.extract.launch.ros2.python import paths
+from kg.extract.launch.ros2.python.source import Broken, parse
+from kg.extract.launch.ros2.python.statements import Statements
+from kg.extract.launch.ros2.python.system import SYSTEM
+from kg.extract.launch.ros2.python.values import ContextValue, Description, Instance, Klass, LoadedFile, PathValue
 
 if TYPE_CHECKING:
-    from kg.extract.launch.ros2.python.values import Value
+    from kg.extract.launch.expressions.values import Value
 
 __all__ = ["OUTSIDE", "Modules"]
 
@@ -81,14 +81,22 @@ OUTSIDE: Final = frozenset(
 
 
 _CONSTANTS: Final[dict[str, Value]] = {
-    "math.pi": math.pi,
-    "math.tau": math.tau,
+    **CONSTANTS,
     "os.sep": "/",
     "os.path.sep": "/",
     "os.pathsep": ":",
     "os.linesep": "\n",
     "sys.argv": Unknown("the command line"),
 }
+
+
+_MEANT: Final = frozenset(
+    {
+        "super", "type", "object", "property", "staticmethod", "classmethod", "hasattr", "setattr", "id", "hash",
+        "input", "next", "exit", "quit", "eval", "exec",
+    }
+)  # fmt: skip
+"""Names of Python's own that mean something to the reader besides those of functions; so do exceptions."""
 
 
 class Modules(Statements):
@@ -156,6 +164,33 @@ class Modules(Statements):
 
         return [name for name in FUNCTIONS if "." not in name] if module.startswith("launch") else []
 
+    def unbound(self, name: str) -> Value:
+        """Return what a name of Python itself means."""
+        path = f"builtins.{name}"
+        if name in _MEANT or path in PLAIN or path in SYSTEM or _is_exception(name):
+            return Library(path)
+        return Unknown(f"the name `{name}` is not bound to anything known")
+
+    def item(self, receiver: Value, key: Value, words_of: str) -> Value:
+        """Return `receiver[key]`, also of the environment and of the configurations of a context."""
+        if isinstance(receiver, Library):
+            name = known(key, self.context)
+            if receiver.path == "os.environ" and name is not None:
+                return Words((Substitution("env", ((name,),)),))
+            return Unknown(f"`{words_of}` is known only when it runs")
+        if isinstance(receiver, Method) and isinstance(receiver.receiver, ContextValue):
+            return self.configuration(receiver.receiver, known(key, self.context))
+        return super().item(receiver, key, words_of)
+
+    def configuration(self, receiver: ContextValue, name: str | None) -> Value:
+        """Return `context.launch_configurations[name]`."""
+        if receiver.context is None or name is None:
+            return Unknown("a launch configuration is read where none is known")
+        value = receiver.context.configuration(name)
+        if value is None:
+            return Unknown(f"the launch configuration `{name}` is not set")
+        return words(value, f"the launch configuration `{name}` is not known", HOLE)
+
     def attribute(self, receiver: Value, name: str) -> Value:
         """Return an attribute of a value."""
         if isinstance(receiver, Library):
@@ -165,7 +200,7 @@ class Modules(Statements):
             missing = self.member_of_module(receiver.name, name, receiver) if name not in receiver.scope.names else None
             return receiver.scope.names.get(name, missing)
         if isinstance(receiver, Instance | Klass):
-            return self._member(receiver, name)
+            return self._of_class(receiver, name)
         if isinstance(receiver, Description) and name == "entities":
             return receiver.entities
         if isinstance(receiver, PathValue):
@@ -174,7 +209,7 @@ class Modules(Statements):
             return Choice(tuple((condition, self.attribute(each, name)) for condition, each in receiver.options))
         if isinstance(receiver, Unknown):
             return receiver
-        kinds = (str, Words, Items, Table, LoadedFile, Description, ContextValue, Method, ParameterFile)
+        kinds = (str, Words, Items, tuple, Table, LoadedFile, Description, ContextValue, Method, ParameterFile)
         return (
             Method(receiver, name)
             if isinstance(receiver, kinds) or name == "evaluate"
@@ -184,7 +219,7 @@ class Modules(Statements):
     def _unknown(self, receiver: Value, name: str) -> Unknown:
         return Unknown(f"the attribute `{name}`: {reason_of(receiver)}")
 
-    def _member(self, receiver: Instance | Klass, name: str) -> Value:
+    def _of_class(self, receiver: Instance | Klass, name: str) -> Value:
         if isinstance(receiver, Instance) and name in receiver.attributes:
             return receiver.attributes[name]
         klass = receiver.klass if isinstance(receiver, Instance) else receiver
@@ -226,10 +261,6 @@ class Modules(Statements):
             return posixpath.splitext(last)[0 if name == "stem" else 1]
         return Method(receiver, name)
 
-    def builtin(self, name: str) -> Library:
-        """Return a function of Python itself."""
-        return Library(f"builtins.{name}")
-
     def normal_path(self, value: Value) -> Value:
         """Return a path without `..`."""
         text = paths.normal(simplify(to_text(value)))
@@ -246,3 +277,8 @@ class Modules(Statements):
         if text is not None and self.find_file(text) is not None:
             return True
         return Unknown(f"whether the file {text or 'named here'} exists")
+
+
+def _is_exception(name: str) -> bool:
+    kind = getattr(builtins, name, None)
+    return isinstance(kind, type) and issubclass(kind, BaseException)

@@ -5,18 +5,18 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
+from kg.extract.launch.expressions.texts import join, reason_of, to_text, unknown_text
+from kg.extract.launch.expressions.values import Choice, Guarded, Items, Table, Unknown, pair_of
 from kg.extract.launch.ros2.actions import LoadComponents, NodeAction
 from kg.extract.launch.ros2.python.conditions import condition_of
 from kg.extract.launch.ros2.python.parameters import PARAMETERS, sources_of
-from kg.extract.launch.ros2.python.texts import join, reason_of, to_text, unknown_text
-from kg.extract.launch.ros2.python.values import Choice, Guarded, Ignored, Items, Table, Unknown, pair_of
+from kg.extract.launch.ros2.python.values import Ignored
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kg.extract.launch.ros2.actions import Condition, Text
+    from kg.extract.launch.expressions.values import Condition, Text, Value
     from kg.extract.launch.ros2.python.call import Call
-    from kg.extract.launch.ros2.python.values import Value
     from kg.facts import Location
 
 __all__ = ["NODES"]

@@ -8,25 +8,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.ros2.actions import ParameterFile, ParameterValue, Substitution
+from kg.extract.launch.expressions.texts import join, reason_of, to_text, unknown_text
+from kg.extract.launch.expressions.values import Choice, Guarded, Items, Substitution, Table, Unknown, Words
+from kg.extract.launch.ros2.actions import ParameterFile, ParameterValue
 from kg.extract.launch.ros2.python.conditions import condition_of
-from kg.extract.launch.ros2.python.texts import join, reason_of, to_text, unknown_text
-from kg.extract.launch.ros2.python.values import (
-    Choice,
-    Guarded,
-    Items,
-    PathValue,
-    Table,
-    Unknown,
-    Words,
-)
+from kg.extract.launch.ros2.python.values import PathValue
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kg.extract.launch.ros2.actions import ParameterSource, Text
+    from kg.extract.launch.expressions.values import Text, Value
+    from kg.extract.launch.ros2.actions import ParameterSource
     from kg.extract.launch.ros2.python.call import Call
-    from kg.extract.launch.ros2.python.values import Value
     from kg.facts import Location
 
 __all__ = ["PARAMETERS", "Typed", "file_of", "sources_of", "value_of"]

@@ -5,15 +5,13 @@ from __future__ import annotations
 import posixpath
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.ros2.actions import Substitution
-from kg.extract.launch.ros2.python.texts import join, simplify, to_text
-from kg.extract.launch.ros2.python.values import Words
+from kg.extract.launch.expressions.texts import join, simplify, to_text
+from kg.extract.launch.expressions.values import Substitution, Words
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kg.extract.launch.ros2.actions import Part, Text
-    from kg.extract.launch.ros2.python.values import Value
+    from kg.extract.launch.expressions.values import Part, Text, Value
 
 __all__ = ["base", "join_paths", "normal", "parent", "split"]
 

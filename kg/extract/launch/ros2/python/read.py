@@ -9,21 +9,21 @@ from __future__ import annotations
 import ast
 from typing import TYPE_CHECKING, Final
 
+from kg.extract.launch.expressions.containers import Halt
+from kg.extract.launch.expressions.values import Frame, Function, Library, Module, Unknown
 from kg.extract.launch.ros2.python.flatten import actions_of
 from kg.extract.launch.ros2.python.invoke import Invocations
-from kg.extract.launch.ros2.python.machine import Frame, Halt
 from kg.extract.launch.ros2.python.source import Broken, parse
-from kg.extract.launch.ros2.python.values import Function, Library, Module, Unknown
 from kg.facts import LaunchProblem, LaunchProblemKind
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from kg.corpus.files import FilePath
+    from kg.extract.launch.expressions.values import Value
     from kg.extract.launch.files import Files
     from kg.extract.launch.ros2.actions import Action
     from kg.extract.launch.ros2.context import Context
-    from kg.extract.launch.ros2.python.values import Value
     from kg.facts import Location
 
 __all__ = ["read_python"]

@@ -5,34 +5,31 @@ from __future__ import annotations
 import ast
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.ros2.actions import Condition
-from kg.extract.launch.ros2.python.expressions import Expressions
-from kg.extract.launch.ros2.python.formatting import format_percent
-from kg.extract.launch.ros2.python.machine import Break, Continue, Frame, Raised, Return, written
-from kg.extract.launch.ros2.python.operators import binary, same, truth
-from kg.extract.launch.ros2.python.texts import known, reason_of, to_text
-from kg.extract.launch.ros2.python.values import (
+from kg.extract.launch.expressions.operators import binary, same, truth
+from kg.extract.launch.expressions.texts import known, reason_of, to_text, written
+from kg.extract.launch.expressions.values import (
     Choice,
-    ContextValue,
+    Condition,
+    Frame,
     Function,
     Guarded,
-    Instance,
     Items,
-    Klass,
     Library,
-    LoadedFile,
     Method,
     Scope,
     Table,
     Unknown,
 )
+from kg.extract.launch.expressions.whole import ExpressionError, UnsupportedError
+from kg.extract.launch.ros2.python.machine import Break, Continue, Machine, Raised, Return
+from kg.extract.launch.ros2.python.values import ContextValue, Instance, Klass, LoadedFile
 from kg.facts import LaunchProblemKind
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from kg.extract.launch.expressions.values import Value
     from kg.extract.launch.ros2.python.machine import Signal
-    from kg.extract.launch.ros2.python.values import Value
 
 __all__ = ["Statements"]
 
@@ -41,7 +38,7 @@ _TOO_LONG: Final = f"a loop is read for {_MAX_ROUNDS:,} rounds only"
 _Outcome = tuple[Condition, "Signal", dict[str, "Value"]]
 
 
-class Statements(Expressions):
+class Statements(Machine):
     """The part of the interpreter that runs statements."""
 
     def run_block(self, body: Sequence[ast.stmt], frame: Frame) -> Signal:
@@ -79,21 +76,16 @@ class Statements(Expressions):
             found = self.iterate(value)
             self.append(before, [value] if found is None else found)
             return None
-        if isinstance(node.op, ast.Mod) and isinstance(before, str):
-            self.assign(node.target, format_percent(before, value), frame)
-            return None
-        self.assign(node.target, self.weigh(binary(type(node.op), before, value)), frame)
+        try:
+            changed = self.weigh(binary(type(node.op), before, value))
+        except (ExpressionError, UnsupportedError) as error:
+            changed = self.failed(error)
+        self.assign(node.target, changed, frame)
         return None
 
     def assign(self, target: ast.expr, value: Value, frame: Frame) -> None:
         """Bind a target of an assignment or loop."""
-        if isinstance(target, ast.Name):
-            frame.scope.bind(target.id, value)
-        elif isinstance(target, ast.Starred):
-            self.assign(target.value, value, frame)
-        elif isinstance(target, ast.Tuple | ast.List):
-            self._unpack(target.elts, value, frame)
-        elif isinstance(target, ast.Attribute):
+        if isinstance(target, ast.Attribute):
             receiver = self.evaluate(target.value, frame)
             if isinstance(receiver, Instance):
                 receiver.attributes[target.attr] = value
@@ -107,6 +99,8 @@ class Statements(Expressions):
 
             elif isinstance(receiver, Method) and isinstance(receiver.receiver, ContextValue):
                 self._configure(receiver.receiver, key, value)
+        else:
+            super().assign(target, value, frame)
 
     def _configure(self, receiver: ContextValue, key: Value, value: Value) -> None:
         """Run `context.launch_configurations[key] = value`."""
@@ -114,18 +108,6 @@ class Statements(Expressions):
         if receiver.context is not None and name is not None:
             guarded = Unknown(f"it depends on `{self.guards[-1].written}`") if self.guards else value
             receiver.context.scope.configurations[name] = receiver.context.perform(to_text(guarded))
-
-    def _unpack(self, targets: list[ast.expr], value: Value, frame: Frame) -> None:
-        found = self.iterate(value)
-        star = next((number for number, each in enumerate(targets) if isinstance(each, ast.Starred)), None)
-        if found is not None and star is not None and len(found) >= len(targets) - 1:
-            tail = len(targets) - star - 1
-            middle = self.items(found[star : len(found) - tail])
-            found = [*found[:star], middle, *found[len(found) - tail :]]
-        if found is None or len(found) != len(targets):
-            found = [Unknown(reason_of(value))] * len(targets)
-        for target, item in zip(targets, found, strict=True):
-            self.assign(target, item, frame)
 
     def run_return(self, node: ast.Return, frame: Frame) -> Signal:
         """Run `return value`."""

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.ros2.actions import Substitution
-from kg.extract.launch.ros2.python.texts import to_text
-from kg.extract.launch.ros2.python.values import Guarded, Items, Words
+from kg.extract.launch.expressions.texts import to_text
+from kg.extract.launch.expressions.values import Guarded, Items, Substitution, Words
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kg.extract.launch.ros2.actions import Text
+    from kg.extract.launch.expressions.values import Text, Value
     from kg.extract.launch.ros2.python.call import Call
-    from kg.extract.launch.ros2.python.values import Value
 
 __all__ = ["SUBSTITUTIONS"]
 

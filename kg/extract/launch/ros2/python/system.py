@@ -6,26 +6,18 @@ import copy
 import json
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.ros2.actions import Substitution
+from kg.extract.launch.expressions.texts import known, reason_of, simplify, to_text
+from kg.extract.launch.expressions.values import Items, Substitution, Table, Unknown, Words
+from kg.extract.launch.expressions.whole import MAX_TEXT, is_whole
 from kg.extract.launch.ros2.python import paths
-from kg.extract.launch.ros2.python.builtin import FUNCTIONS, chain, product
 from kg.extract.launch.ros2.python.documents import construct, read_yaml
-from kg.extract.launch.ros2.python.texts import known, reason_of, simplify, to_text
-from kg.extract.launch.ros2.python.values import (
-    Description,
-    Items,
-    LoadedFile,
-    PathValue,
-    Table,
-    Unknown,
-    Words,
-)
+from kg.extract.launch.ros2.python.values import Description, Instance, Klass, LoadedFile, PathValue
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from kg.extract.launch.expressions.values import Value
     from kg.extract.launch.ros2.python.call import Call
-    from kg.extract.launch.ros2.python.values import Value
 
 __all__ = ["SYSTEM"]
 
@@ -132,6 +124,37 @@ def _described(call: Call) -> Value:
     return Words((Substitution("command", (tuple(words),)),), lazy=True)
 
 
+def _is_instance(call: Call) -> Value:
+    value, kind = call.value("obj", 0), call.value("class_or_tuple", 1)
+    if isinstance(value, Instance) and isinstance(kind, Klass):
+        return value.klass is kind or kind in value.klass.bases
+    names = {"builtins.str": str, "builtins.bool": bool, "builtins.int": int, "builtins.float": float}
+    names |= {"builtins.list": Items, "builtins.dict": Table, "builtins.tuple": tuple}
+    expected = names.get(getattr(kind, "path", ""))
+    if expected is None or not (is_whole(value) or isinstance(value, Items | Table | tuple)):
+        return Unknown("the type of a value is not known")
+    return isinstance(value, expected)
+
+
+def _attribute(call: Call) -> Value:
+    name = known(call.value("name", 1))
+    if name is None:
+        return Unknown("the name of an attribute is not known")
+    found = call.machine.attribute(call.value("object", 0), name)
+    return call.args[2] if isinstance(found, Unknown) and len(call.args) > 2 else found  # noqa: PLR2004 - a default
+
+
+def _open(call: Call) -> Value:
+    path = call.value("file", 0)
+    text = known(path, call.machine.context)
+    file = call.machine.find_file(text) if text is not None else None
+    data = call.machine.files.read(file) if file is not None else None
+    if data is None:
+        why = reason_of(path) if text is None else f"the file {text} is not in the build"
+        return LoadedFile(None, file, why)
+    return LoadedFile(data.decode("utf-8", "replace")[:MAX_TEXT], file)
+
+
 SYSTEM: Final[dict[str, Callable[[Call], Value]]] = {
     "xacro.process_file": _described,
     "os.path.join": _join,
@@ -161,7 +184,8 @@ SYSTEM: Final[dict[str, Callable[[Call], Value]]] = {
     "copy.copy": _copy,
     "copy.deepcopy": _deep_copy,
     "collections.defaultdict": _default_table,
-    "collections.OrderedDict": FUNCTIONS["dict"],
-    "itertools.chain": chain,
-    "itertools.product": product,
+    "builtins.isinstance": _is_instance,
+    "builtins.getattr": _attribute,
+    "builtins.open": _open,
+    "builtins.print": lambda _: None,
 }

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kg.extract.launch.ros2.actions import Substitution, Text
+from kg.extract.launch.expressions.values import Substitution, Text
 from kg.extract.launch.ros2.frontend.template import TemplateError, parse_template
 
 NAMES = st.from_regex(r"[a-z][a-z-]{0,8}", fullmatch=True)

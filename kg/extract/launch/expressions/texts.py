@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+import ast
+from typing import TYPE_CHECKING, Final, Protocol
 
-from kg.extract.launch.ros2.actions import ParameterFile, Substitution
-from kg.extract.launch.ros2.context import HOLE
-from kg.extract.launch.ros2.python.values import Choice, Guarded, Items, PathValue, Unknown, Words
+from kg.extract.launch.expressions.values import Choice, Guarded, Items, Substitution, TextLike, Unknown, Words
 
 if TYPE_CHECKING:
-    from kg.extract.launch.ros2.actions import Part, Text
-    from kg.extract.launch.ros2.context import Context
-    from kg.extract.launch.ros2.python.values import Value
+    from kg.extract.launch.expressions.values import Part, Text, Value
 
-__all__ = ["HOLE", "join", "known", "reason_of", "simplify", "to_text", "unknown_text", "words"]
+__all__ = ["Settler", "join", "known", "reason_of", "simplify", "to_text", "unknown_text", "words", "written"]
 
 _MAX_PARTS: Final = 2_000
+
+
+class Settler(Protocol):
+    """Gives the texts of substitutions that are performed while the file is read."""
+
+    def settled(self, text: Text) -> str | None:
+        """Return a text performed; None where a part of it is not known."""
 
 
 def unknown_text(reason: str) -> Text:
@@ -27,8 +31,8 @@ def reason_of(value: Value) -> str:
     """Return why a value cannot be used as what it should be."""
     if isinstance(value, Unknown | Choice):
         return value.reason
-    if isinstance(value, PathValue):
-        return reason_of(value.text)
+    if isinstance(value, TextLike):
+        return reason_of(value.as_text())
     if isinstance(value, Guarded):
         return f"it depends on `{value.condition.written}`"
     if isinstance(value, Words):
@@ -57,11 +61,8 @@ def to_text(value: Value) -> Text:
         return (value,) if value else ()
     if isinstance(value, Words):
         return value.parts
-    if isinstance(value, PathValue):
-        return to_text(value.text)
-    if isinstance(value, ParameterFile):
-        changed = value.rewrites or value.root or value.keys
-        return (Substitution("rewritten-file", file=value),) if changed else value.path
+    if isinstance(value, TextLike):
+        return to_text(value.as_text())
     if isinstance(value, bool | int | float):
         return (str(value),)
     if isinstance(value, Items | tuple):
@@ -79,21 +80,21 @@ def simplify(parts: Text, *, lazy: bool = False) -> str | Words:
     return Words(merged, lazy)
 
 
-def words(text: str, reason: str) -> str | Words:
-    """Return what the executor gave for a text; its holes are unknown for the reason."""
-    pieces = text.split(HOLE)
+def words(text: str, reason: str, hole: str) -> str | Words:
+    """Return a text in which `hole` stands for parts that are unknown for the reason."""
+    pieces = text.split(hole)
     parts: list[Part] = [pieces[0]]
     for piece in pieces[1:]:
         parts += [Substitution("unknown", reason=reason), piece]
     return simplify(tuple(parts))
 
 
-def known(value: Value, context: Context | None = None) -> str | None:
+def known(value: Value, context: Settler | None = None) -> str | None:
     """Return a text that is wholly known now; None for all else. Within an `OpaqueFunction` there is a context."""
     if isinstance(value, str):
         return value
-    if isinstance(value, PathValue):
-        return known(value.text, context)
+    if isinstance(value, TextLike):
+        return known(value.as_text(), context)
     if not isinstance(value, Words) or value.lazy:
         return None
     parts: list[str] = []
@@ -105,11 +106,15 @@ def known(value: Value, context: Context | None = None) -> str | None:
     return "".join(parts)
 
 
-def _settled(part: Substitution, context: Context | None) -> str | None:
+def _settled(part: Substitution, context: Settler | None) -> str | None:
     """Return what a variable of the environment gives: its default, since the environment is never read."""
     if part.kind != "env":
         return None
     if context is not None:
-        performed = context.perform((part,))
-        return None if HOLE in performed else performed
+        return context.settled((part,))
     return known(simplify(part.arguments[1])) if len(part.arguments) > 1 else None
+
+
+def written(node: ast.AST | None) -> str:
+    """Return a node in the words of the file, in one line."""
+    return " ".join(ast.unparse(node).split())[:200] if node is not None else ""
