@@ -25,7 +25,17 @@ from kg.symbolic.values import (
 if TYPE_CHECKING:
     from kg.symbolic.form import Expression
 
-__all__ = ["COMMAND_LINE", "counted", "element", "elements", "is_unknown_parameter", "part_of", "with_element"]
+__all__ = [
+    "COMMAND_LINE",
+    "counted",
+    "element",
+    "elements",
+    "is_unknown_parameter",
+    "is_unset",
+    "key_of",
+    "part_of",
+    "with_element",
+]
 
 COMMAND_LINE: Final = Sequence((), open=True, parameter="argv")
 """The arguments of the program, the program itself first."""
@@ -33,6 +43,9 @@ COMMAND_LINE: Final = Sequence((), open=True, parameter="argv")
 
 def elements(of: Value) -> list[Value]:
     """Return the elements of a container, or one that represents all of them."""
+    if is_unset(of):
+        one = part_of(f"{of.parameter}[]")
+        return [one if isinstance(of, Sequence) else Sequence((key_of(of.parameter), one))]
     if isinstance(of, Sequence):
         items = of.items if of.parameter is None else [with_parameter(item, f"{of.parameter}[]") for item in of.items]
         return [*items, *([_some(of)] if of.open else [])]
@@ -58,6 +71,16 @@ def is_unknown_parameter(of: Value) -> TypeGuard[Text | Unknown]:
     return isinstance(of, Text | Unknown) and of.parameter is not None and (isinstance(of, Unknown) or of.known is None)
 
 
+def is_unset(of: Value) -> TypeGuard[Sequence | Mapping]:
+    """Check whether a value is a parameter that is empty by default: its elements are those that a launch file sets."""
+    return isinstance(of, Sequence | Mapping) and not of.items and of.parameter not in (None, "argv")
+
+
+def key_of(parameter: str | None) -> Text:
+    """Return a key of a parameter that is a map."""
+    return Text.hole(f"it is a key of a parameter: {parameter}", parameter=f"{parameter}[key]")
+
+
 def part_of(name: str) -> Text:
     """Return an element of a parameter that is a list or a map."""
     return Text.hole(f"it is part of a parameter: {name}", parameter=name)
@@ -73,6 +96,8 @@ def element(of: Value, key: Value) -> Value:
     """Return the element of a container at a key, or what any of them can be."""
     if isinstance(of, Sequence) and of.parameter == "argv":
         return _argument_at(key)
+    if is_unset(of):
+        of = Unknown("it is a parameter", of.parameter)
     if isinstance(of, Sequence):
         if isinstance(key, Number):
             index = int(key.value)

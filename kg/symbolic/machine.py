@@ -13,6 +13,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.symbolic import form
+from kg.symbolic.containers import is_unset
 from kg.symbolic.operators import (
     NULL,
     chosen,
@@ -360,7 +361,7 @@ class Machine:
 
     def _over(self, loop: form.Loop, over: Value, frame: Frame) -> str | None:
         items = self.language.elements(over)
-        known = isinstance(over, Sequence | Mapping) and not over.open
+        known = isinstance(over, Sequence | Mapping) and not over.open and not is_unset(over)
         if known and len(items) > MOST_TURNS:
             self.reached("turns")
             items = items[:MOST_TURNS]

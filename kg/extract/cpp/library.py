@@ -11,7 +11,7 @@ from kg.extract.cpp import tokens
 from kg.extract.cpp.tokens import STREAMS
 from kg.facts import Resolution
 from kg.symbolic import form
-from kg.symbolic.containers import COMMAND_LINE, element, elements, with_element
+from kg.symbolic.containers import COMMAND_LINE, element, elements, is_unset, with_element
 from kg.symbolic.state import Arguments
 from kg.symbolic.values import (
     PLACEHOLDER,
@@ -423,6 +423,8 @@ def method(language: Cpp, of: Value, name: str, given: Arguments, written: Expre
     if name in ("at", "operator[]") and values:
         return element(of, values[0])
     if name in ("size", "length") and isinstance(of, Sequence | Mapping) and not of.open:
+        if is_unset(of):
+            return Unknown("it depends on a parameter", of.parameter)
         return number(float(len(of.items)), None if language.machine.counting else of.parameter)
     if name == "empty" and not isinstance(of, Unknown):
         return _empty(of)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 from kg.extract.python import texts
 from kg.facts import Resolution
 from kg.symbolic import containers
-from kg.symbolic.containers import COMMAND_LINE, is_unknown_parameter, part_of, with_element
+from kg.symbolic.containers import COMMAND_LINE, is_unknown_parameter, is_unset, key_of, part_of, with_element
 from kg.symbolic.durations import INFINITE, duration
 from kg.symbolic.operators import NULL
 from kg.symbolic.parameters import with_parameter
@@ -72,25 +72,17 @@ def elements(of: Value) -> list[Value]:
     """Return what a loop over a value gives."""
     if isinstance(of, Mapping):
         keys = [key for key, _ in of.items]
-        return keys if keys or of.parameter is None else [_key_of(of.parameter)]
-    if isinstance(of, Sequence) and not of.items and of.parameter is not None:
-        return [part_of(f"{of.parameter}[]")]
+        return keys if keys or of.parameter is None else [key_of(of.parameter)]
     if isinstance(of, Text) and of.known is not None and of.parameter is None:
         return [replace(of, parts=(letter,)) for letter in of.known[:_MOST_NUMBERS]]
     return containers.elements(of)
-
-
-def _key_of(parameter: str) -> Text:
-    return Text.hole(f"it is a key of a parameter: {parameter}", parameter=f"{parameter}[key]")
 
 
 def element(of: Value, key: Value) -> Value:
     """Return the element of a container at a key."""
     if isinstance(of, Object):
         return Unknown("it is an element of an object")
-    if isinstance(of, Sequence | Mapping) and not of.items and of.parameter not in (None, "argv"):
-        return containers.element(Unknown("it is a parameter", of.parameter), key)
-    if isinstance(of, Sequence | Text) and isinstance(key, Number) and key.value < 0:
+    if isinstance(of, Sequence | Text) and isinstance(key, Number) and key.value < 0 and not is_unset(of):
         items = elements(of) if not isinstance(of, Text) or of.known is not None else []
         count = int(-key.value)
         return items[-count] if len(items) >= count and not _is_open(of) else Unknown("it is one of the last elements")
@@ -453,7 +445,7 @@ def _view(of: Value, name: str) -> Value | None:
         return None
     if is_unknown_parameter(of) or (isinstance(of, Sequence | Mapping) and not of.items and of.parameter):
         parameter: str = getattr(of, "parameter", None) or ""
-        parts: dict[str, Value] = {"keys": _key_of(parameter), "values": part_of(f"{parameter}[]")}
+        parts: dict[str, Value] = {"keys": key_of(parameter), "values": part_of(f"{parameter}[]")}
         return Sequence((parts[kind],) if kind in parts else (Sequence((parts["keys"], parts["values"])),))
     if not isinstance(of, Mapping):
         return None
