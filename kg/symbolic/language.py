@@ -50,6 +50,9 @@ class Language(Protocol):
     def type_of(self, expression: Expression, frame: Frame) -> Kind | None:
         """Return the declared type of a variable or member."""
 
+    def message(self, kind: Kind, frame: Frame | None) -> Kind:
+        """Return the message that objects of a type are sent as, where a frame uses it: the type itself if none."""
+
     def nested_type(self, kind: Kind, name: str) -> Kind | None:
         """Return a type that a class defines as an alias; None if it has no such alias."""
 

@@ -200,6 +200,9 @@ class Machine:
             value = self.language.default(kind, frame, statement.line) if kind is not None else missing
         else:
             value = self.value(written, frame)
+            if isinstance(written, form.Type):
+                frame.types[statement.name] = value
+                return
             if kind is None or not kind.reference or not isinstance(written, form.Name | form.Member | form.Index):
                 value = self.language.converted(value, kind, written, frame)
                 if kind is None or not (kind.reference or kind.pointer):

@@ -35,8 +35,8 @@ _SUFFIXES: Final = frozenset(
 _JOINED: Final = ("ConstPtr", "Ptr", "ConstSharedPtr", "SharedPtr")
 """Suffixes of the types that roscpp generates next to a message: `std_msgs::EmptyConstPtr`."""
 _GENERATED: Final = frozenset({"msg", "srv", "action"})
-_WRAPPERS: Final = {"TypeAdapter": -1, "MessageEvent": 0, "ServiceEvent": 0, "WithTopicName": 0}
-"""Templates around a message, with the index of the message among their arguments."""
+_WRAPPERS: Final = {"TypeAdapter": -1, "as": 0, "MessageEvent": 0, "ServiceEvent": 0, "WithTopicName": 0}
+"""Templates around a message, with the index of the message among their arguments: `adapt_type<T>::as<Message>`."""
 _FUNCTION: Final = ("()",)
 """The name of the type of a function, whose arguments are the types of its parameters."""
 _ANY_TYPE: Final = "topic_tools/ShapeShifter"
@@ -52,10 +52,10 @@ def type_name(kind: Kind) -> str | None:
         return "sensor_msgs/PointCloud2"
     while len(names) > 2 and names[-1] in _SUFFIXES and names[-2] not in _GENERATED:  # noqa: PLR2004 - package and type
         names = names[:-1]
-    found = _of_names(names)
+    found = _of_names(names) if kind.cls is None else None
     if found is None or found == _ANY_TYPE:
         return None
-    for suffix in _JOINED if kind.cls is None else ():
+    for suffix in _JOINED:
         found = found.removesuffix(suffix) if not found.endswith("/" + suffix) else found
     return found
 
@@ -87,16 +87,17 @@ def _from(language: Language, source: str, call: Invocation) -> str | None:
     what, _, index = source.partition(":")
     if "/" in source:
         return source
-    if what == "template":
-        return _type_of_argument(next(iter(call.arguments.template), None))
-    if what == "receiver":
-        return _type_of_argument(next(iter(call.kind.arguments), None)) if call.kind is not None else None
+    frame = call.arguments.frame
+    if what in ("template", "receiver"):
+        of = call.arguments.template if what == "template" else call.kind.arguments if call.kind is not None else ()
+        first = next(iter(of), None)
+        return type_name(language.message(first.kind, frame)) if isinstance(first, TypeValue) else None
     argument = call.argument(int(index))
     if argument is None:
         return None
     if what == "callback":
         found = _callback_type(language, argument)
-        return found if found is not None else _first_parameter(call.declared(int(index), language))
+        return found if found is not None else _first_parameter(language, call, int(index))
     if what == "text":
         return _of_names(argument.known.split("/")) if isinstance(argument, Text) and argument.known else None
     if isinstance(argument, TypeValue):
@@ -109,12 +110,14 @@ def _from(language: Language, source: str, call: Invocation) -> str | None:
     return type_name(argument.kind)
 
 
-def _first_parameter(kind: Kind | None) -> str | None:
-    """Return the message that a `function<void(const Message&)>` takes."""
+def _first_parameter(language: Language, call: Invocation, index: int) -> str | None:
+    """Return the message that a variable of the type `function<void(const Message&)>` takes, by its argument."""
+    kind = call.declared(index, language)
     signature = kind.arguments[0] if kind is not None and kind.name == "function" and kind.arguments else None
     if not isinstance(signature, TypeValue) or signature.kind.names != _FUNCTION:
         return None
-    return _type_of_argument(next(iter(signature.kind.arguments), None))
+    first = next(iter(signature.kind.arguments), None)
+    return type_name(language.message(first.kind, call.arguments.frame)) if isinstance(first, TypeValue) else None
 
 
 def _callback_type(language: Language, callback: Value) -> str | None:
@@ -124,9 +127,10 @@ def _callback_type(language: Language, callback: Value) -> str | None:
         parameters = function.parameters[skip:] if function is not None else ()
         if function is None or not parameters or parameters[0].type is None:
             continue
-        found = language.kind_of(parameters[0].type, Frame(function.unit, function.scope, types=bound))
+        frame = Frame(function.unit, function.scope, types=bound)
+        found = language.kind_of(parameters[0].type, frame)
         if found is not None:
-            return type_name(found)
+            return type_name(language.message(found, frame))
     return None
 
 

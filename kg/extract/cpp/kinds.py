@@ -127,6 +127,13 @@ class Kinds:
                 return kind
         return Kind((*kind.names, *names), arguments)
 
+    def message(self, kind: Kind, frame: Frame | None) -> Kind:
+        """Return the message that objects of a type are sent as, where a frame uses it: the type itself if none."""
+        kind = pointee(kind)
+        found = self._linker.find_adapted(kind.names, frame.unit) if frame is not None else None
+        stated = self.kind(found[0], Frame(found[1], ())) if found is not None else kind
+        return stated if isinstance(stated, Kind) else kind
+
     def nested_type(self, kind: Kind, name: str) -> Kind | None:
         """Return a type that a class names by an alias; None if it has none."""
         if kind.cls is None:

@@ -63,6 +63,7 @@ class Cpp:
         self.kind_of = self.kinds.kind_of
         self.type_of = self.kinds.type_of
         self.nested_type = self.kinds.nested_type
+        self.message = self.kinds.message
         self.chain = self.kinds.chain
         self.call = self.calls.call
         self.construct_expression = self._constructions.expression

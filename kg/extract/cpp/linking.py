@@ -92,6 +92,11 @@ class Linker:
         found = self._named(_aliases, names, unit, scope)
         return found[0] if found else None
 
+    def find_adapted(self, names: _Scope, unit: Unit) -> tuple[Type, CppUnit] | None:
+        """Return the message that a type stands for, as written, with the file that states it."""
+        found = self._named(_adapted, names, unit, ())
+        return found[0] if found else None
+
     def find_variable(self, names: _Scope, unit: Unit, scope: _Scope) -> Variable | None:
         """Return the declaration of a variable at namespace scope, or of a static member."""
         found = self._named(_variables, names, unit, scope)
@@ -244,6 +249,10 @@ def _prototypes(unit: CppUnit, name: str) -> list[tuple[_Scope, Function]]:
 
 def _aliases(unit: CppUnit, name: str) -> list[tuple[_Scope, _Alias]]:
     return [(at, (at, kind, template, unit)) for at, kind, template in unit.aliases.get(name, ())]
+
+
+def _adapted(unit: CppUnit, name: str) -> list[tuple[_Scope, tuple[Type, CppUnit]]]:
+    return [(at, (message, unit)) for at, message in unit.adapted.get(name, ())]
 
 
 def _variables(unit: CppUnit, name: str) -> list[tuple[_Scope, Variable]]:

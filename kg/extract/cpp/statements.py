@@ -256,6 +256,15 @@ class Statements:
         arms.sort(key=lambda arm: arm[0] is None)
         return [Branch(line_of(node), tuple(arms))] if arms else []
 
+    def _alias(self, node: Node) -> list[Statement]:
+        """Return the names that `using` and `typedef` give to types within a function."""
+        kind = node.child_by_field_name("type")
+        named = [node.child_by_field_name("name")]
+        if node.type == "type_definition":
+            named = [syntax.declared_name(one) for one in node.children_by_field_name("declarator")]
+        meant = self._expressions.type(kind)
+        return [Declare(line_of(node), syntax.text(name), None, meant) for name in named if name is not None]
+
     def _return(self, node: Node) -> list[Statement]:
         inner = next((c for c in node.named_children if c.type not in _SKIPPED), None)
         return [Return(line_of(node), self._expressions.expression(inner) if inner is not None else None)]
@@ -295,6 +304,8 @@ class Statements:
         return self._statements(node.named_children)
 
     _lowered: ClassVar[dict[str, Callable[[Statements, Node], Sequence[Statement]]]] = {
+        "alias_declaration": _alias,
+        "type_definition": _alias,
         "compound_statement": _compound_statement,
         "expression_statement": _expression_statement,
         "declaration": declaration,

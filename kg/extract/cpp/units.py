@@ -24,6 +24,7 @@ __all__ = ["CppUnit", "Macro"]
 
 _CONTAINERS: Final = PREPROCESSED | {"translation_unit", "linkage_specification", "declaration_list"}
 _CLASSES: Final = frozenset({"class_specifier", "struct_specifier", "union_specifier", "enum_specifier"})
+_ADAPTER: Final = "RCLCPP_USING_CUSTOM_TYPE_AS_ROS_MESSAGE_TYPE"
 _CLASS_HEAD: Final = re.compile(rb"\b(class|struct)(\s+)([A-Z][A-Z0-9_]{3,})(\s+)(?=[A-Za-z_]\w*\s*(?:final\s*)?[:{])")
 
 
@@ -70,6 +71,8 @@ class CppUnit(Unit):
         """Namespaces of `using namespace`."""
         self.enumerators: set[str] = set()
         self.registrations: list[Node] = []
+        self.adapted: dict[str, list[tuple[tuple[str, ...], Type]]] = defaultdict(list)
+        """Types that stand for a message, by their last name: their scope as written, and the message."""
         self.tree = syntax.parse(self.source)
         self._expressions = Expressions(self)
         self._statements = Statements(self._expressions, self.source)
@@ -130,7 +133,17 @@ class CppUnit(Unit):
             if kind != "preproc_if" or _condition(node) != "0":
                 self._read(node, scope)
         elif kind == "expression_statement":
-            self.registrations += [c for c in node.named_children if c.type == "call_expression"]
+            for child in node.named_children:
+                if child.type == "call_expression":
+                    self.registrations.append(child)
+                    self._adapter(child)
+
+    def _adapter(self, call: Node) -> None:
+        """Read the macro that states which message a type stands for."""
+        given = syntax.arguments(call.child_by_field_name("arguments"))
+        if len(given) == len(("type", "message")) and syntax.text(call).startswith(_ADAPTER):
+            *scope, name = [part.name for part in syntax.parts(given[0]) if part.name]
+            self.adapted[name].append((tuple(scope), self._expressions.type(given[1])))
 
     def _macro(self, node: Node, parameters: tuple[str, ...] | None) -> None:
         name, value = node.child_by_field_name("name"), node.child_by_field_name("value")

@@ -338,6 +338,11 @@ class Python:
         del expression, frame
         return None
 
+    def message(self, kind: Kind, frame: Frame | None) -> Kind:
+        """Return the type itself, which Python sends as it is."""
+        del frame
+        return kind
+
     def nested_type(self, kind: Kind, name: str) -> Kind | None:
         """Return None, since classes have no aliases of types."""
         del kind, name

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import pytest
 from extract.cpp.packages import interfaces_of, type_of
 from hypothesis import given
 from hypothesis import settings as bounded
@@ -72,3 +73,51 @@ def test_adapters_are_of_the_message_that_is_sent() -> None:
 def test_aliases_that_name_themselves_end() -> None:
     """Aliases in a circle come to an end."""
     assert type_of("T", "using T = U;\nusing U = T;") in (None, "T", "U")
+
+
+IMAGE = "sensor_msgs::msg::Image"
+ADAPTER = (
+    f"template <> struct rclcpp::TypeAdapter<space::Frame, {IMAGE}> {{\n"
+    f"  using custom_type = space::Frame; using ros_message_type = {IMAGE};\n"
+    "  static void convert_to_ros_message(const custom_type& from, ros_message_type& to) {}\n};\n"
+)
+STATED = f"RCLCPP_USING_CUSTOM_TYPE_AS_ROS_MESSAGE_TYPE(\n  space::Frame, {IMAGE});\n"
+ADAPTERS = [
+    ("", f"rclcpp::TypeAdapter<space::Frame, {IMAGE}>"),
+    (ADAPTER, f"rclcpp::TypeAdapter<space::Frame, {IMAGE}>"),
+    ("", f"rclcpp::adapt_type<space::Frame>::as<{IMAGE}>"),
+    ("", f"rclcpp::adapt_type<cv::Mat>::as<{IMAGE}>"),
+    (STATED, "space::Frame"),
+    (ADAPTER + STATED, "space::Frame"),
+    (f"RCLCPP_USING_CUSTOM_TYPE_AS_ROS_MESSAGE_TYPE(cv::Mat, {IMAGE});\n", "cv::Mat"),
+]
+USES = [
+    ('create_publisher<{}>("t", 1);', ""),
+    ('using Sent = {}; create_publisher<Sent>("t", 1);', ""),
+    ('typedef {} Sent; create_publisher<Sent>("t", 1);', ""),
+    ('create_publisher<Sent>("t", 1);', "using Sent = {};"),
+    ('rclcpp::create_publisher<{}>(this, "t", 1);', ""),
+]
+
+
+@pytest.mark.parametrize(("stated", "kind"), ADAPTERS)
+@pytest.mark.parametrize(("use", "named"), USES)
+def test_adapters_stand_for_their_message(stated: str, kind: str, use: str, named: str) -> None:
+    """A type that an adapter sends as a message has the type of the message, however the adapter is written."""
+    source = (
+        f"#include <rclcpp/rclcpp.hpp>\nnamespace space {{ class Frame {{}}; }}\n{stated}{named.format(kind)}\n"
+        f'class Demo : public rclcpp::Node {{ public: Demo() : rclcpp::Node("demo") {{ {use.format(kind)} }} }};\n'
+        "int main(int argc, char** argv) { rclcpp::spin(std::make_shared<Demo>()); }\n"
+    )
+    (found,) = interfaces_of(source)
+    assert found.type == "sensor_msgs/Image"
+
+
+def test_a_callback_takes_the_adapted_type() -> None:
+    """The parameter of a callback stands for the message, too."""
+    assert type_of("const space::Frame&", "namespace space { class Frame {}; }\n" + STATED) == "sensor_msgs/Image"
+
+
+def test_classes_of_the_build_are_no_messages() -> None:
+    """A class that the sources define has no message type unless an adapter states one."""
+    assert type_of("space::Thing", "namespace space { class Thing {}; }") is None
