@@ -139,7 +139,7 @@ class Kinds:
         if kind.cls is None:
             return None
         frame = inside(kind.cls)
-        if not any(at == frame.scope for at, _, _ in cast("CppUnit", frame.unit).aliases.get(name, ())):
+        if not any(at == frame.scope for at, _, _ in cast("CppUnit", frame.unit).aliases(name)):
             return None
         found = self.kind(form.Type((name,)), frame)
         return found if isinstance(found, Kind) else None

@@ -34,8 +34,10 @@ class Linker:
     def __init__(self, project: Project, files: Iterable[FilePath]) -> None:
         self.project = project
         self.units: dict[FilePath, CppUnit] = {}
-        self._bodies: dict[bytes, list[CppUnit]] = defaultdict(list)
-        """The files that are not headers, by the words in them."""
+        self._bodies: dict[str, list[CppUnit]] = defaultdict(list)
+        """The files that are not headers, by the names that they declare."""
+        self._defining: dict[str, list[CppUnit]] = defaultdict(list)
+        """The files that define methods outside of a class, by its name."""
         self._methods: dict[Class, dict[str, list[Function]]] = {}
         self._meanings: dict[tuple[object, ...], list[Any]] = {}
         self._held: dict[tuple[str, Unit], list[CppUnit]] = {}
@@ -51,14 +53,12 @@ class Linker:
             unit = self.project.unit(file)
             if unit is None:
                 return None
-            self._add(unit)
+            self.units[file] = unit
+            for name in unit.names if not _is_header(unit.path) else ():
+                self._bodies[name].append(unit)
+            for name in unit.methods:
+                self._defining[name].append(unit)
         return self.units[file]
-
-    def _add(self, unit: CppUnit) -> None:
-        if unit.key not in self.units:
-            self.units[unit.key] = unit
-            for word in unit.words if not _is_header(unit.path) else ():
-                self._bodies[word].append(unit)
 
     # Names
 
@@ -118,30 +118,29 @@ class Linker:
         key = (name, unit)
         if key not in self._generated:
             snake = _SNAKE.sub("_", name).lower()
-            wanted = (f"/{name}.h", f"/{snake}.hpp")
-            paths = [path for one in self._holding(unit, name) for path in one.includes if path.endswith(wanted)]
-            self._generated[key] = (*paths[0].split("/")[:-1], name) if paths else None
+            self._generated[key] = next(
+                (
+                    (*path.split("/")[:-1], name)
+                    for file in (f"{snake}.hpp", f"{name}.h")
+                    for one in self._holding(unit, file)
+                    for path in one.includes
+                    if path.endswith("/" + file) and name.encode() in one.source
+                ),
+                None,
+            )
         return self._generated[key]
 
-    def _holding(self, unit: Unit, word: str) -> list[CppUnit]:
-        """Return the files, nearest first, that can give a word its meaning in a file."""
-        found = self._held.get((word, unit))
+    def _holding(self, unit: Unit, name: str) -> list[CppUnit]:
+        """Return the files, nearest first, that can give a name its meaning in a file."""
+        found = self._held.get((name, unit))
         if found is None:
-            near = {unit.key: cast("CppUnit", unit)}
-            for header in self.project.find(unit.key, word):
-                near[header.key] = header
-                self._add(header)
+            own = cast("CppUnit", unit)
+            found = [own] if name in own.names else []
+            found += [one for one in self.project.find(unit.key, name) if one is not own]
             # A name that a header only declares is defined in another file of the program.
-            for other in self._with_word(word):
-                near.setdefault(other.key, other)
-            found = self._held[word, unit] = list(near.values())
+            found += [one for one in self._bodies.get(name, ()) if one not in found]
+            self._held[name, unit] = found
         return found
-
-    def _with_word(self, word: str) -> list[CppUnit]:
-        raw = word.encode()
-        if word.isidentifier():
-            return self._bodies.get(raw, [])
-        return [one for one in self.units.values() if raw in one.source and not _is_header(one.path)]
 
     def _named(
         self,
@@ -179,16 +178,16 @@ class Linker:
             return known
         found = {name: list(functions) for name, functions in cls.methods.items()}
         self._methods[cls] = found
-        unit = cls.unit
-        for file in self.project.implementations(unit.key, cls.name, self.units, "::"):
+        for file in self.project.implementations(cls.unit.key, cls.name, self.units, "::"):
             self.load(file)
         inside = (*cls.scope, cls.name)
-        raw = cls.name.encode()
-        for other in [one for one in self.units.values() if raw in one.source]:
-            for function in (one for functions in other.functions.values() for one in functions):
-                if function.owner is None and function.scope[-1:] == inside[-1:] and _same(function, inside, other):
+        own = cast("CppUnit", cls.unit)
+        defining = dict.fromkeys((own, *self._defining.get(cls.name, ()), *self.project.defining(own.key, cls.name)))
+        for other in defining:
+            for function in other.methods.get(cls.name, ()):
+                if function.owner is None and _same(function, inside, other):
                     function.owner = cls
-                if function.owner is cls and not any(function is one for one in found.get(function.name, ())):
+                if function.owner is cls:
                     found.setdefault(function.name, []).append(function)
         for function in (one for functions in found.values() for one in functions):
             _declare(function, cls)
@@ -248,7 +247,7 @@ def _prototypes(unit: CppUnit, name: str) -> list[tuple[_Scope, Function]]:
 
 
 def _aliases(unit: CppUnit, name: str) -> list[tuple[_Scope, _Alias]]:
-    return [(at, (at, kind, template, unit)) for at, kind, template in unit.aliases.get(name, ())]
+    return [(at, (at, kind, template, unit)) for at, kind, template in unit.aliases(name)]
 
 
 def _adapted(unit: CppUnit, name: str) -> list[tuple[_Scope, tuple[Type, CppUnit]]]:
@@ -256,4 +255,4 @@ def _adapted(unit: CppUnit, name: str) -> list[tuple[_Scope, tuple[Type, CppUnit
 
 
 def _variables(unit: CppUnit, name: str) -> list[tuple[_Scope, Variable]]:
-    return [(at, (declared, unit, at)) for at, declared in unit.variables.get(name, ())]
+    return [(at, (declared, unit, at)) for at, declared in unit.variables(name)]

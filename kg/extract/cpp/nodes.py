@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import sys
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, cast
 
 from kg.extract.buildmodel import PluginClass, Registration, TargetKind
 from kg.extract.cpp import syntax
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from kg.corpus.files import FilePath, PackageFolder
     from kg.corpus.reading import Reader
     from kg.extract.buildmodel import BuildModel, Target
+    from kg.extract.cpp.units import CppUnit
     from kg.facts import Interface, Parameter
     from kg.symbolic.descriptions import Descriptions
     from kg.symbolic.form import Class
@@ -101,8 +102,8 @@ class _Nodes:
             for cls in [cls for listed in unit.classes.values() for cls in listed] if unit is not None else ():
                 machine, language, framework = self._machine([file])
                 methods = (f for listed in language.linker.methods(cls).values() for f in listed)
-                keys = {cls.unit.key, *(method.unit.key for method in methods)}
-                sources = [language.linker.units[key].source for key in keys]
+                units = {cls.unit, *(method.unit for method in methods)}
+                sources = [cast("CppUnit", one).source for one in units]
                 if not any(word in source for source in sources for word in words):
                     continue
                 root = self._started(machine, language, framework, cls, loaded=False)

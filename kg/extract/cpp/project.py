@@ -7,18 +7,17 @@ kept for the next package of the same process, within a bound.
 
 from __future__ import annotations
 
-from collections import OrderedDict
+from collections import OrderedDict, defaultdict
 from typing import TYPE_CHECKING, Final
 
 from kg.corpus.files import FilePath, Place
-from kg.extract.cpp.includes import included
 from kg.extract.cpp.units import CppUnit
 from kg.extract.manifests import read_build
 from kg.extract.parameters import listener
 from kg.facts import FileKind
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Iterable
+    from collections.abc import Container
 
     from kg.corpus.files import PackageFolder
     from kg.corpus.reading import Reader
@@ -89,7 +88,8 @@ FRAMEWORKS: Final = frozenset(
 _GENERATOR: Final = b"generate_parameter_library"
 _CACHE_BYTES: Final = 12 << 20
 _MOST_HEADERS: Final = 600
-_cache: OrderedDict[FilePath, CppUnit] = OrderedDict()
+_cache: OrderedDict[FilePath, tuple[bytes, CppUnit]] = OrderedDict()
+"""Files with their contents."""
 
 
 class Project:
@@ -103,9 +103,12 @@ class Project:
         self._units: dict[FilePath, CppUnit | None] = {}
         self._headers: dict[FilePath, tuple[FilePath, ...]] = {}
         self._direct: dict[FilePath, tuple[FilePath, ...]] = {}
-        self._holding: dict[tuple[FilePath, str], list[FilePath]] = {}
-        self._read: dict[FilePath, list[tuple[FilePath, bytes]]] = {}
+        self._nearness: dict[FilePath, dict[CppUnit, int]] = {}
+        self._listed: set[CppUnit] = set()
+        """The headers in the index that follows."""
+        self._declaring: dict[str, list[CppUnit]] = defaultdict(list)
         self._bodies: dict[Place, list[FilePath]] = {}
+        self._implementations: dict[tuple[Place, str], list[FilePath]] = {}
         self._libraries = {self._place: self._headers_of(self._place, build)}
         """The YAML files of parameter libraries by the names of their headers, for each package."""
         self._made: dict[FilePath, bytes] = {}
@@ -133,12 +136,12 @@ class Project:
     def _parse(self, file: FilePath, data: bytes) -> CppUnit:
         own = self.is_own(file)  # looked up in any case, so that the record does not depend on what is kept
         known = _cache.get(file)
-        if known is not None and known.source == data:
+        if known is not None and known[0] == data:
             _cache.move_to_end(file)
-            return known
+            return known[1]
         made = CppUnit(file, data)
-        if not own:
-            _keep(made)
+        if not own or not _is_source(file.path):
+            _keep(data, made)
         return made
 
     def contains(self, file: FilePath, word: bytes) -> bool:
@@ -184,9 +187,8 @@ class Project:
     def _includes(self, file: FilePath) -> tuple[FilePath, ...]:
         known = self._direct.get(file)
         if known is None:
-            data = self._content(file)
-            paths = included(data) if data is not None else []
-            found = (self.include(file, path) for path in paths)
+            unit = self.unit(file)
+            found = (self.include(file, path) for path in (unit.includes if unit is not None else ()))
             known = self._direct[file] = tuple(dict.fromkeys(header for header in found if header is not None))
         return known
 
@@ -203,14 +205,6 @@ class Project:
             known = self._headers[file] = tuple(seen)[1:]
         return known
 
-    def _header_texts(self, file: FilePath) -> list[tuple[FilePath, bytes]]:
-        """Return the headers of a file that can be read, nearest first, with their contents."""
-        known = self._read.get(file)
-        if known is None:
-            texts = ((header, self._content(header)) for header in self.headers(file))
-            known = self._read[file] = [(header, data) for header, data in texts if data is not None]
-        return known
-
     def implementations(self, header: FilePath, name: str, known: Container[FilePath], end: str) -> list[FilePath]:
         """Return the sources of the package of a header that contain a name followed by `end`, except for `known` ones.
 
@@ -224,27 +218,44 @@ class Project:
             entries = self.reader.workspace.files(owner, FileKind.CPP)
             sources = [FilePath(owner.repository, entry.path) for entry in entries if _is_source(entry.path)]
             bodies = self._bodies[owner] = sources
-        pattern = f"{name}{end}".encode()
-        return [file for file in bodies if file != header and file not in known and self.contains(file, pattern)]
+        pattern = f"{name}{end}"
+        holding = self._implementations.get((owner, pattern))
+        if holding is None:
+            raw = pattern.encode()
+            holding = [file for file in bodies if self.contains(file, raw)]
+            self._implementations[owner, pattern] = holding
+        return [file for file in holding if file != header and file not in known]
 
-    def find(self, file: FilePath, word: str) -> Iterable[CppUnit]:
-        """Yield the headers of a file that contain a word, nearest first."""
-        key = (file, word)
-        if key not in self._holding:
-            pattern = word.encode()
-            self._holding[key] = [header for header, data in self._header_texts(file) if pattern in data]
-        for header in self._holding[key]:
-            unit = self.unit(header)
-            if unit is not None:
-                yield unit
+    def find(self, file: FilePath, name: str) -> list[CppUnit]:
+        """Return the headers of a file that declare a name, nearest first; see `CppUnit.names`."""
+        near = self._near(file)
+        found = [one for one in self._declaring.get(name, ()) if one in near]
+        return sorted(found, key=near.__getitem__) if len(found) > 1 else found
+
+    def defining(self, file: FilePath, name: str) -> list[CppUnit]:
+        """Return the headers of a file that define methods outside of their class, which has a name."""
+        return [one for one in self._near(file) if name in one.methods]
+
+    def _near(self, file: FilePath) -> dict[CppUnit, int]:
+        """Return the headers of a file that can be read, each with its place in the order of nearness."""
+        known = self._nearness.get(file)
+        if known is None:
+            units = (self.unit(header) for header in self.headers(file))
+            known = self._nearness[file] = {one: place for place, one in enumerate(units) if one is not None}
+            for one in known:
+                if one not in self._listed:
+                    self._listed.add(one)
+                    for name in one.names:
+                        self._declaring[name].append(one)
+        return known
 
 
-def _keep(unit: CppUnit) -> None:
+def _keep(content: bytes, unit: CppUnit) -> None:
     """Cache a unit for later packages, and evict those least recently used."""
-    _cache[unit.key] = unit
-    total = sum([len(one.source) for one in _cache.values()])
+    _cache[unit.key] = (content, unit)
+    total = sum([len(one[0]) for one in _cache.values()])
     while total > _CACHE_BYTES and len(_cache) > 1:
-        total -= len(_cache.popitem(last=False)[1].source)
+        total -= len(_cache.popitem(last=False)[1][0])
 
 
 def _is_source(path: str) -> bool:

@@ -1,12 +1,11 @@
-"""One file of C++: its declarations, with the bodies of functions lowered at their first use."""
+"""One file of C++: the names that it declares. What they mean is lowered at the first use, and so are bodies."""
 
 from __future__ import annotations
 
 import re
 from collections import defaultdict
 from dataclasses import dataclass
-from functools import cached_property
-from typing import TYPE_CHECKING, Final, cast
+from typing import TYPE_CHECKING, Any, Final, TypeAlias, cast
 
 from kg.extract.cpp import syntax
 from kg.extract.cpp.expressions import PREPROCESSED, Expressions, line_of
@@ -15,6 +14,8 @@ from kg.extract.cpp.statements import Statements
 from kg.symbolic.form import Block, Class, Field, Function, Initialiser, Parameter, Type, Unit
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from tree_sitter import Node
 
     from kg.corpus.files import FilePath
@@ -22,15 +23,13 @@ if TYPE_CHECKING:
 
 __all__ = ["CppUnit", "Macro"]
 
+_Scope: TypeAlias = tuple[str, ...]
 _CONTAINERS: Final = PREPROCESSED | {"translation_unit", "linkage_specification", "declaration_list"}
 _CLASSES: Final = frozenset({"class_specifier", "struct_specifier", "union_specifier", "enum_specifier"})
 _ADAPTER: Final = "RCLCPP_USING_CUSTOM_TYPE_AS_ROS_MESSAGE_TYPE"
 _CLASS_HEAD: Final = re.compile(rb"\b(class|struct)(\s+)([A-Z][A-Z0-9_]{3,})(\s+)(?=[A-Za-z_]\w*\s*(?:final\s*)?[:{])")
-
-
-_ASCII: Final = 128
-_WORDS: Final = bytes(code if code >= _ASCII or chr(code).isalnum() or code == ord("_") else 32 for code in range(256))
-"""A table that replaces all bytes that are not part of a word by spaces."""
+_EXPORTED: Final = (re.compile(rb"class\s+[A-Z][A-Z0-9_]{3,}\s"), re.compile(rb"struct\s+[A-Z][A-Z0-9_]{3,}\s"))
+"""What every match of `_CLASS_HEAD` contains; a literal in front is found much faster."""
 
 
 @dataclass(slots=True, eq=False)
@@ -46,59 +45,125 @@ class Macro:
     """The macro as a function, once it was expanded."""
 
 
+class CppFunction(Function):
+    """A function of a file. Slots of its declarator are filled at the first use of one of them."""
+
+    __slots__ = ("declarator", "node")
+
+    def __init__(self, unit: CppUnit, name: str, scope: _Scope, nodes: tuple[Node, Node], template: _Scope) -> None:
+        """Take the nodes of the declaration and its declarator."""
+        self.unit, self.name, self.scope, self.template, self.owner = unit, name, scope, template, None
+        self.node, self.declarator = nodes
+        self.line = line_of(self.declarator if self.node.type == "function_definition" else self.node)
+        self.static, self.marks, self.source, self.body_made = False, frozenset(), None, None
+
+    def __getattr__(self, name: str) -> Any:
+        unit = cast("CppUnit", self.unit)
+        if name == "virtual":
+            self.virtual = _is_virtual(self.node)
+        elif name == "initialisers":
+            self.initialisers = unit.initialisers(self.node)
+        elif name == "parameters":
+            self.parameters = unit.expressions.parameters(self.declarator)
+        elif name == "returns":
+            self.returns = unit.returned(self)
+        else:
+            raise AttributeError(name)
+        return getattr(self, name)
+
+
+class CppClass(Class):
+    """A class of a file. Slots of its bases and members are filled at the first use of one of them."""
+
+    __slots__ = ("node",)
+
+    def __init__(self, unit: CppUnit, name: str, scope: _Scope, node: Node, template: _Scope) -> None:
+        self.unit, self.name, self.scope, self.template, self.line = unit, name, scope, template, line_of(node)
+        self.node, self.derived, self.body = node, (), None
+
+    def __getattr__(self, name: str) -> Any:
+        unit = cast("CppUnit", self.unit)
+        if name in ("fields", "methods", "declared"):
+            self.fields, self.methods, self.declared = {}, {}, {}
+            unit.members(self.node.child_by_field_name("body"), self, ())
+        elif name == "bases":
+            self.bases = unit.bases(self.node)
+        elif name == "defaults":
+            self.defaults = unit.defaults(self.node.parent) if self.template else {}
+        else:
+            raise AttributeError(name)
+        return getattr(self, name)
+
+
 class CppUnit(Unit):
     """The declarations of one file, by name."""
 
     def __init__(self, key: FilePath, source: bytes) -> None:
         self.key = key
         # An export macro between `class` and the name hides the class from the grammar.
-        self.source = (
-            _CLASS_HEAD.sub(lambda m: m[1] + m[2] + b" " * len(m[3]) + m[4], source)
-            if b"class" in source or b"struct" in source
-            else source
-        )
+        if any(one.search(source) for one in _EXPORTED):
+            source = _CLASS_HEAD.sub(lambda m: m[1] + m[2] + b" " * len(m[3]) + m[4], source)
+        self.source = source
         self.classes: dict[str, list[Class]] = defaultdict(list)
         self.functions: dict[str, list[Function]] = defaultdict(list)
         """Functions with bodies at namespace scope, also methods, by their last name."""
+        self.methods: dict[str, list[Function]] = defaultdict(list)
+        """Those among them with a qualified name, by its last scope."""
         self.prototypes: dict[str, list[Function]] = defaultdict(list)
-        self.aliases: dict[str, list[tuple[tuple[str, ...], Type, tuple[str, ...]]]] = defaultdict(list)
-        """Names of types: scope, type, template parameters."""
-        self.variables: dict[str, list[tuple[tuple[str, ...], Declare]]] = defaultdict(list)
+        self._aliases: dict[str, list[tuple[_Scope, Node | Type, _Scope]]] = defaultdict(list)
+        self._variables: dict[str, list[tuple[_Scope, Node]]] = defaultdict(list)
+        self._lowered_aliases: dict[str, list[tuple[_Scope, Type, _Scope]]] = {}
+        self._lowered_variables: dict[str, list[tuple[_Scope, Declare]]] = {}
         self.macros: dict[str, Macro] = {}
-        self.namespaces: dict[str, tuple[str, ...]] = {}
+        self.namespaces: dict[str, _Scope] = {}
         """Other names for namespaces."""
-        self.uses: list[tuple[str, ...]] = []
+        self.uses: list[_Scope] = []
         """Namespaces of `using namespace`."""
         self.enumerators: set[str] = set()
         self.registrations: list[Node] = []
-        self.adapted: dict[str, list[tuple[tuple[str, ...], Type]]] = defaultdict(list)
+        self.adapted: dict[str, list[tuple[_Scope, Type]]] = defaultdict(list)
         """Types that stand for a message, by their last name: their scope as written, and the message."""
-        self.tree = syntax.parse(self.source)
-        self._expressions = Expressions(self)
-        self._statements = Statements(self._expressions, self.source)
-        self._read(self.tree.root_node, ())
-
-    @cached_property
-    def includes(self) -> list[str]:
+        self.expressions = Expressions(self)
+        self._statements = Statements(self.expressions, self.source)
+        self._read(syntax.parse(self.source).root_node, ())
+        named: tuple[Iterable[str], ...] = (self.classes, self.functions, self.prototypes, self.macros)
+        named += (self._aliases, self._variables, self.adapted)
+        self.includes = included(self.source)
         """The paths that it includes, as written."""
-        return included(self.source)
+        files = (path.rpartition("/")[2] for path in self.includes)
+        self.names: frozenset[str] = frozenset(self.enumerators).union(files, *named)
+        """All names that the file declares, except for members that are not types, and those of files it includes."""
 
-    @cached_property
-    def words(self) -> frozenset[bytes]:
-        """The words of the source."""
-        return frozenset(self.source.translate(_WORDS).split())
+    def aliases(self, name: str) -> list[tuple[_Scope, Type, _Scope]]:
+        """Return the types that `using` or `typedef` gives a name: scope, type, template parameters."""
+        found = self._lowered_aliases.get(name)
+        if found is None:
+            found = self._lowered_aliases[name] = [
+                (scope, kind if isinstance(kind, Type) else self.expressions.type(kind), template)
+                for scope, kind, template in self._aliases.get(name, ())
+            ]
+        return found
 
-    def lower_body(self, function: Function) -> Block:
-        """Return the statements of a function of this file."""
-        return self._statements.block(cast("Node | None", function.source))
+    def variables(self, name: str) -> list[tuple[_Scope, Declare]]:
+        """Return the variables of a name at namespace scope, and static members, with their scopes."""
+        found = self._lowered_variables.get(name)
+        if found is None:
+            found = self._lowered_variables[name] = []
+            for scope, node in self._variables.get(name, ()):
+                for declared in self._statements.declaration(node):
+                    *outer, last = declared.name.replace(" ", "").split("::")
+                    if last == name:
+                        declared.name = last
+                        found.append(((*scope, *outer), declared))
+        return found
 
-    # Declarations
+    # Names
 
-    def _read(self, node: Node, scope: tuple[str, ...]) -> None:
+    def _read(self, node: Node, scope: _Scope) -> None:
         for child in node.named_children:
             self._declaration(child, scope, ())
 
-    def _declaration(self, node: Node, scope: tuple[str, ...], template: tuple[str, ...]) -> None:
+    def _declaration(self, node: Node, scope: _Scope, template: _Scope) -> None:
         kind = node.type
         if kind == "function_definition":
             self._function(node, scope, template)
@@ -115,7 +180,7 @@ class CppUnit(Unit):
                 if child.type != "template_parameter_list":
                     self._declaration(child, scope, names)
         elif kind == "declaration":
-            self._variables(node, scope)
+            self._variable(node, scope)
         elif kind in ("alias_declaration", "type_definition"):
             self._alias(node, scope, template)
         elif kind == "using_declaration":
@@ -143,16 +208,16 @@ class CppUnit(Unit):
         given = syntax.arguments(call.child_by_field_name("arguments"))
         if len(given) == len(("type", "message")) and syntax.text(call).startswith(_ADAPTER):
             *scope, name = [part.name for part in syntax.parts(given[0]) if part.name]
-            self.adapted[name].append((tuple(scope), self._expressions.type(given[1])))
+            self.adapted[name].append((tuple(scope), self.expressions.type(given[1])))
 
-    def _macro(self, node: Node, parameters: tuple[str, ...] | None) -> None:
+    def _macro(self, node: Node, parameters: _Scope | None) -> None:
         name, value = node.child_by_field_name("name"), node.child_by_field_name("value")
         if name is not None and value is not None:
             text = syntax.text(value).replace("\\\n", "\n").strip()
             shown = syntax.text(name)
             self.macros[shown] = Macro(self, shown, parameters, text, line_of(node))
 
-    def _using(self, node: Node, scope: tuple[str, ...]) -> None:
+    def _using(self, node: Node, scope: _Scope) -> None:
         named = syntax.of_type(node, "identifier", "qualified_identifier", "namespace_identifier")
         if not named:
             return
@@ -160,9 +225,9 @@ class CppUnit(Unit):
         if any(c.type == "namespace" for c in node.children):
             self.uses.append(names)
         elif len(names) > 1 and names[-1] != names[-2]:
-            self.aliases[names[-1]].append((scope, Type(names), ()))
+            self._aliases[names[-1]].append((scope, Type(names), ()))
 
-    def _alias(self, node: Node, scope: tuple[str, ...], template: tuple[str, ...]) -> None:
+    def _alias(self, node: Node, scope: _Scope, template: _Scope) -> None:
         kind = node.child_by_field_name("type")
         if node.type == "alias_declaration":
             names = [node.child_by_field_name("name")]
@@ -172,81 +237,111 @@ class CppUnit(Unit):
             self._type(kind, scope, template)
         for name in names:
             if name is not None and kind is not None:
-                self.aliases[syntax.text(name)].append((scope, self._expressions.type(kind), template))
+                self._aliases[syntax.text(name)].append((scope, kind, template))
 
-    def _variables(self, node: Node, scope: tuple[str, ...]) -> None:
+    def _variable(self, node: Node, scope: _Scope) -> None:
         kind = node.child_by_field_name("type")
         if kind is not None and kind.type in ("class_specifier", "struct_specifier", "enum_specifier"):
             self._type(kind, scope, ())
         declarators = node.children_by_field_name("declarator")
-        if len(declarators) == 1 and _function_declarator(declarators[0]) is not None:
-            self._prototype(node, declarators[0], scope)
+        found = _function_declarator(declarators[0]) if len(declarators) == 1 else None
+        if found is not None:
+            name = syntax.declared_name(found)
+            if name is not None:
+                shown = syntax.simple_name(name)
+                self.prototypes[shown].append(CppFunction(self, shown, scope, (node, found), ()))
             return
-        for declared in self._statements.declaration(node):
-            *outer, declared.name = declared.name.replace(" ", "").split("::")
-            self.variables[declared.name].append(((*scope, *outer), declared))
+        names = (syntax.declared_name(one) for one in declarators)
+        for shown in dict.fromkeys(syntax.text(name) for name in names if name is not None):
+            self._variables[shown.replace(" ", "").rpartition("::")[2]].append((scope, node))
 
-    def _type(self, node: Node, scope: tuple[str, ...], template: tuple[str, ...]) -> None:
+    def _type(self, node: Node, scope: _Scope, template: _Scope) -> None:
         name, body = node.child_by_field_name("name"), node.child_by_field_name("body")
         if body is None:
             return
         if node.type == "enum_specifier":
-            self._enumerators(body)
+            names = (one.child_by_field_name("name") for one in syntax.of_type(body, "enumerator"))
+            self.enumerators.update(syntax.text(name) for name in names if name is not None)
             return
         named = syntax.parts(name) if name is not None else []
         shown = named[-1].name if named else ""
-        outer = tuple(part.name for part in named[:-1])
-        made = Class(self, shown, (*scope, *outer), line_of(node), self._bases(node), template)
-        made.defaults = self._defaults(node.parent) if template else {}
-        self.classes[shown].append(made)
-        self._members(body, made)
+        inner = (*scope, *(part.name for part in named[:-1]))
+        self.classes[shown].append(CppClass(self, shown, inner, node, template))
+        self._nested(body, (*inner, shown), ())
 
-    def _defaults(self, node: Node | None) -> dict[str, Type]:
-        listed = node.child_by_field_name("parameters") if node is not None else None
-        found = {}
-        for child in listed.named_children if listed is not None else ():
-            name, default = child.child_by_field_name("name"), child.child_by_field_name("default_type")
-            if child.type == "optional_type_parameter_declaration" and name is not None and default is not None:
-                found[syntax.text(name)] = self._expressions.type(default)
-        return found
-
-    def _enumerators(self, body: Node) -> None:
-        names = (one.child_by_field_name("name") for one in syntax.of_type(body, "enumerator"))
-        self.enumerators.update(syntax.text(name) for name in names if name is not None)
-
-    def _bases(self, node: Node) -> tuple[Type, ...]:
-        bases = (base for clause in syntax.of_type(node, "base_class_clause") for base in clause.named_children)
-        skipped = ("access_specifier", "virtual", "comment")
-        return tuple(self._expressions.type(base) for base in bases if base.type not in skipped)
-
-    def _members(self, body: Node, cls: Class, template: tuple[str, ...] = ()) -> None:
-        inner = (*cls.scope, cls.name)
+    def _nested(self, body: Node, scope: _Scope, template: _Scope) -> None:
+        """Read the types that a class declares inside of it."""
         for member in body.named_children:
+            kind = member.type
+            if kind == "field_declaration":
+                held = member.child_by_field_name("type")
+                if held is not None and held.type in _CLASSES:
+                    self._type(held, scope, ())
+            elif kind == "template_declaration":
+                self._nested(member, scope, _template_names(member))
+            elif kind in _CLASSES:
+                self._type(member, scope, template)
+            elif kind in ("alias_declaration", "type_definition"):
+                self._alias(member, scope, template)
+            elif kind == "using_declaration":
+                self._using(member, scope)
+            elif kind in PREPROCESSED:
+                self._nested(member, scope, ())
+
+    def _function(self, node: Node, scope: _Scope, template: _Scope) -> None:
+        kind = node.child_by_field_name("type")
+        if kind is not None and kind.type in ("class_specifier", "struct_specifier"):
+            self._type(kind, scope, template)
+        made = self._defined(node, scope, template, None)
+        if made is not None:
+            self.functions[made.name].append(made)
+            if len(made.scope) > len(scope):
+                self.methods[made.scope[-1]].append(made)
+
+    def _defined(self, node: Node, scope: _Scope, template: _Scope, owner: Class | None) -> Function | None:
+        declarator = _function_declarator(node.child_by_field_name("declarator"))
+        name = declarator.child_by_field_name("declarator") if declarator is not None else None
+        if declarator is None or name is None:
+            return None
+        named = syntax.parts(name) if name.type != "destructor_name" else []
+        shown = named[-1].name if named else syntax.text(name)
+        body = node.child_by_field_name("body")
+        if body is None:  # a function-try-block
+            if syntax.of_type(node, "delete_method_clause", "default_method_clause"):
+                return None
+            body = next(iter(syntax.of_type(node, "try_statement")), None)
+        inner = (*scope, *(part.name for part in named[:-1] if part.name))
+        made = CppFunction(self, shown, inner, (node, declarator), template)
+        made.owner, made.source = owner, body
+        return made
+
+    # What is lowered at the first use
+
+    def lower_body(self, function: Function) -> Block:
+        """Return the statements of a function of this file."""
+        return self._statements.block(cast("Node | None", function.source))
+
+    def members(self, body: Node | None, cls: Class, template: _Scope) -> None:
+        """Add the fields and methods in the body of a class, and in `template` declarations and branches of it."""
+        inner = (*cls.scope, cls.name)
+        for member in body.named_children if body is not None else ():
             kind = member.type
             if kind == "field_declaration":
                 self._field(member, cls)
             elif kind == "function_definition":
-                self._method(member, cls, template)
+                made = self._defined(member, inner, template, cls)
+                if made is not None:
+                    cls.methods.setdefault(made.name, []).append(made)
             elif kind == "declaration":
-                declarator = member.child_by_field_name("declarator")
-                found = _function_declarator(declarator) if declarator is not None else None
+                found = _function_declarator(member.child_by_field_name("declarator"))
                 if found is not None:
                     self._declare_method(member, found, cls, template)
             elif kind == "template_declaration":
-                self._members(member, cls, _template_names(member))
-            elif kind in _CLASSES:
-                self._type(member, inner, template)
-            elif kind in ("alias_declaration", "type_definition"):
-                self._alias(member, inner, template)
-            elif kind == "using_declaration":
-                self._using(member, inner)
+                self.members(member, cls, _template_names(member))
             elif kind in PREPROCESSED:
-                self._members(member, cls)
+                self.members(member, cls, ())
 
     def _field(self, node: Node, cls: Class) -> None:
-        kind = node.child_by_field_name("type")
-        if kind is not None and kind.child_by_field_name("body") is not None:
-            self._type(kind, (*cls.scope, cls.name), ())
         static = any(c.type == "storage_class_specifier" and syntax.text(c) == "static" for c in node.children)
         latest: Field | None = None
         for index, child in enumerate(node.children):
@@ -258,90 +353,45 @@ class CppUnit(Unit):
                     continue
                 name = syntax.declared_name(child)
                 if name is not None:
-                    latest = Field(
-                        syntax.text(name),
-                        self._expressions.declared(node, child),
-                        None,
-                        line_of(child),
-                        static,
-                    )
+                    kind = self.expressions.declared(node, child)
+                    latest = Field(syntax.text(name), kind, None, line_of(child), static)
                     cls.fields[latest.name] = latest
             elif role == "default_value" and latest is not None:
-                latest.value = self._expressions.expression(child)
+                latest.value = self.expressions.expression(child)
 
-    def _method(self, node: Node, cls: Class, template: tuple[str, ...]) -> None:
-        made = self._made(node, (*cls.scope, cls.name), template)
-        if made is not None:
-            made.owner = cls
-            cls.methods.setdefault(made.name, []).append(made)
-
-    def _declare_method(self, node: Node, declarator: Node, cls: Class, template: tuple[str, ...]) -> None:
+    def _declare_method(self, node: Node, declarator: Node, cls: Class, template: _Scope) -> None:
         name = syntax.declared_name(declarator)
-        if name is None:
-            return
-        made = Function(
-            self,
-            syntax.text(name),
-            (*cls.scope, cls.name),
-            self._expressions.parameters(declarator),
-            line_of(node),
-            template,
-            self._expressions.declared(node, None) if node.child_by_field_name("type") is not None else None,
-            cls,
-            virtual=_is_virtual(node),
-        )
-        cls.declared.setdefault(made.name, []).append(made)
+        if name is not None:
+            made = CppFunction(self, syntax.text(name), (*cls.scope, cls.name), (node, declarator), template)
+            made.owner = cls
+            cls.declared.setdefault(made.name, []).append(made)
 
-    def _prototype(self, node: Node, declarator: Node, scope: tuple[str, ...]) -> None:
-        found = _function_declarator(declarator)
-        name = syntax.declared_name(found)
-        if found is not None and name is not None:
-            shown = syntax.simple_name(name)
-            parameters = self._expressions.parameters(found)
-            kind = self._expressions.declared(node, None)
-            self.prototypes[shown].append(Function(self, shown, scope, parameters, line_of(node), (), kind))
+    def bases(self, node: Node) -> tuple[Type, ...]:
+        """Return the bases of a class."""
+        bases = (base for clause in syntax.of_type(node, "base_class_clause") for base in clause.named_children)
+        skipped = ("access_specifier", "virtual", "comment")
+        return tuple(self.expressions.type(base) for base in bases if base.type not in skipped)
 
-    def _function(self, node: Node, scope: tuple[str, ...], template: tuple[str, ...]) -> None:
-        kind = node.child_by_field_name("type")
-        if kind is not None and kind.type in ("class_specifier", "struct_specifier"):
-            self._type(kind, scope, template)
-        made = self._made(node, scope, template)
-        if made is not None:
-            self.functions[made.name].append(made)
+    def defaults(self, node: Node | None) -> dict[str, Type]:
+        """Return the default types of the parameters of a template."""
+        listed = node.child_by_field_name("parameters") if node is not None else None
+        found = {}
+        for child in listed.named_children if listed is not None else ():
+            name, default = child.child_by_field_name("name"), child.child_by_field_name("default_type")
+            if child.type == "optional_type_parameter_declaration" and name is not None and default is not None:
+                found[syntax.text(name)] = self.expressions.type(default)
+        return found
 
-    def _made(self, node: Node, scope: tuple[str, ...], template: tuple[str, ...]) -> Function | None:
-        declarator = _function_declarator(node.child_by_field_name("declarator"))
-        if declarator is None:
-            return None
-        name = declarator.child_by_field_name("declarator")
-        if name is None:
-            return None
-        named = syntax.parts(name) if name.type != "destructor_name" else []
-        shown = named[-1].name if named else syntax.text(name)
-        outer = tuple(part.name for part in named[:-1] if part.name)
-        kind = node.child_by_field_name("type")
-        returns = self._expressions.declared(node, node.child_by_field_name("declarator")) if kind is not None else None
-        for trailing in syntax.of_type(declarator, "trailing_return_type")[:1] if kind is None else ():
-            returns = self._expressions.type(trailing.named_children[0]) if trailing.named_children else None
-        body = node.child_by_field_name("body")
-        if body is None:  # a function-try-block
-            if syntax.of_type(node, "delete_method_clause", "default_method_clause"):
-                return None
-            body = next(iter(syntax.of_type(node, "try_statement")), None)
-        return Function(
-            self,
-            shown,
-            (*scope, *outer),
-            self._expressions.parameters(declarator),
-            line_of(declarator),
-            template,
-            returns,
-            virtual=_is_virtual(node),
-            source=body,
-            initialisers=self._initialisers(node),
-        )
+    def returned(self, function: CppFunction) -> Type | None:
+        """Return the type that a function returns, as written; None for a constructor."""
+        node, definition = function.node, function.node.type == "function_definition"
+        if node.child_by_field_name("type") is not None or (not definition and function.owner is None):
+            return self.expressions.declared(node, node.child_by_field_name("declarator") if definition else None)
+        trailing = next(iter(syntax.of_type(function.declarator, "trailing_return_type")), None) if definition else None
+        return self.expressions.type(trailing.named_children[0]) if trailing and trailing.named_children else None
 
-    def _initialisers(self, node: Node) -> tuple[Initialiser, ...]:
+    def initialisers(self, node: Node) -> tuple[Initialiser, ...]:
+        """Return what a constructor initialises."""
         clause = next(iter(syntax.of_type(node, "field_initializer_list")), None)
         found = []
         for entry in syntax.of_type(clause, "field_initializer"):
@@ -350,7 +400,7 @@ class CppUnit(Unit):
             name = entry.named_children[0]
             given = next(iter(syntax.of_type(entry, "argument_list", "initializer_list")), None)
             listed = given is not None and given.type == "initializer_list"
-            arguments = self._expressions.arguments(given)
+            arguments = self.expressions.arguments(given)
             found.append(Initialiser(syntax.simple_name(name), arguments, line_of(entry), listed))
         return tuple(found)
 
