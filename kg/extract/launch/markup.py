@@ -7,55 +7,65 @@ are refused.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Final, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Final, Generic, Protocol, TypeAlias, TypeVar
 from xml.parsers import expat
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["Markup", "Problem", "kept_if_small"]
+__all__ = ["Document", "Markup"]
 
 _MOST_DEPTH: Final = 60
 """Levels of elements; each may be a group or a macro, whose evaluation takes frames of the interpreter's stack."""
 _LARGE_BYTES: Final = 1 << 20
 
-_Element = TypeVar("_Element")
-_Read = TypeVar("_Read")
-Problem = tuple[str, int]
-"""What is wrong with a file: a message, and its line."""
+
+class _HasChildren(Protocol):
+    children: list[Any]
+
+
+_Element = TypeVar("_Element", bound=_HasChildren)
+_Problem: TypeAlias = tuple[str, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Document(Generic[_Element]):
+    """The root element as far as it could be read, and what is wrong with the file as message and line."""
+
+    root: _Element | None
+    problem: _Problem | None = None
 
 
 class Markup(Generic[_Element]):
     """A language written in XML: how its elements are made of tag, attributes and line, and what is put in them.
 
-    `text` is given a piece of text and its line; with `whole_texts` all that stands between two tags is one piece.
+    `text` is given an element, a piece of the text in it and its line; with `whole_texts` all that stands between two
+    tags is one piece. The last `kept` documents that are not large are kept.
     """
 
     def __init__(
         self,
         make: Callable[[str, dict[str, str], int], _Element],
-        child: Callable[[_Element, _Element], None],
         text: Callable[[_Element, str, int], None],
         *,
         whole_texts: bool,
+        kept: int,
     ) -> None:
         self.make = make
-        self.child = child
         self.text = text
         self.whole_texts = whole_texts
+        self._kept = lru_cache(maxsize=kept)(self._parsed)
 
-    def read(self, text: bytes) -> tuple[_Element | None, Problem | None]:
-        """Return the root element of UTF-8 `text`, as far as it stands before an error, and what is wrong."""
+    def read(self, text: bytes) -> Document[_Element]:
+        """Return the document of UTF-8 `text`; what stands before an error in it is kept."""
+        return self._parsed(text) if len(text) > _LARGE_BYTES else self._kept(text)
+
+    def _parsed(self, text: bytes) -> Document[_Element]:
         builder = _Builder(self)
         problem = builder.read(text)
-        return builder.root, problem
-
-
-def kept_if_small(parse: Callable[[bytes], _Read], most: int) -> Callable[[bytes], _Read]:
-    """Return `parse` with its last `most` results kept, but those of large files, so that the cache stays small."""
-    kept = lru_cache(maxsize=most)(parse)
-    return lambda text: parse(text) if len(text) > _LARGE_BYTES else kept(text)
+        return Document(builder.root, problem)
 
 
 class _RefusedError(Exception):
@@ -76,7 +86,7 @@ class _Builder(Generic[_Element]):
         self._parser.CharacterDataHandler = self._text
         self._parser.EntityDeclHandler = self._entity
 
-    def read(self, text: bytes) -> Problem | None:
+    def read(self, text: bytes) -> _Problem | None:
         """Parse the text; return what is wrong with it."""
         try:
             self._parser.Parse(text, True)
@@ -91,7 +101,7 @@ class _Builder(Generic[_Element]):
             raise _RefusedError(f"elements are nested deeper than {_MOST_DEPTH} levels; the file is not read on")
         element = self._markup.make(tag, attributes, self._parser.CurrentLineNumber)
         if self._open:
-            self._markup.child(self._open[-1], element)
+            self._open[-1].children.append(element)
         else:
             self.root = element
         self._open.append(element)

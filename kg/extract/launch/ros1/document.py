@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.markup import Markup, kept_if_small
+from kg.extract.launch.markup import Document, Markup
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kg.extract.launch.markup import Problem
-
-__all__ = ["Document", "Element", "read_document"]
+__all__ = ["Element", "read_document"]
 
 _WITH_TEXT: Final = "rosparam"
 
@@ -51,37 +49,18 @@ class Element:
             waiting.extend(reversed(element.children))
 
 
-@dataclass(frozen=True, slots=True)
-class Document:
-    """The `<launch>` element as far as it could be read, and what is wrong with the file as message and line."""
-
-    launch: Element | None
-    problem: Problem | None = None
-
-
-def _child(parent: Element, child: Element) -> None:
-    parent.children.append(child)
-
-
 def _text(parent: Element, text: str, line: int) -> None:
     if parent.tag.lower() == _WITH_TEXT:
         parent.pieces.append((line, text))
 
 
-_MARKUP: Final = Markup(Element, _child, _text, whole_texts=False)
+_MARKUP: Final = Markup(Element, _text, whole_texts=False, kept=1024)
 
 
-def _parse(text: bytes) -> Document:
-    root, problem = _MARKUP.read(text)
-    found = [element for element in root.below() if element.tag == "launch"] if root else []
-    if len(found) != 1 and problem is None:
-        problem = f"the file has {'more than one' if found else 'no'} <launch> element", 1
-    return Document(found[0] if found else None, problem)
-
-
-_kept: Final = kept_if_small(_parse, 1024)
-
-
-def read_document(text: bytes) -> Document:
-    """Return the document of UTF-8 `text`; what stands before an error in it is kept."""
-    return _kept(text)
+def read_document(text: bytes) -> Document[Element]:
+    """Return the `<launch>` element of UTF-8 `text`; what stands before an error in it is kept."""
+    whole = _MARKUP.read(text)
+    found = [element for element in whole.root.below() if element.tag == "launch"] if whole.root else []
+    if len(found) == 1:
+        return Document(found[0], whole.problem)
+    return Document(None, whole.problem or (f"the file has {'more than one' if found else 'no'} <launch> element", 1))

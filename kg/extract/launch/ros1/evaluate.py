@@ -102,9 +102,9 @@ class _Evaluation:
         if document.problem is not None:
             message, where = document.problem
             self._state.problem(scope, where, LaunchProblemKind.MALFORMED, message)
-        if document.launch is not None:
+        if document.root is not None:
             self._open.append((file, tuple(sorted(scope.arguments.items()))))
-            self._children(scope, document.launch)
+            self._children(scope, document.root)
             self._open.pop()
         return document.problem is None
 

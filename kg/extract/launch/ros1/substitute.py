@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 __all__ = ["Note", "Substituter", "Surroundings"]
 
 _PACKAGE: Final = re.compile(r"[\w.+-]{1,200}")
+_COMMAND: Final = re.compile(r"\$\(([^$()]*)([$()]?)")
 _EVAL: Final = "$(eval "
 _TRUTH: Final[Mapping[str, object]] = {"true": True, "false": False}
 _COMMANDS: Final = frozenset({"find", "env", "optenv", "dirname", "anon", "arg"})
@@ -202,18 +203,13 @@ def _plain(text: str) -> str:
 def _commands(text: str) -> tuple[str, ...]:
     """Return what stands in each `$(...)` of a text, in order."""
     found: list[str] = []
-    start = text.find("$(")
-    while start >= 0:
-        end = start + 2
-        while end < len(text) and text[end] not in "$()":
-            end += 1
-        if end == len(text):
+    for command, end in _COMMAND.findall(text):
+        if not end:
             break
-        if text[end] != ")":
-            raise _SubstitutionError(f"'{text[end]}' stands inside of a substitution")
-        if end > start + 2:
-            found.append(text[start + 2 : end])
-        start = text.find("$(", end)
+        if end != ")":
+            raise _SubstitutionError(f"'{end}' stands inside of a substitution")
+        if command:
+            found.append(command)
     return tuple(found)
 
 

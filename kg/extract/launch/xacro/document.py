@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.markup import Markup, kept_if_small
+from kg.extract.launch.markup import Markup
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kg.extract.launch.markup import Problem
-
-__all__ = ["Document", "Element", "read_document"]
+__all__ = ["DESCRIPTION", "Element"]
 
 _PREFIX: Final = "xacro:"
 _OLD_STYLE: Final = {
@@ -48,33 +46,10 @@ class Element:
         return (child for child in self.children if isinstance(child, Element))
 
 
-@dataclass(frozen=True, slots=True)
-class Document:
-    """The root element as far as it could be read, and what is wrong with the file as message and line."""
-
-    root: Element | None
-    problem: Problem | None = None
-
-
-def _child(parent: Element, child: Element) -> None:
-    parent.children.append(child)
-
-
 def _text(parent: Element, text: str, _line: int) -> None:
     if not text.isspace():
         parent.children.append(text)
 
 
-_MARKUP: Final = Markup(Element, _child, _text, whole_texts=True)
-
-
-def _parse(text: bytes) -> Document:
-    return Document(*_MARKUP.read(text))
-
-
-_kept: Final = kept_if_small(_parse, 512)
-
-
-def read_document(text: bytes) -> Document:
-    """Return the document of UTF-8 `text`; what stands before an error in it is kept."""
-    return _kept(text)
+DESCRIPTION: Final = Markup(Element, _text, whole_texts=True, kept=512)
+"""The language of robot descriptions."""

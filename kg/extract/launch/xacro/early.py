@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.xacro.document import Element, read_document
+from kg.extract.launch.xacro.document import DESCRIPTION, Element
 from kg.extract.launch.xacro.macros import grab_macro
 from kg.extract.launch.xacro.table import Block, Table
 
@@ -32,7 +32,7 @@ def collect(file: FilePath, files: Files, loading: Loading, texts: Texts) -> Tab
     while waiting:
         current = waiting.pop(0)
         data = loading.data(current)
-        root = read_document(data).root if data is not None else None
+        root = DESCRIPTION.read(data).root if data is not None else None
         for element in _commands(root) if root is not None else ():
             count += 1
             if count > _MOST_ELEMENTS:

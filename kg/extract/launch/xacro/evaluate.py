@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 from kg.extract.launch.expressions.dialect import NotKnownError
 from kg.extract.launch.ros1.substitute import Substituter
 from kg.extract.launch.ros1.texts import HOLE, shown
-from kg.extract.launch.xacro.document import Element, read_document
+from kg.extract.launch.xacro.document import DESCRIPTION, Element
 from kg.extract.launch.xacro.early import collect
 from kg.extract.launch.xacro.loading import Loading
 from kg.extract.launch.xacro.macros import called, grab_macro
@@ -156,7 +156,7 @@ class _Evaluation:
         if data is None:
             self.trouble(LaunchProblemKind.LIMIT, f"the file {file.path} is not read", at.file, line, at.steps)
             return
-        document = read_document(data)
+        document = DESCRIPTION.read(data)
         if document.problem is not None:
             self.trouble(LaunchProblemKind.MALFORMED, *document.problem[:1], file, document.problem[1], at.steps)
         if document.root is None:
