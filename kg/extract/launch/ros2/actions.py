@@ -46,7 +46,7 @@ class ParameterValue:
     """Parameters given by name; a value is a text (YAML types apply unless `as_text`) or a value of Python known.
 
     The items of a list are values of Python, or texts (tuples) for those that are substituted. None: it cannot be
-    known, for the `reason`. `type` is the ROS parameter type that the file asks for (`int`, `double`, `string_array`).
+    known. `type` is the ROS parameter type that the file asks for (`int`, `double`, `string_array`).
     """
 
     name: Text
@@ -54,7 +54,6 @@ class ParameterValue:
     location: Location
     as_text: bool = False
     type: str | None = None
-    reason: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,8 +71,6 @@ class ParameterFile(TextLike):
     rewrites: tuple[tuple[Text, Text], ...] = ()
     root: Text | None = None
     keys: tuple[tuple[Text, Text], ...] = ()
-    reason: str | None = None
-    """Why what the file says in the end cannot be known, where something else is done to it."""
 
     def as_text(self) -> Words:
         """Return the path of the file, or of the copy that is made of it."""

@@ -183,8 +183,8 @@ def _parameter(context: Context, action: kinds.SetParameter) -> None:
 
 
 def _parameters_file(context: Context, action: kinds.SetParametersFromFile) -> None:
-    path = perform(context, action.file.path)
-    context.scope.parameters += (GlobalFile(path, action.file.location, context.chain, action.file.reason),)
+    path = perform(context, action.file.as_text().parts)
+    context.scope.parameters += (GlobalFile(path, action.file.location, context.chain),)
 
 
 _HANDLERS: Final[Mapping[type[Action], Callable[[Context, Any], None]]] = {

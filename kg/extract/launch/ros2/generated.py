@@ -9,7 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.ros2.context import HOLE, place
+from kg.extract.launch.ros2.context import HOLE
+from kg.extract.launch.ros2.locate import read
+from kg.extract.launch.ros2.parameter_files import Rewriting, read_parameters
+from kg.extract.launch.ros2.values import truth
 from kg.facts import LaunchProblemKind
 
 if TYPE_CHECKING:
@@ -29,11 +32,12 @@ _MOST_CHARACTERS: Final = 5_000_000
 
 @dataclass(frozen=True, slots=True)
 class Generated:
-    """What was made of `file`: its text, or the parameters that a file of parameters has then."""
+    """What was made of `file`: its text, or the parameters that a file of parameters has then; `recipe` tells how."""
 
     file: FilePath
     content: bytes
-    entries: tuple[Entry, ...] | None = None
+    entries: tuple[Entry, ...] | None
+    recipe: tuple[object, ...]
 
 
 def replaced_file(context: Context, source: Text, condition: Text, *pairs: Text) -> str:
@@ -41,10 +45,7 @@ def replaced_file(context: Context, source: Text, condition: Text, *pairs: Text)
 
     Each line is taken through all replacements in their order.
     """
-    from kg.extract.launch.ros2.locate import read  # noqa: PLC0415  (which needs this module's users)
-    from kg.extract.launch.ros2.substitute import perform, truth  # noqa: PLC0415  (the same)
-
-    path, held = perform(context, source), truth(perform(context, condition))
+    path, held = context.perform(source), truth(context.perform(condition))
     if held is False or HOLE in path:
         return path
     if held is None:
@@ -52,7 +53,10 @@ def replaced_file(context: Context, source: Text, condition: Text, *pairs: Text)
     found = read(context, path)
     if found is None:
         return HOLE
-    texts = [perform(context, text) for text in pairs]
+    texts = [context.perform(text) for text in pairs]
+    known = _made(context, (path, *texts))
+    if known is not None:
+        return known
     replacements = list(zip(texts[::2], texts[1::2], strict=False))
     before = context.found.generated.get(path)
     entries = before.entries if before is not None else None
@@ -61,7 +65,7 @@ def replaced_file(context: Context, source: Text, condition: Text, *pairs: Text)
         context.problem(LaunchProblemKind.LIMIT, f"texts grow over {_MOST_CHARACTERS} characters", path)
         return HOLE
     made = tuple(_replaced_in(entry, replacements) for entry in entries) if entries is not None else None
-    return _named(context, path, Generated(found[0], content.encode(), made))
+    return _named(context, path, Generated(found[0], content.encode(), made, (path, *texts)))
 
 
 def _replaced(text: str, replacements: Sequence[tuple[str, str]]) -> str | None:
@@ -78,39 +82,40 @@ def _replaced_in(entry: Entry, replacements: Sequence[tuple[str, str]]) -> Entry
     node, value, names = entry.node, entry.value, entry.names
     for old, new in replacements:
         if old:
-            node, value = node.replace(old, new), value.replace(old, new)
+            node, value = node and node.replace(old, new), value.replace(old, new)
             names = tuple(name.replace(old, new) for name in names)
     return replace(entry, node=node, value=value[:_MOST_CHARACTERS], names=names)
 
 
 def rewritten_file(context: Context, source: ParameterFile) -> str:
     """Return the name of a file of parameters with what is rewritten in it."""
-    from kg.extract.launch.ros2.locate import read  # noqa: PLC0415  (which needs this module's users)
-    from kg.extract.launch.ros2.parameter_files import entries, rewritten  # noqa: PLC0415  (the same)
-    from kg.extract.launch.ros2.substitute import perform  # noqa: PLC0415  (the same)
-
-    path = perform(context, source.path)
-    found = None if HOLE in path else read(context, path)
+    path = context.perform(source.path)
+    found = read(context, path)
     if found is None:
         return HOLE
-    file, content = found
-    before = context.found.generated.get(path)
-    try:
-        listed = before.entries if before is not None and before.entries is not None else entries(content)
-    except ValueError as error:
-        line = error.args[1] if len(error.args) > 1 else 1
-        where = place(context.files, file, line)
-        context.problem(LaunchProblemKind.MALFORMED, f"`{file.path}` {error.args[0]}", file.path, where)
+    rewriting = Rewriting(
+        {context.perform(old): context.perform(new) for old, new in source.keys},
+        {context.perform(name): context.perform(value) for name, value in source.rewrites},
+        context.perform(source.root) if source.root is not None else "",
+        source.location,
+    )
+    known = _made(context, (path, rewriting))
+    if known is not None:
+        return known
+    listed = read_parameters(context, path)
+    if listed is None:
         return HOLE
-    return _named(context, path, Generated(file, content, tuple(rewritten(context, listed, source))))
+    return _named(context, path, Generated(*found, rewriting.applied(listed[1]), (path, rewriting)))
+
+
+def _made(context: Context, recipe: tuple[object, ...]) -> str | None:
+    """Return the name of what was made in the same way before."""
+    return next((name for name, other in context.found.generated.items() if other.recipe == recipe), None)
 
 
 def _named(context: Context, path: str, made: Generated) -> str:
-    """Keep what was made, once, and return its name."""
+    """Keep what was made, and return its name."""
     known = context.found.generated
-    same = next((name for name, other in known.items() if other == made), None)
-    if same is not None:
-        return same
     if len(known) >= _MOST:
         context.problem(LaunchProblemKind.LIMIT, f"more than {_MOST} files are made")
         return HOLE

@@ -11,18 +11,21 @@ from typing import TYPE_CHECKING, Final
 
 import yaml
 
-from kg.extract.launch.ros2.context import HOLE
+from kg.extract.launch.ros2.context import HOLE, place
+from kg.extract.launch.ros2.frontend.template import TemplateError, parse_template
+from kg.extract.launch.ros2.locate import read
 from kg.extract.launch.ros2.values import LOADER, of_text, of_yaml
+from kg.facts import LaunchProblemKind
 from kg.yamltext import compose_yaml
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
-    from kg.extract.launch.ros2.actions import ParameterFile
+    from kg.corpus.files import FilePath
     from kg.extract.launch.ros2.context import Context
     from kg.facts import Location
 
-__all__ = ["Entry", "entries", "rewritten"]
+__all__ = ["Entry", "Rewriting", "read_parameters"]
 
 _PARAMETERS: Final = "ros__parameters"
 _MOST_DEPTH: Final = 60
@@ -34,10 +37,11 @@ _MOST_CHARACTERS: Final = 5_000_000
 class Entry:
     """A parameter of a file: the name of the node it is for, its own name in parts, its value as YAML, and its line.
 
-    `location` is that of what set the value, where that is not the file.
+    `node` is None in a file that names no nodes at all. `location` is that of what set the value, where it is not the
+    file.
     """
 
-    node: str
+    node: str | None
     names: tuple[str, ...]
     value: str
     type: str | None
@@ -45,16 +49,48 @@ class Entry:
     location: Location | None = None
 
 
-def entries(content: bytes, flat: str | None = None) -> tuple[Entry, ...]:
-    """Return the parameters of a file in its order; `flat` is for whom a file is that names no nodes at all.
+def read_parameters(
+    context: Context, path: str, *, substitutions: bool = False
+) -> tuple[FilePath, Sequence[Entry]] | None:
+    """Return the file that a text names with its parameters; None, and a problem, where it cannot be read.
 
-    Raises `ValueError` with what is wrong and the line.
+    With `substitutions` those in the file are performed.
     """
-    return _entries(content, flat)
+    found = read(context, path)
+    if found is None:
+        return None
+    file, content = found
+    made = context.found.generated.get(path)
+    if made is not None and made.entries is not None:
+        return file, [_performed(context, entry) for entry in made.entries] if substitutions else made.entries
+    try:
+        return file, _entries(_substituted(context, content) if substitutions else content)
+    except ValueError as error:
+        message, line = error.args
+        where = place(context.files, file, line)
+        context.problem(LaunchProblemKind.MALFORMED, f"`{file.path}` {message}", file.path, where)
+        return None
+
+
+def _performed(context: Context, entry: Entry) -> Entry:
+    """Return a parameter with the substitutions in its value performed."""
+    if "$(" not in entry.value:
+        return entry
+    value, kind = of_text(_substituted(context, entry.value.encode()).decode())
+    return replace(entry, value=HOLE if value is None else value, type=kind)
+
+
+def _substituted(context: Context, content: bytes) -> bytes:
+    try:
+        return context.perform(parse_template(content.decode())).encode()
+    except TemplateError as error:
+        context.problem(LaunchProblemKind.MALFORMED, str(error))
+        return content
 
 
 @lru_cache(maxsize=256)
-def _entries(content: bytes, flat: str | None) -> tuple[Entry, ...]:
+def _entries(content: bytes) -> tuple[Entry, ...]:
+    """Return the parameters of a file in its order; raises `ValueError` with what is wrong and the line."""
     try:
         root = compose_yaml(content.decode(), LOADER)
     except yaml.YAMLError as error:
@@ -64,10 +100,7 @@ def _entries(content: bytes, flat: str | None) -> tuple[Entry, ...]:
     except RecursionError as error:
         raise ValueError("is nested too deep", 1) from error
     walk = _Walk()
-    found = tuple(walk.nodes(root, (), 0))
-    if found or flat is None:
-        return found
-    return tuple(walk.leaves(root, flat, (), 0))
+    return tuple(walk.nodes(root, (), 0)) or tuple(walk.leaves(root, None, (), 0))
 
 
 class _Walk:
@@ -85,7 +118,7 @@ class _Walk:
             elif isinstance(value, yaml.MappingNode):
                 yield from self.nodes(value, (*names, key.value), depth + 1)
 
-    def leaves(self, node: yaml.Node | None, owner: str, names: tuple[str, ...], depth: int) -> Iterator[Entry]:
+    def leaves(self, node: yaml.Node | None, owner: str | None, names: tuple[str, ...], depth: int) -> Iterator[Entry]:
         """Yield the parameters of a mapping of names, with the line of each."""
         for key, value in self._pairs(node, depth):
             below = (*names, key.value)
@@ -128,38 +161,45 @@ def _joined(names: Sequence[str]) -> str:
     return absolute + "/".join(part.strip("/") for part in names if part.strip("/"))
 
 
-def rewritten(context: Context, listed: Sequence[Entry], source: ParameterFile) -> Sequence[Entry]:
-    """Return the parameters of a file after keys and values were rewritten, and all put below a root.
+@dataclass(frozen=True, slots=True)
+class Rewriting:
+    """What is put into a copy of a file: new names of `keys`, new `values`, and a `root` above all nodes.
 
     A value is named by its key alone, or by the whole path to it, which is added where the file does not have it.
     """
-    keys = {context.perform(old): context.perform(new) for old, new in source.keys}
-    values = {context.perform(name): context.perform(value) for name, value in source.rewrites}
-    root = context.perform(source.root) if source.root is not None else ""
-    known = {_path(entry) for entry in listed}
-    fresh = [_added(path, source.location) for path in values if path not in known and f".{_PARAMETERS}." in path]
-    return [_rewritten(entry, keys, values, root, source.location) for entry in (*listed, *fresh)]
+
+    keys: Mapping[str, str]
+    values: Mapping[str, str]
+    root: str
+    location: Location
+
+    def applied(self, listed: Sequence[Entry]) -> tuple[Entry, ...]:
+        """Return the parameters of the copy."""
+        known = {_path(entry) for entry in listed}
+        fresh = [self._added(path) for path in self.values if path not in known and f".{_PARAMETERS}." in path]
+        return tuple(self._rewritten(entry) for entry in (*listed, *fresh))
+
+    def _added(self, path: str) -> Entry:
+        node, _, names = path.partition(f".{_PARAMETERS}.")
+        return Entry(node.replace(".", "/"), tuple(names.split(".")), "", None, self.location.line)
+
+    def _rewritten(self, entry: Entry) -> Entry:
+        path, keys, node = _path(entry), self.keys, entry.node
+        wanted = self.values.get(path, self.values.get(path.lstrip("."), self.values.get(entry.names[-1])))
+        names = tuple(keys.get(name, name) for name in entry.names)
+        if node is not None:
+            node = "/".join(keys.get(part, part) for part in node.split("/"))
+            node = _joined((self.root, node)) if self.root.strip("/") else node
+        if wanted is None:
+            return replace(entry, names=names, node=node)
+        value, kind = _converted(wanted)
+        value = HOLE if value is None else value
+        return replace(entry, names=names, node=node, value=value, type=kind, location=self.location)
 
 
 def _path(entry: Entry) -> str:
-    return ".".join((*entry.node.split("/"), _PARAMETERS, *entry.names))
-
-
-def _added(path: str, location: Location) -> Entry:
-    node, _, names = path.partition(f".{_PARAMETERS}.")
-    return Entry(node.replace(".", "/"), tuple(names.split(".")), "", None, location.line)
-
-
-def _rewritten(entry: Entry, keys: dict[str, str], values: dict[str, str], root: str, location: Location) -> Entry:
-    path = _path(entry)
-    wanted = values.get(path, values.get(path.lstrip("."), values.get(entry.names[-1])))
-    names = tuple(keys.get(name, name) for name in entry.names)
-    node = "/".join(keys.get(part, part) for part in entry.node.split("/"))
-    entry = replace(entry, names=names, node=_joined((root, node)) if root.strip("/") else node)
-    if wanted is None:
-        return entry
-    value, kind = _converted(wanted)
-    return replace(entry, value=HOLE if value is None else value, type=kind, location=location)
+    above = () if entry.node is None else (*entry.node.split("/"), _PARAMETERS)
+    return ".".join((*above, *entry.names))
 
 
 def _converted(text: str) -> tuple[str | None, str | None]:

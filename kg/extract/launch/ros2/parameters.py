@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.extract.launch.ros2.actions import ParameterFile, ParameterValue
 from kg.extract.launch.ros2.context import HOLE, GlobalFile, place
-from kg.extract.launch.ros2.locate import read
-from kg.extract.launch.ros2.parameter_files import Entry, entries, rewritten
+from kg.extract.launch.ros2.parameter_files import read_parameters
 from kg.extract.launch.ros2.values import Performed, of_object, of_text
 from kg.facts import LaunchParameter, LaunchProblemKind
 from kg.names import is_for_node
@@ -31,6 +30,7 @@ __all__ = ["Asked", "given_parameter", "node_parameters", "without_others"]
 
 _ALL: Final = "/**"
 _MOST: Final = 200_000
+_AT_RUN_TIME: Final = "it depends on what is known only when it runs"
 _UNREAD: Final = "what its parameter file says is not known"
 
 
@@ -58,8 +58,7 @@ def given_parameter(context: Context, parameter: ParameterValue) -> LaunchParame
     _forget(context)
     value, kind = _value(context, parameter)
     printed = context.found.printed
-    unknown = parameter.reason or "it depends on what is known only when it runs"
-    reason = unknown if value is None or HOLE in value else None
+    reason = _AT_RUN_TIME if value is None or HOLE in value else None
     name = context.perform(parameter.name)
     if printed:
         context.found.described[name, parameter.location, context.chain] = printed
@@ -139,58 +138,23 @@ def _addressed(parameter: LaunchParameter) -> tuple[str, LaunchParameter]:
 def _of_file(
     context: Context, source: ParameterFile | GlobalFile, flat: str | None
 ) -> Iterator[tuple[str, LaunchParameter]]:
-    path = source.path if isinstance(source, GlobalFile) else context.perform(source.path)
-    found = read(context, path)
-    unread = flat or _ALL, LaunchParameter(HOLE, None, source.location, context.chain, reason=_UNREAD)
+    """Yield the parameters of a file; `flat` is the node that a file is for which names no nodes at all."""
+    substitutions = isinstance(source, ParameterFile) and source.substitutions
+    path = source.path if isinstance(source, GlobalFile) else context.perform(source.as_text().parts)
+    found = read_parameters(context, path, substitutions=substitutions)
     if found is None:
-        yield unread
+        yield flat or _ALL, LaunchParameter(HOLE, None, source.location, context.chain, reason=_UNREAD)
         return
-    file, content = found
-    if isinstance(source, ParameterFile) and source.substitutions:
-        content = _substituted(context, content)
-    made = context.found.generated.get(path)
-    try:
-        listed: Sequence[Entry] = (
-            entries(content, flat)
-            if made is None or made.entries is None
-            else _performed(context, made.entries, source)
-        )
-    except ValueError as error:
-        line = error.args[1] if len(error.args) > 1 else 1
-        context.problem(
-            LaunchProblemKind.MALFORMED, f"`{file.path}` {error.args[0]}", file.path, place(context.files, file, line)
-        )
-        yield unread
-        return
-    if isinstance(source, ParameterFile) and (source.rewrites or source.root or source.keys):
-        listed = rewritten(context, listed, source)
+    file, listed = found
+    doubt = source.reason if isinstance(source, GlobalFile) else None
     for entry in listed:
-        value = None if source.reason or entry.value == HOLE else entry.value
-        reason = source.reason or ("it depends on what is known only when it runs" if value is None else None)
+        node = entry.node if entry.node is not None else flat
+        if node is None:
+            continue
+        value = None if doubt or entry.value == HOLE else entry.value
+        reason = doubt or (_AT_RUN_TIME if value is None else None)
         where = entry.location or place(context.files, file, entry.line)
-        yield entry.node, LaunchParameter(".".join(entry.names), value, where, context.chain, entry.type, reason)
-
-
-def _performed(context: Context, listed: Sequence[Entry], source: ParameterFile | GlobalFile) -> list[Entry]:
-    """Return parameters with the substitutions in their values performed, where their file has such."""
-    found = []
-    for entry in listed:
-        if isinstance(source, ParameterFile) and source.substitutions and "$(" in entry.value:
-            value, kind = of_text(_substituted(context, entry.value.encode()).decode())
-            found.append(replace(entry, value=HOLE if value is None else value, type=kind))
-        else:
-            found.append(entry)
-    return found
-
-
-def _substituted(context: Context, content: bytes) -> bytes:
-    from kg.extract.launch.ros2.frontend.template import TemplateError, parse_template  # noqa: PLC0415  (rarely needed)
-
-    try:
-        return context.perform(parse_template(content.decode())).encode()
-    except TemplateError as error:
-        context.problem(LaunchProblemKind.MALFORMED, str(error))
-        return content
+        yield node, LaunchParameter(".".join(entry.names), value, where, context.chain, entry.type, reason)
 
 
 def _value(context: Context, parameter: ParameterValue) -> tuple[str | None, str | None]:

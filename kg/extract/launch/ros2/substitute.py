@@ -15,6 +15,7 @@ from kg.extract.launch.files import SCHEME
 from kg.extract.launch.ros2.actions import ParameterFile
 from kg.extract.launch.ros2.context import HOLE
 from kg.extract.launch.ros2.generated import replaced_file, rewritten_file
+from kg.extract.launch.ros2.values import truth
 from kg.facts import LaunchParameter, LaunchProblemKind
 
 if TYPE_CHECKING:
@@ -23,15 +24,13 @@ if TYPE_CHECKING:
     from kg.extract.launch.expressions.values import Condition, Substitution, Text
     from kg.extract.launch.ros2.context import Context
 
-__all__ = ["holds", "perform", "truth"]
+__all__ = ["holds", "perform"]
 
 _MOST_TEXT: Final = 200_000
 _MOST_SUBSTITUTIONS: Final = 500_000
 """Of one configuration; Python code can put the same one into many others, and those into many."""
 _TRUE: Final = {"true", "1"}
 _FALSE: Final = {"false", "0"}
-_YAML_TRUE: Final = _TRUE | {"yes", "on"}
-_YAML_FALSE: Final = _FALSE | {"no", "off"}
 _PYTHON: Final = Dialect(HOLE)
 
 
@@ -54,14 +53,6 @@ def holds(context: Context, condition: Condition) -> bool | None:
     if HOLE not in text:
         context.problem(LaunchProblemKind.MALFORMED, f"a condition is `{text}`, neither true nor false")
     return None
-
-
-def truth(text: str) -> bool | None:
-    """Return what a text means where a truth value is expected; None where it means none."""
-    lowered = text.strip().lower()
-    if lowered in _YAML_TRUE:
-        return True
-    return False if lowered in _YAML_FALSE else None
 
 
 def _perform(context: Context, part: Substitution) -> str:

@@ -15,7 +15,7 @@ import yaml
 from kg.extract.launch.ros2.context import HOLE
 from kg.yamltext import compose_yaml, load_yaml
 
-__all__ = ["LOADER", "Performed", "of_object", "of_text", "of_yaml", "quoted"]
+__all__ = ["LOADER", "Performed", "of_object", "of_text", "of_yaml", "quoted", "truth"]
 
 LOADER: Final = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
@@ -29,6 +29,10 @@ _TYPES: Final = {
     "tag:yaml.org,2002:str": _TEXT,
     "tag:yaml.org,2002:timestamp": _TEXT,
 }
+_TRUTHS: Final = {
+    **dict.fromkeys(("true", "1", "yes", "on"), True),
+    **dict.fromkeys(("false", "0", "no", "off"), False),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +40,11 @@ class Performed:
     """An item of a list that was a text with substitutions: it is read as YAML."""
 
     text: str
+
+
+def truth(text: str) -> bool | None:
+    """Return what a text means where a truth value is expected; None where it means none."""
+    return _TRUTHS.get(text.strip().lower())
 
 
 def of_text(text: str, wanted: str | None = None) -> tuple[str | None, str | None]:

@@ -11,7 +11,7 @@ from kg.extract.launch.expressions.values import Substitution
 from kg.extract.launch.ros2 import actions as kinds
 from kg.extract.launch.ros2.frontend.element import Malformed
 from kg.extract.launch.ros2.frontend.nodes import NodeBuilder
-from kg.extract.launch.ros2.substitute import truth
+from kg.extract.launch.ros2.values import truth
 from kg.facts import LaunchProblem, LaunchProblemKind
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from kg.extract.launch.ros2 import actions as kinds
 from kg.extract.launch.ros2.context import HOLE
 from kg.extract.launch.ros2.frontend.element import Malformed
 from kg.extract.launch.ros2.frontend.template import TemplateError, parse_template
-from kg.extract.launch.ros2.substitute import truth
+from kg.extract.launch.ros2.values import truth
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
