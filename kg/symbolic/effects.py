@@ -167,10 +167,6 @@ class Framework:
             return qos.rmw_profile(qos.PROFILES[name])
         return durations.duration(durations.CONSTANTS[name]) if name in durations.CONSTANTS else qos.policy(names)
 
-    def copied(self, value: Value) -> Value:
-        """Return the value that a variable receives: a copy of a quality of service."""
-        return qos.copied(value) if isinstance(value, Object) else value
-
     # Construction
 
     def constructs(self, kind: Kind) -> bool:
@@ -200,7 +196,7 @@ class Framework:
         if what == "duration":
             parts: list[Value] = [number(0) if one is ABSENT else one for one in arguments]
             return durations.made_duration(kind, float(detail), parts or [number(0)])
-        made = Object(kind, line=self.machine.stack[-1].line if self.machine.stack else 0)
+        made = self.machine.created(Object(kind, line=self.machine.stack[-1].line if self.machine.stack else 0))
         self._construct(made, kind, described, given)
         return made
 

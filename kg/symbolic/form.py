@@ -184,10 +184,13 @@ class Pairs:
 
 @dataclass(slots=True, eq=False)
 class Lambda:
-    """A function without a name, with the variables around it."""
+    """A function without a name, with the variables around it. `captures` are those that it copies, or makes itself."""
 
     line: int
     function: Function
+    captures: tuple[tuple[str, Expression], ...] = ()
+    shared: frozenset[str] | None = None
+    """The variables that it shares with the code around it while it copies all others; None if it copies no others."""
 
 
 @dataclass(slots=True, eq=False)
@@ -286,7 +289,8 @@ class Loop:
     first: Statement | None = None
     condition: Expression | None = None
     step: Expression | None = None
-    reference: bool = False
+    declared: Type | None = None
+    """The type of the targets, which are variables of the loop then; None if they are variables around it."""
     test_last: bool = False
 
 

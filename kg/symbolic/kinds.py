@@ -6,10 +6,14 @@ from typing import Final
 
 from kg.symbolic.values import Kind, TypeValue
 
-__all__ = ["POINTERS", "POINTER_ALIASES", "pointee"]
+__all__ = ["POINTER", "POINTERS", "POINTER_ALIASES", "is_pointer", "pointee"]
+
+POINTER: Final = "*"
+"""The name of the type of a plain pointer, with the type that it points to as its argument."""
 
 POINTERS: Final = frozenset(
     {
+        POINTER,
         "shared_ptr",
         "unique_ptr",
         "weak_ptr",
@@ -38,6 +42,11 @@ POINTER_ALIASES: Final = frozenset(
 )
 """Types within a class that point to it: `Image::SharedPtr`."""
 _DEEPEST: Final = 6
+
+
+def is_pointer(kind: Kind) -> bool:
+    """Check whether objects of a type only point to others, or behave like the object that they hold."""
+    return kind.cls is None and (kind.name in POINTERS or kind.name in POINTER_ALIASES)
 
 
 def pointee(kind: Kind) -> Kind:

@@ -68,6 +68,7 @@ MOST_FRUITLESS: Final = 6
 """How often a function runs that never declares anything, and returns and writes numbers, truth and unknown values."""
 MOST_BARREN: Final = 3_000
 """How many steps a function takes in all its runs that declare nothing; after that it does not run again."""
+_FIRST: Final = form.Literal(0, 0.0, "0")
 _PLAIN: Final = (Unknown, Number, Truth)
 """Values that are seldom part of a name."""
 _COUNTS: Final = Unknown("it counts the turns of a loop")
@@ -128,6 +129,11 @@ class Machine:
             self._outer_writes += 1
         self._journal.write(holder, name, value)
 
+    def created(self, made: Object) -> Object:
+        """Return a new object, after recording that only the side of a branch that runs has it."""
+        self._journal.created(made.fields, made.native)
+        return made
+
     def _joined(self, values: list[Value], choice: object) -> Value:
         joined = options(values, choice)
         for value in values:
@@ -187,7 +193,10 @@ class Machine:
             return self._try(statement, frame)
         elif isinstance(statement, form.Return):
             if statement.value is not None:
-                frame.returned.append(self.value(statement.value, frame))
+                value = self.value(statement.value, frame)
+                local = isinstance(statement.value, form.Name) and statement.value.names[0] in frame.variables
+                written = None if local else statement.value
+                frame.returned.append(self.language.converted(value, frame.returns, written, frame))
             return "return"
         else:
             return statement.kind
@@ -205,8 +214,6 @@ class Machine:
                 return
             if kind is None or not kind.reference or not isinstance(written, form.Name | form.Member | form.Index):
                 value = self.language.converted(value, kind, written, frame)
-                if kind is None or not (kind.reference or kind.pointer):
-                    value = self.framework.copied(value)
             elif not isinstance(value, Object | Unknown):
                 self.write(frame.variables, statement.name, Alias(written, frame))
                 return
@@ -306,6 +313,17 @@ class Machine:
         return next((end for end in ends if end != "raise"), "raise")
 
     def _loop(self, loop: form.Loop, frame: Frame) -> str | None:
+        """Run a loop; the variables that it declares hide those of the same name until its end."""
+        names = loop.targets if loop.declared is not None else ()
+        if isinstance(loop.first, form.Block):
+            names = tuple(one.name for one in loop.first.body if isinstance(one, form.Declare))
+        hidden = {name: frame.variables[name] for name in names if name in frame.variables}
+        ended = self._turns(loop, frame)
+        for name, value in hidden.items():
+            self.write(frame.variables, name, value)
+        return ended
+
+    def _turns(self, loop: form.Loop, frame: Frame) -> str | None:
         if loop.over is not None:
             return self._each(loop, loop.over, frame)
         if loop.first is not None:
@@ -368,10 +386,11 @@ class Machine:
         if known and len(items) > MOST_TURNS:
             self.reached("turns")
             items = items[:MOST_TURNS]
-        for item in items:
+        for index, item in enumerate(items):
             self._target(loop, item, frame)
             if known:
                 ended = self._turn(loop, frame)
+                self._write_back(loop, index, frame)
                 if ended == "break":
                     return None
                 if ended in ("return", "raise"):
@@ -384,12 +403,25 @@ class Machine:
 
     def _target(self, loop: form.Loop, item: Value, frame: Frame) -> None:
         if len(loop.targets) == 1:
-            self.write(frame.variables, loop.targets[0], item)
+            name, kind = loop.targets[0], loop.declared
+            if kind is not None and loop.over is not None:
+                frame.declared[name] = kind
+                item = self.language.converted(item, kind, form.Index(loop.line, loop.over, _FIRST), frame)
+            self.write(frame.variables, name, item)
             return
         parts = self.language.elements(item)
         for index, name in enumerate(loop.targets):
             value = parts[index] if len(parts) == len(loop.targets) else Unknown("it is a part of an unknown value")
             self.write(frame.variables, name, value)
+
+    def _write_back(self, loop: form.Loop, index: int, frame: Frame) -> None:
+        """Write a target that is a reference to the element that it means."""
+        kind, over = loop.declared, loop.over
+        if kind is None or not kind.reference or kind.constant or len(loop.targets) != 1:
+            return
+        value = frame.variables.get(loop.targets[0])
+        if isinstance(over, form.Name | form.Member) and isinstance(value, Text | Number | Truth | Sequence | Mapping):
+            self.assign(form.Index(loop.line, over, form.Literal(loop.line, float(index), str(index))), value, frame)
 
     # Expressions
 
@@ -502,7 +534,16 @@ class Machine:
         return Mapping(tuple((self.value(key, frame), self.value(value, frame)) for key, value in expression.items))
 
     def _lambda(self, expression: form.Lambda, frame: Frame) -> Value:
-        return Closure(expression.function, frame)
+        shared = expression.shared
+        if not expression.captures and shared is None:
+            return Closure(expression.function, frame)
+        inner = Frame(frame.unit, frame.scope, frame.this, parent=frame)
+        names = [name for name in frame.variables if name not in shared] if shared is not None else ()
+        around = [(name, form.Name(expression.line, (name,))) for name in names]
+        for name, written in (*around, *expression.captures):
+            inner.variables[name] = self.language.converted(self.value(written, frame), None, written, frame)
+        captured = tuple(self.value(form.Name(0, (name,)), inner) for name, _ in expression.captures)
+        return Closure(expression.function, inner, captured=captured)
 
     def _assignment(self, expression: form.Assign, frame: Frame) -> Value:
         target = expression.target
@@ -513,7 +554,7 @@ class Machine:
             before = self.value(target, frame)
             value = over((before, value), lambda *row: self._computed(expression.sign, row))
         else:
-            value = self.framework.copied(self.language.assigned(target, value, expression.value, frame))
+            value = self.language.assigned(target, value, expression.value, frame)
         self.assign(target, value, frame)
         return value
 
@@ -589,7 +630,7 @@ class Machine:
         before, steps, writes = self.framework.progress(), self.steps, self._outer_writes
         outer, self._local = self._local, frame.variables
         with self.entered(function):
-            self.bind(function, frame, arguments)
+            self.bind(function, frame, arguments, given)
             self.run(function.body, frame)
         if caller is not None and len(given) == len(arguments):
             for parameter, expression in zip(function.parameters, given, strict=False):
@@ -629,10 +670,12 @@ class Machine:
         if isinstance(expression, form.Name | form.Member | form.Index):
             self.assign(expression, value, frame)
 
-    def bind(self, function: Function, frame: Frame, arguments: list[Value]) -> None:
+    def bind(
+        self, function: Function, frame: Frame, arguments: list[Value], given: tuple[Expression, ...] = ()
+    ) -> None:
         """Set the parameters of a function to arguments, to their defaults, or to unknown values.
 
-        Those that have a value already keep it.
+        Those that have a value already keep it. `given` are the arguments as expressions.
         """
         for index, parameter in enumerate(function.parameters):
             if parameter.name in frame.variables:
@@ -644,9 +687,9 @@ class Machine:
             if kind is not None:
                 frame.declared[parameter.name] = kind
             if index < len(arguments):
-                value = self.language.converted(arguments[index], kind, None, frame)
-                by_value = kind is not None and not kind.reference and not kind.pointer
-                frame.variables[parameter.name] = self.framework.copied(value) if by_value else value
+                plain = kind is not None and kind.name != "auto" and kind.name not in function.template
+                written = given[index] if plain and len(given) == len(arguments) else None
+                frame.variables[parameter.name] = self.language.converted(arguments[index], kind, written, frame)
             elif parameter.default is not None:
                 frame.variables[parameter.name] = self.value(parameter.default, frame)
             elif parameter.name:

@@ -23,7 +23,6 @@ __all__ = [
     "RMW_PROFILE",
     "changed_profile",
     "construct",
-    "copied",
     "policy",
     "profile_of",
     "rmw_profile",
@@ -191,20 +190,6 @@ def changed_profile(machine: Machine, of: Object, name: str, arguments: list[Val
         qos = with_fields(qos, changes or {name: arguments[0]}) if arguments else None
     machine.write(of.native, "qos", Profile(qos))
     return of
-
-
-def copied(value: Value) -> Value:
-    """Return a copy of a profile, which C++ copies on assignment; other values are returned as they are."""
-    if not isinstance(value, Object) or not ("qos" in value.native or value.kind.name in _STRUCTS):
-        return value
-    fields = {name: _copied_duration(held) for name, held in value.fields.items()}
-    return replace(value, fields=fields, native=dict(value.native))
-
-
-def _copied_duration(value: Value) -> Value:
-    if isinstance(value, Object) and "seconds" in value.native:
-        return replace(value, fields=dict(value.fields), native=dict(value.native))
-    return value
 
 
 def with_fields(qos: Qos, fields: dict[str, Value]) -> Qos | None:

@@ -66,6 +66,8 @@ class Frame:
     returned: list[Value] = field(default_factory=list)
     declared: dict[str, Type] = field(default_factory=dict)
     """The types of its variables, as written."""
+    returns: Type | None = None
+    """The type of its result, as written."""
 
     def outward(self) -> Iterator[Frame]:
         """Yield this frame and those around it, from the inside out."""
@@ -163,21 +165,31 @@ class Journal:
         self._joined = joined
         self._choices = count()
         self._entries: list[_Entry] | None = None
+        self._created: set[int] = set()
+        """The variables and fields, by identity, of what the side that runs created: no other side has them."""
+
+    def created(self, *holders: Holder) -> None:
+        """Record that an object with these fields was created."""
+        if self._entries is not None:
+            self._created.update(map(id, holders))
 
     def write(self, holder: Holder, name: str, value: Slot) -> None:
         """Set a variable or a field."""
         slots = cast("Variables", holder)  # dict is invariant, but fields receive values only
         if self._entries is not None:
-            self._entries.append((slots, name, slots.get(name, _MISSING)))
+            before = _MISSING if id(slots) in self._created else slots.get(name, _MISSING)
+            self._entries.append((slots, name, before))
         slots[name] = value
 
     def attempt(self, run: Callable[[], _Result]) -> tuple[Written, _Result]:
         """Run a function and revert its writes; return them with the function's result."""
         outer, self._entries = self._entries, []
+        created, self._created = self._created, set()
         try:
             result = run()
         finally:
             entries, self._entries = self._entries, outer
+            self._created = created | self._created if outer is not None else created
         written: Written = {}
         for holder, name, _ in entries:
             written[id(holder), name] = (holder, name, holder.get(name, _MISSING))

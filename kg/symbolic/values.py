@@ -193,6 +193,8 @@ class Object:
     """State of an object of a framework class, by the names that `kg.symbolic.effects` uses."""
     line: int = 0
     path: str = ""
+    heap: bool = False
+    """Whether `new` or `make_shared` made it, so that pointers hold it."""
 
 
 @dataclass(slots=True, eq=False)
@@ -204,6 +206,8 @@ class Closure:
     bound: tuple[Value, ...] = ()
     named: tuple[tuple[str, Value], ...] = ()
     """Arguments by name that are already given."""
+    captured: tuple[Value, ...] = ()
+    """The values that it copied by name when it was made."""
 
 
 @dataclass(slots=True, eq=False)

@@ -63,7 +63,7 @@ class Callbacks:
                 machine.stack, machine.guards = outer
 
         if isinstance(called, Closure):
-            machine.schedule((id(called.function), id(this_of(called.frame))), run)
+            machine.schedule((id(called.function), id(this_of(called.frame)), called.captured), run)
         else:
             machine.schedule((called.name, id(called.of), called.functions), run)
 

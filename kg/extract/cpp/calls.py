@@ -175,10 +175,13 @@ class Calls:
         fitting = self._fitting(of.kind, name, given)
         if fitting and of.made:
             return self._on(of, fitting, given)
-        if not fitting or language.machine.framework.is_node(of):
+        node = language.machine.framework.is_node(of)
+        if not fitting or node:
             known = self._framework_method(of, name, given)
             if known is not None:
                 return known
+        if fitting and node:  # what it creates on a node that was passed in belongs to the caller
+            return self._on(of, fitting, given)
         if fitting:
             language.escape(given.values)
             chosen, bound = self.overload(fitting, given.values)

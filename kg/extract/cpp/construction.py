@@ -9,7 +9,7 @@ from kg.extract.cpp import library
 from kg.extract.cpp.calls import fits
 from kg.extract.cpp.kinds import frame_of, inside
 from kg.symbolic import form
-from kg.symbolic.kinds import POINTER_ALIASES, POINTERS
+from kg.symbolic.kinds import is_pointer
 from kg.symbolic.state import Arguments, Frame, Site
 from kg.symbolic.values import Kind, Object, Sequence, Text, Truth, TypeValue, Unknown, Value
 
@@ -45,7 +45,10 @@ class Constructions:
             found = found.kind
         if not isinstance(found, Kind):
             return arguments[0] if len(arguments) == 1 else Unknown("its type is not known")
-        return self.construct(found, arguments, frame, expression.line, listed=expression.listed)
+        made = self.construct(found, arguments, frame, expression.line, listed=expression.listed)
+        if expression.heap and isinstance(made, Object):
+            made.heap = True
+        return made
 
     def default(self, kind: Type, frame: Frame, line: int) -> Value:
         """Return the value of a variable that is declared without one."""
@@ -54,7 +57,7 @@ class Constructions:
         found = self._kinds.kind(kind, frame)
         if not isinstance(found, Kind):
             return Unknown("its type is not known")
-        if found.cls is None and _is_pointer(found):
+        if is_pointer(found):
             return Unknown("it is null")
         value = self.construct(found, [], frame, line)
         if isinstance(value, Object) and value.kind.cls is None:
@@ -69,8 +72,8 @@ class Constructions:
         if kind.cls is None or machine.framework.replaces(kind):
             return self._outside(kind, arguments, line, listed=listed)
         if len(arguments) == 1 and isinstance(arguments[0], Object) and arguments[0].kind.cls is kind.cls:
-            return arguments[0]
-        made = Object(kind, line=line, path=frame.unit.path if frame is not None else "")
+            return self._language.copies.copied(arguments[0], kind)
+        made = machine.created(Object(kind, line=line, path=frame.unit.path if frame is not None else ""))
         if len(machine.stack) <= _DEEPEST:
             self.initialise(made, kind, arguments, listed=listed)
             machine.framework.constructed(made)
@@ -78,7 +81,7 @@ class Constructions:
 
     def _outside(self, kind: Kind, arguments: list[Value], line: int, *, listed: bool) -> Value:
         """Return an object of a class outside of the sources: of a framework, of a library, or unknown."""
-        if _is_pointer(kind):
+        if is_pointer(kind):
             return arguments[0] if arguments else Unknown("it is null")
         known = self._language.machine.framework.construct(kind, Arguments(arguments))
         if known is None:
@@ -219,10 +222,6 @@ class Constructions:
         if isinstance(found, Kind):
             return self.construct(found, list(value.items), own, field.line, listed=True)
         return value
-
-
-def _is_pointer(kind: Kind) -> bool:
-    return kind.name in POINTER_ALIASES or kind.name in POINTERS
 
 
 def _designated(value: Value, cls: Class) -> tuple[Field, Value] | None:

@@ -360,7 +360,31 @@ class Expressions:
             line_of(node),
             source=body,
         )
-        return Lambda(line_of(node), made)
+        captured, shared = self._captures(node.child_by_field_name("captures"))
+        return Lambda(line_of(node), made, captured, shared)
+
+    def _captures(self, node: Node | None) -> tuple[tuple[tuple[str, Expression], ...], frozenset[str] | None]:
+        """Return what a lambda copies or makes, and what it shares if it copies all else."""
+        captured: list[tuple[str, Expression]] = []
+        shared: set[str] = set()
+        copies = False
+        for child in node.named_children if node is not None else ():
+            before = child.prev_sibling
+            name = syntax.text(child)
+            if child.type == "lambda_default_capture":
+                copies = name == "="
+            elif child.type == "lambda_capture_initializer" and len(child.named_children) > 1:
+                made = self.expression(child.named_children[1])
+                by_reference = child.children[0].type == "&"
+                line = line_of(child)
+                captured.append(
+                    (syntax.text(child.named_children[0]), Unary(line, "&", made) if by_reference else made)
+                )
+            elif child.type == "identifier" and before is not None and before.type == "&":
+                shared.add(name)
+            elif child.type == "identifier":
+                captured.append((name, self.expression(child)))
+        return tuple(captured), frozenset(shared) if copies else None
 
     def _comma(self, node: Node) -> Expression:
         sides = [node.child_by_field_name(name) for name in ("left", "right")]

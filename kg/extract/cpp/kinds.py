@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final, cast
 
 from kg.extract.cpp import library
 from kg.symbolic import form
-from kg.symbolic.kinds import POINTER_ALIASES, POINTERS, pointee
+from kg.symbolic.kinds import POINTER, POINTER_ALIASES, POINTERS, pointee
 from kg.symbolic.state import Frame
 from kg.symbolic.values import Kind, Object, Pack, TypeValue, Value
 
@@ -42,7 +42,7 @@ def inside(cls: Class, types: dict[str, Value] | None = None, this: Object | Non
 
 def frame_of(function: Function, types: Mapping[str, Value] | None = None, this: Object | None = None) -> Frame:
     """Return a new frame for a function."""
-    return Frame(function.unit, function.scope, this, types=dict(types or {}))
+    return Frame(function.unit, function.scope, this, types=dict(types or {}), returns=function.returns)
 
 
 class Kinds:
@@ -80,12 +80,17 @@ class Kinds:
 
     def kind_of(self, kind: Type | None, frame: Frame) -> Kind | None:
         """Return the type of a declaration, without pointers; None if it has none."""
-        if kind is None:
-            return None
+        found = self.held(kind, frame) if kind is not None else None
+        return pointee(found) if found is not None else None
+
+    def held(self, kind: Type, frame: Frame) -> Kind | None:
+        """Return the type of what a variable holds, a pointer or an object; None if it is not known."""
         found = self.kind(kind, frame)
         if isinstance(found, TypeValue):
             found = found.kind
-        return pointee(found) if isinstance(found, Kind) else None
+        if not isinstance(found, Kind):
+            return None
+        return Kind((POINTER,), (TypeValue(found),)) if kind.pointer else found
 
     def _named(
         self, names: tuple[str, ...], arguments: tuple[Value, ...], unit: Unit, scope: tuple[str, ...], depth: int
@@ -109,7 +114,7 @@ class Kinds:
         if names[-1] in POINTER_ALIASES:
             held = self._named(names[:-1], arguments, unit, scope, depth + 1)
             if isinstance(held, Kind):
-                return held if held.cls is not None else Kind((*held.names, names[-1]), held.arguments)
+                return _pointer(held) if held.cls is not None else Kind((*held.names, names[-1]), held.arguments)
         if depth < _DEEPEST:
             outer = self._named(names[:-1], (), unit, scope, depth + _WEIGHT)
             if isinstance(outer, Kind) and outer.names != names[:-1] and outer.cls is None:
@@ -124,7 +129,7 @@ class Kinds:
             if isinstance(found, Kind) and found.names != names:
                 return found
             if names[-1] in POINTER_ALIASES:
-                return kind
+                return _pointer(kind)
         return Kind((*kind.names, *names), arguments)
 
     def message(self, kind: Kind, frame: Frame | None) -> Kind:
@@ -148,7 +153,8 @@ class Kinds:
 
     def _argument(self, argument: Type | Expression, frame: Frame) -> Value:
         if isinstance(argument, form.Type):
-            return _as_value(self.kind(argument, frame, 1))
+            found = _as_value(self.kind(argument, frame, 1))
+            return TypeValue(Kind((POINTER,), (found,))) if argument.pointer and isinstance(found, TypeValue) else found
         return self._language.machine.value(argument, frame)
 
     def template(self, arguments: tuple[Type | Expression, ...], frame: Frame) -> tuple[Value, ...]:
@@ -230,16 +236,20 @@ class Kinds:
         """Return the declared type of a variable or member."""
         while isinstance(expression, form.Unary):
             expression = expression.operand
+        if not isinstance(expression, form.Name | form.Member):
+            return None
+        found = self.written_type(expression, frame)
+        return self.kind_of(*found) if found is not None else None
+
+    def written_type(self, expression: form.Name | form.Member, frame: Frame) -> tuple[Type, Frame] | None:
+        """Return the type of a variable or member as written, with the frame that gives it its meaning."""
         if isinstance(expression, form.Name) and len(expression.names) == 1:
             current: Frame | None = frame
             while current is not None:
                 if expression.names[0] in current.declared:
-                    return self.kind_of(current.declared[expression.names[0]], current)
+                    return current.declared[expression.names[0]], current
                 current = current.parent
-        if isinstance(expression, form.Name | form.Member):
-            found = self.declared_type(expression, frame)
-            return self.kind_of(*found) if found is not None else None
-        return None
+        return self.declared_type(expression, frame)
 
     def declared_type(self, target: form.Name | form.Member, frame: Frame) -> tuple[Type, Frame] | None:
         """Return the type of a member variable as written, with the frame that gives it its meaning."""
@@ -252,6 +262,11 @@ class Kinds:
             if kind is not None:
                 return kind, inside(cls, bound)
         return None
+
+
+def _pointer(to: Kind) -> Kind:
+    """Return the type of the pointers to a class: `Ptr` or `SharedPtr` in the class."""
+    return Kind(("std", "shared_ptr"), (TypeValue(to),))
 
 
 def _as_value(found: Kind | Value) -> Value:

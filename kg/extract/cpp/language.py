@@ -9,6 +9,7 @@ from kg.extract.cpp import library
 from kg.extract.cpp.callbacks import Callbacks
 from kg.extract.cpp.calls import Calls
 from kg.extract.cpp.construction import Constructions
+from kg.extract.cpp.copies import Copies
 from kg.extract.cpp.kinds import Kinds, inside, this_of
 from kg.symbolic import form
 from kg.symbolic.containers import counted, element, elements, with_element
@@ -57,6 +58,7 @@ class Cpp:
     def __init__(self, linker: Linker) -> None:
         self.linker = linker
         self.kinds = Kinds(self)
+        self.copies = Copies(self)
         self.calls = Calls(self)
         self._constructions = Constructions(self)
         self.kind = self.kinds.kind
@@ -248,10 +250,14 @@ class Cpp:
 
     def converted(self, value: Value, kind: Type | None, written: Expression | None, frame: Frame) -> Value:
         """Return a value as a variable of a type holds it."""
-        if kind is None or isinstance(value, Object | Closure | Bound | Pack):
+        if isinstance(value, Closure | Bound | Pack):
+            return value
+        if written is not None and (kind is None or not (kind.reference or kind.pointer)):
+            value = self.copies.kept(value, kind, frame, written, frame)
+        if kind is None or isinstance(value, Object):
             return value
         if isinstance(value, Either):
-            return join(*(self.converted(item, kind, written, frame) for item in value.items))
+            return join(*(self.converted(item, kind, None, frame) for item in value.items))
         if isinstance(value, Text) and kind.names == ("auto",):
             return value
         if isinstance(value, Sequence):
@@ -268,6 +274,7 @@ class Cpp:
 
     def assigned(self, target: Expression, value: Value, written: Expression, frame: Frame) -> Value:
         """Return a value as the target of an assignment holds it."""
+        value = self.copies.assigned(target, value, written, frame)
         if not isinstance(target, form.Name | form.Member):
             return value
         if isinstance(value, Text):

@@ -361,12 +361,18 @@ def _made(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | No
     of = given.template[0] if given.template else None
     if isinstance(of, TypeValue):
         values = given.values[1:] if names[-1] == "allocate_shared" else given.values
-        return language.construct(of.kind, values, given.frame, line)
+        return _on_heap(language.construct(of.kind, values, given.frame, line))
     if names[-1] == "make_shared" and len(names) > 1 and given.frame is not None:
         outer = language.kind(form.Type(names[:-1]), given.frame)
         if isinstance(outer, Kind):
-            return language.construct(outer, given.values, given.frame, line)
+            return _on_heap(language.construct(outer, given.values, given.frame, line))
     return None
+
+
+def _on_heap(made: Value) -> Value:
+    if isinstance(made, Object):
+        made.heap = True
+    return made
 
 
 def _got(of: Value, template: tuple[Value, ...]) -> Value | None:
@@ -412,6 +418,9 @@ def method(language: Cpp, of: Value, name: str, given: Arguments, written: Expre
         return _of_object(language, of, name, given, written)
     if name.startswith("emplace") and written is not None and frame is not None:
         values = _emplaced(language, given, written, frame)
+    if name in _ADDERS and frame is not None and len(given.written) == len(values):
+        pairs = zip(values, given.written, strict=True)
+        values = [language.copies.kept(value, None, frame, one, frame) for value, one in pairs]
     change = _changed(of, name, values)
     if change is not None and written is not None and frame is not None:
         language.machine.assign(written, change, frame)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, ClassVar, Final
 
 from tree_sitter import Query
@@ -25,6 +26,7 @@ from kg.symbolic.form import (
     Opaque,
     Return,
     Step,
+    Type,
 )
 
 if TYPE_CHECKING:
@@ -33,7 +35,7 @@ if TYPE_CHECKING:
     from tree_sitter import Node
 
     from kg.extract.cpp.expressions import Expressions
-    from kg.symbolic.form import Expression, Statement, Type
+    from kg.symbolic.form import Expression, Statement
 
 __all__ = ["Statements"]
 
@@ -43,6 +45,8 @@ _SHELLS: Final = frozenset(
     {"translation_unit", "expression_statement", "parenthesized_expression", "comma_expression", "ERROR"}
 )
 _IDENTIFIERS: Final = Query(syntax.LANGUAGE, "(identifier) @name")
+_ELEMENT: Final = Type(("auto",), reference=True)
+"""The type of an iterator, which means the element that it is at."""
 _BODIES: Final = frozenset({"compound_statement", "translation_unit", "declaration_list"})
 _BEGINNINGS: Final = frozenset({"begin", "cbegin", "rbegin", "crbegin"})
 
@@ -111,6 +115,8 @@ class Statements:
                 for i, name in enumerate(_names(target))
             ]
         kind = self._expressions.declared(node, target)
+        if written is not None and written.type == "pointer_expression" and syntax.text(written).startswith("&"):
+            kind = replace(kind, pointer=True)  # `auto p = &object`
         if written is None and target.type == "function_declarator":
             return self._vexing(node, target, kind, static=static)
         name = syntax.declared_name(target)
@@ -197,7 +203,8 @@ class Statements:
         iterated = _iterated(first, self._expressions.expression(condition) if condition is not None else None)
         if iterated is not None:
             name, over = iterated
-            return [Loop(line_of(node), self.block(node.child_by_field_name("body")), (name,), over)]
+            body = self.block(node.child_by_field_name("body"))
+            return [Loop(line_of(node), body, (name,), over, declared=_ELEMENT)]
         return [
             Loop(
                 line_of(node),
@@ -211,14 +218,13 @@ class Statements:
     def _for_range(self, node: Node) -> list[Statement]:
         declarator, over = node.child_by_field_name("declarator"), node.child_by_field_name("right")
         targets = tuple(_names(declarator)) if declarator is not None else ()
-        reference = declarator is not None and declarator.type == "reference_declarator"
         return [
             Loop(
                 line_of(node),
                 self.block(node.child_by_field_name("body")),
                 targets,
                 self._expressions.expression(over) if over is not None else Opaque(line_of(node), ""),
-                reference=reference,
+                declared=self._expressions.declared(node, declarator),
             )
         ]
 
