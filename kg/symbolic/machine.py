@@ -534,16 +534,7 @@ class Machine:
         return Mapping(tuple((self.value(key, frame), self.value(value, frame)) for key, value in expression.items))
 
     def _lambda(self, expression: form.Lambda, frame: Frame) -> Value:
-        shared = expression.shared
-        if not expression.captures and shared is None:
-            return Closure(expression.function, frame)
-        inner = Frame(frame.unit, frame.scope, frame.this, parent=frame)
-        names = [name for name in frame.variables if name not in shared] if shared is not None else ()
-        around = [(name, form.Name(expression.line, (name,))) for name in names]
-        for name, written in (*around, *expression.captures):
-            inner.variables[name] = self.language.converted(self.value(written, frame), None, written, frame)
-        captured = tuple(self.value(form.Name(0, (name,)), inner) for name, _ in expression.captures)
-        return Closure(expression.function, inner, captured=captured)
+        return Closure(expression.function, frame)
 
     def _assignment(self, expression: form.Assign, frame: Frame) -> Value:
         target = expression.target

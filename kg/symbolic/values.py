@@ -217,9 +217,20 @@ class Bound:
     name: str
     of: Object | Kind | None
     functions: tuple[Function, ...] = ()
-    skip: int = 0
-    """How many of its parameters already have a value."""
+    given: tuple[Value, ...] = ()
+    """The arguments that `bind` gave, with `PLACEHOLDER` for those of the caller; none if nothing was bound."""
     template: tuple[Value, ...] = ()
+
+    @property
+    def skip(self) -> int:
+        """The index of the first parameter that the caller gives."""
+        return self.given.index(PLACEHOLDER) if PLACEHOLDER in self.given else 0
+
+    def filled(self, values: list[Value]) -> list[Value]:
+        """Return the arguments of a call: those that were bound, with the caller's in their places."""
+        rest = iter(values)
+        missing = Unknown("it is not given")
+        return [next(rest, missing) if one == PLACEHOLDER else one for one in self.given] if self.given else values
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.extract.cpp.kinds import frame_of, this_of
 from kg.symbolic.state import Frame
-from kg.symbolic.values import Bound, Closure, Object, Value, alternatives
+from kg.symbolic.values import PLACEHOLDER, Bound, Closure, Object, Value, alternatives
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -65,7 +65,7 @@ class Callbacks:
         if isinstance(called, Closure):
             machine.schedule((id(called.function), id(this_of(called.frame)), called.captured), run)
         else:
-            machine.schedule((called.name, id(called.of), called.functions), run)
+            machine.schedule((called.name, id(called.of), called.functions, called.given), run)
 
     def _run(self, called: Closure | Bound) -> None:
         """Call a function with arguments of its own types that come from outside."""
@@ -74,15 +74,17 @@ class Callbacks:
             frame = closure_frame(called)
             parameters = called.function.parameters[len(called.bound) :]
             machine.invoke(called.function, frame, [*called.bound, *self._unknown(parameters, frame)])
-        elif isinstance(called.of, Object):
+            return
+        bound_values = {index: value for index, value in enumerate(called.given) if value != PLACEHOLDER}
+        if isinstance(called.of, Object):
             for function, bound in self._language.methods(called.of.kind, called.name)[:1]:
                 frame = frame_of(function, bound, called.of)
-                given = machine.framework.handed(called.of, called.name, len(function.parameters))
+                given = machine.framework.handed(called.of, called.name, len(function.parameters)) | bound_values
                 machine.invoke(function, frame, self._unknown(function.parameters, frame, given))
         else:
             for function in called.functions[:1]:
                 frame = frame_of(function)
-                machine.invoke(function, frame, self._unknown(function.parameters, frame))
+                machine.invoke(function, frame, self._unknown(function.parameters, frame, bound_values))
 
     def _unknown(
         self, parameters: Iterable[Parameter], frame: Frame, given: dict[int, Value] | None = None

@@ -61,6 +61,8 @@ class Calls:
             values = [*called.bound, *given.values]
             return self._language.machine.invoke(called.function, frame, values, given.written, given.frame)
         if isinstance(called, Bound):
+            if called.given:
+                given = Arguments(called.filled(given.values), frame=given.frame)
             if isinstance(called.of, Object):
                 return self.method(called.of, called.name, given)
             if called.functions:

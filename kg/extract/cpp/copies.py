@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, cast
 
 from kg.extract.cpp.kinds import inside
 from kg.symbolic import form
 from kg.symbolic.kinds import is_pointer
-from kg.symbolic.values import Either, Kind, Mapping, Object, Sequence, TypeValue, Value
+from kg.symbolic.state import Frame
+from kg.symbolic.values import Closure, Either, Kind, Mapping, Object, Sequence, TypeValue, Value
 
 if TYPE_CHECKING:
     from kg.extract.cpp.language import Cpp
     from kg.symbolic.form import Expression, Type
-    from kg.symbolic.state import Frame
 
 __all__ = ["Copies"]
 
@@ -64,6 +64,19 @@ class Copies:
         for name, member in value.fields.items() if held.kind.cls is not None else ():
             self._language.machine.write(held.fields, name, member)
         return held if held.kind.cls is not None else value
+
+    def closure(self, expression: form.Lambda, frame: Frame) -> Value:
+        """Return the function of a lambda, with the variables that it copies in a frame of their own."""
+        shared = expression.shared
+        if not expression.captures and shared is None:
+            return Closure(expression.function, frame)
+        inner = Frame(frame.unit, frame.scope, frame.this, parent=frame)
+        names = [name for name in frame.variables if name not in shared] if shared is not None else ()
+        around = [(name, form.Name(expression.line, (name,))) for name in names]
+        for name, written in (*around, *expression.captures):
+            inner.variables[name] = self.kept(self._language.machine.value(written, frame), None, frame, written, frame)
+        captured = tuple(cast("Value", inner.variables[name]) for name, _ in expression.captures)
+        return Closure(expression.function, inner, captured=captured)
 
     def _kind(self, written: Expression, frame: Frame) -> Kind | None:
         """Return the type of what an expression means, with pointers; None if it is not declared."""

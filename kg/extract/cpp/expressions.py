@@ -185,6 +185,8 @@ class Expressions:
         written = next((part.template for part in reversed(found) if part.template is not None), None)
         template = self._template(written)
         names = tuple(part.name for part in found if part.name)
+        if len(names) == 1 and node.type == "qualified_identifier":
+            names = ("", *names)  # `::name`
         return Name(line_of(node), names, template) if names else self._opaque(node)
 
     def _string(self, node: Node) -> Expression:

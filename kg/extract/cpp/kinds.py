@@ -8,7 +8,7 @@ from kg.extract.cpp import library
 from kg.symbolic import form
 from kg.symbolic.kinds import POINTER, POINTER_ALIASES, POINTERS, pointee
 from kg.symbolic.state import Frame
-from kg.symbolic.values import Kind, Object, Pack, TypeValue, Value
+from kg.symbolic.values import Kind, Object, Pack, Truth, TypeValue, Unknown, Value
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["Kinds", "frame_of", "inside", "this_of"]
 
 _DEEPEST: Final = 12
+_PLAIN: Final = library.NUMBERS | library.TEXTS | {"bool"}
 _MOST_BASES: Final = 40
 _WEIGHT: Final = 6
 """How much of the depth the search in the outer type of a name takes."""
@@ -225,6 +226,17 @@ class Kinds:
         """Return whether a type is, or derives from, the class of a name."""
         classes, outside = self.chain(kind)
         return any(cls.name == name for cls, _ in classes) or any(base.name == name for base in outside)
+
+    def related(self, one: Value, other: Value, *, same: bool) -> Truth | Unknown:
+        """Return whether two types are the `same`, or the first is a base of the second."""
+        kinds = [pointee(value.kind) for value in (one, other) if isinstance(value, TypeValue)]
+        # A name alone that no source defines can be a parameter of a template whose type is not known.
+        if len(kinds) < 2 or any(k.cls is None and len(k.names) == 1 and k.name not in _PLAIN for k in kinds):  # noqa: PLR2004 - a pair
+            return Unknown("it depends on a type")
+        classes, outside = self.chain(kinds[1])
+        if same or kinds[0].names in [kinds[1].names, *(base.names for base in outside)]:
+            return Truth(kinds[0].names == kinds[1].names or not same)
+        return Truth(any(cls is kinds[0].cls for cls, _ in classes))
 
     def has_field(self, of: Object, name: str) -> bool:
         """Return whether an object has a field of a name."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from kg.extract.cpp import library
 from kg.extract.cpp.callbacks import Callbacks
@@ -46,6 +46,7 @@ if TYPE_CHECKING:
 __all__ = ["Cpp", "pointee"]
 
 _PLACEHOLDER: Final = re.compile(r"_[1-9]")
+_RELATIONS: Final = frozenset({"is_same", "is_same_v", "is_base_of", "is_base_of_v"})
 _PAIR: Final = ("first", "second")
 
 
@@ -53,12 +54,12 @@ class Cpp:
     """The meaning of C++ in one program, whose names `linker` finds."""
 
     machine: Machine
-    expressions: ClassVar[Mapping[type, Callable[[Any, Frame], Value]]] = {}
 
     def __init__(self, linker: Linker) -> None:
         self.linker = linker
         self.kinds = Kinds(self)
         self.copies = Copies(self)
+        self.expressions: Mapping[type, Callable[[Any, Frame], Value]] = {form.Lambda: self.copies.closure}
         self.calls = Calls(self)
         self._constructions = Constructions(self)
         self.kind = self.kinds.kind
@@ -93,6 +94,10 @@ class Cpp:
                 return bound
         if _PLACEHOLDER.fullmatch(last):
             return PLACEHOLDER
+        if expression.template and (names[-2] if last == "value" and len(names) > 1 else last) in _RELATIONS:
+            return self.kinds.related(
+                *self.kinds.template(expression.template, frame)[:2], same="is_same" in "".join(names)
+            )
         variable = self.linker.find_variable(names, frame.unit, frame.scope)
         if variable is not None:
             return self._global(variable, last)
@@ -167,6 +172,9 @@ class Cpp:
         inner = Frame(frame.unit, frame.scope, frame.this, parent=frame)
         for parameter, expression in zip(function.parameters, given, strict=False):
             inner.variables[parameter.name] = Alias(expression, frame)
+            if isinstance(expression, form.Name) and len(expression.names) > 1:
+                meant = self.kinds.kind(form.Type(expression.names, expression.template), frame)
+                inner.types[parameter.name] = TypeValue(meant) if isinstance(meant, Kind) else meant
         running = self.machine.running
         if running[id(macro)]:
             return Unknown("the macro expands to itself")

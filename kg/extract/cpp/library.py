@@ -14,7 +14,6 @@ from kg.symbolic import form
 from kg.symbolic.containers import COMMAND_LINE, element, elements, is_unset, with_element
 from kg.symbolic.state import Arguments
 from kg.symbolic.values import (
-    PLACEHOLDER,
     Bound,
     Closure,
     Either,
@@ -394,20 +393,16 @@ def _command_line(language: Cpp, name: str, given: Arguments) -> Value | None:
 
 
 def _bind(arguments: list[Value]) -> Value:
-    first = arguments[0]
+    first, *rest = arguments
     if isinstance(first, Bound) and first.of is None and first.functions:
-        skip = next((i for i, value in enumerate(arguments[1:]) if value == PLACEHOLDER), 0)
-        return Bound(first.name, None, first.functions, skip, first.template)
+        return replace(first, given=tuple(rest))
     if isinstance(first, Bound):
-        given = arguments[1:] if isinstance(first.of, Object) else arguments[2:]
-        skip = next((i for i, value in enumerate(given) if value == PLACEHOLDER), 0)
-        target = next((one for value in arguments[1:] for one in alternatives(value) if isinstance(one, Object)), None)
-        if isinstance(first.of, Object):
-            target = first.of
-        return Bound(first.name, target or first.of, (), skip, first.template)
+        objects = (one for value in rest for one in alternatives(value) if isinstance(one, Object))
+        target, given = (first.of, rest) if isinstance(first.of, Object) else (next(objects, first.of), rest[1:])
+        return replace(first, of=target, functions=(), given=tuple(given))
     if isinstance(first, Closure):
-        known = tuple(value for value in arguments[1:] if not isinstance(value, Unknown))
-        return Closure(first.function, first.frame, known)
+        known = tuple(value for value in rest if not isinstance(value, Unknown))
+        return Closure(first.function, first.frame, known, captured=first.captured)
     return first
 
 

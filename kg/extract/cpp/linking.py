@@ -155,6 +155,8 @@ class Linker:
         if known is not None:
             return known
         ranked: list[tuple[float, _Found]] = []
+        if names[:1] == ("",):
+            scope = ()
         *outer, last = [name for name in names if name] or [""]
         wanted = tuple(outer)
         namespaces = cast("CppUnit", unit).namespaces

@@ -26,6 +26,7 @@ from kg.symbolic.form import (
     Opaque,
     Return,
     Step,
+    Try,
     Type,
 )
 
@@ -285,15 +286,8 @@ class Statements:
         return [Jump(line_of(node), "raise")]
 
     def _try(self, node: Node) -> list[Statement]:
-        handlers = [
-            Branch(
-                line_of(child),
-                ((Opaque(line_of(child), "an exception"), self.block(child.child_by_field_name("body"))),),
-            )
-            for child in node.named_children
-            if child.type == "catch_clause"
-        ]
-        return [self.block(node.child_by_field_name("body")), *handlers]
+        handlers = [self.block(one.child_by_field_name("body")) for one in syntax.of_type(node, "catch_clause")]
+        return [Try(line_of(node), self.block(node.child_by_field_name("body")), tuple(handlers))]
 
     def _preprocessed(self, node: Node) -> list[Statement]:
         condition = node.child_by_field_name("condition")
