@@ -6,19 +6,33 @@ Nothing outside of these can be named, so nothing else is ever read.
 from __future__ import annotations
 
 import posixpath
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from kg.corpus.files import FilePath
+from kg.facts import LaunchProblemKind
 
 if TYPE_CHECKING:
     from kg.corpus.reading import Reader
 
-__all__ = ["SCHEME", "Files"]
+__all__ = ["SCHEME", "Files", "Found"]
 
 SCHEME: Final = "package://"
 """What the folder of a package begins with in texts; it stands for what `$(find NAME)` gives when it runs."""
 
 _LOOSE: Final = "source://"
+_MOST_NAME: Final = 200
+"""Characters of the name of a file or folder, which file systems bound to 255 bytes."""
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """The file that a text names, or what kind of problem it is that there is none, and why."""
+
+    file: FilePath | None
+    kind: LaunchProblemKind = LaunchProblemKind.UNRESOLVED
+    reason: str | None = None
+    subject: str | None = None
 
 
 class Files:
@@ -59,6 +73,21 @@ class Files:
             return _below(found.repository, "" if found.path == "." else found.path, inner)
         installed = self.reader.workspace.installed_package(head)
         return _below(installed.repository, installed.path, inner) if installed else None
+
+    def find(self, text: str) -> Found:
+        """Return the file that a text names."""
+        if any(len(part) > _MOST_NAME for part in text.split("/")):
+            return Found(None, reason="the name of the file is too long")
+        file = self.at(text)
+        if file is not None and self.exists(file):
+            return Found(file)
+        if file is not None:
+            return Found(None, LaunchProblemKind.MISSING_FILE, f"there is no file {text}", text)
+        package = text.removeprefix(SCHEME).partition("/")[0]
+        if text.startswith(SCHEME) and self.share(package) is None:
+            reason = f"the package '{package}' is neither in the build nor installed"
+            return Found(None, LaunchProblemKind.UNKNOWN_PACKAGE, reason, package)
+        return Found(None, reason=f"the file {text} stands outside of the build", subject=text)
 
     def exists(self, file: FilePath) -> bool:
         """Tell whether a file can be read."""

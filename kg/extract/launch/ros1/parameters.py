@@ -15,10 +15,12 @@ from kg.extract.launch.ros1.parameterfile import MOST_TEXT, Leaf, leaf_of, read_
 from kg.extract.launch.ros1.scope import Private
 from kg.extract.launch.ros1.texts import HOLE, join, shown
 from kg.extract.launch.ros1.values import converted
-from kg.extract.launch.xacro.plugins import mappings_of
+from kg.extract.launch.xacro.plugins import named_description, started
 from kg.facts import LaunchProblemKind
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from kg.corpus.files import FilePath
     from kg.extract.launch.ros1.document import Element
     from kg.extract.launch.ros1.scope import Scope
@@ -36,9 +38,6 @@ _TYPES: Final = {
     "str": "string",
     "string": "string",
 }
-_RUN: Final = frozenset({"rosrun", "python", "python2", "python3"})
-_XACRO: Final = frozenset({"xacro", "xacro.py"})
-_DESCRIPTIONS: Final = (".urdf", ".sdf", ".xml", ".gazebo")
 _ROSPACK: Final = re.compile(r"`rospack find ([\w-]+)`")
 
 
@@ -127,17 +126,12 @@ def _described(state: State, scope: Scope, element: Element) -> tuple[LaunchPlug
     source = next((name for name in ("textfile", "command") if name in element.attributes), None)
     if source is None or "value" in element.attributes:
         return ()
-    words = _words(state, scope, element, state.text(scope, element, source) or "") if source == "command" else ["cat"]
-    if source == "textfile":
-        words.append(state.text(scope, element, source) or "")
-    program = words[0].rpartition("/")[2] if words else ""
-    named = next((word for word in words[1:] if not word.startswith("-") and ":=" not in word), None)
-    if named is None or (program not in _XACRO and not (program == "cat" and named.endswith(_DESCRIPTIONS))):
+    text = state.text(scope, element, source) or ""
+    described = named_description(["cat", text] if source == "textfile" else _words(state, scope, element, text))
+    file = state.files.find(described[0]).file if described is not None else None
+    if described is None or file is None:
         return ()
-    file = state.files.at(named)
-    if file is None or not state.files.exists(file):
-        return ()
-    given = {name: shown(text) for name, text in mappings_of(words[1:]).items()} if program in _XACRO else {}
+    given = {name: shown(text) for name, text in described[1].items()}
     chain = (*scope.place.chain, state.location(scope, element.line))
     found = state.descriptions.read(file, given, chain)
     state.problems.update(dict.fromkeys(found.problems))
@@ -199,16 +193,13 @@ def _content(state: State, scope: Scope, element: Element, text: str, *, is_text
     return ("", "the file cannot be read") if data is None else (data.decode(), None)
 
 
-def _words(state: State, scope: Scope, element: Element, command: str) -> list[str]:
+def _words(state: State, scope: Scope, element: Element, command: str) -> Sequence[str]:
     """Return the words of a command, what only starts its program left out; none of one that is wrong."""
     try:
-        words = shlex.split(_ROSPACK.sub(rf"{SCHEME}\1", command))
+        return started(shlex.split(_ROSPACK.sub(rf"{SCHEME}\1", command)))
     except ValueError as error:
         state.refused(scope, element, f"the command is wrong: {error}")
         return []
-    while words and words[0].rpartition("/")[2] in _RUN:
-        words = words[2:] if words[0].endswith("rosrun") else words[1:]
-    return words
 
 
 def _printed(state: State, scope: Scope, element: Element, command: str) -> tuple[str, str | None]:
@@ -218,9 +209,8 @@ def _printed(state: State, scope: Scope, element: Element, command: str) -> tupl
         return "", "its command is wrong"
     if len(words) == 2 and words[0].rpartition("/")[2] == "cat":  # noqa: PLR2004 - cat FILE
         return _content(state, scope, element, words[1], is_text=True)
-    if words[0].rpartition("/")[2] in _XACRO:
-        file = next((word for word in words[1:] if not word.startswith("-") and ":=" not in word), None)
-        if file is not None:
-            _, reason = state.locate(scope, element.line, file)
-            return "", reason or "it is what xacro prints, which is not run"
+    described = named_description(words)
+    if described is not None:
+        _, reason = state.locate(scope, element.line, described[0])
+        return "", reason or "it is what xacro prints, which is not run"
     return "", "it is what a command prints, which is not run"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.files import SCHEME
+from kg.extract.launch.files import Found
 from kg.extract.launch.ros1.substitute import Substituter
 from kg.extract.launch.ros1.texts import HOLE, canonical, join, shown
 from kg.extract.launch.ros1.values import truth
@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
 __all__ = ["State"]
 
-_MOST_NAME: Final = 200
-"""Characters of the name of a file or folder, which file systems bound to 255 bytes."""
 _MOST_NODES: Final = 20_000
 _MOST_PARAMETERS: Final = 200_000
 _MOST_PROBLEMS: Final = 2000
@@ -181,24 +179,13 @@ class State:
 
     def locate(self, scope: Scope, line: int, text: str) -> tuple[FilePath | None, str | None]:
         """Return the file that a text names, or None and why there is none, which is a problem."""
-        kind, reason, subject = LaunchProblemKind.UNRESOLVED, "", text
+        found = self.files.find(text)
         if HOLE in text:
-            reason = f"the file {text} depends on what is not known"
-        elif any(len(part) > _MOST_NAME for part in text.split("/")):
-            reason = "the name of the file is too long"
-        elif (file := self.files.at(text)) is None:
-            package = text.removeprefix(SCHEME).partition("/")[0]
-            if text.startswith(SCHEME) and self.files.share(package) is None:
-                kind, subject = LaunchProblemKind.UNKNOWN_PACKAGE, package
-                reason = f"the package '{package}' is neither in the build nor installed"
-            else:
-                reason = f"the file {text} stands outside of the build"
-        elif not self.files.exists(file):
-            kind, reason = LaunchProblemKind.MISSING_FILE, f"there is no file {text}"
-        else:
-            return file, None
-        self.problem(scope, line, kind, reason, subject)
-        return None, shown(reason)
+            found = Found(None, reason=f"the file {text} depends on what is not known", subject=text)
+        if found.reason is None:
+            return found.file, None
+        self.problem(scope, line, found.kind, found.reason, found.subject)
+        return None, shown(found.reason)
 
     def open(self, scope: Scope, line: int, file: FilePath) -> bytes | None:
         """Return the text of a file, which is recorded as read; None, and a problem, when it cannot be read."""

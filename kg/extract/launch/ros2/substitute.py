@@ -128,17 +128,16 @@ def _eval(context: Context, expression: Text, _modules: Text = ()) -> str:
 
 
 def _command(context: Context, command: Text, _on_error: Text = ()) -> str:
-    from kg.extract.launch.ros2.descriptions import describe, is_xacro  # noqa: PLC0415  (which needs this module)
+    from kg.extract.launch.ros2.descriptions import describe  # noqa: PLC0415  (which needs this module)
 
     text = perform(context, command)
     try:
         words = shlex.split(text)
     except ValueError:
         words = []
+    describe(context, words)
     if len(words) == 2 and words[0] == "cat":  # noqa: PLR2004  (the program and the file)
         return _content(context, (words[1],))
-    if is_xacro(words):
-        describe(context, words)
     shown = " ".join(words[:2]) or text
     return context.unresolved(f"what `{shown}` puts out is known only when it runs", words[0] if words else None)
 

@@ -17,8 +17,11 @@ if TYPE_CHECKING:
     from kg.corpus.reading import Reader
     from kg.extract.launch.files import Files
 
-__all__ = ["Descriptions", "Read", "mappings_of"]
+__all__ = ["Descriptions", "Read", "named_description", "started"]
 
+_INTERPRETERS: Final = frozenset({"python", "python2", "python3"})
+_XACRO: Final = frozenset({"xacro", "xacro.py"})
+_DESCRIPTIONS: Final = (".urdf", ".sdf", ".xml", ".gazebo")
 _MOST_VALUE: Final = 1000
 _MOST_DESCRIPTIONS: Final = 1000
 """Different descriptions, or arguments of them, that the launch files of one package may name."""
@@ -110,7 +113,21 @@ class Descriptions:
         return PluginValue(path, known, self._location(made.file, made.line))
 
 
-def mappings_of(words: Sequence[str]) -> dict[str, str]:
-    """Return the arguments `name:=value` of a command line of xacro."""
-    pairs = (word.partition(":=") for word in words)
-    return {name: value for name, mark, value in pairs if mark}
+def started(words: Sequence[str]) -> Sequence[str]:
+    """Return a command line from its program on, without what only starts that."""
+    first = words[0].rpartition("/")[2] if words else ""
+    if first == "rosrun":
+        return started(words[2:])
+    if first == "ros2" and words[1:2] == ["run"]:
+        return started(words[3:])
+    return started(words[1:]) if first in _INTERPRETERS else words
+
+
+def named_description(words: Sequence[str]) -> tuple[str, dict[str, str]] | None:
+    """Return the file of the description that a command line prints, and its arguments; None for all else."""
+    program = words[0].rpartition("/")[2] if words else ""
+    named = next((word for word in words[1:] if not word.startswith("-") and ":=" not in word), None)
+    if named is None or not (program in _XACRO or (program == "cat" and named.endswith(_DESCRIPTIONS))):
+        return None
+    pairs = (word.partition(":=") for word in words[1:] if program in _XACRO)
+    return named, {name: value for name, mark, value in pairs if mark}

@@ -92,3 +92,11 @@ def test_commands_of_ros_2_xml_are_descriptions(tmp_path: Path) -> None:
   <param name="robot_description" value="$(command 'xacro $(find-pkg-share demo)/urdf/r.xacro topic:=x')"/>
 </node></launch>"""
     assert texts(configuration(tmp_path, 2, "a.launch.xml", text)) == [("/n/robot_description", "x")]
+
+
+def test_files_that_commands_of_ros_2_print_are_descriptions(tmp_path: Path) -> None:
+    """A description that `cat` prints holds plugins too."""
+    text = """<launch><node pkg="rsp" exec="rsp" name="n">
+  <param name="robot_description" value="$(command 'cat $(find-pkg-share demo)/urdf/plain.urdf')"/>
+</node></launch>"""
+    assert texts(configuration(tmp_path, 2, "a.launch.xml", text)) == [("/n/robot_description", "plain")]

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from kg.corpus.files import FilePath
 from kg.corpus.reading import Reader
 from kg.extract.launch.files import Files
-from kg.extract.launch.xacro.plugins import Descriptions, mappings_of
+from kg.extract.launch.xacro.plugins import Descriptions, named_description
 from kg.facts import LaunchProblemKind
 
 if TYPE_CHECKING:
@@ -121,4 +121,5 @@ def test_a_property_that_depends_on_itself_is_not_known(tmp_path: Path) -> None:
 
 def test_arguments_of_a_command_line_are_those_with_a_sign() -> None:
     """Options and the file are none."""
-    assert mappings_of(["--inorder", "robot.xacro", "a:=b", "c:="]) == {"a": "b", "c": ""}
+    words = ["/opt/bin/xacro", "--inorder", "robot.xacro", "a:=b", "c:="]
+    assert named_description(words) == ("robot.xacro", {"a": "b", "c": ""})
