@@ -123,6 +123,7 @@ CLASS: Final[Mapping[str, Form]] = {
     "runs": _TEXTS,
     "members": Form('namespaces by member: { pnh_ = "~" }', _are_namespaces),
     "gives": Form("a list of tables with `method`, `arguments` and `handles`", _are_tables),
+    "options": _FLAG,
     "unless": _INDEX,
     "namespace": _INDEX,
     "detail": _INDEX,
@@ -169,7 +170,7 @@ KINDS: Final[Mapping[str, str]] = {
 RESULTS: Final[Mapping[str, str]] = {
     **dict.fromkeys(("parameter", "is set", "path", "namespace", "own namespace"), ""),
     **dict.fromkeys(("node name", "private", "host", "self"), ""),
-    **dict.fromkeys(("is declared", "argument", "resolved", "sub node", "camera info"), INDEX),
+    **dict.fromkeys(("is declared", "argument", "resolved", "sub node", "camera info", "format"), INDEX),
     "handle": "NAMESPACE",
     "duration": SECONDS,
 }

@@ -101,7 +101,10 @@ def element(of: Value, key: Value) -> Value:
     if isinstance(of, Sequence):
         if isinstance(key, Number):
             index = int(key.value)
-            return of.items[index] if 0 <= index < len(of.items) else Unknown("the list has no such element")
+            if 0 <= index < len(of.items) or of.parameter is None:
+                return of.items[index] if 0 <= index < len(of.items) else Unknown("the list has no such element")
+        if of.parameter is not None:
+            return join(*elements(of)) if of.items else _some(of)
         return join(*of.items) if of.items else Unknown("the list is empty")
     if isinstance(of, Mapping):
         if isinstance(key, Text) and key.known is not None:

@@ -105,6 +105,8 @@ class ClassDescription:
     """The argument that the mark takes with it."""
     under: int | None = None
     """The argument with the namespace of the mark."""
+    options: bool = False
+    """Whether its constructor stores the interface in the object, for a call that receives the object."""
 
 
 @dataclass(slots=True)
@@ -202,6 +204,7 @@ def _class(name: str, row: dict[str, Any], ros: int) -> ClassDescription:
         row.get("namespace"),
         row.get("detail"),
         row.get("under"),
+        row.get("options", False),
     )
 
 

@@ -239,7 +239,10 @@ class Framework:
             self._mark(described.mark, kind, described, Invocation(None, given))
         off = described.unless is not None and arguments[described.unless : described.unless + 1] == [Truth(False)]
         node, rest = self._shifted(described.node, arguments)
-        if described.effects and not off and described.least <= len(rest) <= described.most:
+        fits = described.least <= len(rest) <= described.most
+        if described.options and fits:
+            self._store(made, described.effects[0], Invocation(node, replace(given, values=rest), kind))
+        elif described.effects and not off and fits:
             for effect in described.effects:
                 for row in combinations(rest):
                     self._apply(effect, Invocation(node, replace(given, values=list(row)), kind))
@@ -363,13 +366,15 @@ class Framework:
     def _options(self, described: CallDescription, call: Invocation) -> Object:
         """Store the name and type of an interface in an options object."""
         options = call.node if isinstance(call.node, Object) else Object(Kind(("ros", "SubscribeOptions")))
-        effect = described.effects[0]
+        self._store(options, described.effects[0], call)
+        self.machine.language.escape(call.arguments.values)
+        return options
+
+    def _store(self, options: Object, effect: Effect, call: Invocation) -> None:
         kind = message_type(self.machine.language, effect, call)
         self._option_sites[id(options)] = tuple(self.machine.stack)
         options.native["options name"] = call.arguments.values[effect.name or 0]
         options.native["options type"] = Text.of(kind) if kind is not None else Unknown("its type is not known")
-        self.machine.language.escape(call.arguments.values)
-        return options
 
     # Effects
 
@@ -408,6 +413,8 @@ class Framework:
             return None
         kind = message_type(self.machine.language, effect, call)
         whole = with_node_name(below(namespace_of(owner), name), owner)
+        if isinstance(whole, Text) and whole.known == "" and whole.parameter is None:
+            return None  # the framework refuses an empty name
         profile = self._profile(effect, call)
         written = _written(effect, call, stack[-1].given if stack else ())
         self._add(Declared(effect, _shown(whole), kind, owner, stack, profile, written=written))

@@ -508,6 +508,10 @@ class Machine:
             special = self.language.shifted(values)
             if special is not None:
                 return special
+        if sign == ">>" and isinstance(values[0], Object):
+            for operand in expression.operands[1:]:
+                self.put(operand, Text.hole("it is read from a stream"), frame)
+            return Unknown("it is read from a stream")
         return over(values, lambda *row: self._computed(sign, row))
 
     def _computed(self, sign: str, row: tuple[Value, ...]) -> Value:
@@ -624,11 +628,14 @@ class Machine:
             self.bind(function, frame, arguments, given)
             self.run(function.body, frame)
         if caller is not None and len(given) == len(arguments):
-            for parameter, expression in zip(function.parameters, given, strict=False):
+            for parameter, expression, before_it in zip(function.parameters, given, arguments, strict=False):
                 kind = parameter.type
                 if kind is not None and (kind.reference or kind.pointer) and not kind.constant:
                     value = frame.variables.get(parameter.name)
-                    if isinstance(value, Text | Number | Truth | Sequence | Mapping | Either):
+                    lost = not kind.pointer and isinstance(before_it, Text)
+                    if isinstance(value, Text | Number | Truth | Sequence | Mapping | Either) or (
+                        lost and isinstance(value, Unknown)
+                    ):
                         self.put(expression, value, caller)
         self._local = outer
         result = join(*frame.returned) if frame.returned else Unknown("it returns nothing")

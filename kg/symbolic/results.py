@@ -61,6 +61,8 @@ def result(framework: Framework, returns: str | None, call: Invocation, paramete
         return made_duration(DURATION, float(detail), values or [number(1)])
     if not detail.isdecimal():
         return Object(Kind(tuple(returns.split("::"))))
+    if what == "format":
+        return framework.machine.language.formatted(tuple(values[int(detail) :]))
     return _of_argument(framework, what, values[int(detail)], node)
 
 

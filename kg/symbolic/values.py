@@ -361,7 +361,8 @@ def whole_parameter(value: Value) -> bool:
 def join(*values: Value) -> Value:
     """Return a value that is any of some values.
 
-    A parameter without default that falls back to another value has that value as its default.
+    A parameter without default that falls back to another value has that value as its default. Unknown values leave
+    the others, but a truth value that can also be unknown is unknown, since both sides of a branch on it can run.
     """
     if len(values) == 1:
         return values[0]
@@ -374,6 +375,8 @@ def join(*values: Value) -> Value:
     known = _with_defaults(found) if len(found) > 1 else found
     if known is not found:
         paths, found = [], known
+    if {type(item) for item in found} == {Truth, Unknown}:
+        return next(item for item in found if isinstance(item, Unknown))
     if len(found) > 1 and any(not isinstance(item, Unknown) for item in found):
         found = [item for item in found if not isinstance(item, Unknown) or item.parameter is not None] or found
     if len(found) > MOST_ALTERNATIVES:

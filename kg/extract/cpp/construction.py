@@ -89,7 +89,7 @@ class Constructions:
         if known is not None:
             return known
         self._language.escape(arguments)
-        if not arguments or kind.names[0] not in ("std", "auto"):
+        if not arguments or kind.names[:1] not in (("std",), ("auto",)):
             return Object(kind, line=line)
         return Unknown("it is of a class that is not in the build")
 

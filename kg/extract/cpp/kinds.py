@@ -77,7 +77,7 @@ class Kinds:
         found = self._meanings.get(key)
         if found is None:
             found = self._meanings[key] = self._named(names, arguments, frame.unit, frame.scope, depth)
-        return found
+        return _with_types(found, frame) if isinstance(found, Kind) and found.arguments else found
 
     def kind_of(self, kind: Type | None, frame: Frame) -> Kind | None:
         """Return the type of a declaration, without pointers; None if it has none."""
@@ -279,6 +279,17 @@ class Kinds:
 def _pointer(to: Kind) -> Kind:
     """Return the type of the pointers to a class: `Ptr` or `SharedPtr` in the class."""
     return Kind(("std", "shared_ptr"), (TypeValue(to),))
+
+
+def _with_types(kind: Kind, frame: Frame) -> Kind:
+    """Return a type that an alias of a class gives, with the values of the class's template parameters."""
+    arguments = tuple(
+        (frame.bound_type(one.kind.names[0]) or one)
+        if isinstance(one, TypeValue) and one.kind.cls is None and len(one.kind.names) == 1
+        else one
+        for one in kind.arguments
+    )
+    return kind if arguments == kind.arguments else Kind(kind.names, arguments, kind.cls)
 
 
 def _as_value(found: Kind | Value) -> Value:

@@ -94,7 +94,10 @@ class _Nodes:
         return found
 
     def _classes(self) -> list[Extracted]:
-        """Return the classes that declare interfaces, of a package without nodes that were understood."""
+        """Return the classes that declare interfaces, of a package without nodes that were understood.
+
+        A class whose interfaces all get their names from the code that uses it is not a node.
+        """
         found: list[Extracted] = []
         words = [word.encode() for word in self._calls.calls if len(word) > _COMMON]
         for file in self._project.sources():
@@ -106,9 +109,10 @@ class _Nodes:
                 sources = [cast("CppUnit", one).source for one in units]
                 if not any(word in source for source in sources for word in words):
                     continue
-                root = self._started(machine, language, framework, cls, loaded=False)
+                root = self._started(machine, language, framework, cls)
                 node = NodeType(cls.name, NodeKind.CLASS, "cpp", 0, Location(file.path, cls.line), sources=(file.path,))
-                found += [one for one in self._extracted(framework, node, root) if one.node.interfaces]
+                extracted = self._extracted(framework, node, root)
+                found += [one for one in extracted if any(i.name or i.parameter for i in one.node.interfaces)]
         return found
 
     def _files(self, target: Target) -> list[FilePath]:
@@ -184,7 +188,7 @@ class _Nodes:
             cls = self._class(language.linker, plugin.type)
             if cls is None:
                 continue
-            root = self._started(machine, language, framework, cls)
+            root = self._started(machine, language, framework, cls, plugin.registration)
             name = plugin.executable or _last(plugin.name)
             place = Location(cls.unit.path, cls.line)
             methods = language.linker.methods(cls).values()
@@ -204,12 +208,19 @@ class _Nodes:
         return []
 
     def _started(
-        self, machine: Machine, language: Cpp, framework: Framework, cls: Class, *, loaded: bool = True
+        self,
+        machine: Machine,
+        language: Cpp,
+        framework: Framework,
+        cls: Class,
+        registration: Registration | None = None,
     ) -> Object:
         """Create an object of a class, and run the methods that its loader may call.
 
-        A `loaded` class gets its default arguments; a class of a library gets unknown ones.
+        A registered class gets its default arguments; a class of a library gets unknown ones. The loader of a nodelet
+        calls virtual methods only, as that of a node.
         """
+        loaded, nodelet = registration is not None, registration is Registration.NODELET
         kind = Kind((*cls.scope, cls.name), (), cls)
         frame = Frame(cls.unit, (*cls.scope, cls.name))
         constructors = language.linker.methods(cls).get(cls.name, [])
@@ -226,7 +237,7 @@ class _Nodes:
         language.initialise(root, kind, given)
         framework.constructed(root)
         machine.drain()
-        for name in _called_from_outside(language, kind, node=framework.host is root):
+        for name in _called_from_outside(language, kind, node=nodelet or framework.host is root):
             if not all(id(function) in machine.executed for function, _ in language.methods(kind, name)[:1]):
                 language.escape([Bound(name, root)])
                 machine.drain()

@@ -92,3 +92,42 @@ RCLCPP_COMPONENTS_REGISTER_NODE(Viewer)
 """
     build = "project(demo)\nadd_library(demo SHARED main.cpp)\n"
     assert names_of(source, {"CMakeLists.txt": build}) == {"out"}
+
+
+def test_a_function_that_returns_false_on_failure_can_succeed() -> None:
+    """What its caller does after a success counts, although the result of a success is not known."""
+    outer = """bool prepare() { if (!connect()) return false; return finish(); }
+void* load() { if (!prepare()) return nullptr; return read(); }"""
+    local = 'std::string name = "none"; if (!prepare()) return 1; if (!load()) return 1; name = "one";'
+    assert texts_of("name", local, outer) == {"one"}
+
+
+@pytest.mark.parametrize(("default", "names"), [("", set()), (', "used"', {"used"})])
+def test_an_interface_whose_name_stays_empty_does_not_exist(default: str, names: set[str]) -> None:
+    """The code asks whether the name is empty, of a text that a function may have set."""
+    source = """#include <rclcpp/rclcpp.hpp>
+void choose(std::string & name, const std::string & given = "") { if (ask()) { name = given; } }
+int main(int argc, char** argv) {
+  rclcpp::Node node("demo");
+  std::string name;
+  choose(name%s);
+  if (!name.empty()) { node.create_publisher<std_msgs::msg::String>(name, 1); }
+  node.create_client<std_srvs::srv::Empty>("end");
+}
+"""
+    assert names_of(source % default) == names | {"end"}
+
+
+def test_a_parameter_without_default_reaches_the_caller_through_a_reference() -> None:
+    """The text before the call is gone."""
+    source = """#include <rclcpp/rclcpp.hpp>
+void read(rclcpp::Node & node, std::string & topic) { topic = node.declare_parameter<std::string>("topic"); }
+int main(int argc, char** argv) {
+  rclcpp::Node node("demo");
+  std::string topic = "none";
+  read(node, topic);
+  node.create_publisher<std_msgs::msg::String>(topic, 1);
+}
+"""
+    (found,) = [one for one in node_of(source).interfaces if not one.implicit]
+    assert (found.name, found.parameter) == (None, "topic")

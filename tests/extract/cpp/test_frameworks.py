@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import pytest
-from extract.cpp.packages import interfaces_of, node_of, nodes_of
+from extract.cpp.packages import interfaces_of, names_of, node_of, nodes_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -131,3 +131,61 @@ def test_a_callback_in_a_field_of_options_is_called() -> None:
         ("subscribes", "image"),
         ("subscribes", "camera_info"),
     }
+
+
+def test_options_hold_the_interface_that_their_constructor_gives() -> None:
+    """`advertise(options)` creates it, with the type that the constructor names."""
+    source = """#include <ros/ros.h>
+int main(int argc, char** argv) {
+  ros::NodeHandle nh("~");
+  ros::AdvertiseOptions options("output", 1, "*", "std_msgs/String", "", connected, connected);
+  ros::Publisher out = nh.advertise(options);
+}
+"""
+    (found,) = interfaces_of(source)
+    assert (found.name, found.type, found.location.line) == ("~/output", "std_msgs/String", 4)
+
+
+def test_a_nodelet_has_what_its_virtual_methods_create() -> None:
+    """A helper of a base class that the nodelet does not call creates nothing."""
+    source = """#include <nodelet/nodelet.h>
+#include <pluginlib/class_list_macros.h>
+#include <std_msgs/String.h>
+class Base : public nodelet::Nodelet {
+protected:
+  void advertiseText(ros::NodeHandle& nh, const std::string& topic) { nh.advertise<std_msgs::String>(topic, 1); }
+};
+class Viewer : public Base {
+  virtual void onInit() { getPrivateNodeHandle().advertise<std_msgs::String>("out", 1); }
+};
+PLUGINLIB_EXPORT_CLASS(Viewer, nodelet::Nodelet)
+"""
+    assert names_of(source, {"CMakeLists.txt": "project(demo)\nadd_library(demo main.cpp)\n"}) == {"~/out"}
+
+
+def test_a_function_that_formats_gives_a_text_with_holes() -> None:
+    """Numbers that are not known are holes."""
+    source = """#include <ros/ros.h>
+#include <std_msgs/String.h>
+int main(int argc, char** argv) {
+  ros::NodeHandle nh;
+  for (int i = 0; i < argc; ++i) nh.advertise<std_msgs::String>(uFormat("image%d/%s", i, "raw"), 1);
+}
+"""
+    assert names_of(source) == {"image{}/raw"}
+
+
+def test_an_element_of_a_list_parameter_names_the_parameter() -> None:
+    """The list is empty by default, or has elements that launch files can replace."""
+    source = """#include <rclcpp/rclcpp.hpp>
+int main(int argc, char** argv) {
+  rclcpp::Node node("demo");
+  auto topics = node.declare_parameter("topics", std::vector<std::string>%s);
+  for (size_t i = 0; i < argc; ++i) node.create_publisher<std_msgs::msg::String>(topics.at(i), 1);
+}
+"""
+    found = [interfaces_of(source % given) for given in ("()", '{"a", "b"}')]
+    assert [{(one.name, one.parameter) for one in each} for each in found] == [
+        {(None, "topics[]")},
+        {("a", "topics[]"), ("b", "topics[]")},
+    ]

@@ -191,3 +191,9 @@ def test_braces_of_a_constructor_hold_the_elements_of_a_list(known: tuple[str, .
     outer = f"struct Names {{ Names() : all{{{written}}} {{}} std::vector<std::string> all; }};"
     local = "Names names; for (size_t i = 0; i != names.all.size(); i++)"
     assert texts_of("names.all[i]", local, outer) == set(known)
+
+
+def test_a_word_from_a_stream_is_not_known() -> None:
+    """It is not what its variable had before."""
+    local = 'std::string word; std::stringstream words(argv[1]); while (words >> word) { name = word + "/map"; }'
+    assert texts_of("name", 'std::string name = "none"; ' + local) == {"none", "{}/map"}

@@ -121,3 +121,21 @@ def test_a_callback_takes_the_adapted_type() -> None:
 def test_classes_of_the_build_are_no_messages() -> None:
     """A class that the sources define has no message type unless an adapter states one."""
     assert type_of("space::Thing", "namespace space { class Thing {}; }") is None
+
+
+def test_an_alias_of_a_class_template_has_its_types() -> None:
+    """`Sub` is the subscriber of the message that the class is made for."""
+    source = """#include <rclcpp/rclcpp.hpp>
+template <typename Msg>
+struct Pair {
+  using Sub = message_filters::Subscriber<Msg>;
+  Pair(rclcpp::Node * node, const std::string & name) { sub_ = std::make_shared<Sub>(node, name); }
+  std::shared_ptr<Sub> sub_;
+};
+int main(int argc, char** argv) {
+  rclcpp::Node node("demo");
+  Pair<sensor_msgs::msg::Image> pair(&node, "image");
+}
+"""
+    (found,) = interfaces_of(source)
+    assert (found.name, found.type) == ("image", "sensor_msgs/Image")
