@@ -190,7 +190,7 @@ def _effect_errors(row: _Row, column: str, effect: Mapping[str, Any]) -> Iterato
         hint = "Add `name`, the number of the argument with the name, or `fixed`, the name itself."
         yield _error(row.place(column), f"`{column}` has no name", hint)
     for key, value in effect.items():
-        if forms[key] is forms["name"]:
+        if forms[key] is forms["name"] or (key == "specification" and isinstance(value, int)):
             yield from _number_errors(row, value, row.place(column, key))
     for word in effect.get("type", ()) if column in _ROLES else ():
         if "/" not in word:

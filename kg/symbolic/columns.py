@@ -143,7 +143,9 @@ INTERFACE: Final[Mapping[str, Form]] = {
     "qos": _INDEX,
     "depth": _COUNT,
     "camera": _FLAG,
-    "specification": _INDEX,
+    "specification": Form(
+        'the number of an argument, or "template"', lambda value: _is_index(value) or value == "template"
+    ),
 }
 """The keys of an interface."""
 PARAMETER: Final[Mapping[str, Form]] = {

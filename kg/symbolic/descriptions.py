@@ -42,8 +42,11 @@ class Effect:
     implicit: bool = False
     depth: int | None = None
     """The depth of the queue where the call gives none."""
-    specification: int | None = None
-    """The argument whose template argument is a class with the name, the type and the quality of service."""
+    specification: int | str | None = None
+    """The argument whose template argument is a class with the name, the type and the quality of service.
+
+    `template` if it is the template argument of the call.
+    """
     descriptor: int | None = None
     """The argument with the descriptor of the parameter, which may allow values of any type."""
     ros: int = 0

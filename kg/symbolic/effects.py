@@ -435,8 +435,12 @@ class Framework:
     def _specified(self, effect: Effect, owner: Object | None, call: Invocation) -> None:
         """Add the interface of a class: `Message` or `Service`, `name`, `depth`, `reliability`, `durability`."""
         language = self.machine.language
-        declared = call.declared(effect.specification, language)
-        inner = declared.arguments[0] if declared is not None and declared.arguments else None
+        if isinstance(effect.specification, int):
+            declared = call.declared(effect.specification, language)
+            template = declared.arguments if declared is not None else ()
+        else:
+            template = call.arguments.template
+        inner = template[0] if template else None
         if not isinstance(inner, TypeValue) or inner.kind.cls is None:
             return
         kinds = [language.nested_type(inner.kind, name) for name in ("Message", "Service")]

@@ -176,7 +176,8 @@ def _compared(sign: str, row: tuple[Value, ...]) -> Value:
         return Unknown("it depends on a parameter", parameter)
     if sign in ("==", "!="):
         if right == NULL and (left == NULL or isinstance(left, _NOT_NULL)):
-            return Truth((left == NULL) == (sign == "=="))
+            holds = Truth(False) if left == NULL else truth(left) if isinstance(left, Object) else Truth(True)
+            return Truth(holds.value == (sign == "!=")) if isinstance(holds, Truth) else holds
         if isinstance(left, Enumerator | TypeValue) and type(left) is type(right):
             return Truth((left == right) == (sign == "=="))
     one, other = _plain(left), _plain(right)

@@ -131,3 +131,16 @@ int main(int argc, char** argv) {
 """
     (found,) = [one for one in node_of(source).interfaces if not one.implicit]
     assert (found.name, found.parameter) == (None, "topic")
+
+
+def test_a_subscriber_may_be_null() -> None:
+    """It is an object, and null until it has a topic."""
+    source = """#include <ros/ros.h>
+void called(const std_msgs::String& message) {}
+int main(int argc, char** argv) {
+  ros::NodeHandle nh;
+  ros::Subscriber sub;
+  if (sub == NULL) sub = nh.subscribe("topic", 1, called);
+}
+"""
+    assert names_of(source) == {"topic"}

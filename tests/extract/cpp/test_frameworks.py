@@ -189,3 +189,19 @@ int main(int argc, char** argv) {
         {(None, "topics[]")},
         {("a", "topics[]"), ("b", "topics[]")},
     ]
+
+
+def test_a_class_of_the_call_specifies_an_interface() -> None:
+    """The adaptor of Autoware takes it as a template argument, or from its output."""
+    specification = """struct State {
+  using Message = std_msgs::msg::String;
+  static constexpr char name[] = "/state";
+};"""
+    body = "adaptor_.create_publisher<State>(); adaptor_.init_sub(sub_, [](auto message) {});"
+    members = """autoware::component_interface_utils::NodeAdaptor<rclcpp::Node> adaptor_{this};
+autoware::component_interface_utils::Subscription<State>::SharedPtr sub_;"""
+    found = interfaces_of(component(body, members, specification))
+    assert [(one.role, one.name, one.type) for one in found] == [
+        ("publishes", "/state", "std_msgs/String"),
+        ("subscribes", "/state", "std_msgs/String"),
+    ]
