@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 from kg.extract.cpp import library
 from kg.extract.cpp.callbacks import closure_frame
@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Calls", "Overload", "fits"]
 
+_HANDLE: Final = Kind(("ros", "NodeHandle"))
+_OF_HANDLES: Final = ("advertise", "subscribe", "advertiseService", "serviceClient")
+"""Methods that tell a node handle."""
 Overload: TypeAlias = "tuple[Function, dict[str, Value]]"
 """A function, with the values of the template parameters around it."""
 
@@ -39,7 +42,7 @@ class Calls:
             return self._name(function, expression, frame)
         machine = self._language.machine
         if isinstance(function, form.Member):
-            of = machine.value(function.of, frame)
+            of = self._inherited_handle(machine.value(function.of, frame), function, frame)
             values = machine.arguments(expression.arguments, frame)
             given = Arguments(values, self._kinds.template(function.template, frame), expression, frame)
             return join(*(self.method(one, function.name, given, function.of) for one in alternatives(of)))
@@ -51,6 +54,22 @@ class Calls:
             return Unknown("it is computed")
         called = machine.value(function, frame)
         return self.value(called, Arguments(machine.arguments(expression.arguments, frame), (), expression, frame))
+
+    def _inherited_handle(self, of: Value, function: form.Member, frame: Frame) -> Value:
+        """Return the node handle that a base class outside of the sources must hold, as its methods are called."""
+        this = this_of(frame)
+        if function.name not in _OF_HANDLES or not isinstance(of, Unknown) or not isinstance(this, Object):
+            return of
+        written = function.of
+        if not isinstance(written, form.Name) or len(written.names) > 1 or frame.holder(written.names[0]) is not None:
+            return of
+        if self._kinds.has_field(this, written.names[0]) or not self._kinds.chain(this.kind)[1]:
+            return of
+        handle = self._language.machine.framework.given(_HANDLE, written.names[0])
+        if handle is None:
+            return of
+        self._language.machine.write(this.fields, written.names[0], handle)
+        return handle
 
     def value(self, called: Value, given: Arguments) -> Value:
         """Call a function that is a value: a lambda, a bound method, an object with `operator()`."""

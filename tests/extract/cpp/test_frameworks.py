@@ -205,3 +205,20 @@ autoware::component_interface_utils::Subscription<State>::SharedPtr sub_;"""
         ("publishes", "/state", "std_msgs/String"),
         ("subscribes", "/state", "std_msgs/String"),
     ]
+
+
+def test_a_base_outside_of_the_build_holds_the_node_handle() -> None:
+    """The name of the member tells whether it is a private one."""
+    source = """#include <octomap_server/OctomapServer.h>
+class Contact : public octomap_server::OctomapServer {
+public:
+  Contact() {
+    m_nh.advertise<std_msgs::String>("map", 1);
+    pnh_.subscribe<std_msgs::String>("points", 1, &Contact::received, this);
+    list_.advertise("nothing");
+  }
+  std::list<int> list_;
+};
+int main(int argc, char** argv) { Contact contact; }
+"""
+    assert names_of(source) == {"map", "~/points"}
