@@ -550,7 +550,12 @@ class Machine:
             value = over((before, value), lambda *row: self._computed(expression.sign, row))
         else:
             value = self.language.assigned(target, value, expression.value, frame)
-        self.assign(target, value, frame)
+        name = target.names[0] if isinstance(target, form.Name) and not expression.sign else ""
+        held = frame.variables.get(name)
+        if isinstance(held, Alias) and held.object:
+            self.write(frame.variables, name, value)
+        else:
+            self.assign(target, value, frame)
         return value
 
     def assign(self, target: Expression, value: Value, frame: Frame) -> None:

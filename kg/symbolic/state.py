@@ -36,6 +36,8 @@ class Alias:
 
     target: Expression
     frame: Frame
+    object: bool = False
+    """Whether it means the object only: an assignment to the name leaves the other variable as it is."""
 
 
 Slot: TypeAlias = Value | Alias

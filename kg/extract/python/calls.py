@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 from kg.extract.python import library
 from kg.extract.python.statements import DECORATED
 from kg.symbolic import form
-from kg.symbolic.state import Arguments, Frame
+from kg.symbolic.state import Alias, Arguments, Frame
 from kg.symbolic.values import (
     Bound,
     Closure,
@@ -117,6 +117,7 @@ class Calls:
         named = {**dict(called.named), **given.named}
         arguments = [*called.bound, *given.values]
         frame = self._frame(called, arguments)
+        _share(called, frame, given)
         _bind(called.function, frame, arguments, named)
         return self._language.machine.invoke(called.function, frame, arguments)
 
@@ -202,6 +203,9 @@ class Calls:
         if owner is not None:
             self._initialise(Closure(owner.methods["__init__"][0], language.around[owner], (made,)), given)
         else:
+            if not any(map(machine.framework.constructs, outside)):
+                names = dict.fromkeys(name for one, _ in reversed(chain) for name in one.fields)
+                made.fields.update(zip(names, given.values, strict=False))
             made.fields.update(given.named)
             for base in outside:
                 machine.framework.construct_base(made, base, given)
@@ -290,6 +294,19 @@ def _super(arguments: list[Value], frame: Frame) -> Value:
     return Object(Kind(("builtins", "super")), native={"super": of, "after": after})
 
 
+def _share(called: Closure, frame: Frame, given: Arguments) -> None:
+    """Make the parameters of a function mean the lists and dictionaries that the caller's variables hold."""
+    if given.frame is None or given.call is None or len(given.call.arguments) != len(given.values):
+        return
+    parameters = called.function.parameters[len(called.bound) :]
+    rows = [*zip((one.name for one in parameters), given.values, given.call.arguments, strict=False)]
+    rows += [(name, given.named[name], written) for name, written in given.call.keywords if name in given.named]
+    usual = {one.name for one in parameters if not one.variadic}
+    for name, value, written in rows:
+        if name in usual and isinstance(value, Sequence | Mapping) and isinstance(written, form.Name | form.Member):
+            frame.variables[name] = Alias(written, given.frame, object=True)
+
+
 def _bind(function: Function, frame: Frame, arguments: list[Value], named: Names[str, Value]) -> None:
     """Set the parameters of a function that arguments give by name, and those that take all others."""
     plain = [one for one in function.parameters if not one.variadic and not one.named]
@@ -299,5 +316,7 @@ def _bind(function: Function, frame: Frame, arguments: list[Value], named: Names
             own = {one.name for one in function.parameters}
             others = tuple((Text.of(name), value) for name, value in named.items() if name not in own)
             frame.variables[parameter.name] = Mapping(others) if parameter.named else rest
+        elif parameter.name in frame.variables:
+            continue
         elif parameter.name in named and (parameter.named or index >= len(arguments)):
             frame.variables[parameter.name] = named[parameter.name]

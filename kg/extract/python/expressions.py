@@ -46,8 +46,10 @@ if TYPE_CHECKING:
 
     from kg.symbolic.form import Expression, Statement
 
-__all__ = ["Expressions", "expression_of"]
+__all__ = ["YIELDED", "Expressions", "expression_of"]
 
+YIELDED: Final = "<yielded>"
+"""The variable that holds what a generator yields."""
 _DEEPEST: Final = 120
 _SHOWN: Final = 60
 _SIGNS: Final = {"is": "==", "is not": "!=", "<>": "!="}
@@ -316,6 +318,13 @@ class Expressions:
     def _inner(self, node: Node) -> Expression:
         return self.expression(node.named_children[0] if node.named_child_count else None)
 
+    def _yield(self, node: Node) -> Expression:
+        """Return the addition of what a generator yields to the list of all that it yields."""
+        line, given = line_of(node), _children(node)
+        several = any(child.type == "from" for child in node.children)
+        value = self.expression(given[0]) if given else Literal(line, None)
+        return Call(line, Member(line, Name(line, (YIELDED,)), "extend" if several else "append"), (value,))
+
     def _effects(self, node: Node) -> Expression:
         return Opaque(line_of(node), code(node)[:_SHOWN], self._all(node.named_children))
 
@@ -342,7 +351,8 @@ class Expressions:
         "lambda": _lambda,
         "named_expression": _walrus,
         **dict.fromkeys(("await", "as_pattern_target"), _inner),
-        **dict.fromkeys(("yield", "exec_statement", "chevron"), _effects),
+        **dict.fromkeys(("exec_statement", "chevron"), _effects),
+        "yield": _yield,
     }
 
 

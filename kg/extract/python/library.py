@@ -364,6 +364,7 @@ _SPECIAL: Final[dict[str, Callable[[Python, Arguments], Value]]] = {
     "builtins.globals": _globals,
     "builtins.vars": _globals,
     "functools.partial": _partial,
+    "functools.wraps": lambda _, given: _COMPUTED,  # noqa: ARG005 - it calls none of its arguments
     "unittest.main": _tests,
     "rclpy.qos.QoSPresetProfiles.get_from_short_key": _preset,
 }

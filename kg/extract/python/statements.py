@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import chain
 from typing import TYPE_CHECKING, ClassVar, Final
 
+from kg.extract.python.expressions import YIELDED
 from kg.extract.python.syntax import argument_nodes, code, line_of
 from kg.symbolic.form import (
     Assign,
@@ -16,8 +17,10 @@ from kg.symbolic.form import (
     Declare,
     Define,
     Display,
+    Field,
     Function,
     Import,
+    Index,
     Jump,
     Lambda,
     Literal,
@@ -31,7 +34,7 @@ from kg.symbolic.form import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Iterator
 
     from tree_sitter import Node
 
@@ -43,8 +46,13 @@ __all__ = ["DECORATED", "Statements"]
 DECORATED: Final = "<decorated>"
 """The name of the function that applies a decorator to a function or class."""
 _DEEPEST: Final = 60
+_OWN: Final = frozenset({"function_definition", "class_definition", "lambda"})
 _BROKEN: Final = frozenset({"ERROR", "assignment", "tuple", "parenthesized_expression"})
-_METHODS: Final = frozenset({"property", "cached_property", "classmethod", "staticmethod", "setter", "deleter"})
+_CONTEXT: Final = "contextmanager"
+"""The end of the names of decorators that make a context manager of a generator."""
+_METHODS: Final = frozenset(
+    {"property", "cached_property", "classmethod", "staticmethod", "setter", "deleter", _CONTEXT}
+)
 
 
 class Statements:
@@ -55,6 +63,8 @@ class Statements:
         self._expressions = expressions
         self._depth = 0
         self._scope: tuple[str, ...] = ()
+        self._yields = False
+        """Whether the function that is lowered is a generator."""
         self.too_deep: int | None = None
 
     def module(self, root: Node) -> Block:
@@ -65,12 +75,25 @@ class Statements:
         """Return the statements of a function; its local variables have no value at first."""
         outer, self._scope = self._scope, (*function.scope, function.name)
         inner = node.child_by_field_name("body")
+        around, self._yields = self._yields, inner is not None and _yields(inner)
         statements = self._of(inner.named_children) if inner is not None else ()
-        self._scope = outer
+        statements = self._generator(function, line_of(node), statements) if self._yields else statements
+        self._scope, self._yields = outer, around
         taken = {parameter.name for parameter in function.parameters} | _globals(inner)
         local = [name for name in dict.fromkeys(_assigned(statements)) if name not in taken]
         line = line_of(node)
         return Block(line, (*(Declare(line, name, None, None) for name in local), *statements), open=True)
+
+    @staticmethod
+    def _generator(function: Function, line: int, statements: tuple[Statement, ...]) -> tuple[Statement, ...]:
+        """Return the statements of a generator, which runs as a function that returns the list of all that it yields.
+
+        A context manager returns the first of them.
+        """
+        yielded = Name(line, (YIELDED,))
+        first = Index(line, yielded, Literal(line, 0.0, "0"))
+        result = first if _CONTEXT in function.marks else yielded
+        return (Declare(line, YIELDED, None, Display(line, ())), *statements, Return(line, result))
 
     def _of(self, nodes: Iterable[Node]) -> tuple[Statement, ...]:
         return tuple(chain.from_iterable(self._statement(node) for node in nodes))
@@ -154,6 +177,8 @@ class Statements:
     def _return(self, node: Node) -> list[Statement]:
         inner = next((child for child in node.named_children if child.type != "comment"), None)
         line = line_of(node)
+        if self._yields:
+            return [Return(line, Name(line, (YIELDED,)))]
         return [Return(line, self._expressions.expression(inner) if inner is not None else Literal(line, None))]
 
     def _raise(self, node: Node) -> list[Statement]:
@@ -260,7 +285,8 @@ class Statements:
         decorators = [child.named_children[0] for child in node.named_children if child.type == "decorator"]
         if inner is None:
             return []
-        defined = self._class_of(inner) if inner.type == "class_definition" else self._function_of(inner)
+        marks = frozenset({_CONTEXT} if any(code(one).endswith(_CONTEXT) for one in decorators) else ())
+        defined = self._class_of(inner) if inner.type == "class_definition" else self._function_of(inner, marks)
         for decorator in reversed([one for one in decorators if one.named_child_count or one.type == "identifier"]):
             line = line_of(decorator)
             defined = Call(line, Name(line, (DECORATED,)), (self._expressions.expression(decorator), defined))
@@ -276,8 +302,8 @@ class Statements:
         line, name = line_of(node), code(node.child_by_field_name("name"))
         return Step(line, Assign(line, Name(line, (name,)), value))
 
-    def _function_of(self, node: Node) -> Expression:
-        return Lambda(line_of(node), self._read(node, self._scope))
+    def _function_of(self, node: Node, marks: frozenset[str] = frozenset()) -> Expression:
+        return Lambda(line_of(node), self._read(node, self._scope, marks))
 
     def _read(self, node: Node, scope: tuple[str, ...], marks: frozenset[str] = frozenset()) -> Function:
         parameters = self._expressions.parameters(node)
@@ -297,6 +323,7 @@ class Statements:
         for child in body.named_children if body is not None else ():
             if not self._method(cls, child):
                 statements += self._statement(child)
+                cls.fields.update((name, Field(name, None, None, line_of(child))) for name in _annotated(child))
         self._scope = outer
         own = (Declare(line, one, None, None) for one in dict.fromkeys(_assigned(statements)))
         cls.body = Block(line, (*own, *statements), open=True)
@@ -375,6 +402,21 @@ _HOLDERS: Final = frozenset(
         "with_statement",
     }
 )
+
+
+def _yields(node: Node) -> bool:
+    """Check whether the body of a function yields values itself."""
+    if b"yield" not in (node.text or b""):
+        return False
+    inner = (child for child in node.named_children if child.type not in _OWN)
+    return node.type == "yield" or any(_yields(child) for child in inner)
+
+
+def _annotated(node: Node) -> Iterator[str]:
+    """Yield the name that a statement in the body of a class gives a type: a field of a data class."""
+    for child in node.named_children:
+        if child.type == "assignment" and child.child_by_field_name("type") is not None:
+            yield code(child.child_by_field_name("left"))
 
 
 def _assigned(statements: Iterable[Statement]) -> Iterable[str]:

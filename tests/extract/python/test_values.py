@@ -162,3 +162,30 @@ def test_depth_and_breadth_are_bounded() -> None:
 def test_pairs_of_an_empty_collection_have_unknown_elements() -> None:
     """`enumerate` of an empty list runs no turn."""
     assert values_of("x = 'kept'\nfor i, y in enumerate([], start=n):\n    x = y\n")[0] == Text(("kept",))
+
+
+SHARED = [
+    ("def f(out): out.append('b')\nx = ['a']\nf(x)", ["a", "b"]),
+    ("def f(out): out += ['b']\nx = ['a']\nf(x)", ["a", "b"]),
+    ("def f(out): out.extend(['b'])\nx = ['a']\nf(out=x)", ["a", "b"]),
+    ("def f(out): g(out)\ndef g(to): to.append('b')\nx = ['a']\nf(x)", ["a", "b"]),
+    (
+        "class A:\n  def __init__(self):\n    self.all = ['a']\n    f(self.all)\ndef f(o): o.append('b')\nx = A().all",
+        ["a", "b"],
+    ),
+    ("def f(n, out):\n  for one in n: out.append(one)\nx = []\nf(['a', 'b'], x)", ["a", "b"]),
+    ("def f(out): out['k'] = 'b'\nd = {'k': 'a'}\nf(d)\nx = [d['k']]", ["b"]),
+    ("def f(out): out = ['b']\nx = ['a']\nf(x)", ["a"]),
+    ("def f(out):\n  out = list(out)\n  out.append('b')\nx = ['a']\nf(x)", ["a"]),
+    ("def f(out):\n  for out in ['b']: pass\nx = ['a']\nf(x)", ["a"]),
+    ("def f(out): out += 'b'\nt = 'a'\nf(t)\nx = [t]", ["a"]),
+    ("def f(*out): out.append('b')\nx = ['a']\nf(*x)", ["a"]),
+]
+
+
+@pytest.mark.parametrize(("text", "wanted"), SHARED)
+def test_functions_change_the_lists_and_dictionaries_that_they_get(text: str, wanted: list[str]) -> None:
+    """A change of the object is one for the caller; an assignment to the parameter is not."""
+    (found,) = values_of(text)
+    assert isinstance(found, Sequence)
+    assert [plain(one) for one in found.items] == wanted
