@@ -13,7 +13,7 @@ from repository import ROOT, Module, Routine, modules
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-FILE_LINES = {"median": 150, "p95": 400, "most": 700}
+FILE_LINES = {"median": 150, "p95": 400, "most": 800}
 FUNCTION_LINES = {"median": 9, "p95": 40, "most": 70}
 BROAD_EXCEPTS = 5
 
@@ -175,7 +175,7 @@ def test_tests_mirror_sources() -> None:
     assert not [str(room) for room in rooms if not (ROOT / "kg" / room).is_dir()]
 
 
-@pytest.mark.parametrize("sizes", [[(700, "long.py")], [(1, "a.py"), (200, "b.py"), (200, "c.py")]])
+@pytest.mark.parametrize("sizes", [[(800, "long.py")], [(1, "a.py"), (200, "b.py"), (200, "c.py")]])
 def test_the_budget_can_be_broken(sizes: list[tuple[int, str]]) -> None:
     """A file over the bound, or too many long ones, is named."""
     assert any(sizes[-1][1] in complaint for complaint in complaints(sizes, FILE_LINES))

@@ -20,9 +20,12 @@ def build(workspace: Path, store: Path) -> None:
     _kg(["build", str(workspace), "--store", str(store)])
 
 
-def answers(command: str, launch: Path, store: Path, environment: Mapping[str, str]) -> list[dict[str, Any]]:
-    """Return what `kg COMMAND --launch FILE --json` says, an object a line."""
+def answers(
+    command: str, launch: Path, store: Path, environment: Mapping[str, str], arguments: Mapping[str, str] = {}
+) -> list[dict[str, Any]]:
+    """Return what `kg COMMAND --launch FILE --json` says with these arguments, an object a line."""
     given = [part for name, value in environment.items() for part in ("--env", f"{name}={value}")]
+    given += [part for name, value in arguments.items() for part in ("--arg", f"{name}:={value}")]
     text = _kg([command, "--launch", str(launch), "--json", "--store", str(store), *given])
     return [json.loads(line) for line in text.splitlines() if line.strip()]
 
