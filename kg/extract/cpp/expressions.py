@@ -6,6 +6,7 @@ resolves names when the form runs.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, ClassVar, Final
 
 from kg.extract.cpp import syntax
@@ -150,8 +151,11 @@ class Expressions:
                 default = child.child_by_field_name("default_value")
                 variadic = child.type == "variadic_parameter_declaration"
                 shown = syntax.text(name).lstrip(".").strip() if name is not None else ""
+                kind = self.declared(child, inner)
                 made = self.expression(default) if default is not None else None
-                found.append(Parameter(shown, self.declared(child, inner), made, variadic))
+                if isinstance(made, Construct) and not made.type.names:  # `Handle pnh = {"~"}`
+                    made = replace(made, type=replace(kind, reference=False))
+                found.append(Parameter(shown, kind, made, variadic))
         return tuple(found)
 
     # Expressions

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from extract.cpp.packages import interfaces_of
+from extract.cpp.packages import interfaces_of, names_of
 
 PUBLISH = "create_publisher<std_msgs::msg::String>"
 METHOD = f"void go(std::string s, std::string u) {{ {PUBLISH}(s + u, 1); }}"
@@ -91,3 +91,20 @@ def test_macros_take_types() -> None:
     )
     (found,) = interfaces_of(source)
     assert found.type == "std_msgs/String"
+
+
+def test_untyped_braces_as_a_default_make_the_parameter() -> None:
+    """`= {"~"}` constructs the type of the parameter, `= {}` one without arguments."""
+    source = """#include <ros/ros.h>
+#include <std_msgs/String.h>
+struct Chain {
+  Chain(const ros::NodeHandle& nh = {}, const ros::NodeHandle& pnh = {"~"}) : nh_(nh), pnh_(pnh) {
+    in_ = nh_.advertise<std_msgs::String>("in", 1);
+    out_ = pnh_.advertise<std_msgs::String>("out", 1);
+  }
+  ros::NodeHandle nh_, pnh_;
+  ros::Publisher in_, out_;
+};
+int main() { Chain chain; }
+"""
+    assert names_of(source) == {"in", "~/out"}
