@@ -38,9 +38,11 @@ def describe(context: Context, words: Sequence[str]) -> None:
 
 def described(found: Found, nodes: Iterable[StartedNode]) -> Iterator[LaunchPlugin]:
     """Yield the plugins in the parameters of nodes, each with the absolute name of its parameter."""
+    names = {name for name, _, _ in found.described}
     for node in nodes:
-        name = node.name or (node.executable or "{}").removesuffix(".py")
         for given in node.parameters:
-            held = found.described.get((given.name, given.location, given.chain), ())
-            absolute = normalise(f"{node.namespace}/{name}/{given.name}")
-            yield from (replace(plugin, parameter=absolute) for plugin in held)
+            if given.name in names:
+                name = node.name or (node.executable or "{}").removesuffix(".py")
+                absolute = normalise(f"{node.namespace}/{name}/{given.name}")
+                held = found.described.get((given.name, given.location, given.chain), ())
+                yield from (replace(plugin, parameter=absolute) for plugin in held)

@@ -16,7 +16,7 @@ from kg.extract.launch.ros2.actions import ParameterFile, ParameterValue
 from kg.extract.launch.ros2.context import HOLE, GlobalFile, place
 from kg.extract.launch.ros2.parameter_files import read_parameters
 from kg.extract.launch.ros2.values import Performed, of_object, of_text
-from kg.facts import LaunchParameter, LaunchProblemKind
+from kg.facts import LaunchParameter, LaunchProblemKind, Location
 from kg.names import is_for_node
 
 if TYPE_CHECKING:
@@ -146,6 +146,7 @@ def _of_file(
         yield flat or _ALL, LaunchParameter(HOLE, None, source.location, context.chain, reason=_UNREAD)
         return
     file, listed = found
+    repository = place(context.files, file, 1).repository
     doubt = source.reason if isinstance(source, GlobalFile) else None
     for entry in listed:
         node = entry.node if entry.node is not None else flat
@@ -153,7 +154,7 @@ def _of_file(
             continue
         value = None if doubt or entry.value == HOLE else entry.value
         reason = doubt or (_AT_RUN_TIME if value is None else None)
-        where = entry.location or place(context.files, file, entry.line)
+        where = entry.location or Location(file.path, entry.line, repository)
         yield node, LaunchParameter(".".join(entry.names), value, where, context.chain, entry.type, reason)
 
 
