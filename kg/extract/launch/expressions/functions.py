@@ -9,6 +9,7 @@ import itertools
 import math
 from typing import TYPE_CHECKING, Any, Final
 
+from kg.extract.launch.expressions.containers import Containers
 from kg.extract.launch.expressions.formatting import as_string
 from kg.extract.launch.expressions.joining import add
 from kg.extract.launch.expressions.operators import truth
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from kg.extract.launch.expressions.call import Call
+    from kg.extract.launch.expressions.evaluate import Evaluator
     from kg.extract.launch.expressions.values import Value
 
 __all__ = ["CONSTANTS", "FUNCTIONS", "is_builtin", "settled"]
@@ -91,19 +93,14 @@ def _iterated(call: Call, name: str = "iterable", position: int = 0) -> list[Val
     return Unknown(reason_of(value))
 
 
-def _listed(call: Call) -> Value:
-    found = _iterated(call) if call.args else []
-    return found if isinstance(found, Unknown) else call.machine.items(found)
+def _arranged(make: Callable[[Evaluator, list[Value]], Value], name: str = "iterable") -> Callable[[Call], Value]:
+    """Return a function of what it is given to iterate over, by default nothing."""
 
+    def run(call: Call) -> Value:
+        found = _iterated(call, name) if call.args else []
+        return found if isinstance(found, Unknown) else make(call.machine, found)
 
-def _set(call: Call) -> Value:
-    found = _iterated(call) if call.args else []
-    return found if isinstance(found, Unknown) else call.machine.distinct(found)
-
-
-def _tuple(call: Call) -> Value:
-    found = _listed(call)
-    return tuple(found) if isinstance(found, Items) else found
+    return run
 
 
 def _table(call: Call) -> Value:
@@ -160,11 +157,6 @@ def _length(call: Call) -> Value:
     if isinstance(value, Items) and not any(isinstance(item, Guarded | Unknown) for item in value):
         return len(value)
     return _count(call)
-
-
-def _reversed(call: Call) -> Value:
-    found = _iterated(call, "sequence")
-    return found if isinstance(found, Unknown) else call.machine.items(reversed(found))
 
 
 _total: Final = wholly(sum)
@@ -257,16 +249,14 @@ FUNCTIONS: Final[dict[str, Callable[[Call], Value]]] = {
     "itertools.product": _product,
     "builtins.str": _string,
     "builtins.bool": _truth,
-    "builtins.list": _listed,
-    "builtins.set": _set,
-    "builtins.frozenset": _set,
-    "builtins.iter": _listed,
-    "builtins.tuple": _tuple,
+    **dict.fromkeys(("builtins.list", "builtins.iter"), _arranged(Containers.items)),
+    **dict.fromkeys(("builtins.set", "builtins.frozenset"), _arranged(Containers.distinct)),
+    "builtins.tuple": _arranged(lambda _, found: tuple(found)),
+    "builtins.reversed": _arranged(lambda machine, found: machine.items(reversed(found)), "sequence"),
     "builtins.dict": _table,
     "builtins.enumerate": _enumerate,
     "builtins.zip": _zip,
     "builtins.len": _length,
-    "builtins.reversed": _reversed,
     "builtins.sum": _sum,
     "builtins.all": _quantified(every=True),
     "builtins.any": _quantified(every=False),

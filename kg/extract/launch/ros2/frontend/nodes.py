@@ -5,6 +5,7 @@ Source: `launch_ros.actions.Node.parse` and `launch.actions.ExecuteProcess`.
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Final, TypedDict
 
 from kg.extract.launch.expressions.values import Condition
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
 __all__ = ["NodeBuilder"]
 
 _SETTINGS: Final = ("output", "respawn", "respawn_delay", "launch-prefix", "cwd", "exec_name", "machine")
+_QUOTED: Final = re.compile(r"""'([^']*)'?|"([^"]*)"?""")
+_PIECE: Final = re.compile(r"""\s+|(?:'[^']*'?|"[^"]*"?|[^\s'"])+""")
 _TYPES: Final = {"int": "int", "float": "double", "bool": "bool", "str": "string"}
 
 
@@ -191,21 +194,12 @@ class NodeBuilder:
 
 def _pieces(text: str) -> Iterator[str | None]:
     """Yield the words of a text, and None for spaces between them; quotes keep spaces."""
-    word, quote = "", ""
-    for character in text:
-        if quote:
-            word, quote = (word, "") if character == quote else (word + character, quote)
-        elif character in "'\"":
-            quote = character
-        elif character.isspace():
-            if word:
-                yield word
+    for piece in _PIECE.findall(text):
+        word = _QUOTED.sub(lambda quoted: quoted[1] or quoted[2] or "", piece)
+        if piece.isspace():
             yield None
-            word = ""
-        else:
-            word += character
-    if word:
-        yield word
+        elif word:
+            yield word
 
 
 def _type(written: str | None) -> str | None:
