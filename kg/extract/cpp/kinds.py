@@ -54,11 +54,25 @@ class Kinds:
         self._linker = language.linker
         self._meanings: dict[tuple[object, ...], Kind | Value] = {}
         """Types by names, template arguments, file, scope and depth of the search."""
+        self._plain: dict[tuple[int, Unit, tuple[str, ...]], tuple[Type, Kind | Value]] = {}
+        """The types that mean the same in all frames of a file and scope, by the identity of what is written."""
         self._chains: dict[object, tuple[list[tuple[Class, dict[str, Value]]], list[Kind]]] = {}
 
     def kind(self, kind: Type, frame: Frame, depth: int = 0) -> Kind | Value:
         """Return what a type means in a frame: a `Kind`, or the value of a template parameter."""
-        names = tuple(name for name in kind.names if name)
+        if depth or frame.templated:
+            return self._meant(kind, frame, depth)
+        key = (id(kind), frame.unit, frame.scope)
+        known = self._plain.get(key)
+        if known is None:
+            found = self._meant(kind, frame, depth)
+            if _is_plain(kind):
+                self._plain[key] = (kind, found)
+            return found
+        return known[1]
+
+    def _meant(self, kind: Type, frame: Frame, depth: int) -> Kind | Value:
+        names = kind.names if "" not in kind.names else tuple(filter(None, kind.names))
         if not names or depth > _DEEPEST:
             return Kind(names)
         if names[0].startswith("decltype("):
@@ -67,7 +81,7 @@ class Kinds:
                 return declared if len(names) == 1 else self._nested(declared, names[1:], (), depth)
         bound = frame.bound_type(names[0])
         written = kind.arguments or (kind.outer if names[-1] in POINTER_ALIASES else ())
-        arguments = tuple(self._argument(argument, frame) for argument in written)
+        arguments = tuple([self._argument(argument, frame) for argument in written]) if written else ()
         if bound is not None:
             if len(names) == 1:
                 return bound.kind if isinstance(bound, TypeValue) else bound
@@ -294,6 +308,14 @@ def _with_types(kind: Kind, frame: Frame) -> Kind:
 
 def _as_value(found: Kind | Value) -> Value:
     return TypeValue(found) if isinstance(found, Kind) else found
+
+
+def _is_plain(kind: Type) -> bool:
+    """Return whether a type has no expression in it."""
+    arguments = (*kind.arguments, *kind.outer)
+    return not any(name.startswith("decltype(") for name in kind.names) and all(
+        isinstance(one, form.Type) and _is_plain(one) for one in arguments
+    )
 
 
 def _mentions(kind: Type, names: tuple[str, ...]) -> bool:
