@@ -104,6 +104,16 @@ class Machine:
         """How many writes to other variables and to fields have a value that can be part of a name."""
         self._left: list[tuple[str, Written]] = []
         """The writes of sides of branches that left the loop turn or the function that runs, and how they left it."""
+        self._statements: dict[type, Callable[[Any, Frame], str | None]] = {
+            form.Block: self._block,
+            form.Step: self._step,
+            form.Declare: self._declare,
+            form.Branch: self._branch,
+            form.Loop: self._loop,
+            form.Try: self._try,
+            form.Return: self._return,
+            form.Jump: lambda statement, _: statement.kind,
+        }
         self._values: dict[type, Callable[[Any, Frame], Value]] = {
             form.Literal: self._literal,
             form.Name: self._name,
@@ -179,28 +189,18 @@ class Machine:
         if self.steps > MOST_STEPS:
             self.reached("steps")
             return "return"
-        if isinstance(statement, form.Block):
-            return self._block(statement, frame)
-        if isinstance(statement, form.Step):
-            self.value(statement.value, frame)
-        elif isinstance(statement, form.Declare):
-            self._declare(statement, frame)
-        elif isinstance(statement, form.Branch):
-            return self._branch(statement, frame)
-        elif isinstance(statement, form.Loop):
-            return self._loop(statement, frame)
-        elif isinstance(statement, form.Try):
-            return self._try(statement, frame)
-        elif isinstance(statement, form.Return):
-            if statement.value is not None:
-                value = self.value(statement.value, frame)
-                local = isinstance(statement.value, form.Name) and statement.value.names[0] in frame.variables
-                written = None if local else statement.value
-                frame.returned.append(self.language.converted(value, frame.returns, written, frame))
-            return "return"
-        else:
-            return statement.kind
-        return None
+        return self._statements[type(statement)](statement, frame)
+
+    def _step(self, statement: form.Step, frame: Frame) -> None:
+        self.value(statement.value, frame)
+
+    def _return(self, statement: form.Return, frame: Frame) -> str:
+        if statement.value is not None:
+            value = self.value(statement.value, frame)
+            local = isinstance(statement.value, form.Name) and statement.value.names[0] in frame.variables
+            written = None if local else statement.value
+            frame.returned.append(self.language.converted(value, frame.returns, written, frame))
+        return "return"
 
     def _declare(self, statement: form.Declare, frame: Frame) -> None:
         kind, written = statement.type, statement.value

@@ -40,11 +40,13 @@ class Alias:
     """Whether it means the object only: an assignment to the name leaves the other variable as it is."""
 
 
+_SPECIAL: Final = (Alias, Pack)
+"""What is not joined with other values."""
 Slot: TypeAlias = Value | Alias
 Variables: TypeAlias = dict[str, Slot]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(unsafe_hash=True, slots=True)
 class Site:
     """A call on the way to a fact: its file and line, and the object that runs it."""
 
@@ -89,10 +91,25 @@ class Frame:
 
     def bound_type(self, name: str) -> Value | None:
         """Return the value of a template parameter."""
-        return next((frame.types[name] for frame in self.outward() if name in frame.types), None)
+        frame: Frame | None = self
+        while frame is not None:
+            if name in frame.types:
+                return frame.types[name]
+            frame = frame.parent
+        return None
+
+    @property
+    def templated(self) -> bool:
+        """Whether it has values of template parameters."""
+        frame: Frame | None = self
+        while frame is not None:
+            if frame.types:
+                return True
+            frame = frame.parent
+        return False
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class Arguments:
     """The arguments of a call: their values, those of its template, and the call as written in the caller's frame."""
 
@@ -129,7 +146,7 @@ class Arguments:
         return replace(self, values=values, named={}, expressions=tuple(written))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class Invocation:
     """A call of a framework: the node or handle that it is made on, its arguments, and the type of its receiver."""
 
@@ -196,7 +213,7 @@ class Journal:
         for holder, name, _ in entries:
             written[id(holder), name] = (holder, name, holder.get(name, _MISSING))
         for holder, name, before in reversed(entries):
-            if isinstance(before, _Missing):
+            if before is _MISSING:
                 holder.pop(name, None)
             else:
                 holder[name] = before
@@ -205,10 +222,12 @@ class Journal:
     def merge(self, sides: list[Written]) -> None:
         """Write the joined values of several sides, one of which runs."""
         choice = next(self._choices)
-        keys = {key: entry for side in sides for key, entry in side.items()}
+        keys: Written = {}
+        for side in sides:
+            keys |= side
         for key, (holder, name, _) in keys.items():
             before = holder.get(name, _MISSING)
             values = [side[key][2] if key in side else before for side in sides]
-            kept: list[Slot] = [value for value in values if not isinstance(value, _Missing)]
-            plain: list[Value] = [value for value in kept if not isinstance(value, Alias | Pack)]
+            kept: list[Slot] = [value for value in values if value is not _MISSING]
+            plain: list[Value] = [value for value in kept if not isinstance(value, _SPECIAL)]
             self.write(holder, name, kept[0] if len(plain) != len(kept) else self._joined(plain, choice))

@@ -1,8 +1,9 @@
 """Abstract values: what an expression can be when the program runs, as far as its sources show.
 
-Scalars and collections are immutable. Objects have an identity, and the interpreter records writes to their fields.
-A scalar that comes from a parameter carries the parameter's name, with the parameter's default as its value. An unknown
-part is a hole in a text, or `Unknown` with its reason; nothing is guessed.
+Scalars and collections are immutable: nothing changes them after creation. They are not frozen, because frozen
+dataclasses take three times as long to create. Objects have an identity, and the interpreter records writes to their
+fields. A scalar that comes from a parameter carries the parameter's name, with the parameter's default as its value.
+An unknown part is a hole in a text, or `Unknown` with its reason; nothing is guessed.
 """
 
 from __future__ import annotations
@@ -63,14 +64,14 @@ _ALWAYS: Final[Way] = frozenset()
 _ORDER: Final = {resolution: index for index, resolution in enumerate(Resolution)}
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(unsafe_hash=True, slots=True)
 class Hole:
     """An unknown part of a text; `label` is the name of its variable, if it has one."""
 
     label: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(unsafe_hash=True, slots=True)
 class Text:
     """A string of known parts and holes; `parameter` names the parameter whose default this is."""
 
@@ -112,7 +113,7 @@ class Text:
         )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(unsafe_hash=True, slots=True)
 class Number:
     """A number, as the source writes it."""
 
@@ -121,7 +122,7 @@ class Number:
     parameter: str | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(unsafe_hash=True, slots=True)
 class Truth:
     """A boolean; one that is a parameter's default decides nothing, since the parameter may be set."""
 
@@ -129,21 +130,21 @@ class Truth:
     parameter: str | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(unsafe_hash=True, slots=True)
 class Enumerator:
     """A constant of an enumeration of the sources, by its name."""
 
     name: str
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(unsafe_hash=True, slots=True)
 class Guard:
     """A condition on parameters, as a conjunction: `use_imu`, or `!use_imu`."""
 
     terms: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(unsafe_hash=True, slots=True)
 class Sequence:
     """A list of known values; `open` where there may be more."""
 
@@ -152,7 +153,7 @@ class Sequence:
     parameter: str | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(unsafe_hash=True, slots=True)
 class Mapping:
     """A dictionary or map; `open` where there may be more."""
 
@@ -161,7 +162,7 @@ class Mapping:
     parameter: str | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(unsafe_hash=True, slots=True)
 class Kind:
     """A resolved type: its qualified names, template arguments, and the class of the sources that it is, if any."""
 
@@ -175,7 +176,7 @@ class Kind:
         return self.names[-1] if self.names else ""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(unsafe_hash=True, slots=True)
 class TypeValue:
     """A type as a value: a template argument, or a class of Python."""
 
@@ -233,7 +234,7 @@ class Bound:
         return [next(rest, missing) if one == PLACEHOLDER else one for one in self.given] if self.given else values
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(unsafe_hash=True, slots=True)
 class Unknown:
     """An unknown value; `reason` completes "it is not known because ..."."""
 
@@ -241,21 +242,21 @@ class Unknown:
     parameter: str | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(unsafe_hash=True, slots=True)
 class Pack:
     """The arguments of a variadic parameter."""
 
     items: tuple[Value, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(unsafe_hash=True, slots=True)
 class Profile:
     """A quality of service; None if any part of it is unknown."""
 
     qos: Qos | None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(unsafe_hash=True, slots=True)
 class Either:
     """One of several values. `ways` are the choices that lead to each, so that choices stay together."""
 
@@ -297,12 +298,18 @@ def _paths(value: Value) -> Iterable[tuple[Value, Way]]:
 
 def options(values: Iterable[Value], choice: object) -> Value:
     """Return one of several values, of which a choice takes one: the same wherever the choice is the same."""
-    found: list[Value] = []
+    values = tuple(values)
+    first = values[0]
+    if not isinstance(first, Either) and all(value is first for value in values):
+        return first
+    paths: list[tuple[Value, Way]] = []
     for index, value in enumerate(values):
-        pairs = list(_paths(value))
-        ways = tuple(way | {(choice, index)} for _, way in pairs)
-        found.append(Either(tuple(item for item, _ in pairs), ways))
-    return join(*found, *found[:1])
+        option = frozenset([(choice, index)])
+        if isinstance(value, Either):
+            paths += [(item, way | option) for item, way in _paths(value)]
+        else:
+            paths.append((value, option))
+    return _any_of(paths)
 
 
 def _rows(values: tuple[Value, ...], most: int) -> Iterator[tuple[tuple[Value, ...], Way]]:
@@ -343,11 +350,12 @@ def over(values: Iterable[Value], apply: Callable[..., Value]) -> Value:
 def read_back(value: Value) -> Value:
     """Return a value as read from a variable rather than written in place."""
     if isinstance(value, Text):
-        return replace(value, resolution=Resolution.CONSTANT) if value.resolution is Resolution.LITERAL else value
-    if isinstance(value, Either):
-        return replace(value, items=tuple(read_back(item) for item in value.items))
-    if isinstance(value, Sequence) and value.items:
-        return replace(value, items=tuple(read_back(item) for item in value.items))
+        if value.resolution is Resolution.LITERAL:
+            return Text(value.parts, Resolution.CONSTANT, value.parameter, value.reason)
+    elif isinstance(value, Either):
+        return Either(tuple([read_back(item) for item in value.items]), value.ways)
+    elif isinstance(value, Sequence) and value.items:
+        return Sequence(tuple([read_back(item) for item in value.items]), value.open, value.parameter)
     return value
 
 
@@ -370,7 +378,14 @@ def join(*values: Value) -> Value:
     for value in values:
         paths += [pair for pair in _paths(value) if pair not in paths]
         if len(paths) > MOST_ROWS:
-            return Unknown(f"it has more than {MOST_ALTERNATIVES} possible values")
+            break
+    return _any_of(paths)
+
+
+def _any_of(paths: list[tuple[Value, Way]]) -> Value:
+    """Return a value that is any of some values, each with the choices that lead to it."""
+    if len(paths) > MOST_ROWS:
+        return Unknown(f"it has more than {MOST_ALTERNATIVES} possible values")
     found = _unique(item for item, _ in paths)
     known = _with_defaults(found) if len(found) > 1 else found
     if known is not found:
