@@ -9,6 +9,7 @@ import pytest
 from pyoxigraph import RdfFormat
 
 from kg.pipeline.build import build
+from kg.pipeline.calls import call_files, read_calls
 from kg.settings import load
 from kg.store.embedded import EmbeddedStore
 
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from pyoxigraph import QuerySolutions
 
     from kg.pipeline.report import BuildReport
+    from kg.settings import Settings
 
 MANIFEST = """<package format="2"><name>{name}</name><version>1.0.0</version><description>A test.</description>
 <maintainer email="a@example.org">A</maintainer><license>MIT</license><depend>roscpp</depend></package>"""
@@ -89,11 +91,18 @@ class Bench:
         return Bench(self.source, EmbeddedStore.create(self.store.layout.root.with_name(name)))
 
 
+def _settings_only(settings: Settings) -> str:
+    """Return what stands for the settings that results depend on, without code and libraries, which do not change."""
+    return (
+        f"{settings.base} {settings.max_file_bytes} {settings.nlp_model} {[*read_calls(call_files(settings)).values()]}"
+    )
+
+
 @pytest.fixture(autouse=True)
 def _one_version(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let results depend on the settings only, so that editing `kg` while tests run does not disturb them."""
     for module in ("build", "pending"):
-        monkeypatch.setattr(f"kg.pipeline.{module}.version", lambda to: f"{to.base} {to.max_file_bytes} {to.nlp_model}")
+        monkeypatch.setattr(f"kg.pipeline.{module}.version", _settings_only)
 
 
 @pytest.fixture

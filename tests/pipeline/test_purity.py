@@ -66,6 +66,7 @@ public:
   {name}() : Base("{name}") {{
     own_ = create_publisher<lib::msg::State>({topic}, 1);
     prepare();
+    acme::make_publisher<lib::msg::State>(this, "described");
   }}
   rclcpp::Publisher<lib::msg::State>::SharedPtr own_;
 }};
@@ -136,6 +137,14 @@ def generate_launch_description():
     return LaunchDescription([Node(package="first", executable="first_node", name=NAME)])
 """
 PARAMETERS: Final = "first:\n  ros__parameters:\n    rate: {rate}\n"
+CALLS: Final = """ros = 2
+[[call]]
+in = ["acme"]
+name = "make_publisher"
+arguments = [2, 2]
+node = 0
+{role} = {{ name = 1, type = ["template"] }}
+"""
 CMAKE: Final = "project({name})\nfind_package(lib REQUIRED)\nadd_robot_node({name})\nadd_other_node({name})\n"
 
 FILES: Final[dict[str, tuple[str | None, ...]]] = {
@@ -178,6 +187,7 @@ FILES: Final[dict[str, tuple[str | None, ...]]] = {
     "start/launch/all.launch.xml": (LAUNCH.format(package="script"), LAUNCH.format(package="none")),
     "start/launch/one.launch.py": (PYTHON_LAUNCH, None),
     "start/launch/shared.py": (None, 'NAME = "a"\n', 'NAME = "b"\n'),
+    "../calls/acme.toml": (None, CALLS.format(role="publishes"), CALLS.format(role="subscribes")),
 }
 """Each file of the workspace with its possible contents; the first is the usual one."""
 
@@ -212,7 +222,10 @@ class Site:
 
     def settings(self, jobs: int) -> Settings:
         """Return the settings of a build with so many workers."""
-        options = {"jobs": jobs, "max_file_bytes": LIMIT, "installed": [str(self.folder / "installed")]}
+        calls = self.folder / "calls"
+        calls.mkdir(exist_ok=True)
+        installed = [str(self.folder / "installed")]
+        options = {"jobs": jobs, "max_file_bytes": LIMIT, "installed": installed, "calls": [str(calls)]}
         return load(options, environment={}, folder=self.folder)
 
 
@@ -322,6 +335,8 @@ def test_a_build_after_edits_is_a_clean_one(steps: list[Step]) -> None:
         ("script", Step({"lib/lib/names.py": 1}), Step({"lib/lib/names.py": 2})),
         ("plugins", Step({"lib/include/lib/topics.hpp": 0}), Step({"lib/include/lib/topics.hpp": 1})),
         ("second", Step({**NODES, "README.md": 1}, frozenset({"plugins"})), Step()),
+        ("second", Step(NODES), Step({"../calls/acme.toml": 1})),
+        ("second", Step({**NODES, "../calls/acme.toml": 1}), Step({"../calls/acme.toml": 2})),
     ],
     ids=[
         "package with a macro",
@@ -335,6 +350,8 @@ def test_a_build_after_edits_is_a_clean_one(steps: list[Step]) -> None:
         "module",
         "header",
         "neighbour",
+        "description of calls",
+        "changed description of calls",
     ],
 )
 def test_what_appears_is_noticed(tmp_path: Path, package: str, before: Step, after: Step) -> None:
