@@ -113,14 +113,14 @@ def _place(site: Site, home: Home) -> Location:
 def mark_of(found: tuple[str, Object | None, tuple[Site, ...], Value | None], home: Home) -> Mark:
     """Return the use of a framework as a mark."""
     key, node, stack, detail = found
-    place, _ = evidence(stack, home)
+    place, via = evidence(stack, home)
     if not key.startswith("dynamic_reconfigure"):
-        return Mark(key, place, "", detail.shown if isinstance(detail, Text) else None)
+        return Mark(key, place, "", detail.shown if isinstance(detail, Text) else None, via)
     namespace = namespace_of(node)
     shown = normalise(namespace.shown) if isinstance(namespace, Text) else ""
     names = [part for part in detail.kind.names if part != "cfg"] if isinstance(detail, TypeValue) else []
     config = "/".join(names[-2:]).removesuffix("Config") if names else None
-    return Mark(key, place, shown if node is not None else "~", config)
+    return Mark(key, place, shown if node is not None else "~", config, via)
 
 
 def _named(name: Text | Unknown) -> tuple[str | None, Resolution, str | None, str | None]:

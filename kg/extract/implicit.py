@@ -80,6 +80,7 @@ def _interfaces(use: Use, mark: Mark) -> list[Interface]:
             location=mark.location,
             implicit=True,
             origin=use.origin,
+            via=mark.via,
             qos=Qos(**row["qos"]) if "qos" in row else None,
             reason=_reason(mark) if "{}" in name else None,
         )
@@ -105,6 +106,7 @@ def _parameters(use: Use, mark: Mark) -> list[Parameter]:
             location=mark.location,
             implicit=True,
             origin=use.origin,
+            via=mark.via,
         )
         for row in use.parameters
         if (name := _name(row["name"], mark)) is not None

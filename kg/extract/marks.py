@@ -29,7 +29,7 @@ ordinary interface of the node and not the business of a mark.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -46,6 +46,8 @@ class Mark:
     location: Location
     namespace: str = ""
     detail: str | None = None
+    via: tuple[Location, ...] = field(default=(), compare=False)
+    """The calls from there to the framework, as for `kg.facts.Interface`."""
 
 
 @dataclass(frozen=True, slots=True)

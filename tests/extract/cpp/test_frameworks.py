@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 from extract.cpp.packages import interfaces_of, names_of, node_of, nodes_of
+from extract.workspaces import manifest
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -222,3 +223,16 @@ public:
 int main(int argc, char** argv) { Contact contact; }
 """
     assert names_of(source) == {"map", "~/points"}
+
+
+def test_what_a_framework_makes_has_the_calls_that_led_to_it() -> None:
+    """The evidence of an implicit interface is the call in the node, with that in the wrapper of another package."""
+    wrapper = (
+        "struct Wrapper {\n  explicit Wrapper(rclcpp::Node* n)\n  : updater_(n) {}\n"
+        "  diagnostic_updater::Updater updater_;\n};\n"
+    )
+    source = component("Wrapper wrapper(this);", outer="#include <shared/wrapper.hpp>")
+    more = {"../shared/package.xml": manifest("shared"), "../shared/include/shared/wrapper.hpp": wrapper}
+    (found,) = [one for one in node_of(source, more).interfaces if one.name == "/diagnostics"]
+    assert (found.location.path, found.location.line) == ("demo/main.cpp", 3)
+    assert [(one.path, one.line) for one in found.via] == [("shared/include/shared/wrapper.hpp", 3)]
