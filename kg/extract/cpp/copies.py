@@ -89,30 +89,34 @@ class Copies:
             return None
         return self._kinds.held(*declared)
 
-    def copied(self, value: Value, kind: Kind | None = None) -> Value:
+    def copied(self, value: Value, kind: Kind | None = None, copies: dict[int, Object] | None = None) -> Value:
         """Return a copy of a value of a type; objects that pointers hold are the same in both.
 
-        Without a type, objects that `new` or `make_shared` made count as held by pointers.
+        Without a type, objects that `new` or `make_shared` made count as held by pointers. `copies` are those of the
+        objects around it, which can hold each other where alternatives were joined.
         """
+        copies = {} if copies is None else copies
         if isinstance(value, Object):
             pointer = is_pointer(kind) if kind is not None else value.heap
-            return value if pointer or self._is_shared(value) else self._object(value)
+            return value if pointer or self._is_shared(value) else self._object(value, copies)
         if isinstance(value, Either):
-            return replace(value, items=tuple(self.copied(item, kind) for item in value.items))
+            return replace(value, items=tuple(self.copied(item, kind, copies) for item in value.items))
         inner = kind.arguments[-1] if kind is not None and kind.arguments and kind.name not in _ROWS else None
         of = inner.kind if isinstance(inner, TypeValue) else None
         if isinstance(value, Sequence) and any(isinstance(item, Object | Sequence | Either) for item in value.items):
-            return replace(value, items=tuple(self.copied(item, of) for item in value.items))
+            return replace(value, items=tuple(self.copied(item, of, copies) for item in value.items))
         if isinstance(value, Mapping) and any(isinstance(item, Object | Sequence | Either) for _, item in value.items):
-            return replace(value, items=tuple((key, self.copied(item, of)) for key, item in value.items))
+            return replace(value, items=tuple((key, self.copied(item, of, copies)) for key, item in value.items))
         return value
 
     def _is_shared(self, of: Object) -> bool:
         return any(one.is_a in _SHARED for one in self._language.machine.framework.described(of.kind))
 
-    def _object(self, of: Object) -> Object:
+    def _object(self, of: Object, copies: dict[int, Object]) -> Object:
         """Return a copy of an object, with copies of the members that it holds itself."""
-        made = replace(of, fields=dict(of.fields), native=dict(of.native), heap=False)
+        if id(of) in copies:
+            return copies[id(of)]
+        made = copies[id(of)] = replace(of, fields=dict(of.fields), native=dict(of.native), heap=False)
         classes = self._kinds.chain(of.kind)[0]
         for name, value in of.fields.items():
             if not isinstance(value, Object | Sequence | Mapping | Either):
@@ -120,7 +124,7 @@ class Copies:
             cls, bound = next(((cls, bound) for cls, bound in classes if name in cls.fields), (None, {}))
             kind = cls.fields[name].type if cls is not None else None
             if cls is None or kind is None:
-                made.fields[name] = self.copied(value)
+                made.fields[name] = self.copied(value, None, copies)
             elif not (kind.pointer or kind.reference):
-                made.fields[name] = self.copied(value, self._kinds.held(kind, inside(cls, bound)))
+                made.fields[name] = self.copied(value, self._kinds.held(kind, inside(cls, bound)), copies)
         return self._language.machine.created(made)

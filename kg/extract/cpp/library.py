@@ -512,6 +512,8 @@ def _added(of: Value, name: str, values: list[Value]) -> Value | None:
             return replace(of, items=(*of.items, *values[1].items))
         if not values or len(of.items) >= _MOST_ITEMS:
             return replace(of, open=True)
+        if name.startswith("emplace") and len(values) > 1:
+            return replace(of, items=(*of.items, Unknown("it is of a class that is not in the build")))
         return replace(of, items=(*of.items, values[-1]))
     if isinstance(of, Unknown) and of.parameter is None and name in ("push_back", "emplace_back") and values:
         return Sequence((values[-1],), open=True)

@@ -107,3 +107,11 @@ def test_copied_qos_is_another_one() -> None:
     (found,) = interfaces_of(source)
     assert found.qos is not None
     assert found.qos.reliability == "reliable"
+
+
+def test_an_object_that_holds_itself_is_copied_once() -> None:
+    """A list of a class that is not in the build may hold the object that has the list."""
+    outer = "struct S { std::string name; std::vector<outside::Part> held; void fill() { held.push_back(this); } };"
+    local = 'S a; a.name = "x"; a.fill(); S b = a; b.name = "y";'
+    assert texts_of("a.name", local, outer) == {"x"}
+    assert texts_of("b.name", local, outer) == {"y"}
