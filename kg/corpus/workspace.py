@@ -194,23 +194,25 @@ class Workspace:
 
     @cached_property
     def _headers(self) -> dict[str, list[FilePath]]:
-        return self._by_last_part(FileKind.CPP)
+        """The files of C++ by their name, and by that of their folder and theirs."""
+        found: dict[str, list[FilePath]] = {}
+        for file, (entry, _) in self._owners.items():
+            if entry.kind is FileKind.CPP:
+                for tail in {_tail(file.path), posixpath.basename(file.path)}:
+                    found.setdefault(tail, []).append(file)
+        return found
 
     @cached_property
     def _python(self) -> dict[str, list[FilePath]]:
-        return self._by_last_part(FileKind.PYTHON)
-
-    def _by_last_part(self, kind: FileKind) -> dict[str, list[FilePath]]:
-        """Return the files of a kind by their name; a Python package stands under the name of its folder."""
+        """The files of Python by the name of their module, that of its folder for a package."""
         found: dict[str, list[FilePath]] = {}
         for file, (entry, _) in self._owners.items():
-            if entry.kind is kind:
+            if entry.kind is FileKind.PYTHON:
                 found.setdefault(_last_part(file.path), []).append(file)
         return found
 
     def _find_include(self, path: str, near: FilePath, folder: str, home: Place | None) -> FilePath | None:
-        candidates = self._headers.get(posixpath.basename(path))
-        if not candidates:
+        if posixpath.basename(path) not in self._headers:
             return None
         beside = FilePath(near.repository, posixpath.normpath(posixpath.join(folder, path)))
         if beside in self._owners:
@@ -222,7 +224,7 @@ class Workspace:
                 return inside
         fits = [
             file
-            for file in candidates
+            for file in self._headers.get(_tail(wanted), ())
             if (file.path == wanted or file.path.endswith("/" + wanted)) and self._is_reachable(file, wanted, home)
         ]
         return min(fits, key=lambda file: self._distance(file, near, home, "include/" + wanted), default=None)
@@ -291,6 +293,11 @@ def _is_file_inside(root: Path, path: Path) -> bool:
 
 def _module_stem(path: str) -> str:
     return path.removesuffix("/__init__.py") if path.endswith("/__init__.py") else path.rpartition(".")[0] or path
+
+
+def _tail(path: str) -> str:
+    """Return the last two parts of a path."""
+    return "/".join(path.rsplit("/", 2)[-2:])
 
 
 def _last_part(path: str) -> str:

@@ -99,6 +99,9 @@ class Expressions:
         self, node: Node | None, *, reference: bool = False, pointer: bool = False, constant: bool = False
     ) -> Type:
         """Return the type that a node writes."""
+        if node is not None and node.type in syntax.PLAIN:
+            shown = syntax.text(node)
+            return Type((shown,) if shown else (), (), (), reference, pointer, constant)
         names: list[str] = []
         arguments: tuple[Type | Expression, ...] = ()
         outer: tuple[Type | Expression, ...] = ()
@@ -116,6 +119,8 @@ class Expressions:
         return Type(tuple(names), arguments, outer if arguments is not outer else (), reference, pointer, constant)
 
     def _template(self, node: Node | None) -> tuple[Type | Expression, ...]:
+        if node is None:
+            return ()
         return tuple(
             self.type(child) if child.type in _TYPES else self.expression(child) for child in syntax.arguments(node)
         )
@@ -183,6 +188,10 @@ class Expressions:
             else tuple(self.expression(child) for child in node.named_children if child.type in self._lowered)
         )
         return Opaque(line_of(node), shown if len(shown) < _SHOWN else shown[: _SHOWN - 3] + "...", parts)
+
+    def _plain(self, node: Node) -> Expression:
+        shown = syntax.text(node)
+        return Name(line_of(node), (shown,)) if shown else self._opaque(node)
 
     def _name(self, node: Node) -> Expression:
         found = syntax.parts(node)
@@ -275,9 +284,8 @@ class Expressions:
         of, named = node.child_by_field_name("argument"), node.child_by_field_name("field")
         if of is None or named is None:
             return self._opaque(node)
-        found = syntax.parts(named)
-        template = self._template(found[-1].template)
-        return Member(line_of(named), self.expression(of), found[-1].name, template)
+        last = syntax.parts(named)[-1]
+        return Member(line_of(named), self.expression(of), last.name, self._template(last.template))
 
     def _new(self, node: Node) -> Expression:
         kind = self.type(node.child_by_field_name("type"))
@@ -404,12 +412,12 @@ class Expressions:
         return node.type in self._lowered
 
     _lowered: ClassVar[dict[str, Callable[[Expressions, Node], Expression]]] = {
-        "identifier": _name,
-        "field_identifier": _name,
+        "identifier": _plain,
+        "field_identifier": _plain,
         "qualified_identifier": _name,
         "template_function": _name,
         "dependent_name": _name,
-        "type_identifier": _name,
+        "type_identifier": _plain,
         "this": lambda _, node: Name(line_of(node), ("this",)),
         "string_literal": _string,
         "raw_string_literal": _string,

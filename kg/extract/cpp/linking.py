@@ -150,6 +150,9 @@ class Linker:
         scope: _Scope,
     ) -> list[_Found]:
         """Return the nearest declarations of one kind that a qualified name means."""
+        near = self._holding(unit, names[-1]) if names else ()
+        if not near:
+            return []
         key = (listed, names, unit, scope)
         known = self._meanings.get(key)
         if known is not None:
@@ -157,18 +160,18 @@ class Linker:
         ranked: list[tuple[float, _Found]] = []
         if names[:1] == ("",):
             scope = ()
-        *outer, last = [name for name in names if name] or [""]
+        *outer, last = [name for name in names if name]
         wanted = tuple(outer)
         namespaces = cast("CppUnit", unit).namespaces
         if wanted and wanted[0] in namespaces:
             wanted = (*namespaces[wanted[0]], *wanted[1:])
-        for near in self._holding(unit, last) if last else ():
-            for at, one in listed(near, last):
+        for one in near:
+            for at, held in listed(one, last):
                 rank = _rank(at, wanted, scope, unit)
                 if rank is not None:
-                    ranked.append((rank, one))
+                    ranked.append((rank, held))
         best = max((rank for rank, _ in ranked), default=0.0)
-        found = self._meanings[key] = [one for rank, one in ranked if rank == best]
+        found = self._meanings[key] = [held for rank, held in ranked if rank == best]
         return found
 
     # Members

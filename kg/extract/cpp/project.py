@@ -88,8 +88,32 @@ FRAMEWORKS: Final = frozenset(
 _GENERATOR: Final = b"generate_parameter_library"
 _CACHE_BYTES: Final = 12 << 20
 _MOST_HEADERS: Final = 600
-_cache: OrderedDict[FilePath, tuple[bytes, CppUnit]] = OrderedDict()
-"""Files with their contents."""
+
+
+class _Cache:
+    """Units with their contents, kept for later packages until they are those least recently used."""
+
+    def __init__(self) -> None:
+        self._held: OrderedDict[FilePath, tuple[bytes, CppUnit]] = OrderedDict()
+        self._bytes = 0
+
+    def get(self, file: FilePath, content: bytes) -> CppUnit | None:
+        """Return the unit of a file with these contents."""
+        known = self._held.get(file)
+        if known is None or known[0] != content:
+            return None
+        self._held.move_to_end(file)
+        return known[1]
+
+    def keep(self, content: bytes, unit: CppUnit) -> None:
+        """Add a unit, and evict others."""
+        self._bytes += len(content) - len(self._held.pop(unit.key, (b"",))[0])
+        self._held[unit.key] = (content, unit)
+        while self._bytes > _CACHE_BYTES and len(self._held) > 1:
+            self._bytes -= len(self._held.popitem(last=False)[1][0])
+
+
+_cache: Final = _Cache()
 
 
 class Project:
@@ -135,13 +159,12 @@ class Project:
 
     def _parse(self, file: FilePath, data: bytes) -> CppUnit:
         own = self.is_own(file)  # looked up in any case, so that the record does not depend on what is kept
-        known = _cache.get(file)
-        if known is not None and known[0] == data:
-            _cache.move_to_end(file)
-            return known[1]
+        known = _cache.get(file, data)
+        if known is not None:
+            return known
         made = CppUnit(file, data)
         if not own or not _is_source(file.path):
-            _keep(data, made)
+            _cache.keep(data, made)
         return made
 
     def contains(self, file: FilePath, word: bytes) -> bool:
@@ -248,14 +271,6 @@ class Project:
                     for name in one.names:
                         self._declaring[name].append(one)
         return known
-
-
-def _keep(content: bytes, unit: CppUnit) -> None:
-    """Cache a unit for later packages, and evict those least recently used."""
-    _cache[unit.key] = (content, unit)
-    total = sum([len(one[0]) for one in _cache.values()])
-    while total > _CACHE_BYTES and len(_cache) > 1:
-        total -= len(_cache.popitem(last=False)[1][0])
 
 
 def _is_source(path: str) -> bool:

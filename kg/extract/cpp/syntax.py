@@ -6,9 +6,8 @@ than a fixed bound, because hostile nesting would exhaust the stack.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import tree_sitter_cpp
 from tree_sitter import Language, Parser, Query, QueryCursor, Range
@@ -18,6 +17,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "LANGUAGE",
+    "PLAIN",
     "Part",
     "arguments",
     "captures",
@@ -45,6 +45,8 @@ _DECLARATORS: Final = frozenset(
         "attributed_declarator",
     }
 )
+PLAIN: Final = frozenset({"identifier", "field_identifier", "type_identifier", "primitive_type"})
+"""Names that have no parts."""
 _NO_ARGUMENTS: Final = frozenset({"comment", "preproc_if", "preproc_ifdef", "ERROR"})
 _DEEPEST: Final = 60
 
@@ -115,8 +117,7 @@ def of_type(node: Node | None, *kinds: str) -> list[Node]:
     return [child for child in node.named_children if child.type in kinds] if node is not None else []
 
 
-@dataclass(frozen=True, slots=True)
-class Part:
+class Part(NamedTuple):
     """One name of a qualified name, with its template arguments."""
 
     name: str
@@ -125,6 +126,8 @@ class Part:
 
 def parts(node: Node) -> list[Part]:
     """Return the names of a qualified name or type from the outside in."""
+    if node.type in PLAIN:
+        return [Part(text(node))]
     found: list[Part] = []
     for _ in range(_DEEPEST):
         inner: Node | None = None
