@@ -1,9 +1,10 @@
 """Measures what a build costs, beside only parsing the same files, and prints the ratios.
 
-    python benchmarks/build CHECKOUT [--repeat 3] [--output figures.json] [--stages]
+    python benchmarks/build CHECKOUT [--repeat 3] [--output figures.json] [--stages | --growth]
 
 With `--stages` it measures extraction alone: processor seconds of each stage in one process, their ratio to parsing,
-and the memory of that process. Without texts, wiring, rules and the store.
+and the memory of that process. Without texts, wiring, rules and the store. With `--growth` it extracts growing parts of
+the checkout, and a generated package of growing size, and prints the exponents of their processor times.
 
 Every measurement is a process of its own; of several the smallest counts, since whatever else the machine does only
 adds. CPU is that of the process and of all it started, user and system. Memory is the largest sum, over all
@@ -19,6 +20,7 @@ import platform
 import tempfile
 from pathlib import Path
 
+from growth import growth
 from measuring import Measurement, measure, python
 
 PARSE = """
@@ -49,9 +51,12 @@ def main() -> None:
     options = _options()
     with tempfile.TemporaryDirectory(prefix="kg-benchmark-") as folder:
         checkout = options.checkout.absolute()
-        figures = (
-            _stages(checkout, options.repeat) if options.stages else _figures(checkout, Path(folder), options.repeat)
-        )
+        if options.growth:
+            figures = growth(checkout, Path(folder), options.repeat)
+        elif options.stages:
+            figures = _stages(checkout, options.repeat)
+        else:
+            figures = _figures(checkout, Path(folder), options.repeat)
     for name, value in figures.items():
         print(f"{name:32} {value}")
     if options.output:
@@ -63,6 +68,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument("checkout", type=Path, help="a checkout, for example of autoware.universe at b8ce82e")
     parser.add_argument("--repeat", type=int, default=3, help="how often each is measured")
     parser.add_argument("--stages", action="store_true", help="measure the stages of extraction alone")
+    parser.add_argument("--growth", action="store_true", help="measure how extraction grows with the sources")
     parser.add_argument("--output", type=Path, help="a file for the figures, as JSON")
     return parser.parse_args()
 

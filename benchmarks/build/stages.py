@@ -1,18 +1,19 @@
 """Prints the processor seconds of extraction by stage, and the peak of memory, as JSON.
 
-    python benchmarks/build/stages.py CHECKOUT [--whole]
+    python benchmarks/build/stages.py CHECKOUT [--whole] [--every N]
 
 All packages are read in one process, as one worker of a build does; texts are left out, and nothing is wired, stored
 or derived. A stage that calls another one is not charged for it. With `--whole` there is only the stage `rest`, since
-the clock itself costs time. `parsing` is the time to parse each file once, after all is read.
+the clock itself costs time. With `--every` only each n-th package is read, in the order of their paths. `parsing` is
+the time to parse each file once, after all is read, `bytes` the size of the code of the packages that were read.
 """
 
 from __future__ import annotations
 
+import argparse
 import gc
 import json
 import resource
-import sys
 import time
 from functools import wraps
 from pathlib import Path
@@ -57,6 +58,11 @@ STAGES: dict[str, list[tuple[Any, str]]] = {
     "manifests": [(manifests, "read_manifest"), (manifests, "read_build")],
 }
 """The functions that begin each stage."""
+CODE: dict[FileKind, Callable[[], object]] = {
+    FileKind.CPP: tree_sitter_cpp.language,
+    FileKind.PYTHON: tree_sitter_python.language,
+}
+"""The kinds of files that are parsed, with their grammars."""
 
 
 class Clock:
@@ -92,25 +98,37 @@ class Clock:
 
 def main() -> None:
     """Read all packages of a checkout and print the figures."""
+    options = _options()
     clock = Clock()
     texts.read_descriptions = _no_texts
-    for stage, functions in STAGES.items() if "--whole" not in sys.argv else ():
+    for stage, functions in () if options.whole else STAGES.items():
         for holder, name in functions:
             setattr(holder, name, clock.timed(stage, getattr(holder, name)))
     gc.set_threshold(100_000)  # as the workers of a build
-    sources = scan_tree(Path(sys.argv[1]))
+    sources = scan_tree(options.checkout)
     workspace = RecordingWorkspace(sources)
     workspace.prepare()
     gc.freeze()
     clock.enter("rest")
     clock.seconds["rest"] = 0.0
-    packages = [(source, one) for source in sources for one in source.packages]
+    whole = [(source, one) for source in sources for one in source.packages]
+    packages = sorted(whole, key=lambda pair: pair[1].path)[:: options.every]
     for source, one in sorted(packages, key=lambda pair: -sum(entry.bytes for entry in pair[1].files)):
         workspace.forget()
         package.extract_package(workspace, source, one)
     clock.enter("rest")
+    size = sum(entry.bytes for _, one in packages for entry in one.files if entry.kind in CODE)
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
-    print(json.dumps({"seconds": clock.seconds, "megabytes": peak, "parsing": _parsing(list(sources))}))
+    parsing = _parsing(list(sources)) if options.every == 1 else None
+    print(json.dumps({"seconds": clock.seconds, "megabytes": peak, "parsing": parsing, "bytes": size}))
+
+
+def _options() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("checkout", type=Path)
+    parser.add_argument("--whole", action="store_true")
+    parser.add_argument("--every", type=int, default=1)
+    return parser.parse_args()
 
 
 def _no_texts(*_: object, **__: object) -> tuple[()]:
@@ -119,8 +137,7 @@ def _no_texts(*_: object, **__: object) -> tuple[()]:
 
 def _parsing(sources: list[Source]) -> float:
     """Return the processor seconds to parse each file of C++ and Python once."""
-    languages = {FileKind.CPP: tree_sitter_cpp.language(), FileKind.PYTHON: tree_sitter_python.language()}
-    parsers = {kind: Parser(Language(held)) for kind, held in languages.items()}
+    parsers = {kind: Parser(Language(held())) for kind, held in CODE.items()}
     files = [
         (parsers[entry.kind], (source.root / entry.path).read_bytes())
         for source in sources

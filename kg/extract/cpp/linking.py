@@ -34,13 +34,13 @@ class Linker:
     def __init__(self, project: Project, files: Iterable[FilePath]) -> None:
         self.project = project
         self.units: dict[FilePath, CppUnit] = {}
-        self._bodies: dict[str, list[CppUnit]] = defaultdict(list)
-        """The files that are not headers, by the names that they declare."""
+        self._bodies: dict[tuple[str, str], list[CppUnit]] = defaultdict(list)
+        """The files that are not headers, by the kinds and names that they declare."""
         self._defining: dict[str, list[CppUnit]] = defaultdict(list)
         """The files that define methods outside of a class, by its name."""
         self._methods: dict[Class, dict[str, list[Function]]] = {}
         self._meanings: dict[tuple[object, ...], list[Any]] = {}
-        self._held: dict[tuple[str, Unit], list[CppUnit]] = {}
+        self._held: dict[tuple[str, str, Unit], list[CppUnit]] = {}
         self._generated: dict[tuple[str, Unit], _Scope | None] = {}
         self._macros: dict[tuple[str, Unit], Macro | None] = {}
         self._defined: set[tuple[object, ...]] = set()
@@ -54,8 +54,9 @@ class Linker:
             if unit is None:
                 return None
             self.units[file] = unit
-            for name in unit.names if not _is_header(unit.path) else ():
-                self._bodies[name].append(unit)
+            for kind, names in unit.names.items() if not _is_header(unit.path) else ():
+                for name in names:
+                    self._bodies[kind, name].append(unit)
             for name in unit.methods:
                 self._defining[name].append(unit)
         return self.units[file]
@@ -64,12 +65,12 @@ class Linker:
 
     def find_class(self, names: _Scope, unit: Unit, scope: _Scope) -> Class | None:
         """Return the class that a qualified name means in a scope of a file."""
-        found = self._named(_classes, names, unit, scope)
+        found = self._named("class", _classes, names, unit, scope)
         return found[0] if found else None
 
     def find_functions(self, names: _Scope, unit: Unit, scope: _Scope) -> list[Function]:
         """Return the functions, all overloads, that a qualified name means in a scope of a file."""
-        found = self._named(_functions, names, unit, scope)
+        found = self._named("function", _functions, names, unit, scope)
         if not found and (names, unit, scope) not in self._defined:
             # A function that a header only declares is defined in a file of its package.
             self._defined.add((names, unit, scope))
@@ -78,40 +79,40 @@ class Linker:
                 for file in self.project.implementations(prototype.unit.key, names[-1], self.units, "("):
                     self.load(file)
             if len(self.units) > loaded:
-                self._meanings.pop((_functions, names, unit, scope), None)
-                self._held.pop((names[-1], unit), None)
-                found = self._named(_functions, names, unit, scope)
+                self._meanings.pop(("function", names, unit, scope), None)
+                self._held.pop(("function", names[-1], unit), None)
+                found = self._named("function", _functions, names, unit, scope)
         return found
 
     def find_prototypes(self, names: _Scope, unit: Unit, scope: _Scope) -> list[Function]:
         """Return the declarations without body that a qualified name means."""
-        return self._named(_prototypes, names, unit, scope)
+        return self._named("prototype", _prototypes, names, unit, scope)
 
     def find_alias(self, names: _Scope, unit: Unit, scope: _Scope) -> _Alias | None:
         """Return the meaning of the name of a type that `using` or `typedef` declares."""
-        found = self._named(_aliases, names, unit, scope)
+        found = self._named("alias", _aliases, names, unit, scope)
         return found[0] if found else None
 
     def find_adapted(self, names: _Scope, unit: Unit) -> tuple[Type, CppUnit] | None:
         """Return the message that a type stands for, as written, with the file that states it."""
-        found = self._named(_adapted, names, unit, ())
+        found = self._named("adapted", _adapted, names, unit, ())
         return found[0] if found else None
 
     def find_variable(self, names: _Scope, unit: Unit, scope: _Scope) -> Variable | None:
         """Return the declaration of a variable at namespace scope, or of a static member."""
-        found = self._named(_variables, names, unit, scope)
+        found = self._named("variable", _variables, names, unit, scope)
         return next((one for one in found if one[0].value is not None), found[0]) if found else None
 
     def find_macro(self, name: str, unit: Unit) -> Macro | None:
         """Return a macro that is visible in a file."""
         key = (name, unit)
         if key not in self._macros:
-            self._macros[key] = next((u.macros[name] for u in self._holding(unit, name) if name in u.macros), None)
+            self._macros[key] = next((u.macros[name] for u in self._holding(unit, "macro", name)), None)
         return self._macros[key]
 
     def is_enumerator(self, name: str, unit: Unit) -> bool:
         """Return whether a name is one of an enumeration that is visible in a file."""
-        return any(name in u.enumerators for u in self._holding(unit, name))
+        return bool(self._holding(unit, "enumerator", name))
 
     def generated(self, name: str, unit: Unit) -> _Scope | None:
         """Return the qualified name of a class whose generated header, outside of the sources, a file includes."""
@@ -122,7 +123,7 @@ class Linker:
                 (
                     (*path.split("/")[:-1], name)
                     for file in (f"{snake}.hpp", f"{name}.h")
-                    for one in self._holding(unit, file)
+                    for one in self._holding(unit, "include", file)
                     for path in one.includes
                     if path.endswith("/" + file) and name.encode() in one.source
                 ),
@@ -130,30 +131,31 @@ class Linker:
             )
         return self._generated[key]
 
-    def _holding(self, unit: Unit, name: str) -> list[CppUnit]:
-        """Return the files, nearest first, that can give a name its meaning in a file."""
-        found = self._held.get((name, unit))
+    def _holding(self, unit: Unit, kind: str, name: str) -> list[CppUnit]:
+        """Return the files, nearest first, that can give a name of a kind its meaning in a file."""
+        found = self._held.get((kind, name, unit))
         if found is None:
             own = cast("CppUnit", unit)
-            found = [own] if name in own.names else []
-            found += [one for one in self.project.find(unit.key, name) if one is not own]
+            near = [own] if name in own.names[kind] else []
+            near += [one for one in self.project.find(unit.key, kind, name) if one is not own]
             # A name that a header only declares is defined in another file of the program.
-            found += [one for one in self._bodies.get(name, ()) if one not in found]
-            self._held[name, unit] = found
+            found = near + [one for one in self._bodies.get((kind, name), ()) if one not in near]
+            self._held[kind, name, unit] = found
         return found
 
     def _named(
         self,
+        kind: str,
         listed: Callable[[CppUnit, str], Iterable[tuple[_Scope, _Found]]],
         names: _Scope,
         unit: Unit,
         scope: _Scope,
     ) -> list[_Found]:
         """Return the nearest declarations of one kind that a qualified name means."""
-        near = self._holding(unit, names[-1]) if names else ()
+        near = self._holding(unit, kind, names[-1]) if names else ()
         if not near:
             return []
-        key = (listed, names, unit, scope)
+        key = (kind, names, unit, scope)
         known = self._meanings.get(key)
         if known is not None:
             return known

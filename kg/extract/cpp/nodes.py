@@ -260,7 +260,7 @@ class _Nodes:
         found: list[Class] = []
         for unit in tuple(linker.units.values()):
             found += unit.classes.get(last, ())
-            for header in self._project.find(unit.key, last):
+            for header in self._project.find(unit.key, "class", last):
                 found += header.classes.get(last, ())
         own = [cls for cls in found if self._project.is_own(cls.unit.key)]
         return max(own, key=lambda cls: cls.scope[-len(wanted) + 1 :] == wanted[:-1], default=None)

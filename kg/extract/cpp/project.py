@@ -88,6 +88,9 @@ FRAMEWORKS: Final = frozenset(
 _GENERATOR: Final = b"generate_parameter_library"
 _CACHE_BYTES: Final = 12 << 20
 _MOST_HEADERS: Final = 600
+_KEPT: Final = b"_:("
+_NAMES: Final = bytes(code if code < 128 and (chr(code).isalnum() or code in _KEPT) else 32 for code in range(256))  # noqa: PLR2004 - ASCII
+"""A table that replaces by spaces what is not part of a name, `::` or `(`."""
 
 
 class _Cache:
@@ -130,9 +133,9 @@ class Project:
         self._nearness: dict[FilePath, dict[CppUnit, int]] = {}
         self._listed: set[CppUnit] = set()
         """The headers in the index that follows."""
-        self._declaring: dict[str, list[CppUnit]] = defaultdict(list)
-        self._bodies: dict[Place, list[FilePath]] = {}
-        self._implementations: dict[tuple[Place, str], list[FilePath]] = {}
+        self._declaring: dict[tuple[str, str], list[CppUnit]] = defaultdict(list)
+        self._implementations: dict[Place, dict[bytes, list[FilePath]]] = {}
+        """For each package its sources, by the names in them with the `::` or `(` that follows."""
         self._libraries = {self._place: self._headers_of(self._place, build)}
         """The YAML files of parameter libraries by the names of their headers, for each package."""
         self._made: dict[FilePath, bytes] = {}
@@ -236,23 +239,22 @@ class Project:
         owner = self.reader.workspace.owner(header)
         if owner is None:
             return []
-        bodies = self._bodies.get(owner)
-        if bodies is None:
-            entries = self.reader.workspace.files(owner, FileKind.CPP)
-            sources = [FilePath(owner.repository, entry.path) for entry in entries if _is_source(entry.path)]
-            bodies = self._bodies[owner] = sources
-        pattern = f"{name}{end}"
-        holding = self._implementations.get((owner, pattern))
-        if holding is None:
-            raw = pattern.encode()
-            holding = [file for file in bodies if self.contains(file, raw)]
-            self._implementations[owner, pattern] = holding
-        return [file for file in holding if file != header and file not in known]
+        index = self._implementations.get(owner)
+        if index is None:
+            index = self._implementations[owner] = defaultdict(list)
+            for entry in self.reader.workspace.files(owner, FileKind.CPP):
+                file = FilePath(owner.repository, entry.path)
+                data = self._content(file) if _is_source(entry.path) else None
+                spaced = data.translate(_NAMES).replace(b"::", b":: ").replace(b"(", b"( ") if data else b""
+                for word in {word for word in spaced.split() if word.endswith((b"::", b"("))}:
+                    index[word].append(file)
+        found = index.get(f"{name}{end}".encode(), ())
+        return [file for file in found if file != header and file not in known]
 
-    def find(self, file: FilePath, name: str) -> list[CppUnit]:
-        """Return the headers of a file that declare a name, nearest first; see `CppUnit.names`."""
+    def find(self, file: FilePath, kind: str, name: str) -> list[CppUnit]:
+        """Return the headers of a file that declare a name of a kind, nearest first; see `CppUnit.names`."""
         near = self._near(file)
-        found = [one for one in self._declaring.get(name, ()) if one in near]
+        found = [one for one in self._declaring.get((kind, name), ()) if one in near]
         return sorted(found, key=near.__getitem__) if len(found) > 1 else found
 
     def defining(self, file: FilePath, name: str) -> list[CppUnit]:
@@ -268,8 +270,9 @@ class Project:
             for one in known:
                 if one not in self._listed:
                     self._listed.add(one)
-                    for name in one.names:
-                        self._declaring[name].append(one)
+                    for kind, names in one.names.items():
+                        for name in names:
+                            self._declaring[kind, name].append(one)
         return known
 
 

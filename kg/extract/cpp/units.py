@@ -14,7 +14,7 @@ from kg.extract.cpp.statements import Statements
 from kg.symbolic.form import Block, Class, Field, Function, Initialiser, Parameter, Type, Unit
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Collection
 
     from tree_sitter import Node
 
@@ -126,12 +126,19 @@ class CppUnit(Unit):
         self.expressions = Expressions(self)
         self._statements = Statements(self.expressions, self.source)
         self._read(syntax.parse(self.source).root_node, ())
-        named: tuple[Iterable[str], ...] = (self.classes, self.functions, self.prototypes, self.macros)
-        named += (self._aliases, self._variables, self.adapted)
         self.includes = included(self.source)
         """The paths that it includes, as written."""
-        files = (path.rpartition("/")[2] for path in self.includes)
-        self.names: frozenset[str] = frozenset(self.enumerators).union(files, *named)
+        self.names: dict[str, Collection[str]] = {
+            "class": self.classes,
+            "function": self.functions,
+            "prototype": self.prototypes,
+            "alias": self._aliases,
+            "adapted": self.adapted,
+            "variable": self._variables,
+            "macro": self.macros,
+            "enumerator": self.enumerators,
+            "include": {path.rpartition("/")[2] for path in self.includes},
+        }
         """All names that the file declares, except for members that are not types, and those of files it includes."""
 
     def aliases(self, name: str) -> list[tuple[_Scope, Type, _Scope]]:
