@@ -9,7 +9,7 @@ from kg.facts import NodeKind
 from kg.graph.classes_reading import Classes
 from kg.graph.records import how_to_start
 from kg.render.text import printable
-from kg.views.wording import LANGUAGES, TITLES, accesses, how, parameter_groups
+from kg.views.wording import LANGUAGES, TITLES, accesses, how, how_loaded, parameter_groups
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rich.text import Text
 
     from kg.cli.links import Links
-    from kg.facts import Description, Interface, NodeType, Parameter
+    from kg.facts import Description, Interface, NodeType, Parameter, PluginSlot
     from kg.graph.reading import NodeRecord
 
 __all__ = ["left_out", "node_view"]
@@ -54,7 +54,7 @@ def node_view(  # noqa: PLR0913 - what is shown, and how much of it
         parts += [Text(), *_description(one, record.repository, links)]
     if len(said) < len(record.descriptions):
         parts.append(Text(f"  and {len(record.descriptions) - len(said)} more texts; --all shows them", style="dim"))
-    groups = _groups(record.node, every=every, via=via)
+    groups = [*_groups(record.node, every=every, via=via), *_slots(record, via=via)]
     if groups:
         parts += [Text(), interface_table(groups, record.repository, links, columns)]
     parameters = _parameters(record.node.parameters, every=every, via=via)
@@ -85,7 +85,10 @@ def _header(record: NodeRecord, links: Links) -> Iterable[Text]:
     elif node.kind is NodeKind.CLASS:
         yield _field("start", "not by itself: a class that programs make nodes of")
     if node.plugin:
-        yield _field("plugin", node.plugin + (f" (a {node.base_class})" if node.base_class else ""))
+        text = _field("plugin", node.plugin + (f" (a {node.base_class})" if node.base_class else ""))
+        if node.exported is not None:
+            text = text.append(" by ", style="dim").append_text(place_text(node.exported, record.repository, links))
+        yield text
     if node.node_name and node.node_name != node.name:
         yield _field("name", f"calls itself {node.node_name}")
     yield Text.assemble(_field("declared", ""), place_text(node.location, record.repository, links))
@@ -132,6 +135,21 @@ def _groups(node: NodeType, *, every: bool, via: bool) -> list[tuple[str, list[R
         chosen.sort(key=lambda one: one.implicit)
         groups.append((title, [_interface(one, via=via) for one in chosen]))
     return [(title, rows) for title, rows in groups if rows]
+
+
+def _slots(record: NodeRecord, *, via: bool) -> list[tuple[str, list[Row]]]:
+    rows = [_slot(one, record, via=via) for one in record.node.slots]
+    return [("plugins it loads", rows)] if rows else []
+
+
+def _slot(fact: PluginSlot, record: NodeRecord, *, via: bool) -> Row:
+    shown = []
+    for one in fact.defaults:
+        known = record.plugins.get(one.class_name)
+        named = f"{one.name}: {one.class_name}" if one.name else one.class_name
+        shown.append(f"{named} ({known[0].package}/{known[0].node})" if known is not None else named)
+    remark, calls = f"= {', '.join(shown)}" if shown else "", fact.via if via else ()
+    return Row(fact.base_class or "(not known)", how_loaded(fact), remark, fact.location, dim=False, via=calls)
 
 
 def _interface(fact: Interface, *, via: bool) -> Row:

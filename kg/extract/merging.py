@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from kg.extract.marks import Extracted
-    from kg.facts import Location, NodeType
+    from kg.facts import Location, NodeType, PluginSlot
 
 __all__ = ["merge", "own_name", "settled"]
 
@@ -96,6 +96,7 @@ def _started_by(loaded: Extracted, executable: Extracted) -> Extracted:
         sources=_once(first.sources + second.sources),
         interfaces=tuple(replace(one, resolved=None) for one in node.interfaces),
         bounds=_once(first.bounds + second.bounds),
+        slots=_once(first.slots + second.slots),
     )
     if other is not None and first.executable is None:
         node = replace(node, name=other, executable=other)
@@ -110,10 +111,12 @@ def _both(one: Extracted, other: Extracted) -> Extracted:
         first,
         node_name=first.node_name or second.node_name,
         base_class=first.base_class or second.base_class,
+        exported=first.exported or second.exported,
         sources=_once(first.sources + second.sources),
         interfaces=_once(first.interfaces + second.interfaces),
         parameters=_once(first.parameters + second.parameters),
         bounds=_once(first.bounds + second.bounds),
+        slots=_once(first.slots + second.slots),
     )
     return replace(one, node=node, marks=_once(one.marks + other.marks))
 
@@ -133,6 +136,7 @@ def settled(nodes: Iterable[NodeType]) -> tuple[NodeType, ...]:
             sources=tuple(sorted(set(node.sources))),
             interfaces=_ordered(_once(tuple(_resolved(node))), _interface_order),
             parameters=_ordered(_once(node.parameters), _parameter_order),
+            slots=_ordered(_once(node.slots), _slot_order),
         )
         for node in nodes
     )
@@ -178,6 +182,10 @@ def _interface_order(interface: Interface) -> tuple[object, ...]:
 
 def _parameter_order(parameter: Parameter) -> tuple[object, ...]:
     return (parameter.implicit, _place(parameter.location), parameter.name or "", parameter.access)
+
+
+def _slot_order(slot: PluginSlot) -> tuple[object, ...]:
+    return (_place(slot.location), slot.base_class or "", slot.parameter or "")
 
 
 def _node_order(node: NodeType) -> tuple[object, ...]:

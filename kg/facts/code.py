@@ -24,6 +24,8 @@ __all__ = [
     "PackageFacts",
     "Parameter",
     "Person",
+    "PluginDefault",
+    "PluginSlot",
     "Problem",
     "Qos",
     "Repository",
@@ -208,6 +210,33 @@ class Bound:
 
 
 @dataclass(frozen=True, slots=True)
+class PluginDefault:
+    """A plugin that a node loads if its parameters are not set: its `class_name`, and the name that it gets, if any."""
+
+    class_name: str
+    name: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class PluginSlot:
+    """A place of a node for plugins of a base class (`nav2_core::Controller`, None if it is not known).
+
+    `names` is the parameter with the names of the plugins, `parameter` the one with the class of a plugin. The latter
+    has `{id}` for the plugin's name (`{id}.plugin`), or `[]` for an element of a list (`~/plugins[].type`). A slot is
+    `fixed` if the code gives the class; `reason` tells why a class is not known. `via` is as for `Interface.via`.
+    """
+
+    base_class: str | None
+    location: Location
+    names: str | None = None
+    parameter: str | None = None
+    defaults: tuple[PluginDefault, ...] = ()
+    fixed: bool = False
+    reason: str | None = None
+    via: tuple[Location, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class NodeType:
     """What an executable, script, nodelet, component, plugin or node class declares in code (RNKG's node)."""
 
@@ -228,6 +257,9 @@ class NodeType:
     interfaces: tuple[Interface, ...] = ()
     parameters: tuple[Parameter, ...] = ()
     bounds: tuple[Bound, ...] = ()
+    slots: tuple[PluginSlot, ...] = ()
+    exported: Location | None = None
+    """For plugins, nodelets and components: what registers the class, in a plugin description, CMake or C++."""
 
 
 @dataclass(frozen=True, slots=True)

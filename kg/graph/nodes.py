@@ -8,6 +8,7 @@ from kg.graph import vocabulary as v
 from kg.graph.chains import chain_text
 from kg.graph.interfaces import interface
 from kg.graph.ntriples import boolean, integer, literal
+from kg.graph.plugin_slots import plugin_slot
 
 if TYPE_CHECKING:
     from kg.facts import NodeType, Parameter
@@ -29,6 +30,8 @@ def node(scope: Scope, package: str, fact: NodeType) -> None:
     writer.text(subject, v.PLUGIN_NAME, fact.plugin)
     writer.text(subject, v.NODE_NAME, fact.node_name)
     writer.text(subject, v.BASE_CLASS, fact.base_class)
+    if fact.exported is not None:
+        writer.text(subject, v.EXPORTED_AT, chain_text((fact.exported,)))
     for alias in fact.aliases:
         writer.text(subject, v.ALIAS, alias)
     for bound in fact.bounds:
@@ -41,6 +44,8 @@ def node(scope: Scope, package: str, fact: NodeType) -> None:
         interface(scope, iri, each)
     for parameter in fact.parameters:
         _parameter(scope, iri, parameter)
+    for slot in fact.slots:
+        plugin_slot(scope, iri, slot)
 
 
 def _executable(scope: Scope, subject: str, fact: NodeType) -> None:

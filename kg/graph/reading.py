@@ -27,6 +27,7 @@ from kg.facts import (
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of
 from kg.graph.ntriples import literal
+from kg.graph.plugin_slots import NAMED, SLOTS, class_key, plugins_by_class, slots_by_node
 from kg.graph.texts_reading import DESCRIPTIONS, descriptions_of
 
 if TYPE_CHECKING:
@@ -67,7 +68,7 @@ _ROLES: Final = {
 _ANY: Final = "?node a rnkg:NodeType ."
 _OF_NODES: Final = (
     *(v.NAME, v.KIND, v.LANGUAGE, v.ROS_VERSION, v.PATH, v.LINE, v.IN_REPOSITORY),
-    *(v.PLUGIN_NAME, v.NODE_NAME, v.BASE_CLASS, v.ALIAS, v.BOUND),
+    *(v.PLUGIN_NAME, v.NODE_NAME, v.BASE_CLASS, v.ALIAS, v.BOUND, v.EXPORTED_AT),
 )
 """The properties of node types that facts have."""
 _OF_PARTS: Final = (
@@ -140,6 +141,8 @@ class NodeRecord:
     """The IRIs of its parameters."""
     descriptions: tuple[Description, ...] = field(default=(), repr=False, compare=False)
     """What people wrote about it, the best first."""
+    plugins: Mapping[str, tuple[NodeReference, str]] = field(default_factory=dict, repr=False, compare=False)
+    """The node types of the default plugins of its slots, by class, with their IRIs; those of its source first."""
 
     @property
     def reference(self) -> NodeReference:
@@ -171,6 +174,8 @@ def node_records(
     sources = _listed(_rows(graph, _SOURCES % those))
     executables = _listed(_rows(graph, _EXECUTABLES % those))
     parts = _parts(graph, those, owners)
+    slots = slots_by_node(_rows(graph, SLOTS % those), lambda found: (_location(found), chain_of(one(found, v.VIA))))
+    plugins = _plugins(graph, {one.class_name for found in slots.values() for slot in found for one in slot.defaults})
     said = descriptions_of(_rows(graph, DESCRIPTIONS % those))
     found = []
     for at, owner in owners.items():
@@ -181,10 +186,24 @@ def node_records(
             executables.get(at, []),
             ([end for end, _ in ends], [parameter for parameter, _ in settable]),
         )
+        fact = replace(fact, slots=slots.get(at, ()))
         commit, place = owner["commit"], (_text(owner["repository"]), _text(owner["package"]))
         record = NodeRecord(place[0], commit and _text(commit), place[1], fact, at, dict(ends), dict(settable))
-        found.append(replace(record, descriptions=said.get(at, ())))
+        loaded = {
+            kind: min(nodes, key=lambda pair: (pair[0].repository != record.repository, pair[0]))
+            for kind in {one.class_name for slot in fact.slots for one in slot.defaults}
+            if (nodes := plugins.get(class_key(kind)))
+        }
+        found.append(replace(record, descriptions=said.get(at, ()), plugins=loaded))
     return sorted(found, key=lambda one: (one.repository, one.package, one.node.name, str(one.node.location)))
+
+
+def _plugins(graph: Queryable, classes: set[str]) -> dict[str, list[tuple[NodeReference, str]]]:
+    """Return the node types of plugins of some classes, by the keys of these, with their IRIs."""
+    if not classes:
+        return {}
+    spelled = {one.replace("::", "/") for one in classes} | {one.replace("/", "::") for one in classes} | classes
+    return plugins_by_class(_rows(graph, NAMED % " ".join(map(literal, sorted(spelled)))))
 
 
 def programs(graph: Queryable) -> dict[str, set[str]]:
@@ -345,6 +364,7 @@ def _node(
         interfaces=tuple(sorted(parts[0], key=_order)),
         parameters=tuple(sorted(parts[1], key=_order)),
         bounds=tuple(map(_bound, sorted(properties.get(v.bare(v.BOUND), ())))),
+        exported=next(iter(chain_of(one(properties, v.EXPORTED_AT))), None),
     )
 
 

@@ -9,7 +9,7 @@ from kg.graph.chains import chain_text
 from kg.graph.texts_reading import summary
 
 if TYPE_CHECKING:
-    from kg.facts import InstanceInterface, Interface, Location, NodeInstance, Parameter, Qos, System
+    from kg.facts import InstanceInterface, Interface, Location, NodeInstance, Parameter, PluginSlot, Qos, System
     from kg.graph.reading import NodeRecord
 
 __all__ = [
@@ -20,6 +20,7 @@ __all__ = [
     "interface_object",
     "node_object",
     "parameter_object",
+    "slot_object",
 ]
 
 
@@ -47,6 +48,8 @@ def node_object(record: NodeRecord) -> dict[str, Any]:
     for role in Role:
         fields[str(role)] = [interface_object(one) for one in node.interfaces if one.role == role]
     fields["parameters"] = [parameter_object(one) for one in node.parameters]
+    fields["slots"] = [slot_object(one, record) for one in node.slots]
+    fields["exported"] = _place(node.exported) if node.exported is not None else None
     fields["bounds"] = [{"limit": one.limit, **_place(one.location)} for one in node.bounds]
     return fields
 
@@ -159,6 +162,27 @@ def _qos(qos: Qos) -> dict[str, Any]:
         "history": qos.history,
         "depth": qos.depth,
         **{name: value for name, value in rarer.items() if value is not None},
+    }
+
+
+def slot_object(fact: PluginSlot, record: NodeRecord) -> dict[str, Any]:
+    """Return a plugin slot as plain values; the fields of docs/formats.md."""
+    return {
+        "base_class": fact.base_class,
+        "names": fact.names,
+        "parameter": fact.parameter,
+        "defaults": [
+            {
+                "name": one.name,
+                "class": one.class_name,
+                "node": str(record.plugins[one.class_name][0]) if one.class_name in record.plugins else None,
+            }
+            for one in fact.defaults
+        ],
+        "fixed": fact.fixed,
+        "reason": fact.reason,
+        **_place(fact.location),
+        "via": chain_text(fact.via[-1:]),
     }
 
 

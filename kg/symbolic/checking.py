@@ -26,6 +26,7 @@ from kg.symbolic.columns import (
     PARAMETER,
     RESULTS,
     SECONDS,
+    SLOT,
     TYPES,
 )
 from kg.symbolic.descriptions import agree, shipped
@@ -225,7 +226,25 @@ def _word_errors(row: _Row, text: str, words: Mapping[str, str], what: str, *key
         yield _error(place, f'"{text}" has no number of seconds', f"Write {word}:0.001 for milliseconds.")
 
 
+def _slot_errors(row: _Row) -> Iterator[SourceError]:
+    slot = row.content.get("slot", {})
+    wrong = list(_form_errors(row, slot, SLOT, "slot"))
+    yield from wrong
+    if wrong:
+        return
+    if not {"base", "class", "parameter"} & set(slot) and "slot" in row.content:
+        hint = "Add `class`, the number of the argument with the class, `parameter` or `base`."
+        yield _error(row.place("slot"), "`slot` names no plugins", hint)
+    for key in ("class", "name"):
+        if key in slot:
+            yield from _number_errors(row, slot[key], row.place("slot", key))
+    for key in ("base", "parameter", "names"):
+        for number in re.findall(r"\{(\d+)\}", slot.get(key, "")):
+            yield from _number_errors(row, int(number), row.place("slot", key))
+
+
 def _common_errors(row: _Row) -> Iterator[SourceError]:
+    yield from _slot_errors(row)
     for key in ("node", "node_name", "unless", "namespace", "detail", "under"):
         value = row.content.get(key)
         if isinstance(value, int):

@@ -23,6 +23,7 @@ __all__ = [
     "PARAMETER",
     "RESULTS",
     "SECONDS",
+    "SLOT",
     "TYPES",
     "Form",
 ]
@@ -97,6 +98,7 @@ _COMMON: Final[Mapping[str, Form]] = {
     ),
     "node_name": _INDEX,
     "mark": _TEXT,
+    "slot": Form('a table: { base = "acme::Filter", class = 0 }', lambda value: isinstance(value, dict)),
     **dict.fromkeys((*(role.value for role in Role), *ACCESSES), _TABLES),
 }
 FILE: Final[Mapping[str, Form]] = {
@@ -136,6 +138,15 @@ GIVES: Final[Mapping[str, Form]] = {
     "handles": Form('namespaces by argument: { 1 = "~" }', _are_handles),
 }
 """The keys of `gives`."""
+SLOT: Final[Mapping[str, Form]] = {
+    "base": _TEXT,
+    "class": _INDEX,
+    "name": _INDEX,
+    "parameter": _TEXT,
+    "names": _TEXT,
+    "reason": _TEXT,
+}
+"""The keys of `slot`."""
 _EFFECT: Final[Mapping[str, Form]] = {"name": _INDEX, "fixed": _TEXT}
 INTERFACE: Final[Mapping[str, Form]] = {
     **_EFFECT,

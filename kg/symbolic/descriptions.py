@@ -15,7 +15,16 @@ from kg.facts import Access, Role
 from kg.resources import folder
 from kg.symbolic.columns import ACCESSES, MOST_ARGUMENTS
 
-__all__ = ["CallDescription", "ClassDescription", "Descriptions", "Effect", "agree", "merged", "shipped"]
+__all__ = [
+    "CallDescription",
+    "ClassDescription",
+    "Descriptions",
+    "Effect",
+    "SlotDescription",
+    "agree",
+    "merged",
+    "shipped",
+]
 
 _ROLES: Final = {role.value: role for role in Role}
 _ACCESSES: Final = dict(zip(ACCESSES, (Access.READ, Access.WRITE, Access.DECLARE), strict=True))
@@ -54,6 +63,24 @@ class Effect:
 
 
 @dataclass(frozen=True, slots=True)
+class SlotDescription:
+    """What a call loads plugins for. In texts `{N}` is argument N, `{T}` the first template argument."""
+
+    base: str | None = None
+    """The class that the plugins are loaded as. The methods of an object have that of its constructor."""
+    plugin: int | None = None
+    """The argument with the class of the plugin."""
+    name: int | None = None
+    """The argument with the name of the plugin."""
+    parameter: str | None = None
+    """The parameter with the class, with `{id}` for the name of the plugin."""
+    names: str | None = None
+    """The parameter with the names of the plugins."""
+    reason: str | None = None
+    """Why the code does not give the class."""
+
+
+@dataclass(frozen=True, slots=True)
 class CallDescription:
     """A function or method of a framework."""
 
@@ -76,6 +103,7 @@ class CallDescription:
     """The names of its parameters in order, for arguments by name."""
     creates: int | None = None
     """The argument with a class of which it creates an object."""
+    slot: SlotDescription | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,6 +138,7 @@ class ClassDescription:
     """The argument with the namespace of the mark."""
     options: bool = False
     """Whether its constructor stores the interface in the object, for a call that receives the object."""
+    slot: SlotDescription | None = None
 
 
 @dataclass(slots=True)
@@ -176,7 +205,13 @@ def _call(row: dict[str, Any], ros: int) -> CallDescription:
         row.get("options", False),
         tuple(row.get("parameters", ())),
         row.get("creates"),
+        _slot(row),
     )
+
+
+def _slot(row: dict[str, Any]) -> SlotDescription | None:
+    given = row.get("slot")
+    return None if given is None else SlotDescription(**{"plugin" if k == "class" else k: v for k, v in given.items()})
 
 
 def _names(row: dict[str, Any]) -> list[str]:
@@ -208,6 +243,7 @@ def _class(name: str, row: dict[str, Any], ros: int) -> ClassDescription:
         row.get("detail"),
         row.get("under"),
         row.get("options", False),
+        _slot(row),
     )
 
 

@@ -18,6 +18,7 @@ from kg.symbolic.names import (
     with_node_name,
 )
 from kg.symbolic.parameters import Parameters, listed, type_of_value
+from kg.symbolic.plugins import Loading, loading
 from kg.symbolic.results import result
 from kg.symbolic.spelling import spelled
 from kg.symbolic.state import Arguments, Invocation
@@ -44,7 +45,7 @@ from kg.symbolic.values import (
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from kg.symbolic.descriptions import CallDescription, ClassDescription, Descriptions, Effect
+    from kg.symbolic.descriptions import CallDescription, ClassDescription, Descriptions, Effect, SlotDescription
     from kg.symbolic.form import Expression
     from kg.symbolic.machine import Machine
     from kg.symbolic.state import Site
@@ -88,6 +89,7 @@ class Framework:
         """The calls that led to each node and to each name of the node."""
         self.nodes: list[Object] = []
         self.loaded: list[tuple[Value, ...]] = []
+        self.loadings: list[Loading] = []
         self._option_sites: dict[int, tuple[Site, ...]] = {}
         """The calls that gave an options object the name of its interface."""
         self._described: dict[object, list[ClassDescription]] = {}
@@ -99,6 +101,7 @@ class Framework:
             len(self.marks),
             len(self.nodes),
             len(self.loaded),
+            len(self.loadings),
             len(self.node_names),
             len(self.machine.queued),
         )
@@ -235,6 +238,9 @@ class Framework:
             made.native["node"] = arguments[0] if arguments else _UNKNOWN_NODE
         elif described.is_a == "qos":
             qos.construct(made, kind, arguments)
+        if described.slot is not None:
+            self._loads(described.slot, Invocation(made, given, kind))
+            made.native["base"] = Text.of(self.loadings[-1].base or "")
         if described.mark is not None:
             self._mark(described.mark, kind, described, Invocation(None, given))
         off = described.unless is not None and arguments[described.unless : described.unless + 1] == [Truth(False)]
@@ -340,6 +346,8 @@ class Framework:
             self.node_sites.append(tuple(self.machine.stack))
         if described.loads and len(given.values) > 1:
             self.loaded.append(tuple(given.values))
+        if described.slot is not None:
+            self._loads(described.slot, call)
         created = call.argument(described.creates)
         if created is not None:
             self.machine.language.create(created)
@@ -362,6 +370,14 @@ class Framework:
             source, target = described.copies
             self.machine.put(given.written[target], given.values[source], given.frame)
         return result(self, described.returns, call, value)
+
+    def _loads(self, slot: SlotDescription, call: Invocation) -> None:
+        """Record that a call loads plugins, or creates an object whose methods do."""
+        running = (site.this for site in reversed(self.machine.stack))
+        node = next((one for one in running if isinstance(one, Object) and one in self.nodes), None)
+        for row in combinations(call.arguments.values):
+            one = replace(call, arguments=replace(call.arguments, values=list(row)))
+            self.loadings.append(loading(slot, one, node, tuple(self.machine.stack)))
 
     def _options(self, described: CallDescription, call: Invocation) -> Object:
         """Store the name and type of an interface in an options object."""

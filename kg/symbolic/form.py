@@ -293,6 +293,12 @@ class Loop:
     """The type of the targets, which are variables of the loop then; None if they are variables around it."""
     test_last: bool = False
 
+    @property
+    def runs_at_least_once(self) -> bool:
+        """Whether the body always runs: the condition is tested last, or is a constant."""
+        constant = isinstance(self.condition, Literal) and bool(self.condition.value)
+        return self.test_last or self.condition is None or constant
+
 
 @dataclass(slots=True, eq=False)
 class Try:

@@ -329,7 +329,7 @@ class Machine:
         if loop.first is not None:
             self.run(loop.first, frame)
         condition = loop.condition
-        if condition is None or _runs_at_least_once(loop):
+        if condition is None or loop.runs_at_least_once:
             return self._unknown_times(loop, frame, ())
         before = self.framework.progress()
         for _ in range(MOST_TURNS):
@@ -361,7 +361,7 @@ class Machine:
                 self.value(loop.step, frame)
             return ended
 
-        if _runs_at_least_once(loop):
+        if loop.runs_at_least_once:
             ended = once()
             return ended if ended in ("return", "raise") else None
         with self._under(terms):
@@ -697,9 +697,3 @@ class Machine:
                 frame.variables[parameter.name] = self.value(parameter.default, frame)
             elif parameter.name:
                 frame.variables[parameter.name] = self.language.unknown(kind, frame, parameter.name)
-
-
-def _runs_at_least_once(loop: form.Loop) -> bool:
-    """Check whether the body of a loop always runs: the condition is tested last, or is a constant."""
-    constant = isinstance(loop.condition, form.Literal) and bool(loop.condition.value)
-    return loop.test_last or loop.condition is None or constant

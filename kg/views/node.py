@@ -15,7 +15,7 @@ from kg.query.rows import rows
 from kg.views.evidence import places
 from kg.views.names import one_node
 from kg.views.node_around import neighbours, users
-from kg.views.node_rows import fact, interface_rows, parameter_rows
+from kg.views.node_rows import fact, interface_rows, parameter_rows, slot_rows
 from kg.views.terms import labels, named_node
 from kg.views.wording import LANGUAGES
 
@@ -46,9 +46,11 @@ def node(
     `name` may also be `package/node`, `repository:package/node` or the class of a plugin. The keys:
 
     * what it is: `iri`, `name`, `full_name`, `kind`, `language`, `ros`, `package` and `repository` (each with
-      `name` and `iri`), `commit`, `executable`, `plugin`, `node_name`, `aliases`, `base_class`, `start` (the command),
-      `evidence`, `sources` (evidence of each), `also` (IRIs of other nodes that the package declares by this name).
-    * `interfaces` and `parameters`: see `kg.views.node_rows`; `neighbours` and `used_in`: see `kg.views.node_around`.
+      `name` and `iri`), `commit`, `executable`, `plugin`, `node_name`, `aliases`, `base_class`, `exported` (evidence
+      of what registers a plugin, or None), `start` (the command), `evidence`, `sources` (evidence of each), `also`
+      (IRIs of other nodes that the package declares by this name).
+    * `interfaces`, `parameters` and `slots`: see `kg.views.node_rows`; `neighbours` and `used_in`: see
+      `kg.views.node_around`.
     * `descriptions`: `text`, `kind`, `heading`, `evidence`; the best first.
     * `functions`, `hardware`, `devices`, `capabilities`: each a list of `iri`, `label`, `inferred` and `fact`.
 
@@ -67,6 +69,7 @@ def node(
         "also": [one.iri for one in others],
         "interfaces": interface_rows(first, where, iris, inferred),
         "parameters": parameter_rows(first, where),
+        "slots": slot_rows(first, where),
         "descriptions": [_description(one, first, where) for one in first.descriptions],
         **_classes(snapshot, first.iri, inferred),
         "neighbours": neighbours(snapshot, first, iris),
@@ -101,6 +104,7 @@ def _header(record: NodeRecord, where: Places, iris: Iris) -> dict[str, Any]:
         "node_name": known.node_name,
         "aliases": list(known.aliases),
         "base_class": known.base_class,
+        "exported": where.evidence(repository, known.exported) if known.exported is not None else None,
         "start": how_to_start(record),
         "evidence": where.evidence(repository, known.location),
         "sources": [where.evidence(repository, Location(path, 0)) for path in known.sources],

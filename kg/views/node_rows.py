@@ -6,18 +6,18 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.facts import Role
 from kg.graph import vocabulary as v
-from kg.graph.records import interface_object, parameter_object
-from kg.views.wording import TITLES, accesses, how, parameter_groups, quality
+from kg.graph.records import interface_object, parameter_object, slot_object
+from kg.views.wording import TITLES, accesses, how, how_loaded, parameter_groups, quality
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kg.facts import Interface, Parameter
+    from kg.facts import Interface, Parameter, PluginSlot
     from kg.graph.iris import Iris
     from kg.graph.reading import NodeRecord
     from kg.views.evidence import Places
 
-__all__ = ["DIRECT", "TYPES", "fact", "interface_rows", "parameter_rows"]
+__all__ = ["DIRECT", "TYPES", "fact", "interface_rows", "parameter_rows", "slot_rows"]
 
 DIRECT: Final = {
     Role.PUBLISHES: "publishes",
@@ -84,6 +84,27 @@ def parameter_rows(record: NodeRecord, where: Places) -> list[dict[str, Any]]:
     `places` (of each line its evidence and `access`).
     """
     return [_parameter(group, record, where) for group in parameter_groups(record.node.parameters)]
+
+
+def slot_rows(record: NodeRecord, where: Places) -> list[dict[str, Any]]:
+    """Return the plugin slots of a node.
+
+    The keys are those of a slot in `kg nodes --json`, and `how` (words), `evidence` and `calls` as for an interface.
+    Each of `defaults` also has `iri`, that of its node type, None where the store has none.
+    """
+    return [_slot(one, record, where) for one in record.node.slots]
+
+
+def _slot(one: PluginSlot, record: NodeRecord, where: Places) -> dict[str, Any]:
+    plain = slot_object(one, record)
+    for default in plain["defaults"]:
+        default["iri"] = record.plugins[default["class"]][1] if default["class"] in record.plugins else None
+    return {
+        **plain,
+        "how": how_loaded(one),
+        "evidence": where.evidence(record.repository, one.location),
+        "calls": [where.evidence(record.repository, call) for call in one.via],
+    }
 
 
 def _parameter(group: Sequence[Parameter], record: NodeRecord, where: Places) -> dict[str, Any]:

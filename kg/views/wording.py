@@ -1,4 +1,4 @@
-"""What is said of interfaces and parameters in few words, the same in every face."""
+"""What is said of interfaces, parameters and plugin slots in few words, the same in every face."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from kg.facts import Access, Resolution, Role
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from kg.facts import Interface, Parameter, Qos
+    from kg.facts import Interface, Parameter, PluginSlot, Qos
 
-__all__ = ["LANGUAGES", "TITLES", "accesses", "how", "parameter_groups", "quality"]
+__all__ = ["LANGUAGES", "TITLES", "accesses", "how", "how_loaded", "parameter_groups", "quality"]
 
 TITLES: Final = {
     Role.PUBLISHES: "publishes",
@@ -38,6 +38,16 @@ def how(fact: Interface) -> str:
         words.append(f"from {fact.origin}")
     words.append(quality(fact.qos) if fact.qos else "")
     return ", ".join(word for word in words if word)
+
+
+def how_loaded(fact: PluginSlot) -> str:
+    """Return what gives the class of the plugins of a slot, and their names."""
+    if fact.fixed:
+        return "fixed in the code"
+    if fact.parameter is None:
+        return f"not known: {fact.reason}" if fact.reason else "not known"
+    listed = fact.names is not None and not fact.parameter.startswith(f"{fact.names}[]")
+    return f"parameters {fact.names}, {fact.parameter}" if listed else f"parameter {fact.parameter}"
 
 
 def quality(qos: Qos) -> str:

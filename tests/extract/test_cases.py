@@ -21,7 +21,7 @@ from kg.facts import Repository
 from kg.graph.chains import chain_text
 
 if TYPE_CHECKING:
-    from kg.facts import Interface, NodeType, PackageFacts, Parameter, Qos
+    from kg.facts import Interface, NodeType, PackageFacts, Parameter, PluginSlot, Qos
 
 LANGUAGES = ("cpp", "python")
 CASES = [
@@ -55,6 +55,9 @@ def record_of(node: NodeType, package: str) -> Record:
         "sources": list(node.sources),
         **{role: [interface_record(item) for item in written if item.role == role] for role in ROLES},
         "parameters": [parameter_record(item) for item in node.parameters if not item.implicit],
+        "slots": [slot_record(item) for item in node.slots],
+        "base_class": node.base_class,
+        "exported": str(node.exported) if node.exported is not None else None,
         "implicit": sorted({item.name or "" for item in node.interfaces if item.implicit}),
     }
 
@@ -69,7 +72,15 @@ def interface_record(item: Interface) -> Record:
     return {**record, "resolution": item.resolution.value, **evidence_record(item)}
 
 
-def evidence_record(item: Interface | Parameter) -> Record:
+def slot_record(item: PluginSlot) -> Record:
+    """Return a plugin slot as `kg nodes --json` prints it, each default as `NAME: CLASS`."""
+    record = asdict(item)
+    del record["location"]
+    defaults = [f"{one.name or '-'}: {one.class_name}" for one in item.defaults]
+    return {**record, "defaults": defaults, **evidence_record(item)}
+
+
+def evidence_record(item: Interface | Parameter | PluginSlot) -> Record:
     """Return the line of a fact, and all calls from there to the framework."""
     return {"file": item.location.path, "line": item.location.line, "via": chain_text(item.via)}
 

@@ -18,6 +18,8 @@ from kg.facts import (
     Package,
     PackageFacts,
     Parameter,
+    PluginDefault,
+    PluginSlot,
     Qos,
     Repository,
     Resolution,
@@ -25,6 +27,7 @@ from kg.facts import (
 )
 from kg.graph.iris import Iris
 from kg.graph.reading import NodeRecord, node_names, node_records
+from kg.graph.records import node_object
 from kg.graph.sources import source_triples
 
 HERE: Final = Location("src/rover.cpp", 12)
@@ -61,6 +64,19 @@ ROVER: Final = NodeType(
         Parameter("rate", "double", "10.0", Access.DECLARE, HERE, description="How often, in Hz.", via=(HERE,)),
         Parameter(None, None, None, Access.READ, HERE, Resolution.UNRESOLVED, reason="built at run time"),
     ),
+    slots=(
+        PluginSlot("nav::Planner", HERE, defaults=(PluginDefault("nav::Fast"),), fixed=True),
+        PluginSlot(None, replace(HERE, line=HERE.line + 1), reason="it is computed"),
+        PluginSlot(
+            "nav::Planner",
+            Location("include/base.hpp", 8, "github.com/other/base"),
+            "planners",
+            "{id}.plugin",
+            (PluginDefault("nav::Fast", "fast"), PluginDefault("nav::Slow", "slow")),
+            via=(HERE,),
+        ),
+    ),
+    exported=Location("plugins.xml", 3),
     bounds=(Bound("depth", HERE), Bound("steps", Location("include/base.hpp", 8, "github.com/other/base"))),
 )
 
@@ -137,3 +153,14 @@ def test_nodes_of_one_name_keep_their_own_parts() -> None:
     found = node_records(stored(("a", (ROVER, bare))))
     assert [len(one.node.interfaces) for one in found] == [1, len(ROVER.interfaces)]
     assert [len(one.node.parameters) for one in found] == [0, len(ROVER.parameters)]
+
+
+def test_default_plugins_lead_to_their_nodes() -> None:
+    """A class is the same with a slash and with colons."""
+    slow = replace(ROVER, name="Slow", plugin="nav/Slow", interfaces=(), parameters=(), slots=())
+    (record,) = node_records(stored(("rover_base", (ROVER,)), ("plans", (slow,))), node="rover")
+    assert {kind: str(node) for kind, (node, _) in record.plugins.items()} == {
+        "nav::Slow": "github.com/acme/rover:plans/Slow"
+    }
+    shown = [(one["class"], one["node"]) for one in node_object(record)["slots"][-1]["defaults"]]
+    assert shown == [("nav::Fast", None), ("nav::Slow", "github.com/acme/rover:plans/Slow")]

@@ -44,6 +44,14 @@ def test_a_parameter_is_one_row(snapshot: EmbeddedSnapshot, settings: Settings) 
     assert all(one["places"][0]["line"] == one["evidence"]["line"] for one in found)
 
 
+def test_a_plugin_says_what_registers_it(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """The line of its plugin description is evidence; other nodes have none."""
+    found = node(snapshot, settings, name="scan_filter")
+    assert found["exported"]["path"].endswith("nodelet_plugins.xml")
+    assert found["exported"]["line"] == 2
+    assert node(snapshot, settings, name="base_controller")["exported"] is None
+
+
 def test_launch_lines_and_neighbours(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
     """A node says who starts it, and who is at the other side of its channels."""
     found = node(snapshot, settings, name="base_controller")

@@ -59,7 +59,8 @@ class Constructions:
             return Unknown("its type is not known")
         if is_pointer(found):
             return Unknown("it is null")
-        value = self.construct(found, [], frame, line)
+        with self._at(frame, line):
+            value = self.construct(found, [], frame, line)
         if isinstance(value, Object) and value.kind.cls is None:
             value.native["empty"] = Truth(True)
         return value

@@ -19,6 +19,7 @@ from kg.extract.cpp.project import FRAMEWORKS, Project
 from kg.extract.declared import bounds_of, facts_of, mark_of
 from kg.extract.manifests import read_build
 from kg.extract.marks import Extracted, Mark
+from kg.extract.slots import slots_of
 from kg.facts import Location, NodeKind, NodeType
 from kg.names import normalise
 from kg.symbolic.containers import COMMAND_LINE
@@ -203,6 +204,7 @@ class _Nodes:
                 plugin=plugin.name,
                 base_class=plugin.base_type,
                 sources=tuple(sources),
+                exported=plugin.location,
             )
             return self._extracted(framework, node, root)
         return []
@@ -296,18 +298,28 @@ class _Nodes:
         return _Nodes(reader, folder, read_build(reader, folder), self._calls)
 
     def _extracted(self, framework: Framework, node: NodeType, root: Object | None) -> list[Extracted]:
-        declared = framework.declared
+        declared, loadings = framework.declared, framework.loadings
         if root is None or framework.host is root:
             declared = [one for one in declared if _belongs(one.node, root)]
+            loadings = [one for one in loadings if _belongs(one.node, root)]
         ros = _version(framework)
         named = _name(framework, root)
         interfaces, parameters = facts_of(declared, self._project, ros, named or node.name)
         loaded_interfaces, loaded_parameters = self._loaded(framework)
         interfaces, parameters = (*interfaces, *loaded_interfaces), (*parameters, *loaded_parameters)
-        if not (interfaces or parameters or framework.marks or framework.nodes or framework.node_names):
+        slots = slots_of(loadings, declared, self._project)
+        loads = bool(slots) and root is not None
+        if not (interfaces or parameters or loads or framework.marks or framework.nodes or framework.node_names):
             return []
-        bounds = bounds_of(framework.machine.bounds, self._project)
-        whole = replace(node, ros=ros, node_name=named, interfaces=interfaces, parameters=parameters, bounds=bounds)
+        whole = replace(
+            node,
+            ros=ros,
+            node_name=named,
+            interfaces=interfaces,
+            parameters=parameters,
+            bounds=bounds_of(framework.machine.bounds, self._project),
+            slots=slots,
+        )
         marks = [mark_of(one, self._project) for one in framework.marks]
         described = (one for made in framework.nodes for one in framework.described(made.kind))
         if any(one.name == "rclcpp_lifecycle::LifecycleNode" for one in described):

@@ -16,6 +16,7 @@ from kg.extract.declared import bounds_of, facts_of, mark_of
 from kg.extract.marks import Extracted
 from kg.extract.python.language import Python
 from kg.extract.python.modules import Modules, mentions_ros
+from kg.extract.slots import slots_of
 from kg.facts import FileKind, Location, NodeKind, NodeType, Resolution
 from kg.names import normalise
 from kg.symbolic.effects import Framework
@@ -152,7 +153,7 @@ class _Nodes:
         found = self._created(cls, root, hosted=True)
         base = plugin.base_type if root.kind is NodeKind.PLUGIN else None
         if found is not None:
-            yield replace(found, node=replace(found.node, base_class=base))
+            yield replace(found, node=replace(found.node, base_class=base, exported=plugin.location))
 
     def _classes(self, path: str) -> Iterator[Extracted]:
         """Yield the node classes of ROS 2 in a file that no program of the package creates."""
@@ -215,6 +216,7 @@ class _Nodes:
             interfaces=interfaces,
             parameters=parameters,
             bounds=bounds_of(framework.machine.bounds, self._modules),
+            slots=slots_of(framework.loadings, framework.declared, self._modules),
         )
         return Extracted(node, tuple(dict.fromkeys(mark_of(one, self._modules) for one in framework.marks)))
 

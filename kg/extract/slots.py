@@ -1,0 +1,104 @@
+"""The plugin slots of a node: which plugins it loads by which parameters, from the calls that load them."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final
+
+from kg.extract.declared import evidence
+from kg.facts import PluginDefault, PluginSlot
+from kg.symbolic.values import Sequence, Text, Unknown, Value
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from kg.extract.declared import Home
+    from kg.symbolic.effects import Declared
+    from kg.symbolic.plugins import Loading
+
+__all__ = ["slots_of"]
+
+_ELEMENT: Final = "[]"
+_ID: Final = "{id}"
+_PART: Final = re.compile(r"[^./]+")
+
+
+def slots_of(loadings: Iterable[Loading], declared: Iterable[Declared], home: Home) -> tuple[PluginSlot, ...]:
+    """Return the slots of a node, each once, from its loadings of plugins and its parameters.
+
+    An object that loads plugins is a slot of its own if no call for its base class does. An element of a list that a
+    call joins with the value of another parameter is not the class.
+    """
+    parameters = [one for one in declared if one.effect.access is not None]
+    found: dict[tuple[str | None, str | None, str | None], PluginSlot] = {}
+    idle: dict[str | None, PluginSlot] = {}
+    for one in loadings:
+        slot = _slot(one, parameters, home)
+        if one.plugin is None and one.parameter is None:
+            idle.setdefault(slot.base_class, slot)
+        elif slot.parameter or slot.defaults or slot.reason:
+            key = (slot.base_class, slot.names, slot.parameter)
+            found[key] = _both(found[key], slot) if key in found else slot
+    used = {base for base, _, _ in found}
+    named = {(slot.base_class, slot.location) for slot in found.values() if _ID in (slot.parameter or "")}
+    kept = (
+        slot
+        for slot in found.values()
+        if (slot.base_class, slot.location) not in named or not (slot.parameter or "").endswith(_ELEMENT)
+    )
+    return (*kept, *(slot for base, slot in idle.items() if base not in used))
+
+
+def _both(one: PluginSlot, other: PluginSlot) -> PluginSlot:
+    defaults = tuple(sorted({*one.defaults, *other.defaults}, key=lambda each: (each.name or "", each.class_name)))
+    return replace(one, defaults=defaults, fixed=one.fixed and other.fixed, reason=one.reason or other.reason)
+
+
+def _slot(one: Loading, parameters: list[Declared], home: Home) -> PluginSlot:
+    """Return the slot of one loading; an empty text in place of the class is neither a default nor unknown."""
+    place, via = evidence(one.stack, home)
+    empty = PluginSlot(one.base, place, one.names, one.parameter, via=via, reason=one.reason)
+    if one.plugin is None:
+        return empty if one.reason or one.parameter else replace(empty, reason="no call that loads a plugin was found")
+    known = one.plugin.known if isinstance(one.plugin, Text) else None
+    given: str | None = getattr(one.plugin, "parameter", None)
+    names, parameter, item = _named(given, parameters) if given is not None else (None, None, None)
+    name = one.name.known if isinstance(one.name, Text) else item
+    defaults = (PluginDefault(known, name),) if known else ()
+    fixed = bool(known) and parameter is None
+    reason = _reason(one.plugin) if known is None else None
+    return replace(empty, names=names, parameter=parameter, defaults=defaults, fixed=fixed, reason=reason)
+
+
+def _reason(value: Value) -> str:
+    if isinstance(value, Text):
+        return value.reason or "it is known in part"
+    return value.reason if isinstance(value, Unknown) else "it is not a text"
+
+
+def _named(given: str, parameters: list[Declared]) -> tuple[str | None, str, str | None]:
+    """Return the parameter with the names of plugins, the one with their class, and the name of this plugin.
+
+    `given` is the parameter with the class of this plugin: `FollowPath.plugin`.
+    """
+    given = _clean(given)
+    if _ELEMENT in given:
+        return given.partition(_ELEMENT)[0], given, None
+    name = next((n for one in parameters if isinstance(n := one.name, Text) and _clean(n.shown) == given), None)
+    if name is not None and name.parameter is not None and name.parameter.endswith(_ELEMENT) and name.known is None:
+        before, _, after = given.rpartition("{}")
+        return _clean(name.parameter.removesuffix(_ELEMENT)), f"{before}{_ID}{after}", None
+    parts = list(_PART.finditer(given))
+    for one in sorted(parameters, key=lambda one: not isinstance(one.default, Sequence)):
+        for item in one.default.items if isinstance(one.default, Sequence) else (one.default,):
+            known = item.known if isinstance(item, Text) else None
+            part = next((part for part in parts if part[0] == known), None)
+            if part is not None and isinstance(one.name, Text):
+                return _clean(one.name.shown), f"{given[: part.start()]}{_ID}{given[part.end() :]}", known
+    return None, given, None
+
+
+def _clean(name: str) -> str:
+    """Return the name of a parameter as parameters are stored: `~/name` for `~name`."""
+    return f"~/{name[1:]}" if name.startswith("~") and not name.startswith("~/") and name != "~" else name

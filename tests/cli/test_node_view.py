@@ -1,0 +1,51 @@
+"""Plugin slots in `kg node`."""
+
+from __future__ import annotations
+
+import io
+
+import pytest
+from rich.console import Console
+
+from kg.cli.links import Links
+from kg.cli.node_view import node_view
+from kg.facts import Location, NodeKind, NodeReference, NodeType, PluginDefault, PluginSlot
+from kg.graph.reading import NodeRecord
+
+PLACE = Location("src/server.cpp", 12)
+
+
+def shown(slot: PluginSlot, plugins: dict[str, tuple[NodeReference, str]] | None = None) -> str:
+    """Return what a wide terminal shows of a node with one slot."""
+    node = NodeType("server", NodeKind.EXECUTABLE, "cpp", 2, Location("src/main.cpp", 3), slots=(slot,))
+    record = NodeRecord("local/ws", None, "nav", node, plugins=plugins or {})
+    console = Console(file=io.StringIO(), width=200, color_system=None)
+    with console.capture() as captured:
+        console.print(*node_view(record, Links.of([]), 200, every=False))
+    return captured.get()
+
+
+def test_a_slot_shows_its_parameters_and_defaults() -> None:
+    """A line has the base class, the parameters, each default with its record, and the place."""
+    slot = PluginSlot("nav::Planner", PLACE, "planners", "{id}.plugin", (PluginDefault("nav::Fast", "fast"),))
+    text = shown(slot, {"nav::Fast": (NodeReference("local/ws", "plans", "Fast"), "urn:x")})
+    (line,) = [line for line in text.splitlines() if "nav::Planner" in line]
+    assert "plugins it loads" in text
+    assert line.split() == [
+        *("nav::Planner", "parameters", "planners,", "{id}.plugin"),
+        *("=", "fast:", "nav::Fast", "(plans/Fast)", "src/server.cpp:12"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("slot", "words"),
+    [
+        (PluginSlot("nav::Planner", PLACE, "~/plugins", "~/plugins[].type"), "parameter ~/plugins[].type"),
+        (PluginSlot("nav::Planner", PLACE, defaults=(PluginDefault("a::B"),), fixed=True), "fixed in the code"),
+        (PluginSlot("nav::Planner", PLACE, reason="it is computed"), "not known: it is computed"),
+        (PluginSlot(None, PLACE), "(not known)"),
+    ],
+)
+def test_a_slot_says_what_gives_the_class(slot: PluginSlot, words: str) -> None:
+    """The class is that of a parameter, of the code, or not known."""
+    assert words in shown(slot)
