@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import pytest
 from extract.python.programs import nodes_of
 
 if TYPE_CHECKING:
@@ -83,3 +84,23 @@ Viewer('viewer')
 """
     found = next(one for one in nodes_of(tmp_path, {"scripts/view.py": text}) if one.node.name == "view")
     assert (found.node.node_name, [one.name for one in found.node.interfaces]) == ("viewer", ["out"])
+
+
+MADE = "from nav2_simple_commander.robot_navigator import BasicNavigator\npilot = BasicNavigator('pilot')\n"
+DERIVED = """import nav2_simple_commander.robot_navigator as nav
+class Pilot(nav.BasicNavigator):
+    def __init__(self):
+        super().__init__(node_name="pilot")
+pilot = Pilot()
+"""
+
+
+@pytest.mark.parametrize("code", [MADE, DERIVED])
+def test_the_navigator_of_nav2_is_a_node(tmp_path: Path, code: str) -> None:
+    """It has its action clients although its sources are not in the build, and the name that it is given."""
+    (found,) = nodes_of(tmp_path, {"main.py": f"import rclpy\nrclpy.init()\n{code}rclpy.spin(pilot)\n"})
+    named = {(one.role.value, one.name, one.type) for one in found.node.interfaces}
+    assert ("action_clients", "navigate_to_pose", "nav2_msgs/NavigateToPose") in named
+    assert ("publishes", "initialpose", "geometry_msgs/PoseWithCovarianceStamped") in named
+    assert found.node.node_name == "pilot"
+    assert found.node.ros == 2
