@@ -16,6 +16,7 @@ from kg.extract.cpp import syntax
 from kg.extract.cpp.language import Cpp
 from kg.extract.cpp.linking import Linker
 from kg.extract.cpp.project import FRAMEWORKS, Project
+from kg.extract.cpp.units import CppClass
 from kg.extract.declared import bounds_of, facts_of, mark_of
 from kg.extract.manifests import read_build
 from kg.extract.marks import Extracted, Mark
@@ -97,13 +98,15 @@ class _Nodes:
     def _classes(self) -> list[Extracted]:
         """Return the classes that declare interfaces, of a package without nodes that were understood.
 
-        A class whose interfaces all get their names from the code that uses it is not a node.
+        An abstract class is not a node, nor is one whose interfaces all get their names from the code that uses it.
         """
         found: list[Extracted] = []
         words = [word.encode() for word in self._calls.calls if len(word) > _COMMON]
         for file in self._project.sources():
             unit = self._project.unit(file) if "/test" not in file.path else None
             for cls in [cls for listed in unit.classes.values() for cls in listed] if unit is not None else ():
+                if isinstance(cls, CppClass) and cls.abstract:
+                    continue
                 machine, language, framework = self._machine([file])
                 methods = (f for listed in language.linker.methods(cls).values() for f in listed)
                 units = {cls.unit, *(method.unit for method in methods)}

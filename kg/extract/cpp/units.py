@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from kg.corpus.files import FilePath
     from kg.symbolic.form import Declare
 
-__all__ = ["CppUnit", "Macro"]
+__all__ = ["CppClass", "CppUnit", "Macro"]
 
 _Scope: TypeAlias = tuple[str, ...]
 _CONTAINERS: Final = PREPROCESSED | {"translation_unit", "linkage_specification", "declaration_list"}
@@ -43,6 +43,9 @@ class Macro:
     line: int
     function: Function | None = None
     """The macro as a function, once it was expanded."""
+
+
+_PURE: Final = re.compile(rb"\Avirtual\b[^{]*=\s*0\s*;\Z")
 
 
 class CppFunction(Function):
@@ -80,6 +83,12 @@ class CppClass(Class):
     def __init__(self, unit: CppUnit, name: str, scope: _Scope, node: Node, template: _Scope) -> None:
         self.unit, self.name, self.scope, self.template, self.line = unit, name, scope, template, line_of(node)
         self.node, self.derived, self.body = node, (), None
+
+    @property
+    def abstract(self) -> bool:
+        """Whether it leaves methods to classes that derive from it: `= 0`."""
+        body = self.node.child_by_field_name("body")
+        return body is not None and any(_PURE.search(member.text or b"") for member in body.named_children)
 
     def __getattr__(self, name: str) -> Any:
         unit = cast("CppUnit", self.unit)

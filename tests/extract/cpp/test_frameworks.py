@@ -236,3 +236,23 @@ def test_what_a_framework_makes_has_the_calls_that_led_to_it() -> None:
     (found,) = [one for one in node_of(source, more).interfaces if one.name == "/diagnostics"]
     assert (found.location.path, found.location.line) == ("demo/main.cpp", 3)
     assert [(one.path, one.line) for one in found.via] == [("shared/include/shared/wrapper.hpp", 3)]
+
+
+def test_an_abstract_class_is_not_a_node() -> None:
+    """Others derive from it and say how its topic is called; a class that is complete is shown."""
+    classes = """#include <rclcpp/rclcpp.hpp>
+class Base {
+public:
+  explicit Base(rclcpp::Node * node) {
+    node->create_publisher<std_msgs::msg::String>("out", 1);
+    node->create_publisher<std_msgs::msg::String>(name(), 1);
+  }
+  virtual std::string name() = 0;
+};
+class Whole {
+public:
+  explicit Whole(rclcpp::Node * node) { node->create_publisher<std_msgs::msg::String>("whole", 1); }
+};
+"""
+    found = nodes_of({"classes.cpp": classes, "CMakeLists.txt": "project(demo)\nadd_library(demo classes.cpp)\n"})
+    assert [one.name for one in found] == ["Whole"]
