@@ -164,6 +164,11 @@ def test_large_is_refused(source: str) -> None:
         "1j",
         "(-8) ** 0.5",
         "absent",
+        "'\\0'",
+        "'\\ud800'",
+        "chr(0xd800)",
+        "'%c' % 0xd800",
+        "f'{55296:c}'",
     ],
 )
 def test_strange_is_refused(source: str) -> None:

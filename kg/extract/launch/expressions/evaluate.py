@@ -26,7 +26,7 @@ from kg.extract.launch.expressions.values import (
     Table,
     Unknown,
 )
-from kg.extract.launch.expressions.whole import MAX_BITS, ExpressionError, UnsupportedError, is_whole
+from kg.extract.launch.expressions.whole import MAX_BITS, ExpressionError, UnsupportedError, encodable, is_whole
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -97,7 +97,7 @@ class Evaluator(Containers, ABC):
             raise UnsupportedError(f"a literal of the type {type(node.value).__name__} is not evaluated")
         if isinstance(node.value, int) and node.value.bit_length() > MAX_BITS:
             raise UnsupportedError("a number grows too large")
-        return node.value
+        return encodable(node.value) if isinstance(node.value, str) else node.value
 
     def _name(self, node: ast.Name, frame: Frame) -> Value:
         """Return what a name is bound to, here or around."""

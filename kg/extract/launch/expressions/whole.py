@@ -19,6 +19,7 @@ __all__ = [
     "UnsupportedError",
     "apply",
     "called",
+    "encodable",
     "is_whole",
     "refuse_over",
 ]
@@ -97,7 +98,7 @@ def _taken(found: object, guards: tuple[Condition, ...]) -> Value:
         return found
     if isinstance(found, str):
         refuse_over(len(found))
-        return found
+        return encodable(found)
     if isinstance(found, int | float):
         if isinstance(found, int) and found.bit_length() > MAX_BITS:
             raise UnsupportedError("a number grows too large")
@@ -108,6 +109,13 @@ def _taken(found: object, guards: tuple[Condition, ...]) -> Value:
     if isinstance(found, tuple):
         return tuple(_taken(item, guards) for item in found)
     raise UnsupportedError(f"a value of the type {type(found).__name__} is not evaluated")
+
+
+def encodable(text: str) -> str:
+    """Return a text; `UnsupportedError` for one that no file can have: with a zero byte, or half of a character."""
+    if "\0" in text or (not text.isascii() and any("\ud800" <= one <= "\udfff" for one in text)):
+        raise UnsupportedError("a value has characters that are no text")
+    return text
 
 
 def refuse_over(size: int, most: int = MAX_TEXT) -> None:

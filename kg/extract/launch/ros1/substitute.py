@@ -178,7 +178,7 @@ class _Commands:
         }
         try:
             dialect = Dialect(HOLE, _word, self._variable, functions)
-            return _plain(str(evaluate_text(expression, dialect)))
+            return str(evaluate_text(expression, dialect))
         except NotKnownError:
             return HOLE
         except UnsupportedError as error:
@@ -190,13 +190,6 @@ class _Commands:
 
 def _word(name: str) -> object:
     return _TRUTH.get(name, MISSING)
-
-
-def _plain(text: str) -> str:
-    """Return the text; one with characters that no file name and no XML can have is refused."""
-    if "\0" in text or (not text.isascii() and any("\ud800" <= one <= "\udfff" for one in text)):
-        raise _SubstitutionError("the value of $(eval) has characters that are no text")
-    return text
 
 
 @lru_cache(maxsize=4096)

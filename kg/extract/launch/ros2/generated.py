@@ -65,7 +65,7 @@ def replaced_file(context: Context, source: Text, condition: Text, *pairs: Text)
         context.problem(LaunchProblemKind.LIMIT, f"texts grow over {_MOST_CHARACTERS} characters", path)
         return HOLE
     made = tuple(_replaced_in(entry, replacements) for entry in entries) if entries is not None else None
-    return _named(context, path, Generated(found[0], content.encode(), made, (path, *texts)))
+    return _named(context, path, Generated(found[0], content.encode("utf-8", "replace"), made, (path, *texts)))
 
 
 def _replaced(text: str, replacements: Sequence[tuple[str, str]]) -> str | None:

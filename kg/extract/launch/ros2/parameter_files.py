@@ -82,7 +82,7 @@ def _performed(context: Context, entry: Entry) -> Entry:
 
 def _substituted(context: Context, content: bytes) -> bytes:
     try:
-        return context.perform(parse_template(content.decode())).encode()
+        return context.perform(parse_template(content.decode())).encode("utf-8", "replace")
     except TemplateError as error:
         context.problem(LaunchProblemKind.MALFORMED, str(error))
         return content

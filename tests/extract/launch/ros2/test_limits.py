@@ -91,6 +91,16 @@ def test_files_that_expand_endlessly_are_malformed(tmp_path: Path, case: str) ->
     assert [problem.kind for problem in evaluated(tmp_path, MALFORMED[case]).problems] == [LaunchProblemKind.MALFORMED]
 
 
+def test_characters_that_are_no_text_are_not_known(tmp_path: Path) -> None:
+    """No text that cannot be written to a file comes of an expression, also in a file of parameters."""
+    strange = "$(eval 'chr(0xd800)')"
+    node = f'<node pkg="p" exec="e" name="n{strange}"><param from="$(dirname)/p.yaml" allow_substs="true"/></node>'
+    content = f"/**:\n  ros__parameters:\n    a: x{strange}\n"
+    found = evaluated(tmp_path, {"a.launch.xml": launch(node), "p.yaml": content})
+    assert [(one.name, one.parameters[0].value) for one in found.nodes] == [("n{}", "x{}")]
+    assert {problem.kind for problem in found.problems} == {LaunchProblemKind.UNRESOLVED}
+
+
 TAGS = st.sampled_from(["node", "arg", "let", "group", "include", "param", "remap", "executable", "set_remap", "x"])
 TEXTS = st.sampled_from(
     ["", "a", "$(var a)", "$(", "$(eval '1/0')", "{}", "true", "$(dirname)/b.launch.xml", "[1, a", "/ns"]
