@@ -7,7 +7,11 @@ from typing import TYPE_CHECKING
 import pytest
 
 from kg.errors import UnknownNameError, UsageError
+from kg.facts import Location, NodeKind, NodeReference, NodeType, PluginDefault, PluginSlot
+from kg.graph.reading import NodeRecord
+from kg.views.evidence import places
 from kg.views.node import node
+from kg.views.node_rows import slot_rows
 from kg.views.tree import tree
 
 if TYPE_CHECKING:
@@ -50,6 +54,17 @@ def test_a_plugin_says_what_registers_it(snapshot: EmbeddedSnapshot, settings: S
     assert found["exported"]["path"].endswith("nodelet_plugins.xml")
     assert found["exported"]["line"] == 2
     assert node(snapshot, settings, name="base_controller")["exported"] is None
+
+
+def test_a_slot_leads_to_its_default_plugins(snapshot: EmbeddedSnapshot) -> None:
+    """A default has the IRI of its record, or none; the row has words for what gives the class, and its line."""
+    defaults = (PluginDefault("nav::Fast", "fast"), PluginDefault("nav::Slow", "slow"))
+    slot = PluginSlot("nav::Planner", Location("src/server.cpp", 12), "planners", "{id}.plugin", defaults)
+    server = NodeType("server", NodeKind.EXECUTABLE, "cpp", 2, Location("src/main.cpp", 3), slots=(slot,))
+    known = {"nav::Fast": (NodeReference("local/ws", "plans", "Fast"), "urn:fast")}
+    (row,) = slot_rows(NodeRecord("local/ws", None, "nav", server, plugins=known), places(snapshot))
+    assert [(one["class"], one["iri"]) for one in row["defaults"]] == [("nav::Fast", "urn:fast"), ("nav::Slow", None)]
+    assert (row["how"], row["evidence"]["line"]) == ("parameters planners, {id}.plugin", 12)
 
 
 def test_launch_lines_and_neighbours(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
