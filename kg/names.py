@@ -10,6 +10,8 @@ import re
 from functools import lru_cache
 from typing import Final
 
+from kg.holes import fits, is_partial
+
 __all__ = ["FRAMEWORK", "is_for_node", "join", "key", "normalise", "resolve"]
 
 FRAMEWORK: Final = frozenset(
@@ -57,17 +59,16 @@ def resolve(name: str, node: str, namespace: str = "/") -> str:
 
 
 def is_for_node(key: str, full: str) -> bool | None:
-    """Tell whether a key of a ROS 2 parameter file is for the node `full`; None where that hangs on a `{}` in its name.
+    """Tell whether a key of a ROS 2 parameter file is for the node `full`; None where that hangs on a hole in its name.
 
     Source: `rclcpp::parameter_map_from`, where `/*` stands for one part of a name and `/**` for any number of them.
     """
     absolute = "/" + key.strip("/")
-    if "{}" not in full:
+    if not is_partial(full):
         return full == absolute or ("*" in absolute and _fits(absolute, full))
     if absolute == "/**":
         return True
-    possible = re.compile(".*".join(re.escape(part) for part in full.split("{}")), re.DOTALL)
-    return None if "*" in absolute or possible.fullmatch(absolute) else False
+    return None if "*" in absolute or fits(full, absolute, ".*") else False
 
 
 @lru_cache(maxsize=4096)

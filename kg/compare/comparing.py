@@ -12,7 +12,7 @@ from collections import defaultdict
 from typing import TYPE_CHECKING
 
 from kg.compare.changes import Change, Difference, Kind, Level, Side
-from kg.compare.pairing import paired
+from kg.compare.pairing import paired, relabelled
 from kg.compare.renaming import Renames
 from kg.compare.systems import Wiring
 from kg.compare.wording import qos_words
@@ -77,6 +77,10 @@ class _Node:
                 gone.append(one)
             elif other:
                 new.append(other)
+        for one, other in [*relabelled(gone, new, _interface_key)]:
+            gone.remove(one)
+            new.remove(other)
+            yield from self._interface(one, other)
         for one, other in _renamed(gone, new):
             gone.remove(one)
             new.remove(other)
@@ -107,6 +111,9 @@ class _Node:
 
     def _parameters(self) -> Iterator[Change]:
         both = self._settable(self._before), self._settable(self._after)
+        gone, new = sorted(both[0].keys() - both[1].keys()), sorted(both[1].keys() - both[0].keys())
+        for one, other in relabelled(gone, new, lambda name: (name,)):
+            both[1][one] = both[1].pop(other)
         for name in sorted({*both[0], *both[1]}):
             before, after = (known.get(name) for known in both)
             kind = Kind.NEW if before is None else Kind.GONE if after is None else Kind.DEFAULT

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections import defaultdict
 from typing import TYPE_CHECKING, TypeAlias
 
+from kg.holes import is_known
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Iterator
 
@@ -27,7 +29,7 @@ def joined(system: System, known: Callable[[NodeInstance, InstanceInterface], Ha
     for instance in system.instances:
         for end in instance.interfaces:
             sign = known(instance, end)
-            if sign is None or end.resolved is None or "{}" in end.resolved:
+            if sign is None or not is_known(end.resolved):
                 continue
             role = end.declared.role
             if role.outward:

@@ -6,8 +6,9 @@ from collections import defaultdict
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from kg.compare.changes import Change, Kind, Level, Side
-from kg.compare.pairing import paired
+from kg.compare.pairing import paired, relabelled
 from kg.compare.wording import qos_words
+from kg.holes import anonymous
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
@@ -111,7 +112,10 @@ class Instances:
                 pairs.append((first, second))
             else:
                 lone.append((first, second))
-        pairs += _another_name(lone)
+        gone, new = ([end for ends in lone if (end := ends[side])] for side in (0, 1))
+        pairs += relabelled(gone, new, _end_key)
+        known = {id(end) for pair in pairs for end in pair}
+        pairs += _another_name(ends for ends in lone if not {id(end) for end in ends if end} & known)
         for pair in pairs:
             number = len(self._signs)
             self._signs[0, id(one), id(pair[0])] = self._signs[1, id(other), id(pair[1])] = number
@@ -175,7 +179,7 @@ _TOLD: Final[Mapping[Kind, Callable[[NodeInstance], str]]] = {
     Kind.KNOWN: lambda instance: "" if instance.type else instance.reason or "not known",
 }
 _END_TOLD: Final[Mapping[Kind, Callable[[InstanceInterface], str]]] = {
-    Kind.RENAMED: lambda end: end.resolved or "?",
+    Kind.RENAMED: lambda end: anonymous(end.resolved or "?"),
     Kind.TYPE: lambda end: end.declared.type or "?",
     Kind.QOS: lambda end: qos_words(end.qos),
 }

@@ -1,14 +1,16 @@
-"""The pairing of what has the same name at both sides."""
+"""The pairing of what has the same name at both sides, or names that differ in the labels of their holes."""
 
 from __future__ import annotations
 
 from collections import Counter
 from typing import TYPE_CHECKING, TypeVar
 
+from kg.holes import anonymous
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 
-__all__ = ["paired"]
+__all__ = ["paired", "relabelled"]
 
 _Thing = TypeVar("_Thing")
 
@@ -30,3 +32,12 @@ def _numbered(things: Iterable[_Thing], key: Callable[[_Thing], Hashable]) -> Ma
         seen[name] += 1
         found[name, seen[name]] = thing
     return found
+
+
+def relabelled(
+    one: Iterable[_Thing], other: Iterable[_Thing], key: Callable[[_Thing], tuple[str, ...]]
+) -> Iterator[tuple[_Thing, _Thing]]:
+    """Yield the pairs whose names are equal but for the labels of unknown parts: those may change with the code."""
+    for before, after in paired(one, other, lambda thing: tuple(map(anonymous, key(thing)))):
+        if before is not None and after is not None:
+            yield before, after

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final, Protocol
 
 from kg.extract.marks import Mark
 from kg.facts import Access, Bound, Interface, Location, Parameter, Resolution
+from kg.holes import is_known
 from kg.names import normalise, resolve
 from kg.symbolic.form import Literal
 from kg.symbolic.names import namespace_of
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 __all__ = ["Home", "bounds_of", "evidence", "facts_of", "mark_of"]
 
 _ROS2: Final = 2
+_OF_NODE: Final = "the name or namespace of the node is part of it"
 _COUNT: Final = re.compile(r"argc(==|!=|>=|<=|>|<)(\d+)")
 
 
@@ -134,7 +136,7 @@ def _named(name: Text | Unknown) -> tuple[str | None, Resolution, str | None, st
     if shown.startswith("~") and not shown.startswith("~/") and shown != "~":
         shown = "~/" + shown[1:]
     if name.known is None:
-        return shown, Resolution.PARTIAL, name.parameter, name.reason
+        return shown, Resolution.PARTIAL, name.parameter, name.reason or _OF_NODE
     if not shown:
         return None, Resolution.UNRESOLVED, name.parameter, "the name is empty"
     return shown, name.resolution, name.parameter, name.reason
@@ -149,7 +151,7 @@ def _interface(one: Declared, role: Role, home: Home, ros: int, alone: str) -> I
         type=one.type,
         resolution=resolution,
         location=place,
-        resolved=_resolved(name, one, alone) if name is not None and "{" not in name else None,
+        resolved=_resolved(name, one, alone) if is_known(name) else None,
         written=one.written,
         parameter=parameter,
         implicit=one.effect.implicit,

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 from kg.errors import Place, UsageError
 from kg.extract.marks import Mark
 from kg.facts import Access, Interface, Location, NodeType, Parameter, Qos, Resolution, Role
+from kg.holes import is_partial
 from kg.names import normalise
 from kg.resources import folder
 
@@ -76,13 +77,13 @@ def _interfaces(use: Use, mark: Mark) -> list[Interface]:
             role=Role(row["role"]),
             name=name,
             type=row["type"],
-            resolution=Resolution.PARTIAL if "{}" in name else Resolution.LITERAL,
+            resolution=Resolution.PARTIAL if is_partial(name) else Resolution.LITERAL,
             location=mark.location,
             implicit=True,
             origin=use.origin,
             via=mark.via,
             qos=Qos(**row["qos"]) if "qos" in row else None,
-            reason=_reason(mark) if "{}" in name else None,
+            reason=_reason(mark) if is_partial(name) else None,
         )
         for row in use.interfaces
         if (name := _name(row["name"], mark)) is not None
@@ -91,7 +92,7 @@ def _interfaces(use: Use, mark: Mark) -> list[Interface]:
 
 def _reason(mark: Mark) -> str:
     """Return why a name that a mark makes is not known in full."""
-    if "{}" in mark.namespace:
+    if is_partial(mark.namespace):
         return "the namespace that the code gives to it is not known"
     return "a part of it is made by its library when the program runs"
 

@@ -12,6 +12,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final, TypeVar
 
 from kg.facts import Interface, NodeKind, Parameter, Role
+from kg.holes import is_partial
 from kg.names import resolve
 
 if TYPE_CHECKING:
@@ -145,7 +146,7 @@ def settled(nodes: Iterable[NodeType]) -> tuple[NodeType, ...]:
 
 def own_name(node: NodeType) -> str:
     """Return the name a node has when it is started alone: the one it gives itself, else that of its type."""
-    if node.node_name and "{}" not in node.node_name:
+    if node.node_name and not is_partial(node.node_name):
         return node.node_name
     return node.name.rpartition("::")[2].rpartition("/")[2].removesuffix(".py")
 

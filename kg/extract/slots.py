@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.extract.declared import evidence
 from kg.facts import PluginDefault, PluginSlot
+from kg.holes import hole_of, partition
 from kg.symbolic.values import Sequence, Text, Unknown, Value
 
 if TYPE_CHECKING:
@@ -87,7 +88,7 @@ def _named(given: str, parameters: list[Declared]) -> tuple[str | None, str, str
         return given.partition(_ELEMENT)[0], given, None
     name = next((n for one in parameters if isinstance(n := one.name, Text) and _clean(n.shown) == given), None)
     if name is not None and name.parameter is not None and name.parameter.endswith(_ELEMENT) and name.known is None:
-        before, _, after = given.rpartition("{}")
+        before, _, after = partition(given, hole_of(name.parameter))
         return _clean(name.parameter.removesuffix(_ELEMENT)), f"{before}{_ID}{after}", None
     parts = list(_PART.finditer(given))
     for one in sorted(parameters, key=lambda one: not isinstance(one.default, Sequence)):

@@ -141,7 +141,7 @@ class Interface:
     """One end of a topic, service or action that a node declares.
 
     `name` is the name as the node gives it to ROS: relative (`scan`), private (`~/scan`) or absolute
-    (`/scan`), with the namespace of its node handle in front; a part that is not known stands as `{}`
+    (`/scan`), with the namespace of its node handle in front; a part that is not known is a hole (`kg.holes`)
     (resolution `partial`); None when nothing of it is known (`unresolved`). `resolved` is the same name
     for a node started alone, under its own name, in the root namespace and without remapping.
     `written` is the expression in the code. `type` is `package/Type`. `parameter` names the parameter

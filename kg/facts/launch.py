@@ -1,9 +1,8 @@
 """Facts that launch files give: what a configuration starts, with which names, remappings and parameters.
 
 A configuration is one launch file evaluated as the one that is started, with everything that it includes. Texts are
-those after substitution; a part that cannot be known without running anything stands as `{}`, as it does in names of
-interfaces, and a `LaunchProblem` of the kind `unresolved` tells the reason. The folder of a package in a text is
-`package://NAME`.
+those after substitution; a part that cannot be known without running anything is the hole `{}` (`kg.holes`), and a
+`LaunchProblem` of the kind `unresolved` tells the reason. The folder of a package in a text is `package://NAME`.
 """
 
 from __future__ import annotations

@@ -54,7 +54,7 @@ class InstanceInterface:
     """One end of a topic, service or action of an instance.
 
     `declared` is what code says of it, `owner` the node type whose code that is: the one that the instance is of, or a
-    plugin that it loads. `resolved` is the absolute name after namespaces, parameters and remappings, with `{}` for a
+    plugin that it loads. `resolved` is the absolute name after namespaces, parameters and remappings, with a hole for a
     part that is not known, None when nothing is; `resolution` says how it became known. `remap` is what changed the
     name, `parameter` what set it. `qos` is what is in force after overrides.
     """

@@ -18,6 +18,7 @@ from kg.graph.iris import fragment
 from kg.graph.ntriples import boolean, integer, literal, moment
 from kg.graph.scope import Scope
 from kg.graph.shared import split
+from kg.holes import is_known
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -281,7 +282,7 @@ class _Writing:
             writer.add(part, v.HAS_QOS, policies)
             if fact.qos != fact.declared.qos:
                 self._overrides.add(policies)
-        if fact.resolved and "{}" not in fact.resolved:
+        if is_known(fact.resolved):
             channel = self._channel(fact.declared.role.channel, fact.resolved)
             writer.add(part, v.CONNECTS_TO, channel)
             if kind:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import StartKind
+from kg.holes import is_known
 from kg.names import FRAMEWORK
 from kg.render.text import count
 
@@ -67,7 +68,7 @@ class Member:
 
 @dataclass(frozen=True, slots=True)
 class Channel:
-    """A topic, service or action; `name` has `{}` for a part that is not known, and is written code without any name.
+    """A topic, service or action; `name` has a hole for a part that is not known, and is written code without any name.
 
     It is `open` where its name is not known in full: then nothing can be said of its other ends.
     """
@@ -189,7 +190,7 @@ def channel_of(member: str, end: InstanceInterface) -> Channel:
     """Return the channel of an end of the member with this key."""
     kind = end.declared.role.channel
     types = (end.declared.type,) if end.declared.type else ()
-    if end.resolved is None or "{}" in end.resolved:
+    if not is_known(end.resolved):
         name = end.resolved or end.declared.written or "?"
         return Channel(f"{kind} {name} {member}", kind, name, types, open=True)
     return Channel(f"{kind} {end.resolved}", kind, end.resolved, types)

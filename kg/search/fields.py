@@ -11,6 +11,7 @@ from collections import Counter, defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
+from kg.holes import anonymous
 from kg.search.folding import is_main
 from kg.search.words import name_terms, terms
 
@@ -70,7 +71,7 @@ def own_words(node: Document) -> Iterator[tuple[str, str]]:
         yield "text", text.text
     for end in node.ends:
         if end.name:
-            yield "interface", end.name
+            yield "interface", anonymous(end.name)
         if end.type:
             yield "type", end.type.rpartition("/")[2]
     for name, told in node.parameters:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
+from kg.holes import anonymous
 from kg.search.fields import FIELDS, LEAST, own_words
 from kg.search.ranking import gain
 from kg.search.words import terms
@@ -117,7 +118,7 @@ def _of_words(weights: Mapping[str, float], node: Document, package: PackageDocu
     if package.description and (value := worth(package.description, "manifest")):
         yield Reason(f"its package says “{_excerpt(package.description)}”", value, package.path, 1)
     for end in node.ends:
-        if value := worth(f"{end.name or ''} {(end.type or '').rpartition('/')[2]}", "interface"):
+        if value := worth(f"{anonymous(end.name or '')} {(end.type or '').rpartition('/')[2]}", "interface"):
             yield Reason(f"{_VERBS[end.role]} {end.name or end.type}", value * 0.5, end.path, end.line)
     for name, told in node.parameters:
         if value := worth(f"{name} {told or ''}", "parameter"):

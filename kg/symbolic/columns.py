@@ -181,8 +181,8 @@ KINDS: Final[Mapping[str, str]] = {
 }
 """The words of `is`, each with what follows its colon."""
 RESULTS: Final[Mapping[str, str]] = {
-    **dict.fromkeys(("parameter", "is set", "path", "namespace", "own namespace"), ""),
-    **dict.fromkeys(("node name", "private", "host", "self"), ""),
+    **dict.fromkeys(("parameter", "is set", "path", "namespace", "own namespace", "own prefix"), ""),
+    **dict.fromkeys(("node name", "host", "self"), ""),
     **dict.fromkeys(("is declared", "argument", "resolved", "sub node", "camera info", "format"), INDEX),
     "handle": "NAMESPACE",
     "duration": SECONDS,

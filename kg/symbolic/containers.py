@@ -6,11 +6,11 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final, TypeGuard
 
 from kg.facts import Resolution
+from kg.holes import Hole, label_of
 from kg.symbolic import form
 from kg.symbolic.parameters import with_parameter
 from kg.symbolic.values import (
     Enumerator,
-    Hole,
     Mapping,
     Number,
     Object,
@@ -63,7 +63,9 @@ def _argument_at(index: Value) -> Value:
     if isinstance(index, Number) and index.value == 0:
         return Text.hole("it is the name of the program")
     name = f"argv[{int(index.value)}]" if isinstance(index, Number) else "argv[]"
-    return Text((Hole(),), Resolution.LAUNCH_ARGUMENT, name, f"it is the argument {name} of the command line")
+    return Text(
+        (Hole(label_of(name)),), Resolution.LAUNCH_ARGUMENT, name, f"it is the argument {name} of the command line"
+    )
 
 
 def is_unknown_parameter(of: Value) -> TypeGuard[Text | Unknown]:

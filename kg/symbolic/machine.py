@@ -26,6 +26,7 @@ from kg.symbolic.operators import (
     terms_of,
     truth,
 )
+from kg.symbolic.spelling import member_label
 from kg.symbolic.state import Alias, Frame, Journal, Site
 from kg.symbolic.values import (
     Closure,
@@ -71,7 +72,7 @@ MOST_BARREN: Final = 3_000
 _FIRST: Final = form.Literal(0, 0.0, "0")
 _PLAIN: Final = (Unknown, Number, Truth)
 """Values that are seldom part of a name."""
-_COUNTS: Final = Unknown("it counts the turns of a loop")
+_COUNTS: Final = Unknown("it counts the turns of a loop", label="")
 
 
 class Machine:
@@ -447,13 +448,13 @@ class Machine:
         names = expression.names
         holder = frame.holder(names[0]) if len(names) == 1 else None
         if holder is None:
-            return read_back(self.language.name(expression, frame))
+            return read_back(self.language.name(expression, frame), names[-1])
         held = holder[names[0]]
-        return read_back(self.value(held.target, held.frame) if isinstance(held, Alias) else held)
+        return read_back(self.value(held.target, held.frame) if isinstance(held, Alias) else held, names[0])
 
     def _member(self, expression: form.Member, frame: Frame) -> Value:
         of = self.value(expression.of, frame)
-        return read_back(over((of,), lambda one: self.language.member(one, expression.name)))
+        return read_back(over((of,), lambda one: self.language.member(one, expression.name)), member_label(expression))
 
     def _call(self, expression: form.Call, frame: Frame) -> Value:
         self.stack.append(Site(frame.unit, expression.line, frame.this, expression.arguments))
@@ -489,9 +490,7 @@ class Machine:
             return for_each(held, lambda one: negate(truth(one)))
         if sign in ("++", "--"):
             change = 1 if sign == "++" else -1
-            new = for_each(
-                held, lambda one: number(one.value + change) if isinstance(one, Number) else Unknown("it counts")
-            )
+            new = for_each(held, lambda one: number(one.value + change) if isinstance(one, Number) else _COUNTS)
             self.assign(expression.operand, new, frame)
             return held
         return for_each(held, negative) if sign == "-" else Unknown("it is computed")

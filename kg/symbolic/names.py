@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Final
 
+from kg.holes import Hole
 from kg.symbolic.values import (
     Either,
-    Hole,
     Mapping,
     Object,
     Sequence,
@@ -34,9 +34,9 @@ __all__ = [
 ]
 
 EMPTY: Final = Text.of("")
-OWN_NAMESPACE: Final = "."
-"""The namespace of the node itself, as the beginning of a text."""
-NODE_NAME: Final = Hole("node name")
+OWN_NAMESPACE: Final = Hole("namespace")
+"""The namespace of the node itself, as a part of a text."""
+NODE_NAME: Final = Hole("node")
 """The name of the node itself, as a part of a text."""
 
 
@@ -51,8 +51,9 @@ def below(namespace: Value, name: Value) -> Value:
     if first == NODE_NAME and (len(name.parts) == 1 or str(name.parts[1]).startswith("/")):
         rest = str(name.parts[1]) if len(name.parts) > 1 else ""
         return replace(name, parts=("~" + rest, *name.parts[2:]))
-    if isinstance(first, str) and first.startswith(OWN_NAMESPACE):
-        return replace(name, parts=(first[1:].lstrip("/"), *name.parts[1:]))
+    if first == OWN_NAMESPACE:
+        inner = name.parts[1:] or ("",)
+        return replace(name, parts=(inner[0].lstrip("/"), *inner[1:]) if isinstance(inner[0], str) else inner)
     if isinstance(first, str) and first.startswith("/"):
         return name
     if isinstance(first, str) and first.startswith("~"):
@@ -94,10 +95,10 @@ def own_namespace(node: Value | None) -> Value:
     """Return the namespace of a node or handle as a text of the program."""
     inner = namespace_of(node)
     if not isinstance(inner, Text) or not inner.known:
-        return Text.of(OWN_NAMESPACE)
+        return Text((OWN_NAMESPACE,))
     if inner.known.startswith(("~", "/")):
         return inner
-    return concatenate(Text.of(OWN_NAMESPACE + "/"), inner)
+    return concatenate(Text((OWN_NAMESPACE, "/")), inner)
 
 
 def with_node_name(name: Value, owner: Object | None) -> Value:
@@ -112,7 +113,9 @@ def with_node_name(name: Value, owner: Object | None) -> Value:
     if not isinstance(known, Text):
         return name
     joined = concatenate(*(known if part == NODE_NAME else Text((part,)) for part in name.parts))
-    return replace(joined, resolution=name.resolution) if isinstance(joined, Text) else joined
+    if not isinstance(joined, Text):
+        return joined
+    return replace(joined, resolution=name.resolution, parameter=name.parameter, reason=joined.reason or name.reason)
 
 
 def camera_info(image: Value) -> Value:

@@ -22,6 +22,8 @@ from kg.symbolic.values import (
     TypeValue,
     Unknown,
     Value,
+    alternatives,
+    as_text,
     concatenate,
     join,
     number,
@@ -74,20 +76,25 @@ def chosen(operands: Iterable[Callable[[], Value]], *, all_of: bool) -> Value:
         seen.append(operand())
         condition = truth(seen[-1])
         if not isinstance(condition, Truth):
-            uncertain.append(_without_empty(seen[-1]))
+            uncertain.append(seen[-1])
         elif condition.value != all_of:
             break
     if all(isinstance(value, Truth | Guard | Unknown) and value != NULL for value in seen):
         return logical((partial(_same, value) for value in seen), all_of=all_of)
-    return seen[-1] if all_of else join(*uncertain, seen[-1])
+    if all_of:
+        return seen[-1]
+    text = any(isinstance(one, Text) for one in alternatives(seen[-1]))
+    return join(*(_without_empty(value, text=text) for value in uncertain), seen[-1])
 
 
 def _same(value: Value) -> Value:
     return value
 
 
-def _without_empty(value: Value) -> Value:
-    """Return a parameter whose default is empty as one without default."""
+def _without_empty(value: Value, *, text: bool) -> Value:
+    """Return a parameter whose default is empty as one without default, and an unknown value as an unknown `text`."""
+    if text and isinstance(value, Unknown) and value.parameter is None and value != NULL:
+        return as_text(value)
     if isinstance(value, Text) and value.known == "":
         return Unknown(f"the parameter {value.parameter} is empty by default", value.parameter)
     return value

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import Access, Resolution
-from kg.symbolic.names import EMPTY, below, namespace_of
+from kg.symbolic.names import EMPTY, NODE_NAME, OWN_NAMESPACE, below, namespace_of
 from kg.symbolic.values import (
     Either,
     Guard,
@@ -119,7 +119,9 @@ def _literal(value: str | float) -> Value:
 
 def _whole_name(owner: Object | None, name: Value) -> Text | Unknown:
     namespace = namespace_of(owner)
-    rooted = isinstance(name, Text) and (name.known or "x").startswith(("~", "/"))
+    rooted = isinstance(name, Text) and (
+        name.parts[0] in (NODE_NAME, OWN_NAMESPACE) or (name.known or "x").startswith(("~", "/"))
+    )
     whole = below(namespace, name) if namespace != EMPTY or rooted else name
     return whole if isinstance(whole, Text | Unknown) else Unknown("the name of the parameter is not known")
 

@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
+from kg.holes import ANONYMOUS, parse
 from kg.symbolic.names import below, namespace_of
 from kg.symbolic.values import Object, Text, TypeValue, Value
 
@@ -78,7 +79,7 @@ def _parameter(pattern: str | None, call: Invocation) -> str | None:
     if pattern is None:
         return None
     values = {number: call.argument(int(number)) for number in _ARGUMENT.findall(pattern)}
-    texts = {number: value.shown if isinstance(value, Text) else "{}" for number, value in values.items()}
+    texts = {number: value.shown if isinstance(value, Text) else ANONYMOUS for number, value in values.items()}
     filled = _ARGUMENT.sub(lambda found: texts[found[1]], pattern)
-    whole = below(namespace_of(call.node), Text.of(filled.removeprefix(".")))
+    whole = below(namespace_of(call.node), Text(parse(filled.removeprefix(".")) or ("",)))
     return whole.shown if isinstance(whole, Text) else None

@@ -28,9 +28,9 @@ __all__ = ["result"]
 
 _DEPENDS: Final = Unknown("it depends on a parameter")
 _FIXED: Final[dict[str, Value]] = {
-    "private": Text.of("~"),
     "node name": Text((NODE_NAME,)),
-    "own namespace": Text.of(OWN_NAMESPACE),
+    "own namespace": Text((OWN_NAMESPACE,)),
+    "own prefix": Text((OWN_NAMESPACE, "/")),
 }
 
 

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from kg.symbolic import form
 
 if TYPE_CHECKING:
     from kg.symbolic.form import Expression
 
-__all__ = ["spelled"]
+__all__ = ["member_label", "spelled"]
+
+_SELF: Final = ("this", "self", "cls")
 
 
 def spelled(expression: Expression) -> str:
@@ -41,3 +43,9 @@ def spelled(expression: Expression) -> str:
             return str(expression)
         case _:
             return "..."
+
+
+def member_label(member: form.Member) -> str:
+    """Return what labels a member: its name, behind that of a variable that is not the object itself."""
+    of = member.of
+    return f"{of.names[-1]}_{member.name}" if isinstance(of, form.Name) and of.names[-1] not in _SELF else member.name

@@ -13,6 +13,7 @@ from itertools import islice, product, repeat
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from kg.facts import Resolution
+from kg.holes import SUBSTITUTIONS, Hole, label_of, written
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -29,7 +30,6 @@ __all__ = [
     "Either",
     "Enumerator",
     "Guard",
-    "Hole",
     "Kind",
     "Mapping",
     "Number",
@@ -47,8 +47,10 @@ __all__ = [
     "combinations",
     "concatenate",
     "join",
+    "labelled",
     "number",
     "options",
+    "outside",
     "over",
     "read_back",
     "whole_parameter",
@@ -61,14 +63,8 @@ MOST_ALTERNATIVES: Final = 12
 MOST_ROWS: Final = 500
 """How many rows of alternatives are tried for those that choices allow."""
 _ALWAYS: Final[Way] = frozenset()
+_NAMELESS: Final = (Hole(),)
 _ORDER: Final = {resolution: index for index, resolution in enumerate(Resolution)}
-
-
-@dataclass(unsafe_hash=True, slots=True)
-class Hole:
-    """An unknown part of a text; `label` is the name of its variable, if it has one."""
-
-    label: str = ""
 
 
 @dataclass(unsafe_hash=True, slots=True)
@@ -88,7 +84,7 @@ class Text:
     @classmethod
     def hole(cls, reason: str, label: str = "", parameter: str | None = None) -> Text:
         """Return a text of which nothing is known."""
-        return cls((Hole(label),), Resolution.PARTIAL, parameter, reason)
+        return cls((Hole(label_of(parameter or label)),), Resolution.PARTIAL, parameter, reason)
 
     @property
     def known(self) -> str | None:
@@ -102,8 +98,8 @@ class Text:
 
     @property
     def shown(self) -> str:
-        """The string with `{}` for each hole."""
-        return "".join(part if isinstance(part, str) else "{}" for part in self.parts)
+        """The string as a name with holes, see `kg.holes`."""
+        return written(self.parts)
 
     @property
     def nothing_known(self) -> bool:
@@ -236,10 +232,14 @@ class Bound:
 
 @dataclass(unsafe_hash=True, slots=True)
 class Unknown:
-    """An unknown value; `reason` completes "it is not known because ..."."""
+    """An unknown value; `reason` completes "it is not known because ...".
+
+    `label` is the name of the first variable that has it: None before any has, empty if it keeps no name.
+    """
 
     reason: str
     parameter: str | None = None
+    label: str | None = field(default=None, compare=False)
 
 
 @dataclass(unsafe_hash=True, slots=True)
@@ -347,16 +347,31 @@ def over(values: Iterable[Value], apply: Callable[..., Value]) -> Value:
     return join(*found, found[0]) if found else Unknown("its parts exclude each other")
 
 
-def read_back(value: Value) -> Value:
-    """Return a value as read from a variable rather than written in place."""
+def read_back(value: Value, name: str = "") -> Value:
+    """Return a value as read from a variable rather than written in place; `name` labels it if it is unknown."""
     if isinstance(value, Text):
         if value.resolution is Resolution.LITERAL:
             return Text(value.parts, Resolution.CONSTANT, value.parameter, value.reason)
+        if value.parts == _NAMELESS and label_of(name):
+            return Text((Hole(label_of(name)),), value.resolution, value.parameter, value.reason)
+    elif isinstance(value, Unknown):
+        if value.label is None and name:
+            return Unknown(value.reason, value.parameter, label_of(name) or None)
     elif isinstance(value, Either):
-        return Either(tuple([read_back(item) for item in value.items]), value.ways)
+        return Either(tuple([read_back(item, name) for item in value.items]), value.ways)
     elif isinstance(value, Sequence) and value.items:
         return Sequence(tuple([read_back(item) for item in value.items]), value.open, value.parameter)
     return value
+
+
+def labelled(result: Value, function: str, arguments: list[Value]) -> Value:
+    """Return the result of a function; its name labels an unknown one if no argument tells calls apart."""
+    return result if arguments else read_back(result, function)
+
+
+def outside(function: str, arguments: list[Value], reason: str | None = None) -> Value:
+    """Return the result of a function that no source defines; by default that is the reason why it is unknown."""
+    return labelled(Unknown(reason or f"{function}() is not in the sources that were read"), function, arguments)
 
 
 def whole_parameter(value: Value) -> bool:
@@ -439,6 +454,7 @@ def concatenate(*values: Value) -> Value:
     if any(isinstance(value, Either) for value in values):
         return over(values, concatenate)
     parts: list[str | Hole] = []
+    reasons: dict[str, str | None] = {}
     resolution, parameter, reason = Resolution.LITERAL, None, None
     for value in values:
         piece = as_text(value)
@@ -446,9 +462,14 @@ def concatenate(*values: Value) -> Value:
         parameter = parameter or piece.parameter
         reason = reason or piece.reason
         for part in piece.parts:
-            if isinstance(part, str) and parts and isinstance(parts[-1], str):
+            if isinstance(part, Hole):
+                same = reasons.setdefault(part.label, piece.reason) == piece.reason or part.label in SUBSTITUTIONS
+                hole = part if same else Hole()
+                if hole.label or not parts or parts[-1] != hole:
+                    parts.append(hole)
+            elif part and parts and isinstance(parts[-1], str):
                 parts[-1] += part
-            elif part != "" and not (isinstance(part, Hole) and parts and parts[-1] == part):
+            elif part:
                 parts.append(part)
     return Text(tuple(parts) or ("",), resolution, parameter, reason)
 
@@ -462,5 +483,5 @@ def as_text(value: Value) -> Text:
     if isinstance(value, Truth) and value.parameter is None:
         return Text(("1" if value.value else "0",))
     if isinstance(value, Unknown):
-        return Text.hole(value.reason, parameter=value.parameter)
+        return Text.hole(value.reason, value.label or "", value.parameter)
     return Text.hole("it is computed when the program runs")

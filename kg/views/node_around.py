@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 from urllib.parse import unquote
 
 from kg.facts import Location
+from kg.holes import is_known
 from kg.query.rows import rows
 from kg.views.terms import listing, node_parts, role_of
 
@@ -58,9 +59,7 @@ def neighbours(snapshot: EmbeddedSnapshot, record: NodeRecord, iris: Iris) -> li
     and `nodes`: at most six of `iri`, `name`, `package`, `repository`. Ends that frameworks make are left out, and ends
     of another type.
     """
-    own = {
-        iri: one for one, iri in record.ends.items() if not one.implicit and one.resolved and "{}" not in one.resolved
-    }
+    own = {iri: one for one, iri in record.ends.items() if not one.implicit and is_known(one.resolved)}
     wanted = {end: iris.channel(one.role.channel, one.resolved or "") for end, one in own.items()}
     others = _others(snapshot, wanted.values())
     found = []

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 from kg.facts import Role
 from kg.graph import vocabulary as v
 from kg.graph.records import interface_object, parameter_object, slot_object
+from kg.holes import is_known
 from kg.views.wording import TITLES, accesses, how, how_loaded, parameter_groups, quality
 
 if TYPE_CHECKING:
@@ -55,7 +56,7 @@ def interface_rows(
 def _interface(
     one: Interface, record: NodeRecord, where: Places, iris: Iris, inferred: Mapping[str, frozenset[str]]
 ) -> dict[str, Any]:
-    role, known = one.role, one.resolved and "{}" not in one.resolved
+    role, known = one.role, is_known(one.resolved)
     channel = iris.channel(role.channel, one.resolved) if one.resolved and known else None
     predicate = v.RNKG + DIRECT[role]
     return {

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from kg.facts import Location
 from kg.graph.iris import Iris
 from kg.graph.systems_reading import systems as read_systems
+from kg.holes import is_known
 from kg.render.system_graph import instance_keys, system_graph
 from kg.views.evidence import places
 from kg.views.lint import finding_objects, system_report
@@ -53,7 +54,7 @@ def system(
     report = system_report(snapshot, settings, meant)
     graph, own = system_graph(found, every=True), found.configuration
     keys = instance_keys(found.instances)
-    unresolved = sum(end.resolved is None or "{}" in end.resolved for one in keys.values() for end in one.interfaces)
+    unresolved = sum(not is_known(end.resolved) for one in keys.values() for end in one.interfaces)
     kinds = [channel.kind for channel in graph.channels if not channel.open]
     return {
         "name": meant.name,

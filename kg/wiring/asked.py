@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import re
-from functools import lru_cache
 from typing import TYPE_CHECKING, TypeAlias
 
 from kg.facts import Access, InstanceParameter, Parameter
-from kg.names import normalise
-from kg.wiring.ends import ids_of
+from kg.holes import fits, is_partial
+from kg.wiring.plugins import below_id
 from kg.wiring.similar import Alike
 
 if TYPE_CHECKING:
@@ -18,7 +16,6 @@ if TYPE_CHECKING:
     from kg.wiring.place import Place
     from kg.wiring.plugins import Loaded
     from kg.wiring.remapping import Remapping
-    from kg.wiring.values import Settings
 
 __all__ = ["Asked"]
 
@@ -45,33 +42,28 @@ class Asked:
                 if self._ros == 1 and node.language == "cpp" and not parameter.name.startswith(("/", "~")):
                     self._by_handle.setdefault(self._place.resolve(f"~/{parameter.name}"), (parameter, owner))
 
-    def add_plugin(self, plugin: Loaded, settings: Settings) -> None:
+    def add_plugin(self, plugin: Loaded) -> None:
         """Add what a loaded plugin asks for."""
         if plugin.found is None:
             return
         owner, node = plugin.found
         place = plugin.place(self._place)
-        ids = ids_of(plugin.framework, settings, place)
         for parameter in _read_first(node):
             name = parameter.name
-            if name is None:
-                continue
-            if self._ros != 1 or plugin.framework.each is None or name.startswith(("/", "~")):
-                for known in self._of_loaded(name, plugin) if self._ros != 1 else [self._absolute(name, place)]:
+            if name is not None and self._ros != 1:
+                for known in self._of_loaded(name, plugin):
                     self._add(known, parameter, owner)
-                continue
-            for identifier in ids:
-                below = plugin.framework.below.replace("{id}", identifier)
-                self._add(self._absolute(f"~/{below}/{name}", place), parameter, owner)
+            elif name is not None:
+                spelled = plugin.spelled(name)
+                known = self._absolute(name, place) if spelled is None else self._absolute(spelled, self._place)
+                self._add(known, parameter, owner)
 
     def _of_loaded(self, name: str, plugin: Loaded) -> Iterator[str]:
         """Yield the absolute names that a parameter of a plugin may have in ROS 2: of its own, or of the node."""
         full, own = self._place.full, name.removeprefix("~/").replace("/", ".")
-        if plugin.framework.each is not None or not own.startswith("{}."):
-            yield f"{full}/{plugin.id}.{own}"
-        if own.startswith("{}."):
-            yield f"{full}/{plugin.id}{own.removeprefix('{}')}"
-        elif not name.startswith("~/"):
+        below = below_id(own)
+        yield f"{full}/{plugin.id}.{own if below is None else below}"
+        if below is None and not name.startswith("~/"):
             yield f"{full}/{own}"
 
     def _absolute(self, name: str, place: Place) -> str:
@@ -80,7 +72,7 @@ class Asked:
         return f"{self._place.full}/{name.removeprefix('~/').lstrip('/')}"
 
     def _add(self, name: str, parameter: Parameter, owner: NodeReference) -> None:
-        (self._patterns if "{}" in name else self._exact).setdefault(name, (parameter, owner))
+        (self._patterns if is_partial(name) else self._exact).setdefault(name, (parameter, owner))
 
     def add_of_framework(self, names: Iterable[str], node: NodeType, owner: NodeReference, origin: str) -> None:
         """Add parameters, named relative to the node, that a framework asks for in the name of the node."""
@@ -112,14 +104,8 @@ class Asked:
             above = above.rpartition(separator)[0]
             if above in self._exact and len(above) > len(self._place.full):
                 return self._exact[above]
-        return next((owned for known, owned in self._patterns.items() if _pattern(known).fullmatch(name)), None)
+        return next((owned for known, owned in self._patterns.items() if fits(known, name, ".+")), None)
 
 
 def _read_first(node: NodeType) -> list[Parameter]:
     return sorted(node.parameters, key=lambda parameter: parameter.access is Access.WRITE)
-
-
-@lru_cache(maxsize=8192)
-def _pattern(name: str) -> re.Pattern[str]:
-    """Return what a name with unknown parts fits; an unknown part may have segments of its own."""
-    return re.compile(".+".join(re.escape(part) for part in normalise(name).split("{}")))

@@ -6,10 +6,11 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import InstanceInterface, Resolution
+from kg.holes import ANONYMOUS, hole_of, is_known, is_partial, partition
 from kg.names import join
-from kg.wiring.called import handed
 from kg.wiring.families import meant, members
 from kg.wiring.naming import Named, named
+from kg.wiring.plugins import below_id
 from kg.wiring.values import parsed, shown
 
 if TYPE_CHECKING:
@@ -21,10 +22,9 @@ if TYPE_CHECKING:
     from kg.wiring.plugins import Framework, Loaded
     from kg.wiring.qos import Overrides
     from kg.wiring.remapping import Remapping
-    from kg.wiring.types import Typed
     from kg.wiring.values import Settings
 
-__all__ = ["Ends", "ids_of"]
+__all__ = ["Ends"]
 
 _CAMERA_INFO: Final = "camera_info"
 _OF_NODES: Final = ("ros1.node", "ros2.node")
@@ -39,6 +39,7 @@ class Ends:
     settings: Settings
     remapping: Remapping
     overrides: Overrides
+    ros: int
     spelling: Spelling | None = None
     """How names change in a node that is made under another name than its type gives itself."""
     defaults: Mapping[str, str | None] = field(default_factory=dict)
@@ -95,47 +96,47 @@ class Ends:
                 continue
             if self.spelling is not None and declared.name in self.spelling.row.outside:
                 continue
-            if framework.each is not None and declared.name is None and _of_element(declared.parameter, node):
-                yield from self._for_each(declared, plugin.found, framework, place)
+            element = plugin.of_element(declared.parameter) if declared.name is None else None
+            if framework.each is not None and element is not None:
+                yield from self._for_each(declared, element, plugin, place)
                 continue
-            own = self.place if declared.name in framework.shared else place
-            parameter = _below_id(declared.parameter, node)
-            name = self._named(declared, node, parameter, place)
-            if name.parameter is None and node.ros != 1 and "{}" in (name.name or "{}"):
+            spelled = plugin.handed(declared)
+            own = self.place if declared.name in framework.shared or spelled.name != declared.name else place
+            outside = spelled.parameter != declared.parameter  # the parameter is one of the node
+            parameter = spelled.parameter if outside else _below_id(declared.parameter, node)
+            name = self._named(spelled, node, parameter, self.place if outside else place)
+            if name.parameter is None and node.ros != 1 and not is_known(name.name):
                 name = self._by_default(declared, parameter) or name
-            given = framework.handed.get(handed(declared.reason) or "") if name.name is None else None
-            if given is not None:
-                name = Named(given.replace("{id}", plugin.id), Resolution.CONSTANT)
             yield self._placed(declared, owner, name, own)
 
     def _by_default(self, declared: Interface, parameter: str | None) -> Named | None:
         """Return the name that a parameter of the node gives to an interface of a plugin where nothing sets it."""
         value = shown(self.defaults.get(parameter or ""))
-        if not value or value.startswith("{}"):
+        if not value:
             return None
-        return Named((declared.name or "{}").replace("{}", value), Resolution.PARAMETER_DEFAULT)
+        before, _, after = partition(declared.name or ANONYMOUS, hole_of(declared.parameter or ""))
+        return Named(before + value + after, Resolution.PARAMETER_DEFAULT)
 
-    def _for_each(
-        self, declared: Interface, typed: Typed, framework: Framework, place: Place
-    ) -> Iterator[InstanceInterface]:
-        owner, node = typed
-        for identifier in ids_of(framework, self.settings, place):
+    def _for_each(self, declared: Interface, element: str, plugin: Loaded, place: Place) -> Iterator[InstanceInterface]:
+        if plugin.found is None:
+            return
+        (owner, node), framework = plugin.found, plugin.framework
+        for identifier in _ids_of(framework, self.settings, place):
             below = join("~", framework.below.replace("{id}", identifier))
             if framework.chosen is not None and declared.type is not None:
                 setting = self.settings.get(f"{below}/{framework.chosen}", place)
                 chosen = shown(setting.value) if setting is not None else framework.otherwise
                 if chosen is not None and declared.type.rpartition("/")[2] != chosen:
                     continue
-            asked = (declared.parameter or "").removeprefix("{}." if node.ros != 1 else "")
-            name = self._named(declared, node, f"{below}/{asked}", place)
+            name = self._named(declared, node, f"{below}/{element}", place)
             if name.parameter is None:
                 name = Named(identifier, Resolution.PARAMETER_DEFAULT)
-            elif name.resolution is Resolution.PARTIAL and name.name is not None and "{}" not in name.name:
+            elif name.resolution is Resolution.PARTIAL and is_known(name.name):
                 name = Named(name.name, Resolution.LAUNCH_ARGUMENT, name.parameter)
             yield self._placed(declared, owner, name, place)
 
     def _named(self, declared: Interface, node: NodeType, parameter: str | None, place: Place) -> Named:
-        if parameter is None or "{}" in parameter:
+        if parameter is None or is_partial(parameter):
             return Named(declared.name, declared.resolution, None, declared.reason)
         return named(declared, node, self.settings.get(parameter, place))
 
@@ -147,11 +148,13 @@ class Ends:
             return InstanceInterface(
                 declared, owner, None, Resolution.UNRESOLVED, None, name.parameter, declared.qos, reason
             )
-        resolved, remap = place.resolve(name.name), None
-        if "{}" not in resolved:
+        resolved, remap = place.expand(name.name, self.ros), None
+        if not is_partial(resolved):
             above = place.resolve(handle) if handle is not None and name.parameter is None else None
             resolved, remap = self.remapping.apply(resolved, declared.role, above)
-        partial = "{}" in resolved
+        partial = is_partial(resolved)
+        if is_partial(name.name) and not partial:  # the name and namespace of the node were all that was open
+            name = replace(name, resolution=Resolution.CONSTANT, reason=None)
         return InstanceInterface(
             declared=declared,
             owner=owner,
@@ -167,7 +170,7 @@ class Ends:
 def _made_beside(declared: Interface, base: InstanceInterface) -> bool:
     """Tell whether a library makes the name of an end of that of another at the same line of code."""
     above, name = base.declared.name, declared.name or ""
-    if above is None or base.resolved is None or "{}" in base.resolved:
+    if above is None or not is_known(base.resolved):
         return False
     if name.startswith(f"{above}/"):
         return declared.implicit
@@ -175,7 +178,7 @@ def _made_beside(declared: Interface, base: InstanceInterface) -> bool:
     return name == info and declared.type == "sensor_msgs/CameraInfo" and base.declared.type != declared.type
 
 
-def ids_of(framework: Framework, settings: Settings, place: Place) -> list[str]:
+def _ids_of(framework: Framework, settings: Settings, place: Place) -> list[str]:
     """Return the ids that the list parameter of a plugin names (`observation_sources`)."""
     setting = settings.get(f"~/{framework.each}", place) if framework.each else None
     value = parsed(setting.value) if setting is not None else None
@@ -186,16 +189,8 @@ def ids_of(framework: Framework, settings: Settings, place: Place) -> list[str]:
 
 def _below_id(parameter: str | None, node: NodeType) -> str | None:
     """Return the parameter of a plugin whose name begins with the id under which it is loaded, as one of its own."""
-    if parameter is None or node.ros == 1 or not parameter.startswith("{}."):
-        return parameter
-    return f"~/{parameter.removeprefix('{}.')}"
-
-
-def _of_element(parameter: str | None, node: NodeType) -> bool:
-    """Tell whether a parameter of a plugin is one of each element of its list (`topic`, in ROS 2 `{}.topic`)."""
-    if parameter is None or parameter.startswith(("/", "~")):
-        return False
-    return node.ros == 1 or parameter.startswith("{}.")
+    own = below_id(parameter) if node.ros != 1 else None
+    return parameter if own is None else f"~/{own}"
 
 
 def _handle(declared: Interface, node: NodeType) -> str | None:

@@ -11,10 +11,10 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import replace
-from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import LaunchParameter
+from kg.holes import anonymous, is_known, is_partial, known_letters, partition, pattern
 from kg.wiring.values import ARGUMENT, COMMAND_LINE, OPTION, is_text, parsed
 
 if TYPE_CHECKING:
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
 __all__ = ["meant", "members"]
 
-_HOLE: Final = "{}"
 _EACH: Final = "[]"
 _KEY: Final = "[key]"
 _STEP: Final = re.compile(r"\[(?:key)?\]|\.[^.\[\]]+")
@@ -45,16 +44,17 @@ def members(
     parameter = declared.parameter
     if parameter is None:
         return ((None, None),)
-    if "[" in parameter and not parameter.startswith(COMMAND_LINE):
-        return list(_elements(parameter, declared, settings, place)) if _HOLE not in parameter else ((None, None),)
-    if _HOLE not in parameter:
+    open_name = is_partial(parameter)
+    if "[" in anonymous(parameter) and not parameter.startswith(COMMAND_LINE):
+        return ((None, None),) if open_name else list(_elements(parameter, declared, settings, place))
+    if not open_name:
         found = settings.get(parameter, place)
         return ((found, found),)
     asked = {one.name for one in node.parameters if one.name is not None and one.name != parameter}
     own_text = settings.absolute(parameter, place)
     texts = (settings.absolute(name, place) for name in asked)
-    closer = [pattern_of(text) for text in texts if _told(text) > _told(own_text)]
-    own = pattern_of(own_text)
+    closer = [pattern(text) for text in texts if known_letters(text) > known_letters(own_text)]
+    own = pattern(own_text)
     fitting = [
         (name, given)
         for name, given in settings.fitting(own, place)
@@ -76,7 +76,7 @@ def _elements(
     whole = settings.tree(base, place)
     for text, holder in _walk(whole, _STEP.findall(parameter[len(base) :]), None):
         if holder is None:
-            if text is None and declared.name is not None and _HOLE not in declared.name:
+            if text is None and is_known(declared.name):
                 yield None, None
         else:
             yield replace(holder, value=None if text is None else json.dumps(text)), holder
@@ -165,27 +165,17 @@ def _by_options(interfaces: list[Interface], settings: Settings) -> list[Interfa
     forms = {(_end(one), one.name) for one in interfaces if id(one) in of_option}
 
     def excluded(one: Interface) -> bool:
-        word, name, slashed = of_option.get(id(one)), one.name or "", f"{_HOLE}/"
         if id(one) not in of_option:
             return _end(one) in given
+        word = of_option[id(one)]
         if word is None:
             return _end(one) in without
-        if slashed in name:
-            return word.endswith("/") and (_end(one), name.replace(slashed, _HOLE, 1)) in forms
-        return not word.endswith("/") and _HOLE in name and (_end(one), name.replace(_HOLE, slashed, 1)) in forms
+        before, hole, after = partition(one.name or "")
+        slashed = after.startswith("/")
+        other = before + hole + (after[1:] if slashed else f"/{after}")
+        return bool(hole) and slashed is word.endswith("/") and (_end(one), other) in forms
 
     return [one for one in interfaces if not excluded(one)]
-
-
-@lru_cache(maxsize=4096)
-def pattern_of(name: str) -> re.Pattern[str]:
-    """Return what fits a name with holes, each of which is within one segment."""
-    return re.compile(r"[^/.]+".join(re.escape(part) for part in name.split(_HOLE)))
-
-
-def _told(name: str) -> int:
-    """Return how many letters of a name are known."""
-    return len(name.replace(_HOLE, ""))
 
 
 def _line(one: Interface) -> tuple[object, ...]:

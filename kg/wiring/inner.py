@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cache
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 from kg.facts import StartedNode, StartKind
+from kg.holes import ANONYMOUS, anonymous, filled, is_partial
 from kg.names import is_for_node, normalise
 from kg.wiring.table import rows
 
@@ -22,8 +23,6 @@ if TYPE_CHECKING:
     from kg.wiring.types import Typed
 
 __all__ = ["Inner", "Spelling", "addressed", "filled_defaults", "inner_nodes", "started_inner", "without_inner"]
-
-_HOLE: Final = "{}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,11 +65,10 @@ class Spelling:
         for pattern in self.row.named:
             if declared.name == pattern.replace("{name}", self.own):
                 return (pattern.replace("{name}", self.name),)
-            if declared.name == pattern.replace("{name}", _HOLE):
+            if declared.name is not None and anonymous(declared.name) == pattern.replace("{name}", ANONYMOUS):
                 return ()
-        if not self.row.each or _HOLE not in (declared.name or _HOLE):
-            return None
-        return tuple((declared.name or _HOLE).replace(_HOLE, one) for one in self.ids)
+        pattern = declared.name or ANONYMOUS
+        return tuple(filled(pattern, one) for one in self.ids) if self.row.each and is_partial(pattern) else None
 
 
 def inner_nodes(typed: Typed | None) -> tuple[Inner, ...]:

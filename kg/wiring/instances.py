@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import Access, InstanceRemap, MissingType, NodeInstance, Resolution, StartKind
+from kg.holes import ANONYMOUS, is_known, is_partial
 from kg.wiring.asked import Asked
-from kg.wiring.called import called
 from kg.wiring.ends import Ends
 from kg.wiring.inner import Spelling, addressed, filled_defaults, inner_nodes, without_inner
 from kg.wiring.place import Place, place_of
@@ -131,7 +131,7 @@ def _defaults(node: NodeType) -> dict[str, str | None]:
         name.removeprefix("~/"): parameter.default
         for parameter in node.parameters
         if (name := parameter.name) is not None and parameter.default is not None
-        if parameter.access is not Access.WRITE and "{}" not in name and (node.ros != 1 or name.startswith("~/"))
+        if parameter.access is not Access.WRITE and not is_partial(name) and (node.ros != 1 or name.startswith("~/"))
     }
 
 
@@ -141,7 +141,7 @@ def finished(draft: Draft, server: Server | None, host: Draft | None) -> NodeIns
     remapping = Remapping((*draft.rules, *above), draft.ros)
     settings = Settings(server if draft.ros == 1 else None, draft.started, remapping)
     overrides = Overrides(settings.own)
-    ends = Ends(draft.place, settings, remapping, overrides, _spelling(draft), draft.defaults)
+    ends = Ends(draft.place, settings, remapping, overrides, draft.ros, _spelling(draft), draft.defaults)
     interfaces = _interfaces(draft, ends)
     asked = Asked(draft.place, draft.ros, remapping)
     if draft.typed is not None:
@@ -150,7 +150,7 @@ def finished(draft: Draft, server: Server | None, host: Draft | None) -> NodeIns
         asked.add_of_framework((plugin.parameter for plugin in draft.plugins), node, owner, "plugins")
         asked.add_of_framework(overrides.names, node, owner, "qos_overrides")
     for plugin in draft.plugins:
-        asked.add_plugin(plugin, settings)
+        asked.add_plugin(plugin)
     parameters = tuple(one for one in asked.settled(draft.set_here) if one.declared or one.set not in draft.for_many)
     draft.used |= remapping.used
     if host is not None:
@@ -195,7 +195,7 @@ def _interfaces(draft: Draft, ends: Ends) -> tuple[InstanceInterface, ...]:
         found += own_ends(draft.started, draft.place, ends.remapping, draft.ros, draft.repository)
     for simulated in draft.simulated:
         found += simulated.ends(draft.place, ends.remapping)
-    return tuple(called(dict.fromkeys(found)))
+    return tuple(dict.fromkeys(found))
 
 
 def _remaps(draft: Draft, interfaces: Sequence[InstanceInterface]) -> tuple[InstanceRemap, ...]:
@@ -234,14 +234,12 @@ def _complete(draft: Draft, interfaces: Iterable[InstanceInterface]) -> bool:
         return False
     if all(end.declared.implicit for end in interfaces):
         return False  # a node that talks to nobody: more likely nothing of it was found
-    if any(given.name == "{}" or _names_plugins(name, given) for name, given in draft.set_here):
+    if any(given.name == ANONYMOUS or _names_plugins(name, given) for name, given in draft.set_here):
         return False
-    return all(
-        end.resolved is not None and "{}" not in end.resolved and end.resolution is not Resolution.PARTIAL
-        for end in interfaces
-    )
+    return all(is_known(end.resolved) and end.resolution is not Resolution.PARTIAL for end in interfaces)
 
 
 def _names_plugins(name: str, given: LaunchParameter) -> bool:
     """Tell whether a parameter says what is loaded, in a way that is not known."""
-    return _PLUGIN_PARAMETER.fullmatch(name) is not None and (given.value is None or "{}" in str(parsed(given.value)))
+    known = given.value is not None and not is_partial(str(parsed(given.value)))
+    return _PLUGIN_PARAMETER.fullmatch(name) is not None and not known

@@ -1,7 +1,8 @@
 """Names of interfaces whose text comes from a parameter: which part of it the parameter is, and what becomes of that.
 
 A fact has the name with the parameter's default in it (`~/front/scan`, of the parameter `~/topic` with the default
-`scan`), or a `{}` where it has none. Where the default stands in the name tells which part is the parameter's.
+`scan`), or a hole with its label where it has none. Where the default stands in the name tells which part is the
+parameter's.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import Resolution
+from kg.holes import hole_of, is_partial, partition
 from kg.names import join, normalise
 from kg.wiring.values import shown
 
@@ -21,7 +23,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Named", "named"]
 
-_HOLE: Final = "{}"
 _MEMBER: Final = re.compile(r"\[(['\"])\w+\1\]|\.get\([^()]*\)")
 _HANDLE_UNKNOWN: Final = "the namespace of the node handle is not known"
 
@@ -50,14 +51,14 @@ def named(declared: Interface, node: NodeType, setting: LaunchParameter | None) 
     value = shown(setting.value)
     if value is None:
         unknown = setting.reason or f"the value of the parameter {setting.name} is not known before run time"
-        return Named(_put(before, _HOLE, after), Resolution.PARTIAL, setting, unknown)
+        return Named(_put(before, hole_of(declared.parameter or ""), after), Resolution.PARTIAL, setting, unknown)
     if not value.strip() and not (before + after).strip("/~"):
         empty = f"the parameter {setting.name} is empty"
         return Named(None, Resolution.UNRESOLVED, setting, empty)
     name = _put(before, value.strip(), after)
     if name.startswith("/") and _in_own_namespace(declared, node):
         name = name.lstrip("/")
-    if _HOLE in name:
+    if is_partial(name):
         return Named(name, Resolution.PARTIAL, setting, setting.reason or declared.reason)
     if not sure and not name.startswith(("/", "~")):
         return Named(name, Resolution.PARTIAL, setting, _HANDLE_UNKNOWN)
@@ -76,8 +77,9 @@ def _around(declared: Interface, defaults: Iterable[str]) -> tuple[str, str, boo
     name = declared.name
     if name is None:
         return "", "", not (declared.written or "").strip() or _plain(declared.written)
-    if _HOLE in name and (declared.parameter or "") in (declared.reason or ""):
-        before, _, after = name.partition(_HOLE)
+    own = hole_of(declared.parameter or "")
+    before, hole, after = partition(name, own)
+    if hole and (hole == own or (declared.parameter or "") in (declared.reason or "")):
         return before, after, True
     texts = sorted({normalise(text) for text in defaults if text}, key=len, reverse=True)
     for text in texts:

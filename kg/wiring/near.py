@@ -6,6 +6,7 @@ from collections import defaultdict
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import Role
+from kg.holes import is_known
 from kg.names import FRAMEWORK
 from kg.wiring.elsewhere import elsewhere, first_namespace
 from kg.wiring.related import Related
@@ -98,7 +99,7 @@ def near_misses(instances: Iterable[NodeInstance], ros: int) -> tuple[tuple[str,
     kinds: defaultdict[str, _Channels] = defaultdict(_Channels)
     for instance in instances:
         for end in instance.interfaces:
-            if end.resolved is not None and "{}" not in end.resolved and end.resolved not in FRAMEWORK:
+            if is_known(end.resolved) and end.resolved not in FRAMEWORK:
                 _enter(kinds, end, end.resolved, ros)
     met = {first_namespace(name) for channels in kinds.values() for name in channels.met()}
     found = {(kind, *pair) for kind, channels in kinds.items() for pair in channels.pairs()}

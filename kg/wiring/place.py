@@ -1,6 +1,6 @@
 """Where an instance stands: its own name and namespace, against which names that it uses are resolved.
 
-Sources: wiki.ros.org/Names, and `rcl_expand_topic_name` of ROS 2. Parts that are not known stay `{}`.
+Sources: wiki.ros.org/Names, and `rcl_expand_topic_name` of ROS 2. Parts that are not known stay holes.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
+from kg.holes import ANONYMOUS, substitute
 from kg.names import join, normalise
 from kg.wiring.types import own_name
 
@@ -39,12 +40,13 @@ class Place:
         """Return the absolute name of a relative, private or absolute one."""
         return _resolved(name, self.namespace, self.private or self.full)
 
-    def expand(self, name: str) -> str:
-        """Return what `resolve` does of a name with the substitutions of ROS 2: `{node}`, `{ns}`, `{namespace}`."""
-        if "{" in name:
-            name = name.replace("{node}", self.name)
-            name = name.replace("{ns}", self.namespace).replace("{namespace}", self.namespace)
-        return self.resolve(name)
+    def expand(self, name: str, ros: int) -> str:
+        """Return what `resolve` does of a name in which `{node}`, `{ns}` and `{namespace}` are those of the node.
+
+        In ROS 1 the name of a node is its absolute one.
+        """
+        own = {"node": self.full if ros == 1 else self.name, "ns": self.namespace, "namespace": self.namespace}
+        return self.resolve(substitute(name, own.get))
 
 
 @lru_cache(maxsize=65_536)
@@ -71,9 +73,9 @@ def place_of(started: StartedNode, node: NodeType | None) -> Place:
     if namespace == "/" and "__ns" in rules:
         namespace = normalise(f"/{rules['__ns']}")
     inner, _, last = normalise(name).strip("~/").rpartition("/")
-    return Place(normalise(f"{namespace}/{inner}"), last or "{}")
+    return Place(normalise(f"{namespace}/{inner}"), last or ANONYMOUS)
 
 
 def _program(started: StartedNode) -> str:
-    program = (started.executable or started.plugin or "{}").replace("::", "/").rpartition("/")[2]
-    return program.removesuffix(".py") or "{}"
+    program = (started.executable or started.plugin or ANONYMOUS).replace("::", "/").rpartition("/")[2]
+    return program.removesuffix(".py") or ANONYMOUS

@@ -6,11 +6,12 @@ The table is `ontology/plugins.toml`; its head explains it.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import TYPE_CHECKING, Any, Final
 
-from kg.facts import NodeKind
+from kg.facts import NodeKind, Resolution
+from kg.holes import Hole, hole_of, is_partial, parse, partition, substitute
 from kg.names import normalise
 from kg.wiring.place import Place
 from kg.wiring.table import rows
@@ -20,9 +21,10 @@ from kg.wiring.values import parsed
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
+    from kg.facts import Interface
     from kg.wiring.types import NodeTypes, Typed
 
-__all__ = ["Framework", "Loaded", "framework_of", "loaded_plugins", "table"]
+__all__ = ["Framework", "Loaded", "below_id", "framework_of", "loaded_plugins", "table"]
 
 _CLASS: Final = re.compile(r"[A-Za-z]\w*(?:(?:::|/)[A-Za-z]\w*)+")
 _CLASS_KEYS: Final = ("type", "plugin")
@@ -72,8 +74,39 @@ class Loaded:
         namespace = node.resolve(self._filled(relative)) if relative is not None else node.namespace
         return Place(namespace, node.name, private)
 
+    def handed(self, declared: Interface) -> Interface:
+        """Return an interface with the arguments that the node hands to the plugin in its name and parameter.
+
+        If they differ, they are relative to the node: the code puts the id in front, and not the framework.
+        """
+        written = hole_of(declared.written or "") if declared.parameter is None else ""
+        name, parameter = self.spelled(declared.name or written), self.spelled(declared.parameter or "")
+        if name is None:
+            return replace(declared, parameter=parameter or declared.parameter)
+        resolution = Resolution.PARTIAL if is_partial(name) else Resolution.CONSTANT
+        return replace(declared, name=name, parameter=parameter or declared.parameter, resolution=resolution)
+
+    def of_element(self, parameter: str | None) -> str | None:
+        """Return what a parameter is called below an element of the plugin's list (`topic`); None for others."""
+        match parse(self.spelled(parameter or "") or parameter or ""):
+            case (_, *_, Hole(), str(rest)) if rest.startswith(("/", ".")):
+                return rest[1:]
+        return None
+
+    def spelled(self, name: str) -> str | None:
+        """Return a name with values for the arguments that the node hands to the plugin; None if it has none."""
+        given = self.framework.handed
+        found = substitute(name, lambda label: self._filled(given[label]) if label in given else None)
+        return found if found != name else None
+
     def _filled(self, pattern: str) -> str:
         return normalise(pattern.replace("{scope}", self.scope).replace("{id}", self.id))
+
+
+def below_id(parameter: str | None) -> str | None:
+    """Return the rest of a parameter whose name begins with the id of its plugin (`{name}.topic`, ROS 2); else None."""
+    before, hole, after = partition(parameter or "")
+    return after[1:] if hole and not before and after.startswith(".") else None
 
 
 def framework_of(base: str | None, ros: int) -> Framework:

@@ -11,6 +11,7 @@ from collections import defaultdict
 from itertools import combinations
 from typing import TYPE_CHECKING, Final
 
+from kg.holes import is_partial
 from kg.wiring.similar import Words, words_of
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ class Related:
         self._whole: defaultdict[Words, list[str]] = defaultdict(list)
         self._parts: defaultdict[Words, list[str]] = defaultdict(list)
         self._ordered: defaultdict[tuple[str, ...], list[str]] = defaultdict(list)
-        for name in sorted({name for name in names if "{}" not in name}):
+        for name in sorted({name for name in names if not is_partial(name)}):
             words = words_of(name)
             self._whole[words].append(name)
             self._ordered[_ordered(words)].append(name)
@@ -38,7 +39,7 @@ class Related:
 
     def find(self, name: str) -> list[str]:
         """Return the names that have more to them than `name`, or less, or the same in another order, sorted."""
-        if "{}" in name:
+        if is_partial(name):
             return []
         words = words_of(name)
         found = {*self._ordered.get(_ordered(words), ())} - {*self._whole.get(words, ())}
@@ -50,7 +51,7 @@ class Related:
 
 def related(one: str, other: str) -> bool:
     """Tell whether one of two names has words or a namespace that the other lacks, or the same in another order."""
-    if "{}" in one or "{}" in other:
+    if is_partial(one) or is_partial(other):
         return False
     words, others = words_of(one), words_of(other)
     if others in _parts(words) or words in _parts(others):

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import Role
+from kg.holes import is_partial
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -71,7 +72,7 @@ def _rule(remap: Remap, place: Place, ros: int) -> Rule | None:
     target = remap.target
     for known in _SCHEMES:
         target = target.removeprefix(known)
-    return Rule(place.expand(written), place.expand(target), remap, only)
+    return Rule(place.expand(written, ros), place.expand(target, ros), remap, only)
 
 
 class Remapping:
@@ -82,7 +83,7 @@ class Remapping:
         self._rules: dict[tuple[str, str], Rule] = {}
         self.used: set[Remap] = set()
         for rule in rules:
-            if "{}" not in rule.source:
+            if not is_partial(rule.source):
                 for kind in ("topic", "service") if rule.only is None else (rule.only,):
                     self._rules.setdefault((kind, rule.source), rule)
 

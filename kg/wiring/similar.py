@@ -12,6 +12,8 @@ from collections import defaultdict
 from functools import lru_cache
 from typing import TYPE_CHECKING, Final, TypeAlias
 
+from kg.holes import is_partial
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
@@ -33,7 +35,7 @@ _COMMON: Final = 64
 
 def alike(one: str, other: str) -> bool:
     """Tell whether two different names are likely meant to be the same; holds in both directions, never of itself."""
-    if one == other or "{}" in one or "{}" in other:
+    if one == other or is_partial(one) or is_partial(other):
         return False
     if _form(one) == _form(other):
         return True
@@ -49,7 +51,7 @@ def alike_when_short(one: str, other: str) -> bool:
     So many short words are one letter apart that this says little, unless one of the names is known to be wrong.
     """
     words, others = words_of(one), words_of(other)
-    if "{}" in one or "{}" in other or len(words) != len(others):
+    if is_partial(one) or is_partial(other) or len(words) != len(others):
         return False
     pairs = [(a, b) for a, b in zip(words, others, strict=True) if a != b]
     if len(pairs) != 1 or len(pairs[0][0]) != len(pairs[0][1]) or not one[-1:].isalpha():
@@ -65,7 +67,7 @@ class Alike:
     """Names among which alike ones are looked for: few one by one, many by what alike names have in common."""
 
     def __init__(self, names: Iterable[str]) -> None:
-        self._all = sorted({name for name in names if "{}" not in name})
+        self._all = sorted({name for name in names if not is_partial(name)})
         self._index: defaultdict[object, list[str]] | None = None
 
     def find(self, name: str) -> list[str]:

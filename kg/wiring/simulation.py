@@ -12,6 +12,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import InstanceInterface, Interface, NodeReference, Remap, Resolution
+from kg.holes import ANONYMOUS, is_partial
 from kg.names import join, normalise
 from kg.wiring.place import Place
 from kg.wiring.remapping import Remapping, rules_of
@@ -64,7 +65,7 @@ class Simulated:
     def _own_node(self) -> tuple[Place, Remapping]:
         """Return the place of the plugin's own node, and its rules (ROS 2); the simulator itself stands at the root."""
         namespace = self._values().get("ros/namespace") or self.namespace
-        place = Place(normalise(f"/{namespace}"), self.plugin.name or "{}")
+        place = Place(normalise(f"/{namespace}"), self.plugin.name or ANONYMOUS)
         remaps = []
         for one in self.plugin.values:
             source, mark, target = one.text.partition(":=")
@@ -97,9 +98,9 @@ class Simulated:
         full = join(below, name)
         handle = (place.resolve(below) if below else place.namespace) if self.row.ros == 1 else None
         resolved, remap = place.resolve(full), None
-        if "{}" not in resolved:
+        if not is_partial(resolved):
             resolved, remap = remapping.apply(resolved, end.role, handle)
-        partial = "{}" in resolved
+        partial = is_partial(resolved)
         location, written = self._evidence(end)
         sure = Resolution.LITERAL if written is not None else Resolution.PARAMETER_DEFAULT
         reason = "a part of it is known only at run time" if partial else self._doubt()

@@ -8,6 +8,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import Role
+from kg.holes import is_partial
 from kg.resources import folder
 from kg.wiring.table import load_rows
 
@@ -52,7 +53,7 @@ class End:
         if self.element is None:
             return True
         text = values.get(self.element, "")
-        if "{}" in text:
+        if is_partial(text):
             return True
         holds = bool(text) if self.wanted is None else text.lower() == self.wanted.lower()
         return holds is not self.negated

@@ -6,6 +6,7 @@ from collections import defaultdict
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from kg.facts import MissingType, NodeKind
+from kg.holes import is_partial
 from kg.names import normalise
 from kg.wiring.similar import Alike
 
@@ -78,7 +79,7 @@ class NodeTypes:
         if started.plugin is not None:
             return self._class(started, repository)
         package, executable = started.package, started.executable
-        if not package or not executable or "{}" in package or "{}" in executable:
+        if not package or not executable or is_partial(package) or is_partial(executable):
             return None, MissingType.NOT_SAID, "which program is started is not known before run time"
         if package not in self.packages:
             return None, MissingType.UNKNOWN_PACKAGE, f"package {package} is not in the build"
@@ -93,7 +94,7 @@ class NodeTypes:
 
     def _class(self, started: StartedNode, repository: str) -> tuple[Typed | None, MissingType | None, str | None]:
         plugin = started.plugin or ""
-        if not plugin or "{}" in plugin:
+        if not plugin or is_partial(plugin):
             return None, MissingType.NOT_SAID, "which class is loaded is not known before run time"
         found = self.plugin(plugin, repository, started.package)
         if found is not None:

@@ -88,6 +88,24 @@ def test_an_interface_is_renamed_only_where_that_is_sure() -> None:
     assert {kind for _, kind, _, _ in told(code(one), code(other))} == {"new", "gone"}
 
 
+def test_another_label_of_an_unknown_part_is_no_change() -> None:
+    """A variable was renamed, and no topic or parameter; what else changed of them is told."""
+    names = "~/{name}/plan", "~/{planner}/plan"
+    one, other = (
+        code(interface(Role.PUBLISHES, name), parameters=(parameter(name, "1"), parameter("{a}.x", default)))
+        for name, default in zip(names, "12", strict=True)
+    )
+    assert told(one, other) == [("parameter", "default", "pkg/n", "{a}.x")]
+    before, after = (wired(instance("/a", end(Role.PUBLISHES, f"/a{name[1:]}"))) for name in names)
+    assert told(before, after) == []
+
+
+def test_names_with_holes_at_other_places_are_two_names() -> None:
+    """Only labels do not count."""
+    one, other = (interface(Role.PUBLISHES, name, kind) for name, kind in zip(("{a}/x", "x/{a}"), TYPES, strict=True))
+    assert {kind for _, kind, _, _ in told(code(one), code(other))} == {"new", "gone"}
+
+
 def test_types_and_quality_of_service_of_an_interface_are_compared() -> None:
     """Both sides say what it was and is."""
     one = interface(Role.PUBLISHES, "a", TYPES[0], Qos("reliable"))

@@ -11,7 +11,19 @@ from kg.extract.cpp.kinds import frame_of, inside, this_of
 from kg.symbolic import form
 from kg.symbolic.kinds import POINTERS
 from kg.symbolic.state import Arguments
-from kg.symbolic.values import Bound, Closure, Either, Kind, Object, Unknown, Value, alternatives, join
+from kg.symbolic.values import (
+    Bound,
+    Closure,
+    Either,
+    Kind,
+    Object,
+    Unknown,
+    Value,
+    alternatives,
+    join,
+    labelled,
+    outside,
+)
 
 if TYPE_CHECKING:
     from kg.extract.cpp.language import Cpp
@@ -112,7 +124,7 @@ class Calls:
             of = self._kinds.type_of(form.Name(expression.line, (names[0][9:-1],)), frame)
             if of is not None:
                 known = self._framework_function((*of.names, last), Arguments(values, of.arguments, expression, frame))
-                return known if known is not None else Unknown(f"{last}() is not in the sources that were read")
+                return known if known is not None else outside(last, values)
         given = Arguments(values, self._kinds.template(function.template, frame), expression, frame)
         this = this_of(frame)
         if local and isinstance(this, Object):
@@ -144,7 +156,7 @@ class Calls:
         if found:
             return self._on(this, found, given)
         known = self._framework_method(this, name, given)
-        return known if known is not None else Unknown(f"{name}() is not in the sources that were read")
+        return known if known is not None else outside(name, given.values)
 
     def _function(self, function: form.Name, given: Arguments, frame: Frame) -> Value:
         """Call a function that is not a method: of the sources, of a framework, of a library, or a construction."""
@@ -175,8 +187,8 @@ class Calls:
         language.escape(given.values)
         for prototype in self._linker.find_prototypes(names, frame.unit, frame.scope)[:1]:
             if prototype.returns is not None:
-                return language.unknown(prototype.returns, frame_of(prototype), last)
-        return Unknown(f"{last}() is not in the sources that were read")
+                return labelled(language.unknown(prototype.returns, frame_of(prototype), last), last, given.values)
+        return outside(last, given.values)
 
     # Methods
 
@@ -188,7 +200,7 @@ class Calls:
         if known is not None:
             return known
         self._language.escape(given.values)
-        return Unknown(of.reason if isinstance(of, Unknown) else f"{name}() is not in the sources that were read")
+        return outside(name, given.values, of.reason if isinstance(of, Unknown) else None)
 
     def _of_object(self, of: Object, name: str, given: Arguments) -> Value | None:
         """Call a method of an object; return None for methods unknown to the sources and the frameworks."""
@@ -206,12 +218,12 @@ class Calls:
         if fitting:
             language.escape(given.values)
             chosen, bound = self.overload(fitting, given.values)
-            return language.unknown(chosen.returns, frame_of(chosen, bound), name)
+            return labelled(language.unknown(chosen.returns, frame_of(chosen, bound), name), name, given.values)
         for cls, bound in self._kinds.chain(of.kind)[0]:
             declared = cls.declared.get(name)
             if declared:
                 language.escape(given.values)
-                return language.unknown(declared[0].returns, inside(cls, bound), name)
+                return labelled(language.unknown(declared[0].returns, inside(cls, bound), name), name, given.values)
         return None
 
     def _on(self, of: Object, found: list[Overload], given: Arguments) -> Value:

@@ -251,7 +251,7 @@ class Cpp:
         if given is not None:
             return given
         if found.name in library.TEXTS or found.name == "char":
-            return Text.hole(f"{name} comes from outside", name)
+            return Text.hole(f"{name} comes from outside")
         if found.cls is not None or (len(found.names) > 1 and found.names[0] != "std"):
             return Object(found, made=False)
         return Unknown(f"{name} comes from outside")

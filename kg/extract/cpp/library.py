@@ -10,15 +10,16 @@ from typing import TYPE_CHECKING, Final
 from kg.extract.cpp import tokens
 from kg.extract.cpp.tokens import STREAMS
 from kg.facts import Resolution
+from kg.holes import label_of
 from kg.symbolic import form
 from kg.symbolic.containers import COMMAND_LINE, element, elements, is_unset, with_element
+from kg.symbolic.names import NODE_NAME, OWN_NAMESPACE
 from kg.symbolic.state import Arguments
 from kg.symbolic.values import (
     Bound,
     Closure,
     Either,
     Guard,
-    Hole,
     Kind,
     Mapping,
     Number,
@@ -61,6 +62,7 @@ __all__ = [
 ]
 
 TEXTS: Final = frozenset({"string", "basic_string", "string_view", "path", "String", "QString"})
+_CUT: Final = "it is cut when the program runs"
 LISTS: Final = frozenset(
     {
         "V_string",
@@ -321,7 +323,8 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
     if name == "string" and not values:
         return Text.of("")
     if name in ("getenv", "secure_getenv"):
-        return Unknown("it comes from the environment")
+        variable = as_text(values[0]).known if values else None
+        return Unknown("it comes from the environment", label=label_of(variable or "") or None)
     if name in _PACKERS:
         return Sequence(tuple(values))
     if not values:
@@ -496,7 +499,7 @@ def _changed(of: Value, name: str, values: list[Value]) -> Value | None:
     if name == "pop_back" and isinstance(of, Sequence) and not of.open:
         return replace(of, items=of.items[:-1])
     if name in ("erase", "pop_back", "replace", "resize") and isinstance(of, Text):
-        return Text.hole("it is cut when the program runs", parameter=of.parameter)
+        return of if name == "erase" and _of_node(of) else Text.hole(_CUT, parameter=of.parameter)
     return None
 
 
@@ -534,10 +537,17 @@ def _empty(of: Value) -> Value:
     return Unknown("it is not known")
 
 
+def _of_node(text: Text) -> bool:
+    """Check whether a text begins with the name or namespace of the node, of which programs cut the first slash."""
+    return text.parts[0] in (NODE_NAME, OWN_NAMESPACE)
+
+
 def _slice(text: Text, bounds: list[Value]) -> Value:
     numbers = [int(bound.value) for bound in bounds if isinstance(bound, Number)]
+    if numbers == [1] and _of_node(text):
+        return text
     if text.known is None or len(numbers) != len(bounds) or not numbers:
-        return Text.hole("it is cut when the program runs", parameter=text.parameter)
+        return Text.hole(_CUT, parameter=text.parameter)
     end = numbers[0] + numbers[1] if len(numbers) > 1 else None
     return replace(text, parts=(text.known[numbers[0] : end],))
 
@@ -557,11 +567,7 @@ def formatted(pattern: Value, values: list[Value]) -> Value:
         if match.group() == "%%":
             pieces.append(Text.of("%"))
             continue
-        pieces.append(
-            values[index]
-            if index < len(values)
-            else Text((Hole(),), Resolution.PARTIAL, reason="a value is put in at run time")
-        )
+        pieces.append(values[index] if index < len(values) else Text.hole("a value is put in at run time"))
         index += 1
     pieces.append(Text.of(pattern.known[position:]))
     return concatenate(*pieces)

@@ -26,6 +26,7 @@ from kg.names import normalise
 from kg.symbolic.containers import COMMAND_LINE
 from kg.symbolic.effects import Framework
 from kg.symbolic.machine import Machine
+from kg.symbolic.names import NODE_NAME
 from kg.symbolic.state import Frame, Site
 from kg.symbolic.values import Bound, Kind, Mapping, Object, Text, Unknown, Value
 
@@ -279,7 +280,7 @@ class _Nodes:
             shown = kind.known if isinstance(kind, Text) else None
             home = self._reading(shown.partition("/")[0]) if shown is not None else None
             plugin = next((p for p in home.build.plugins if p.name == shown), None) if home is not None else None
-            own = isinstance(name, Text) and name.known == "~"
+            own = isinstance(name, Text) and name.parts == (NODE_NAME,)
             renamed = dict(_remappings(row[2])) if len(row) > 2 else {}  # noqa: PLR2004 - the third argument
             for extracted in home.plugin(plugin) if home is not None and plugin is not None else ():
                 kept = [i for i in extracted.node.interfaces if own or not (i.name or "").startswith("~")]

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
+from kg.holes import ANONYMOUS
+
 if TYPE_CHECKING:
     from tree_sitter import Node
 
@@ -76,7 +78,7 @@ class Values:
                 parts.append(_unescaped(text_of(child)))
             elif child.type == "interpolation" and child.named_children:
                 value = self.of(child.named_children[0])
-                parts.append(value.text if isinstance(value, Piece) else "{}")
+                parts.append(value.text if isinstance(value, Piece) else ANONYMOUS)
         return Piece("".join(parts), node.start_point[0] + 1)
 
     def _join(self, values: list[object], node: Node) -> Piece | None:

@@ -17,6 +17,7 @@ from kg.extract.parameters.generated import parse_generated, read_generated
 from kg.extract.parameters.reconfigure import read_configuration
 from kg.extract.python.syntax import argument_nodes, captures, code, parse
 from kg.facts import FileKind, Location, NodeKind, NodeType, Resolution
+from kg.holes import is_partial
 from kg.names import join
 
 if TYPE_CHECKING:
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
 __all__ = ["attach"]
 
 _LISTENER: Final = b"ParamListener"
-_HOLE: Final = "{}"
 _SERVER: Final = "dynamic_reconfigure.server"
 _ROS2: Final = 2
 
@@ -72,7 +72,7 @@ def _declared(reader: Reader, parameter: Parameter, libraries: dict[FilePath, tu
     written = max(keys, key=lambda key: len(key.name or ""), default=None)
     if written is None:
         return parameter
-    resolution = Resolution.PARTIAL if _HOLE in name else parameter.resolution
+    resolution = Resolution.PARTIAL if is_partial(name) else parameter.resolution
     return replace(written, name=name, location=place, resolution=resolution)
 
 

@@ -2,7 +2,7 @@
 
 The form is that of the tool's own documentation (PickNikRobotics/generate_parameter_library): one top key that names
 the C++ namespace, below it a tree whose leaves are mappings with a `type`. A key `__map_x` stands for one level of
-names that are the values of the parameter `x` at run time; it becomes the hole `{}` in the name.
+names that are the values of the parameter `x` at run time; it becomes the hole `{x}` in the name.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Final
 import yaml
 
 from kg.facts import Access, Location, Parameter, Resolution
+from kg.holes import escape, hole_of, is_partial
 from kg.yamltext import compose_yaml
 
 if TYPE_CHECKING:
@@ -31,7 +32,6 @@ _MOST_VISITS: Final = 50_000
 _MOST_CHARACTERS: Final = 4_000_000
 """Of all defaults of one file together, as written: aliases can repeat a long text, too."""
 _MAP: Final = "__map_"
-_HOLE: Final = "{}"
 _TEXT: Final = "tag:yaml.org,2002:str"
 _NOT_DECLARED: Final = "none"
 """The type of a parameter that the file only documents: the node reads it in another way."""
@@ -102,7 +102,7 @@ class _Walk:
         if depth > _MOST_DEPTH:
             raise _TooMuchError(f"the file is nested deeper than {_MOST_DEPTH} levels")
         for key, value in self._pairs(node):
-            name = _HOLE if key.value.startswith(_MAP) else key.value
+            name = hole_of(key.value.removeprefix(_MAP)) if key.value.startswith(_MAP) else escape(key.value)
             leaf = {inner.value: content for inner, content in self._pairs(value)}
             if isinstance(leaf.get("type"), yaml.ScalarNode):
                 yield self._parameter(".".join((*names, name)), leaf, key.start_mark.line + 1)
@@ -129,7 +129,8 @@ class _Walk:
             default=self._written(leaf["default_value"], 0) if "default_value" in leaf else None,
             access=Access.READ if documented_only else Access.DECLARE,
             location=Location(self._path, line),
-            resolution=Resolution.PARTIAL if _HOLE in name else Resolution.LITERAL,
+            resolution=Resolution.PARTIAL if is_partial(name) else Resolution.LITERAL,
+            reason="it has the values of another parameter in it" if is_partial(name) else None,
             description=description.value.strip() or None if isinstance(description, yaml.ScalarNode) else None,
         )
 

@@ -14,11 +14,11 @@ from typing import Any, Final
 import yaml
 
 from kg.extract.parameters.generated import parse_generated
+from kg.holes import Hole, parse
 
 __all__ = ["listener"]
 
 _TYPES: Final = {"bool": "bool", "int": "int64_t", "double": "double", "string": "std::string"}
-_HOLE: Final = "{}"
 _CLASS: Final = """class ParamListener { public: Params params_; Params get_params() { return params_; } \
 bool try_get_params(Params & params) { params = params_; return true; } \
 bool try_update_params(Params & params) { params = params_; return true; } \
@@ -36,7 +36,8 @@ def listener(content: bytes, path: str) -> bytes:
     lines = [""] * max((parameter.location.line for parameter in library.parameters), default=1)
     for parameter in library.parameters:
         name, kind = parameter.name or "", _cpp_type(parameter.type)
-        spelled = json.dumps(name).replace(_HOLE, '" + value_at_run_time + "')
+        pieces = (json.dumps(part) if isinstance(part, str) else _value(part) for part in parse(name))
+        spelled = " + ".join(pieces)
         if kind is None:
             lines[parameter.location.line - 1] += f"generate_parameter_library::document(node, {spelled}, prefix);"
             continue
@@ -53,6 +54,11 @@ def listener(content: bytes, path: str) -> bytes:
         lines[parameter.location.line - 1] += statement
     lines[0] = f"namespace {library.namespace} {{ struct Params {{ {_members(groups)} }}; {_CLASS}{lines[0]}"
     return "\n".join([*lines, "} }; }"]).encode()
+
+
+def _value(part: Hole) -> str:
+    """Return an expression that no source defines, with the label of an unknown part as its name."""
+    return f"value_at_run_time::{part.label}" if part.label.isidentifier() else "value_at_run_time"
 
 
 def _cpp_type(kind: str | None) -> str | None:

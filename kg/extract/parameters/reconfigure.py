@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.extract.python.syntax import argument_nodes, captures, code, first_error, parse
 from kg.facts import Access, Location, Parameter, Resolution
+from kg.holes import ANONYMOUS, hole_of, is_known, is_partial
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -29,7 +30,6 @@ _TYPES: Final = {"int_t": "int", "double_t": "double", "bool_t": "bool", "str_t"
 _ADD_ARGUMENTS: Final = ("name", "paramtype", "level", "description", "default")
 _GENERATE_ARGUMENTS: Final = ("pkgname", "nodename", "name")
 _CONVERSION: Final = re.compile(r"%[-#0 +]*\d*(?:\.\d+)?[a-zA-Z]|\{[^{}]*\}")
-_HOLE: Final = "{}"
 _MOST_NESTED_CALLS: Final = 3
 _MOST_DEPTH: Final = 40
 
@@ -136,8 +136,8 @@ def _added(module: _Module, call: Node) -> Iterator[Parameter]:
         default=_default(given.get("default")),
         access=Access.READ,
         location=module.location(call),
-        resolution=Resolution.PARTIAL if _HOLE in name else Resolution.LITERAL,
-        description=description if description and _HOLE not in description else None,
+        resolution=Resolution.PARTIAL if is_partial(name) else Resolution.LITERAL,
+        description=description if is_known(description) else None,
     )
 
 
@@ -166,7 +166,7 @@ def _arguments(call: Node, names: tuple[str, ...]) -> dict[str, Node]:
 
 
 def _text(module: _Module, node: Node | None, depth: int = 0) -> str | None:
-    """Return the string that an expression makes, with `{}` for what is not known; None where it makes none."""
+    """Return the string that an expression makes, with holes for what is not known; None where it makes none."""
     if node is None or depth > _MOST_DEPTH:
         return None
     if node.type == "string":
@@ -187,8 +187,14 @@ def _combined(module: _Module, node: Node, depth: int) -> str | None:
     right = _text(module, node.child_by_field_name("right"), depth + 1)
     operator = code(node.child_by_field_name("operator"))
     if operator == "+" and (left or right):
-        return f"{left or _HOLE}{right or _HOLE}"
-    return _CONVERSION.sub(_HOLE, left) if operator == "%" and left else None
+        return f"{left or _hole(node, 'left')}{right or _hole(node, 'right')}"
+    return _CONVERSION.sub(ANONYMOUS, left) if operator == "%" and left else None
+
+
+def _hole(node: Node, side: str) -> str:
+    """Return the hole of an operand that is not known, with the label of its variable."""
+    operand = node.child_by_field_name(side)
+    return hole_of(code(operand)) if operand is not None and operand.type == "identifier" else ANONYMOUS
 
 
 def _default(node: Node | None) -> str | None:

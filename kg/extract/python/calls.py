@@ -24,6 +24,7 @@ from kg.symbolic.values import (
     Value,
     alternatives,
     join,
+    outside,
 )
 
 if TYPE_CHECKING:
@@ -146,7 +147,9 @@ class Calls:
             if known is not None:
                 return known
         self._escape_all(given)
-        return Unknown(of.reason if isinstance(of, Unknown) else f"{name}() is not in the sources that were read")
+        if isinstance(of, Unknown):
+            return replace(of, parameter=None) if of.label else outside(name, given.values, of.reason)
+        return outside(name, given.values)
 
     # Outside of the sources
 
@@ -163,7 +166,7 @@ class Calls:
         if known is not None:
             return known
         self._escape_all(given)
-        return Unknown(f"{name}() is not in the sources that were read")
+        return outside(name, given.values)
 
     def _outside(self, called: TypeValue, given: Arguments) -> Value:
         """Call a function or construct a class that is not in the sources."""
@@ -185,7 +188,7 @@ class Calls:
         self._escape_all(given)
         if names[-1][:1].isupper():
             return Object(called.kind, fields=dict(given.named))
-        return Unknown(f"{names[-1]}() is not in the sources that were read")
+        return outside(names[-1], given.values)
 
     # Constructions
 

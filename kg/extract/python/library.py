@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.extract.python import texts
 from kg.facts import Resolution
+from kg.holes import Hole, label_of
 from kg.symbolic import containers
 from kg.symbolic.containers import COMMAND_LINE, is_unknown_parameter, is_unset, key_of, part_of, with_element
 from kg.symbolic.durations import INFINITE, duration
@@ -16,7 +17,6 @@ from kg.symbolic.state import Alias
 from kg.symbolic.values import (
     ABSENT,
     Closure,
-    Hole,
     Kind,
     Mapping,
     Number,
@@ -82,6 +82,8 @@ def element(of: Value, key: Value) -> Value:
     """Return the element of a container at a key."""
     if isinstance(of, Object):
         return Unknown("it is an element of an object")
+    if isinstance(of, TypeValue) and of.kind.names == ("os", "environ"):
+        return _from_environment(key)
     if isinstance(of, Sequence | Text) and isinstance(key, Number) and key.value < 0 and not is_unset(of):
         items = elements(of) if not isinstance(of, Text) or of.known is not None else []
         count = int(-key.value)
@@ -222,6 +224,17 @@ def _typed(kind: str) -> Callable[[list[Value], Arguments], Value]:
     return apply
 
 
+def _environment(values: list[Value], given: Arguments) -> Value:
+    """`os.environ.get("NAME", default)` and `os.getenv`: what the environment gives, or the default."""
+    default = values[1] if len(values) > 1 else given.named.get("default")
+    unknown = _from_environment(values[0] if values else _COMPUTED)
+    return join(unknown, default) if isinstance(default, Text) else unknown
+
+
+def _from_environment(name: Value) -> Value:
+    return Text.hole("it comes from the environment", name.known or "" if isinstance(name, Text) else "")
+
+
 def _command_line(values: list[Value], given: Arguments) -> Value:
     del values, given
     return COMMAND_LINE
@@ -243,6 +256,7 @@ _FUNCTIONS: Final[dict[str, Callable[[list[Value], Arguments], Value]]] = {
     "copy.deepcopy": _first,
     "ast.literal_eval": _truth,
     **dict.fromkeys(("os.path.join", "posixpath.join"), _join_path),
+    **dict.fromkeys(("os.environ.get", "os.getenv"), _environment),
     **{f"{package}.names.ns_join": _join_path for package in ("rosgraph", "roslib", "rospy")},
     "roslib.message.get_message_class": _typed("msg"),
     "roslib.message.get_service_class": _typed("srv"),
@@ -547,8 +561,8 @@ def _option(given: Arguments) -> tuple[Value, Value] | None:
     elif isinstance(default, Number | Sequence | Mapping):
         value = default
     elif given.named.get("action") is not None:
-        value = Unknown("it is given on the command line")
+        value = Unknown("it is given on the command line", label=label_of(name))
     else:
         shown = f"it is the option {parameter} of the command line" if parameter else "it is given on the command line"
-        value = Text((Hole(),), Resolution.LAUNCH_ARGUMENT, parameter, shown)
+        value = Text((Hole(label_of(parameter or name)),), Resolution.LAUNCH_ARGUMENT, parameter, shown)
     return Text.of(name), value

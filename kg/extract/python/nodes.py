@@ -17,11 +17,11 @@ from kg.extract.marks import Extracted
 from kg.extract.python.language import Python
 from kg.extract.python.modules import Modules, mentions_ros
 from kg.extract.slots import slots_of
-from kg.facts import FileKind, Location, NodeKind, NodeType, Resolution
+from kg.facts import FileKind, Location, NodeKind, NodeType
 from kg.names import normalise
 from kg.symbolic.effects import Framework
 from kg.symbolic.machine import Machine
-from kg.symbolic.names import EMPTY, OWN_NAMESPACE
+from kg.symbolic.names import EMPTY
 from kg.symbolic.state import Arguments, Site
 from kg.symbolic.values import Kind, Object, Text, TypeValue
 
@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from kg.corpus.reading import Reader
     from kg.extract.buildmodel import BuildModel, PluginClass
     from kg.extract.python.units import PythonUnit
-    from kg.facts import Interface
     from kg.symbolic.descriptions import Descriptions
     from kg.symbolic.form import Class
 
@@ -198,7 +197,7 @@ class _Nodes:
         ros = self._version(framework, root)
         named = _name(framework)
         interfaces, parameters = facts_of(framework.declared, self._modules, ros, named or "node")
-        interfaces = tuple(map(_placed, interfaces))
+        interfaces = tuple(replace(one, name=_clean(one.name)) for one in interfaces)
         parameters = tuple(replace(one, name=_clean(one.name)) for one in parameters)
         stacks = [one.stack for one in framework.declared] + [stack for _, _, stack, _ in framework.marks]
         places = [stack[-1] for stack in (*stacks, *framework.node_sites)]
@@ -239,13 +238,3 @@ def _name(framework: Framework) -> str | None:
 def _clean(name: str | None) -> str | None:
     """Return a name without doubled slashes and without one at its end, as rospy and rclpy resolve it."""
     return normalise(name) if name is not None and name != "~" else name
-
-
-def _placed(one: Interface) -> Interface:
-    """Return an interface with a clean name, in which the node's namespace is a hole if it is not in front."""
-    name = _clean(one.name)
-    if name is None or OWN_NAMESPACE not in name:
-        return replace(one, name=name)
-    reason = one.reason or "the namespace of the node is part of it"
-    hidden = name.replace(OWN_NAMESPACE, "{}")
-    return replace(one, name=hidden, resolution=Resolution.PARTIAL, resolved=None, reason=reason)

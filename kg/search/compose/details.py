@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.facts import Location
 from kg.graph import vocabulary as v
+from kg.holes import is_partial
 from kg.query.rows import rows
 
 if TYPE_CHECKING:
@@ -76,7 +77,12 @@ def _unset(found: Mapping[tuple[str, str], Mapping[str, set[str]]]) -> dict[str,
         name = _one(known, v.NAME)
         if not node or name is None:
             continue
-        if _one(known, v.DEFAULT_VALUE) is not None or _one(known, v.IMPLICIT) == "true" or "{" in name or "[" in name:
+        if (
+            _one(known, v.DEFAULT_VALUE) is not None
+            or _one(known, v.IMPLICIT) == "true"
+            or is_partial(name)
+            or "[" in name
+        ):
             settled.add((node, name))
         if (_one(known, v.ACCESS) or "").removeprefix(v.RNKG) == "write":
             settled.add((node, name))

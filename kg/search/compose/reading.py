@@ -12,6 +12,7 @@ import msgspec
 
 from kg.graph import vocabulary as v
 from kg.graph.iris import UNKNOWN, is_source_graph
+from kg.holes import known_letters
 from kg.names import FRAMEWORK
 from kg.query.rows import rows
 from kg.search.compose.network import Network, Part, Port
@@ -115,7 +116,7 @@ def _ports(
         known = more.get(iri, {})
         port = Port(
             iri,
-            None if name == "{}" else name,
+            name if name and known_letters(name) else None,
             unquote(type_iri.rpartition("/message/")[2]),
             min(known.get(v.bare(v.PARAMETER_NAME), ()), default=None),
             tuple(sorted(known.get(v.bare(v.SWITCHED_BY), ()))),

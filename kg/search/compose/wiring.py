@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from itertools import count
 from typing import TYPE_CHECKING, Final
 
+from kg.holes import is_partial
 from kg.names import resolve
 
 if TYPE_CHECKING:
@@ -101,7 +102,7 @@ def wire(ways: Sequence[tuple[Part, Port, Port]]) -> Wiring:
 def _node_name(part: Part) -> str:
     """Return the name that a node has by itself, as one that is valid."""
     own = (part.node_name or "").rpartition("/")[2]
-    plain = own if own and "{" not in own else part.name.removesuffix(".py")
+    plain = own if own and not is_partial(own) else part.name.removesuffix(".py")
     last = plain.rpartition("::")[2].rpartition("/")[2]
     name = re.sub(r"\W", "_", last, flags=re.ASCII).strip("_")
     return name if name[:1].isalpha() else f"node_{name}".rstrip("_")

@@ -99,7 +99,7 @@ FEATURES: Final = {
     "absolute": Feature('MAKE(h, "/n#");', ("/n#",)),
     "private handle": Feature('ros::NodeHandle own("~"); MAKE(own, "n#");', ("~/n#",), ros=1),
     "private name": Feature('MAKE(h, "~/n#");', ("~/n#",), ros=2),
-    "partial": Feature('MAKE(h, "n#/" + foreign_text() + "/end");', ("n#/{}/end",)),
+    "partial": Feature('MAKE(h, "n#/" + foreign_text() + "/end");', ("n#/{foreign_text}/end",)),
     "parameter": Feature('std::string topic = READ<std::string>("topic#", "n#"); MAKE(h, topic);', ("n#",)),
     "object, value": Feature('Made# made(h, "n#");', ("n#",), _NAMED),
     "object, new": Feature('auto* made = new Made#(h, "n#");', ("n#",), _NAMED),

@@ -41,7 +41,7 @@ def test_each_element_of_an_empty_list_names_an_interface(declared: str, loop: s
 
 def test_a_name_with_an_element_is_partly_known() -> None:
     """The rest of a name around the element is known."""
-    assert ends(DECLARED[0] + LOOPS[0].replace("NAME", 'one + "/raw"')) == [("{}/raw", "names[]")]
+    assert ends(DECLARED[0] + LOOPS[0].replace("NAME", 'one + "/raw"')) == [("{names}/raw", "names[]")]
 
 
 def test_what_the_loop_changes_may_also_stay_as_it_is() -> None:

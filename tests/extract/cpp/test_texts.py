@@ -144,7 +144,7 @@ def test_numbers_have_the_form_of_their_type(expression: str, local: str, shown:
 def test_what_is_not_known_is_said() -> None:
     """A call of a function that is not in the sources leaves a hole, with a reason that names it."""
     (found,) = interfaces_of(publisher_of('"a/" + foreign()'))
-    assert (found.name, found.resolution) == ("/a/{}", Resolution.PARTIAL)
+    assert (found.name, found.resolution) == ("/a/{foreign}", Resolution.PARTIAL)
     assert "foreign" in (found.reason or "")
 
 
@@ -196,4 +196,4 @@ def test_braces_of_a_constructor_hold_the_elements_of_a_list(known: tuple[str, .
 def test_a_word_from_a_stream_is_not_known() -> None:
     """It is not what its variable had before."""
     local = 'std::string word; std::stringstream words(argv[1]); while (words >> word) { name = word + "/map"; }'
-    assert texts_of("name", 'std::string name = "none"; ' + local) == {"none", "{}/map"}
+    assert texts_of("name", 'std::string name = "none"; ' + local) == {"none", "{argv[1]}/map"}

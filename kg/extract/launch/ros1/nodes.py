@@ -14,6 +14,7 @@ from kg.extract.launch.ros1.parameterfile import leaf_of, read_scalar
 from kg.extract.launch.ros1.parameters import read_param, read_rosparam
 from kg.extract.launch.ros1.texts import HOLE, join, shown
 from kg.facts import LaunchParameter, Remap, StartedNode, StartKind
+from kg.holes import ANONYMOUS, is_partial
 from kg.names import normalise, resolve
 
 if TYPE_CHECKING:
@@ -110,7 +111,7 @@ def read_remap(state: State, scope: Scope, target: Scope, element: Element) -> N
         return
     source, to = (shown(_cleaned(name)) for name in names if name)
     if words:
-        to = "{}"
+        to = ANONYMOUS
     target.add_remap(Remap(source, to, state.location(scope, element.line), scope.place.chain))
 
 
@@ -123,7 +124,7 @@ def read_environment(state: State, scope: Scope, target: Scope, element: Element
     if not name or value is None:
         state.refused(scope, element, "it needs 'name' and 'value'")
     else:
-        target.environment.append((shown(name), "{}" if words else shown(value)))
+        target.environment.append((shown(name), ANONYMOUS if words else shown(value)))
 
 
 def _is_valid(name: str, value: str) -> bool:
@@ -250,7 +251,7 @@ def _settings(state: State, scope: Scope, element: Element, inner: Scope) -> tup
     if state.machine and not any(name == "machine" for name, _ in found):
         found.append(("machine", state.machine))
     for name, value in found:
-        if "{}" not in value and not _is_valid(name, value):
+        if not is_partial(value) and not _is_valid(name, value):
             state.refused(scope, element, f"'{name}' cannot be '{value}'")
     respawn, required = (state.boolean(scope, element, name) for name in ("respawn", "required"))
     if respawn and required:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
+from kg.holes import ANONYMOUS
+
 __all__ = ["HOLE", "MOST_CHARACTERS", "canonical", "global_namespace", "join", "shown"]
 
 HOLE: Final = "\ue000"
@@ -18,7 +20,7 @@ _ROSLAUNCH: Final = "/roslaunch/"
 
 def shown(text: str) -> str:
     """Return the text as facts have it, with `{}` for what is not known."""
-    return text.replace(HOLE, "{}")
+    return text.replace(HOLE, ANONYMOUS)
 
 
 def join(namespace: str, name: str) -> str:

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import LaunchProblem, LaunchProblemKind, Location
+from kg.holes import ANONYMOUS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -26,7 +27,7 @@ __all__ = ["HOLE", "Context", "Found", "GlobalFile", "Scope", "place"]
 _MOST_PLACES: Final = 2_000_000
 _PLACES_OF_A_REMAP: Final = 20
 
-HOLE: Final = "{}"
+HOLE: Final = ANONYMOUS
 """Stands in a text for a part that cannot be known."""
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from kg.extract.launch.ros2.locate import find
 from kg.extract.launch.xacro.plugins import Descriptions, named_description, started
+from kg.holes import ANONYMOUS
 from kg.names import normalise
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ def described(found: Found, nodes: Iterable[StartedNode]) -> Iterator[LaunchPlug
     for node in nodes:
         for given in node.parameters:
             if given.name in names:
-                name = node.name or (node.executable or "{}").removesuffix(".py")
+                name = node.name or (node.executable or ANONYMOUS).removesuffix(".py")
                 absolute = normalise(f"{node.namespace}/{name}/{given.name}")
                 held = found.described.get((given.name, given.location, given.chain), ())
                 yield from (replace(plugin, parameter=absolute) for plugin in held)

@@ -20,6 +20,7 @@ from kg.extract.launch.xacro.macros import called, grab_macro
 from kg.extract.launch.xacro.table import Block, Macro, Table, truth
 from kg.extract.launch.xacro.texts import Around, Texts
 from kg.facts import LaunchProblemKind
+from kg.holes import ANONYMOUS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -113,7 +114,7 @@ class _Evaluation:
         self, files: Files, file: FilePath, arguments: Mapping[str, str], environment: Mapping[str, str]
     ) -> None:
         self._loading = Loading(files)
-        around = Around({name: text.replace("{}", HOLE) for name, text in arguments.items()}, files.folder(file))
+        around = Around({name: text.replace(ANONYMOUS, HOLE) for name, text in arguments.items()}, files.folder(file))
         self._files = files
         self._texts = Texts(Substituter(files, environment), around, self._yaml)
         self._texts.early = self._early

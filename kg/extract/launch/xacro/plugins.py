@@ -9,6 +9,7 @@ from weakref import WeakKeyDictionary
 from kg.extract.launch.ros1.texts import shown
 from kg.extract.launch.xacro.evaluate import Description, Made, Trouble, evaluate_description
 from kg.facts import LaunchPlugin, LaunchProblem, LaunchProblemKind, Location, PluginValue
+from kg.holes import ANONYMOUS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -109,7 +110,7 @@ class Descriptions:
     def _value(self, path: str, text: str, made: Made, plugin: Made) -> PluginValue:
         """Return a value; one that may not be there is not known."""
         sure = len(made.conditions) <= len(plugin.conditions)
-        known = shown(text).strip()[:_MOST_VALUE] if sure else "{}"
+        known = shown(text).strip()[:_MOST_VALUE] if sure else ANONYMOUS
         return PluginValue(path, known, self._location(made.file, made.line))
 
 

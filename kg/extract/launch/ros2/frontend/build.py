@@ -13,6 +13,7 @@ from kg.extract.launch.ros2.frontend.element import Malformed
 from kg.extract.launch.ros2.frontend.nodes import NodeBuilder
 from kg.extract.launch.ros2.values import truth
 from kg.facts import LaunchProblem, LaunchProblemKind
+from kg.holes import ANONYMOUS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -143,7 +144,7 @@ class _Builder(NodeBuilder):
     def append_variable(self, element: Element) -> Action:
         """`<append_env>`: what was there before is unknown unless the file has set it."""
         name, value = self.needed(element, "name"), self.needed(element, "value")
-        before = Substitution("env", (name, ("{}",)))
+        before = Substitution("env", (name, (ANONYMOUS,)))
         separator = element.get("separator") or ":"
         prepend = truth(element.get("prepend") or "false")
         joined = (*value, separator, before) if prepend else (before, separator, *value)

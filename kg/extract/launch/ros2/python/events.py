@@ -9,6 +9,7 @@ from kg.extract.launch.ros2.actions import Action, Executable, Group, NodeAction
 from kg.extract.launch.ros2.python.conditions import condition_of
 from kg.extract.launch.ros2.python.flatten import actions_of
 from kg.extract.launch.ros2.python.values import IGNORED
+from kg.holes import ANONYMOUS
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -43,7 +44,7 @@ def _subject(value: Value) -> str:
         texts = value.command[0] if value.command else ()
     else:
         return ""
-    return "".join(part if isinstance(part, str) else "{}" for part in texts)
+    return "".join(part if isinstance(part, str) else ANONYMOUS for part in texts)
 
 
 def _register(call: Call) -> Value:

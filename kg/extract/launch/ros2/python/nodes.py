@@ -11,6 +11,7 @@ from kg.extract.launch.ros2.actions import LoadComponents, NodeAction
 from kg.extract.launch.ros2.python.conditions import condition_of
 from kg.extract.launch.ros2.python.parameters import PARAMETERS, sources_of
 from kg.extract.launch.ros2.python.values import Ignored
+from kg.holes import ANONYMOUS
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -120,7 +121,7 @@ def _extra(call: Call) -> tuple[tuple[str, Text], ...]:
 
 
 def _flat(value: Value) -> str:
-    return "".join(part if isinstance(part, str) else "{}" for part in to_text(value))
+    return "".join(part if isinstance(part, str) else ANONYMOUS for part in to_text(value))
 
 
 def _texts(call: Call, name: str) -> tuple[Text, ...]:
