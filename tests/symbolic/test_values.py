@@ -6,10 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kg.facts import Resolution
+from kg.holes import Hole
 from kg.symbolic.values import (
     MOST_ALTERNATIVES,
     Either,
-    Hole,
     Number,
     Sequence,
     Text,

@@ -7,7 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kg.extract.python.texts import braces, method, percent
-from kg.symbolic.values import Either, Hole, Mapping, Number, Sequence, Text, Unknown, Value, alternatives
+from kg.holes import Hole
+from kg.symbolic.values import Either, Mapping, Number, Sequence, Text, Unknown, Value, alternatives
 
 WORDS = st.text("abz/_~ %{}'\"ä0", max_size=6)
 

@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kg.facts import Resolution
-from kg.symbolic.values import Hole, Mapping, Sequence, Text
+from kg.holes import Hole
+from kg.symbolic.values import Mapping, Sequence, Text
 
 if TYPE_CHECKING:
     from hypothesis.strategies import SearchStrategy
