@@ -24,6 +24,7 @@ from kg.symbolic.values import (
 
 if TYPE_CHECKING:
     from kg.symbolic.form import Expression
+    from kg.symbolic.language import Language
 
 __all__ = [
     "COMMAND_LINE",
@@ -33,7 +34,9 @@ __all__ = [
     "is_unknown_parameter",
     "is_unset",
     "key_of",
+    "part_at",
     "part_of",
+    "rest_of",
     "with_element",
 ]
 
@@ -132,11 +135,26 @@ def with_element(of: Value, key: Value, value: Value) -> Value:
         items = list(of.items)
         items[int(key.value)] = value
         return replace(of, items=tuple(items))
-    pairs = of.items if isinstance(of, Mapping) else ()
-    if isinstance(of, Mapping) or (isinstance(of, Sequence) and not of.items):
-        kept = tuple(pair for pair in pairs if pair[0] != key)
-        return Mapping((*kept, (key, value)))
+    if isinstance(of, Mapping):
+        pairs = tuple((key, value) if own == key else (own, held) for own, held in of.items)
+        added = () if any(own == key for own, _ in pairs) else ((key, value),)
+        return replace(of, items=(*pairs, *added), parameter=None)
+    if isinstance(of, Sequence) and not of.items:
+        return Mapping(((key, value),))
     return of
+
+
+def part_at(language: Language, index: Number, count: int | None, of: Value) -> Value:
+    """Return an element of a collection that is unpacked into `count` targets."""
+    row = language.elements(of)
+    return row[int(index.value)] if len(row) == count else language.element(of, index)
+
+
+def rest_of(before: int, others: int, of: Value) -> Value:
+    """Return the elements of a collection that `others` targets leave, of which some stand before."""
+    if not isinstance(of, Sequence) or of.open or len(of.items) < others:
+        return Unknown("it is the rest of a collection")
+    return Sequence(of.items[before : len(of.items) - others + before])
 
 
 def counted(loop: form.Loop) -> list[Expression]:

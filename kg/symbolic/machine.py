@@ -13,6 +13,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.symbolic import form
+from kg.symbolic.binding import bind, unpack, write_back
 from kg.symbolic.containers import is_unset
 from kg.symbolic.operators import (
     NULL,
@@ -27,10 +28,11 @@ from kg.symbolic.operators import (
     truth,
 )
 from kg.symbolic.spelling import member_label
-from kg.symbolic.state import Alias, Frame, Journal, Site
+from kg.symbolic.state import UNSET, Alias, Frame, Journal, Site
 from kg.symbolic.values import (
     Closure,
     Either,
+    Guard,
     Kind,
     Mapping,
     Number,
@@ -61,10 +63,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Machine"]
 
-MOST_STEPS: Final = 250_000
 DEEPEST: Final = 70
-MOST_TURNS: Final = 64
-MOST_REPEATS: Final = 2
 MOST_FRUITLESS: Final = 6
 """How often a function runs that never declares anything, and returns and writes numbers, truth and unknown values."""
 MOST_BARREN: Final = 3_000
@@ -77,6 +76,11 @@ _COUNTS: Final = Unknown("it counts the turns of a loop", label="")
 
 class Machine:
     """One interpretation. `language` resolves names, `framework` evaluates calls of frameworks."""
+
+    most_steps = 250_000
+    most_turns = 64
+    most_repeats = 2
+    counts_endless = False  # whether loops whose condition always holds run turn by turn
 
     def __init__(self, language: Language, framework: Framework) -> None:
         self.language = language
@@ -103,8 +107,8 @@ class Machine:
         """The variables of the function that runs."""
         self._outer_writes = 0
         """How many writes to other variables and to fields have a value that can be part of a name."""
-        self._left: list[tuple[str, Written]] = []
-        """The writes of sides of branches that left the loop turn or the function that runs, and how they left it."""
+        self._left: list[tuple[str, Written, tuple[str, ...]]] = []
+        """The writes of sides of branches that left the turn or function that runs: how, what, and on what terms."""
         self._statements: dict[type, Callable[[Any, Frame], str | None]] = {
             form.Block: self._block,
             form.Step: self._step,
@@ -153,6 +157,36 @@ class Machine:
                 self.framework.defaulted(parameter, joined)
         return joined
 
+    # What conditions make of values
+
+    def holds(self, condition: Expression, frame: Frame) -> Truth | Guard | Unknown:
+        """Return whether a condition holds, with the terms that its branch runs under."""
+        return truth(self.value(condition, frame))
+
+    def over(self, values: Iterable[Value], apply: Callable[..., Value]) -> Value:
+        """Apply a function to each row of alternatives of some values, and join the results."""
+        return over(values, apply)
+
+    def meet(self, values: list[Value], terms: list[tuple[str, ...]]) -> Value:  # noqa: ARG002 - for other machines
+        """Return the value that alternatives have together; `terms` are the conditions of each."""
+        return join(*values)
+
+    def merge(self, sides: list[Written], terms: list[tuple[str, ...]]) -> None:  # noqa: ARG002 - the same
+        """Write what several sides wrote, of which one runs; `terms` are the conditions of each."""
+        self._journal.merge(sides, object())
+
+    def leave(self, value: Value, frame: Frame) -> None:
+        """Add a value that a function returns."""
+        frame.returned.append(value)
+
+    def result(self, frame: Frame, ended: str | None) -> Value:  # noqa: ARG002 - the same
+        """Return the value of a call, from all that its function returned."""
+        return join(*frame.returned) if frame.returned else Unknown("it returns nothing")
+
+    def is_decided(self, ends: list[str | None]) -> bool:
+        """Check whether what follows a branch runs under the conditions of the one side that did not leave."""
+        return len(ends) > 1
+
     # Running
 
     def drain(self) -> None:
@@ -187,27 +221,27 @@ class Machine:
     def run(self, statement: Statement, frame: Frame) -> str | None:
         """Run a statement; return None, or how it left the ones after it: `return`, `break`, `continue` or `raise`."""
         self.steps += 1
-        if self.steps > MOST_STEPS:
+        if self.steps > self.most_steps:
             self.reached("steps")
             return "return"
         return self._statements[type(statement)](statement, frame)
 
-    def _step(self, statement: form.Step, frame: Frame) -> None:
+    def _step(self, statement: form.Step, frame: Frame) -> str | None:
         self.value(statement.value, frame)
+        return None
 
     def _return(self, statement: form.Return, frame: Frame) -> str:
         if statement.value is not None:
             value = self.value(statement.value, frame)
             local = isinstance(statement.value, form.Name) and statement.value.names[0] in frame.variables
             written = None if local else statement.value
-            frame.returned.append(self.language.converted(value, frame.returns, written, frame))
+            self.leave(self.language.converted(value, frame.returns, written, frame), frame)
         return "return"
 
     def _declare(self, statement: form.Declare, frame: Frame) -> None:
         kind, written = statement.type, statement.value
         if written is None:
-            missing = Unknown("it has no value")
-            value = self.language.default(kind, frame, statement.line) if kind is not None else missing
+            value = self.language.default(kind, frame, statement.line) if kind is not None else UNSET
         else:
             value = self.value(written, frame)
             if isinstance(written, form.Type):
@@ -234,17 +268,19 @@ class Machine:
     def _branch(self, statement: form.Branch, frame: Frame) -> str | None:
         sides: list[Written] = []
         ends: list[str | None] = []
+        terms: list[tuple[str, ...]] = []
         negated: list[str] = []
         closed = False
         for condition, body in statement.arms:
-            holds = Truth(True) if condition is None else truth(self.value(condition, frame))
+            holds = Truth(True) if condition is None else self.holds(condition, frame)
             if isinstance(holds, Truth):
                 if not holds.value:
                     continue
                 closed = True
                 if not sides:
                     return self.run(body, frame)
-            with self._under([*negated, *terms_of(holds)]):
+            terms.append((*negated, *terms_of(holds)))
+            with self._under(terms[-1]):
                 written, ended = self._journal.attempt(partial(self.run, body, frame))
             sides.append(written)
             ends.append(ended)
@@ -255,22 +291,25 @@ class Machine:
         if not closed:
             sides.append({})
             ends.append(None)
-        live = self._joined_sides(sides, ends)
+            terms.append(tuple(negated))
+        live = self._joined_sides(sides, ends, terms)
         if not live:
             return next((end for end in ends if end != "raise"), "raise")
-        if len(live) < len(sides) and not closed and negated:
-            self.guards += [term for term in negated if term not in self.guards]
+        if len(live) == 1 and self.is_decided(ends):
+            self.guards += [term for term in terms[live[0]] if term not in self.guards]
         return None
 
-    def _joined_sides(self, sides: list[Written], ends: list[str | None]) -> list[Written]:
+    def _joined_sides(self, sides: list[Written], ends: list[str | None], terms: list[tuple[str, ...]]) -> list[int]:
         """Join the writes of the sides that reach the next statement, and return these sides.
 
         If there are any, the writes of the others wait for the end of the loop turn or of the function.
         """
-        live = [side for side, end in zip(sides, ends, strict=True) if end is None]
-        self._journal.merge(live or sides)
+        live = [index for index, end in enumerate(ends) if end is None]
+        kept = live or range(len(sides))
+        self.merge([sides[index] for index in kept], [terms[index] for index in kept])
         if live:
-            self._left += [(end, side) for side, end in zip(sides, ends, strict=True) if end and side]
+            rows = zip(sides, ends, terms, strict=True)
+            self._left += [(end, side, under) for side, end, under in rows if end and side]
         return live
 
     @contextmanager
@@ -281,10 +320,10 @@ class Machine:
             yield
         finally:
             left, self._left = self._left, outer
-        here = [side for end, side in left if end in ends]
+        here = [one for one in left if one[0] in ends]
         outer += [one for one in left if one[0] not in (*ends, "raise")]
         if here:
-            self._journal.merge([{}, *here])
+            self.merge([{}, *(side for _, side, _ in here)], [(), *(terms for _, _, terms in here)])
 
     def _turn(self, loop: form.Loop, frame: Frame) -> str | None:
         """Run the body of a loop once."""
@@ -307,7 +346,7 @@ class Machine:
             else:
                 sides.append({})
             ends.append(ended)
-        live = self._joined_sides(sides, ends)
+        live = self._joined_sides(sides, ends, [()] * len(sides))
         last = self.run(statement.last, frame) if statement.last is not None else None
         if last is not None or live:
             return last
@@ -330,12 +369,12 @@ class Machine:
         if loop.first is not None:
             self.run(loop.first, frame)
         condition = loop.condition
-        if condition is None or loop.runs_at_least_once:
+        if condition is None or (loop.runs_at_least_once and not self.counts_endless):
             return self._unknown_times(loop, frame, ())
         before = self.framework.progress()
-        for _ in range(MOST_TURNS):
+        for _ in range(self.most_turns):
             counting, self.counting = self.counting, True
-            holds = truth(self.value(condition, frame))
+            holds = self.holds(condition, frame)
             self.counting = counting
             if not isinstance(holds, Truth):
                 return self._unknown_times(loop, frame, terms_of(holds))
@@ -349,8 +388,12 @@ class Machine:
             if loop.step is not None:
                 self.value(loop.step, frame)
         if self.framework.progress() != before:  # else the turns that are left create nothing either
-            self.reached("turns")
+            self.cut(loop, frame)
         return None
+
+    def cut(self, loop: form.Loop, frame: Frame) -> None:  # noqa: ARG002 - for other machines
+        """Record that a loop has more turns than are run."""
+        self.reached("turns")
 
     def _unknown_times(self, loop: form.Loop, frame: Frame, terms: tuple[str, ...]) -> str | None:
         """Run a loop once, on unknown counters; one that tests first may also not run."""
@@ -367,7 +410,7 @@ class Machine:
             return ended if ended in ("return", "raise") else None
         with self._under(terms):
             written, _ = self._journal.attempt(once)
-        self._journal.merge([written, {}])
+        self.merge([written, {}], [terms, ()])
         return None
 
     def _forget_counters(self, loop: form.Loop, frame: Frame) -> None:
@@ -378,20 +421,21 @@ class Machine:
         choices = alternatives(self.value(collection, frame))
         if len(choices) == 1:
             return self._over(loop, choices[0], frame)
-        self._journal.merge([self._journal.attempt(partial(self._over, loop, one, frame))[0] for one in choices])
+        sides = [self._journal.attempt(partial(self._over, loop, one, frame))[0] for one in choices]
+        self.merge(sides, [()] * len(sides))
         return None
 
     def _over(self, loop: form.Loop, over: Value, frame: Frame) -> str | None:
         items = self.language.elements(over)
         known = isinstance(over, Sequence | Mapping) and not over.open and not is_unset(over)
-        if known and len(items) > MOST_TURNS:
-            self.reached("turns")
-            items = items[:MOST_TURNS]
+        if known and len(items) > self.most_turns:
+            self.cut(loop, frame)
+            items = items[: self.most_turns]
         for index, item in enumerate(items):
             self._target(loop, item, frame)
             if known:
                 ended = self._turn(loop, frame)
-                self._write_back(loop, index, frame)
+                write_back(self, loop, index, frame)
                 if ended == "break":
                     return None
                 if ended in ("return", "raise"):
@@ -399,7 +443,7 @@ class Machine:
             else:
                 self._forget_counters(loop, frame)
                 written, _ = self._journal.attempt(partial(self._turn, loop, frame))
-                self._journal.merge([written, {}])
+                self.merge([written, {}], [(), ()])
         return None
 
     def _target(self, loop: form.Loop, item: Value, frame: Frame) -> None:
@@ -415,21 +459,12 @@ class Machine:
             value = parts[index] if len(parts) == len(loop.targets) else Unknown("it is a part of an unknown value")
             self.write(frame.variables, name, value)
 
-    def _write_back(self, loop: form.Loop, index: int, frame: Frame) -> None:
-        """Write a target that is a reference to the element that it means."""
-        kind, over = loop.declared, loop.over
-        if kind is None or not kind.reference or kind.constant or len(loop.targets) != 1:
-            return
-        value = frame.variables.get(loop.targets[0])
-        if isinstance(over, form.Name | form.Member) and isinstance(value, Text | Number | Truth | Sequence | Mapping):
-            self.assign(form.Index(loop.line, over, form.Literal(loop.line, float(index), str(index))), value, frame)
-
     # Expressions
 
     def value(self, expression: Expression, frame: Frame) -> Value:
         """Return what an expression is, and do what it does."""
         self.steps += 1
-        if self.steps > MOST_STEPS:
+        if self.steps > self.most_steps:
             self.reached("steps")
             return Unknown("the interpretation was too long")
         return self._values[type(expression)](expression, frame)
@@ -454,7 +489,8 @@ class Machine:
 
     def _member(self, expression: form.Member, frame: Frame) -> Value:
         of = self.value(expression.of, frame)
-        return read_back(over((of,), lambda one: self.language.member(one, expression.name)), member_label(expression))
+        found = self.over((of,), lambda one: self.language.member(one, expression.name))
+        return read_back(found, member_label(expression))
 
     def _call(self, expression: form.Call, frame: Frame) -> Value:
         self.stack.append(Site(frame.unit, expression.line, frame.this, expression.arguments))
@@ -487,13 +523,13 @@ class Machine:
         if sign in ("&", "*", "+"):
             return held
         if sign in ("!", "not"):
-            return for_each(held, lambda one: negate(truth(one)))
+            return self.over((held,), lambda one: negate(truth(one)))
         if sign in ("++", "--"):
             change = 1 if sign == "++" else -1
             new = for_each(held, lambda one: number(one.value + change) if isinstance(one, Number) else _COUNTS)
             self.assign(expression.operand, new, frame)
             return held
-        return for_each(held, negative) if sign == "-" else Unknown("it is computed")
+        return self.over((held,), negative) if sign == "-" else Unknown("it is computed")
 
     def _binary(self, expression: form.Binary, frame: Frame) -> Value:
         sign = expression.sign
@@ -511,24 +547,29 @@ class Machine:
             for operand in expression.operands[1:]:
                 self.put(operand, Text.hole("it is read from a stream"), frame)
             return Unknown("it is read from a stream")
-        return over(values, lambda *row: self._computed(sign, row))
+        return self.over(values, lambda *row: self.computed(sign, row))
 
-    def _computed(self, sign: str, row: tuple[Value, ...]) -> Value:
+    def computed(self, sign: str, row: tuple[Value, ...]) -> Value:
+        """Return the result of an operator on values without alternatives."""
         if sign == "%" and isinstance(row[0], Text | Object):
             return self.language.formatted(row)
         return compute(sign, row)
 
     def _choice(self, expression: form.Choice, frame: Frame) -> Value:
-        holds = truth(self.value(expression.condition, frame))
+        holds = self.holds(expression.condition, frame)
         if isinstance(holds, Truth):
             return self.value(expression.then if holds.value else expression.otherwise, frame)
-        with self._under(terms_of(holds)):
+        terms = terms_of(holds)
+        opposite = tuple(map(negated_term, terms)) if len(terms) == 1 else ()
+        with self._under(terms):
             one = self.value(expression.then, frame)
-        return join(one, self.value(expression.otherwise, frame))
+        with self._under(opposite):
+            other = self.value(expression.otherwise, frame)
+        return self.meet([one, other], [terms, opposite])
 
     def _index(self, expression: form.Index, frame: Frame) -> Value:
         of, key = self.value(expression.of, frame), self.value(expression.key, frame)
-        return over((of, key), self.language.element)
+        return self.over((of, key), self.language.element)
 
     def _display(self, expression: form.Display, frame: Frame) -> Value:
         return Sequence(tuple(self.arguments(expression.items, frame)))
@@ -546,7 +587,7 @@ class Machine:
             return Sequence((Text.of(target.names[0]), value))
         if expression.sign:
             before = self.value(target, frame)
-            value = over((before, value), lambda *row: self._computed(expression.sign, row))
+            value = self.over((before, value), lambda *row: self.computed(expression.sign, row))
         else:
             value = self.language.assigned(target, value, expression.value, frame)
         name = target.names[0] if isinstance(target, form.Name) and not expression.sign else ""
@@ -582,22 +623,9 @@ class Machine:
             key = self.value(target.key, frame)
             self.assign(target.of, join(*(self.language.with_element(one, key, value) for one in containers)), frame)
         elif isinstance(target, form.Display):
-            self._unpack(target.items, value, frame)
+            unpack(self, target.items, value, frame)
         elif isinstance(target, form.Unary) and target.sign == "*":
             self.assign(target.operand, value, frame)
-
-    def _unpack(self, targets: tuple[Expression, ...], value: Value, frame: Frame) -> None:
-        """Set several targets to the elements of a collection."""
-        rows = [self.language.elements(one) for one in alternatives(value)]
-        fitting = [row for row in rows if len(row) == len(targets)]
-        for index, target in enumerate(targets):
-            if isinstance(target, form.Spread):
-                self.assign(target.of, Unknown("it is the rest of a collection"), frame)
-            elif fitting:
-                self.assign(target, join(*(row[index] for row in fitting)), frame)
-            else:
-                parts = (self.language.element(one, number(index)) for one in alternatives(value))
-                self.assign(target, join(*parts), frame)
 
     def _opaque(self, expression: form.Opaque, frame: Frame) -> Value:
         for part in expression.parts:
@@ -622,15 +650,15 @@ class Machine:
         if len(self.stack) > DEEPEST:
             self.reached("depth")
             return Unknown("the calls are too deep")
-        if self.running[id(function)] >= MOST_REPEATS:
+        if self.running[id(function)] >= self.most_repeats:
             return Unknown("it calls itself")
         if self.fruitless[id(function)] >= MOST_FRUITLESS or self.barren[id(function)] > MOST_BARREN:
             return self.language.unknown(function.returns, frame, function.name)
         before, steps, writes = self.framework.progress(), self.steps, self._outer_writes
         outer, self._local = self._local, frame.variables
         with self.entered(function):
-            self.bind(function, frame, arguments, given)
-            self.run(function.body, frame)
+            bind(self, function, frame, arguments, given)
+            result = self.result(frame, self.run(function.body, frame))
         if caller is not None and len(given) == len(arguments):
             for parameter, expression, before_it in zip(function.parameters, given, arguments, strict=False):
                 kind = parameter.type
@@ -642,7 +670,6 @@ class Machine:
                     ):
                         self.put(expression, value, caller)
         self._local = outer
-        result = join(*frame.returned) if frame.returned else Unknown("it returns nothing")
         if self.framework.progress() != before:
             self.fruitful.add(id(function))
         else:
@@ -671,28 +698,3 @@ class Machine:
             expression = expression.operand
         if isinstance(expression, form.Name | form.Member | form.Index):
             self.assign(expression, value, frame)
-
-    def bind(
-        self, function: Function, frame: Frame, arguments: list[Value], given: tuple[Expression, ...] = ()
-    ) -> None:
-        """Set the parameters of a function to arguments, to their defaults, or to unknown values.
-
-        Those that have a value already keep it. `given` are the arguments as expressions.
-        """
-        for index, parameter in enumerate(function.parameters):
-            if parameter.name in frame.variables:
-                continue
-            if parameter.variadic:
-                frame.variables[parameter.name] = Pack(tuple(arguments[index:]))
-                return
-            kind = parameter.type
-            if kind is not None:
-                frame.declared[parameter.name] = kind
-            if index < len(arguments):
-                plain = kind is not None and kind.name != "auto" and kind.name not in function.template
-                written = given[index] if plain and len(given) == len(arguments) else None
-                frame.variables[parameter.name] = self.language.converted(arguments[index], kind, written, frame)
-            elif parameter.default is not None:
-                frame.variables[parameter.name] = self.value(parameter.default, frame)
-            elif parameter.name:
-                frame.variables[parameter.name] = self.language.unknown(kind, frame, parameter.name)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Final
 
@@ -38,10 +39,12 @@ __all__ = [
     "chosen",
     "compute",
     "for_each",
+    "is_floating",
     "logical",
     "negate",
     "negated_term",
     "negative",
+    "plain",
     "terms_of",
     "truth",
 ]
@@ -51,6 +54,8 @@ _COMPUTED: Final = Unknown("it is computed when the program runs")
 _NEGATED: Final = {"==": "!=", "!=": "==", "<": ">=", ">": "<=", "<=": ">", ">=": "<"}
 _NOT_NULL: Final = (Object, Text, Number, Truth, Sequence, Mapping, TypeValue, Closure, Bound)
 _LARGEST_EXPONENT: Final = 64
+_LONGEST: Final = 5_000
+"""How many letters or items the repetition of a text or a list has at most."""
 _ARITHMETIC: Final[dict[str, Callable[[float, float], float]]] = {
     "-": lambda a, b: a - b,
     "*": lambda a, b: a * b,
@@ -111,10 +116,10 @@ def compute(sign: str, row: tuple[Value, ...]) -> Value:
         return _compared(sign, row)
     if sign == "in":
         return _contained(row[0], row[1])
-    if sign == "|" and all(isinstance(value, Mapping) for value in row):
-        return Mapping(
-            tuple({key: value for one in row if isinstance(one, Mapping) for key, value in one.items}.items())
-        )
+    if sign == "|" and any(isinstance(value, Mapping) for value in row):
+        known = [value for value in row if isinstance(value, Mapping)]
+        merged = {key: (key, value) for one in known for key, value in one.items}
+        return Mapping(tuple(merged.values()), open=len(known) < len(row) or any(one.open for one in known))
     duration = scaled(sign, row)
     if duration is not None:
         return duration
@@ -125,10 +130,12 @@ def compute(sign: str, row: tuple[Value, ...]) -> Value:
         for value in row[1:]:
             parts += [Text.of("/"), value]
         return concatenate(*parts)
+    if sign == "*" and isinstance(row[-1], Number) and isinstance(row[0], Text | Sequence):
+        return _repeated(row[0], int(row[-1].value))
     numbers = [value for value in row if isinstance(value, Number)]
     if len(numbers) != len(row):
         return _COMPUTED
-    whole = not any(_is_floating(value.written) for value in numbers)
+    whole = not any(is_floating(value) for value in numbers)
     result = numbers[0].value
     for other in numbers[1:]:
         try:
@@ -139,20 +146,37 @@ def compute(sign: str, row: tuple[Value, ...]) -> Value:
             return _COMPUTED
     if not math.isfinite(result):
         return _COMPUTED
-    return number(result, next((v.parameter for v in numbers if v.parameter), None))
+    return _number(result, numbers, whole=whole and sign != "true/")
 
 
-def _is_floating(written: str) -> bool:
-    return not written.startswith(("0x", "0X")) and any(mark in written for mark in ".eE")
+def _number(value: float, of: list[Number], *, whole: bool) -> Number:
+    """Return a number that was computed of others."""
+    parameter = next((one.parameter for one in of if one.parameter), None)
+    return number(value, parameter) if whole else Number(value, repr(float(value)), parameter)
+
+
+def is_floating(value: Number) -> bool:
+    """Check whether a number is no whole number by its type."""
+    written = value.written
+    return not written.startswith(("0x", "0X")) and any(mark in written for mark in ".eEin")
+
+
+def _repeated(of: Text | Sequence, times: int) -> Value:
+    size = len(of.items) if isinstance(of, Sequence) else len(of.known or "")
+    if size * max(times, 0) > _LONGEST:
+        return _COMPUTED
+    if isinstance(of, Sequence):
+        return replace(of, items=of.items * times)
+    return replace(of, parts=(of.known * times,)) if of.known is not None else _COMPUTED
 
 
 def _sum(row: tuple[Value, ...]) -> Value:
     numbers = [value for value in row if isinstance(value, Number)]
     if len(numbers) == len(row):
-        return number(sum(value.value for value in numbers), next((v.parameter for v in numbers if v.parameter), None))
+        return _number(sum(value.value for value in numbers), numbers, whole=not any(map(is_floating, numbers)))
     lists = [value for value in row if isinstance(value, Sequence)]
     if len(lists) == len(row):
-        return Sequence(tuple(item for value in lists for item in value.items))
+        return Sequence(tuple(item for value in lists for item in value.items), any(value.open for value in lists))
     return concatenate(*row) if any(isinstance(value, Text) for value in row) else Unknown("it is computed")
 
 
@@ -187,8 +211,11 @@ def _compared(sign: str, row: tuple[Value, ...]) -> Value:
             return Truth(holds.value == (sign == "!=")) if isinstance(holds, Truth) else holds
         if isinstance(left, Enumerator | TypeValue) and type(left) is type(right):
             return Truth((left == right) == (sign == "=="))
-    one, other = _plain(left), _plain(right)
-    if one is None or other is None or type(one) is not type(other):
+        if isinstance(left, Sequence) and isinstance(right, Sequence):
+            return _alike(left, right, sign)
+    one, other = plain(left), plain(right)
+    mixed = isinstance(one, str) is not isinstance(other, str)
+    if one is None or other is None or (mixed and sign not in ("==", "!=")):
         return Unknown("it depends on a comparison")
     if sign in ("==", "!="):
         return Truth((one == other) == (sign == "=="))
@@ -204,10 +231,22 @@ def _ordered(sign: str, difference: float) -> bool:
     return difference > 0 or (sign == ">=" and difference == 0)
 
 
-def _plain(value: Value) -> str | float | bool | None:
+def _alike(left: Sequence, right: Sequence, sign: str) -> Value:
+    """Check whether two lists are equal."""
+    pairs = zip(left.items, right.items, strict=False)
+    found = {Truth(len(left.items) == len(right.items)), *(_compared("==", pair) for pair in pairs)}
+    if left.open or right.open or not found <= {Truth(True), Truth(False)}:
+        return Unknown("it depends on a comparison")
+    return Truth((Truth(False) not in found) == (sign == "=="))
+
+
+def plain(value: Value) -> str | float | bool | None:
+    """Return a text, number or truth value as Python has it; None for what is not wholly known."""
     if isinstance(value, Text):
         return value.known
-    return value.value if isinstance(value, Number | Truth) else None
+    if isinstance(value, Number):
+        return value.value if is_floating(value) or value.value != value.value // 1 else int(value.value)
+    return value.value if isinstance(value, Truth) else None
 
 
 def logical(operands: Iterable[Callable[[], Value]], *, all_of: bool) -> Value:

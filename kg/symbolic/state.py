@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from enum import Enum, auto
-from itertools import count
 from typing import TYPE_CHECKING, Final, TypeAlias, TypeVar, cast
 
 from kg.symbolic.form import Opaque
-from kg.symbolic.values import ABSENT, Pack, Value
+from kg.symbolic.values import ABSENT, Pack, Unknown, Value
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
@@ -17,7 +16,19 @@ if TYPE_CHECKING:
     from kg.symbolic.language import Language
     from kg.symbolic.values import Kind
 
-__all__ = ["Alias", "Arguments", "Frame", "Holder", "Invocation", "Journal", "Site", "Slot", "Variables", "Written"]
+__all__ = [
+    "UNSET",
+    "Alias",
+    "Arguments",
+    "Frame",
+    "Holder",
+    "Invocation",
+    "Journal",
+    "Site",
+    "Slot",
+    "Variables",
+    "Written",
+]
 
 
 class _Missing(Enum):
@@ -27,6 +38,7 @@ class _Missing(Enum):
 
 
 _MISSING: Final = _Missing.MISSING
+UNSET: Final = Unknown("it has no value")
 _Result = TypeVar("_Result")
 
 
@@ -182,7 +194,6 @@ class Journal:
 
     def __init__(self, joined: Callable[[list[Value], object], Value]) -> None:
         self._joined = joined
-        self._choices = count()
         self._entries: list[_Entry] | None = None
         self._created: set[int] = set()
         """The variables and fields, by identity, of what the side that runs created: no other side has them."""
@@ -219,15 +230,14 @@ class Journal:
                 holder[name] = before
         return written, result
 
-    def merge(self, sides: list[Written]) -> None:
-        """Write the joined values of several sides, one of which runs."""
-        choice = next(self._choices)
+    def merge(self, sides: list[Written], choice: object) -> None:
+        """Write the joined values of several sides, one of which runs; `choice` stands for which."""
         keys: Written = {}
         for side in sides:
             keys |= side
         for key, (holder, name, _) in keys.items():
             before = holder.get(name, _MISSING)
             values = [side[key][2] if key in side else before for side in sides]
-            kept: list[Slot] = [value for value in values if value is not _MISSING]
+            kept: list[Slot] = [UNSET if isinstance(value, _Missing) else value for value in values]
             plain: list[Value] = [value for value in kept if not isinstance(value, _SPECIAL)]
             self.write(holder, name, kept[0] if len(plain) != len(kept) else self._joined(plain, choice))

@@ -52,7 +52,9 @@ __all__ = [
     "options",
     "outside",
     "over",
+    "paths",
     "read_back",
+    "rows",
     "whole_parameter",
     "worse",
 ]
@@ -151,11 +153,12 @@ class Sequence:
 
 @dataclass(unsafe_hash=True, slots=True)
 class Mapping:
-    """A dictionary or map; `open` where there may be more."""
+    """A dictionary or map; `open` where there may be more. `default` makes the values of keys that are missing."""
 
     items: tuple[tuple[Value, Value], ...]
     open: bool = False
     parameter: str | None = None
+    default: Value | None = None
 
 
 @dataclass(unsafe_hash=True, slots=True)
@@ -289,7 +292,7 @@ def _unique(items: Iterable[Value]) -> list[Value]:
     return found
 
 
-def _paths(value: Value) -> Iterable[tuple[Value, Way]]:
+def paths(value: Value) -> Iterable[tuple[Value, Way]]:
     """Return the values that a value can be, each with the choices that lead to it."""
     if not isinstance(value, Either):
         return ((value, _ALWAYS),)
@@ -302,20 +305,20 @@ def options(values: Iterable[Value], choice: object) -> Value:
     first = values[0]
     if not isinstance(first, Either) and all(value is first for value in values):
         return first
-    paths: list[tuple[Value, Way]] = []
+    found: list[tuple[Value, Way]] = []
     for index, value in enumerate(values):
         option = frozenset([(choice, index)])
         if isinstance(value, Either):
-            paths += [(item, way | option) for item, way in _paths(value)]
+            found += [(item, way | option) for item, way in paths(value)]
         else:
-            paths.append((value, option))
-    return _any_of(paths)
+            found.append((value, option))
+    return _any_of(found)
 
 
-def _rows(values: tuple[Value, ...], most: int) -> Iterator[tuple[tuple[Value, ...], Way]]:
+def rows(values: tuple[Value, ...], most: int) -> Iterator[tuple[tuple[Value, ...], Way]]:
     """Yield the rows of alternatives that no choice excludes, with their choices."""
     count = 0
-    for pairs in islice(product(*map(_paths, values)), MOST_ROWS):
+    for pairs in islice(product(*map(paths, values)), MOST_ROWS):
         way: dict[object, int] = {}
         if all(way.setdefault(choice, option) == option for _, one in pairs for choice, option in one):
             count += 1
@@ -330,7 +333,7 @@ def combinations(values: Iterable[Value], most: int = MOST_ALTERNATIVES) -> Iter
     if not any(isinstance(value, Either) for value in values):
         yield values
         return
-    for row, _ in _rows(values, most):
+    for row, _ in rows(values, most):
         yield row
 
 
@@ -340,9 +343,9 @@ def over(values: Iterable[Value], apply: Callable[..., Value]) -> Value:
     if not any(isinstance(value, Either) for value in values):
         return apply(*values)
     found: list[Value] = []
-    for row, way in _rows(values, MOST_ALTERNATIVES):
+    for row, way in rows(values, MOST_ALTERNATIVES):
         result = apply(*row)
-        pairs = list(_paths(result))
+        pairs = list(paths(result))
         found.append(Either(tuple(item for item, _ in pairs), tuple(own | way for _, own in pairs)))
     return join(*found, found[0]) if found else Unknown("its parts exclude each other")
 
@@ -389,22 +392,22 @@ def join(*values: Value) -> Value:
     """
     if len(values) == 1:
         return values[0]
-    paths: list[tuple[Value, Way]] = []
+    pairs: list[tuple[Value, Way]] = []
     for value in values:
-        paths += [pair for pair in _paths(value) if pair not in paths]
-        if len(paths) > MOST_ROWS:
+        pairs += [pair for pair in paths(value) if pair not in pairs]
+        if len(pairs) > MOST_ROWS:
             break
-    return _any_of(paths)
+    return _any_of(pairs)
 
 
-def _any_of(paths: list[tuple[Value, Way]]) -> Value:
+def _any_of(pairs: list[tuple[Value, Way]]) -> Value:
     """Return a value that is any of some values, each with the choices that lead to it."""
-    if len(paths) > MOST_ROWS:
+    if len(pairs) > MOST_ROWS:
         return Unknown(f"it has more than {MOST_ALTERNATIVES} possible values")
-    found = _unique(item for item, _ in paths)
+    found = _unique(item for item, _ in pairs)
     known = _with_defaults(found) if len(found) > 1 else found
     if known is not found:
-        paths, found = [], known
+        pairs, found = [], known
     if {type(item) for item in found} == {Truth, Unknown}:
         return next(item for item in found if isinstance(item, Unknown))
     if len(found) > 1 and any(not isinstance(item, Unknown) for item in found):
@@ -413,7 +416,7 @@ def _any_of(paths: list[tuple[Value, Way]]) -> Value:
         return Unknown(f"it has more than {MOST_ALTERNATIVES} possible values")
     if len(found) == 1:
         return found[0]
-    kept = [pair for pair in paths if pair[0] in found]
+    kept = [pair for pair in pairs if pair[0] in found]
     if len(kept) > MOST_ALTERNATIVES or not any(way for _, way in kept):
         return Either(tuple(found))
     return Either(tuple(item for item, _ in kept), tuple(way for _, way in kept))

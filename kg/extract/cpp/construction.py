@@ -9,6 +9,7 @@ from kg.extract.cpp import library
 from kg.extract.cpp.calls import fits
 from kg.extract.cpp.kinds import frame_of, inside
 from kg.symbolic import form
+from kg.symbolic.binding import bind
 from kg.symbolic.kinds import is_pointer
 from kg.symbolic.state import Arguments, Frame, Site
 from kg.symbolic.values import Kind, Object, Sequence, Text, Truth, TypeValue, Unknown, Value
@@ -127,7 +128,7 @@ class Constructions:
         if len(machine.stack) > _DEEPEST or machine.running[id(chosen)] >= _MOST_REPEATS:
             machine.reached("depth")
             return
-        machine.bind(chosen, frame, arguments)
+        bind(machine, chosen, frame, arguments)
         given = {one.name: one for one in chosen.initialisers}
         if cls.name in given:
             self.initialise(made, kind, machine.arguments(given[cls.name].arguments, frame), without=chosen)

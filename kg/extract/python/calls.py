@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 from kg.extract.python import library
 from kg.extract.python.statements import DECORATED
 from kg.symbolic import form
+from kg.symbolic.binding import bind
 from kg.symbolic.state import Alias, Arguments, Frame
 from kg.symbolic.values import (
     Bound,
@@ -23,7 +24,6 @@ from kg.symbolic.values import (
     Unknown,
     Value,
     alternatives,
-    join,
     outside,
 )
 
@@ -64,7 +64,7 @@ class Calls:
         if isinstance(function, form.Member):
             of = machine.value(function.of, frame)
             given = self._given(expression, frame)
-            return join(*(self.method(one, function.name, given, function.of) for one in alternatives(of)))
+            return machine.over((of,), lambda one: self.method(one, function.name, given, function.of))
         called = machine.value(function, frame)
         return self.value(called, self._given(expression, frame))
 
@@ -100,13 +100,13 @@ class Calls:
         """Call a value: a function, a method, a class."""
         given = given if given is not None else Arguments([])
         if isinstance(called, Either):
-            return join(*(self.value(item, given) for item in called.items))
+            return self._language.machine.over((called,), lambda one: self.value(one, given))
         if isinstance(called, Closure):
             return self._invoke(called, given)
         if isinstance(called, Bound) and isinstance(called.of, Object):
-            return self._outside_method(called.of, called.name, given)
+            return self.outside_method(called.of, called.name, given)
         if isinstance(called, TypeValue):
-            return self.construct(called.kind, given) if called.kind.cls is not None else self._outside(called, given)
+            return self.construct(called.kind, given) if called.kind.cls is not None else self.outside(called, given)
         if isinstance(called, Object):
             held = self._language.of_object(called, "__call__")
             if isinstance(held, Closure):
@@ -153,7 +153,7 @@ class Calls:
 
     # Outside of the sources
 
-    def _outside_method(self, of: Object, name: str, given: Arguments) -> Value:
+    def outside_method(self, of: Object, name: str, given: Arguments) -> Value:
         """Call a method of an object whose class, or one of its bases, is not in the sources."""
         machine = self._language.machine
         if name == "__init__":
@@ -168,7 +168,7 @@ class Calls:
         self._escape_all(given)
         return outside(name, given.values)
 
-    def _outside(self, called: TypeValue, given: Arguments) -> Value:
+    def outside(self, called: TypeValue, given: Arguments) -> Value:
         """Call a function or construct a class that is not in the sources."""
         from kg.extract.python.language import public  # noqa: PLC0415 - each needs the other
 
@@ -226,7 +226,7 @@ class Calls:
         frame = self._frame(called, arguments)
         _bind(function, frame, arguments, given.named)
         with machine.entered(function):
-            machine.bind(function, frame, arguments)
+            bind(machine, function, frame, arguments)
             machine.run(function.body, frame)
 
     def _calls_back(self, base: Kind) -> bool:

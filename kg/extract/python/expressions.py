@@ -70,11 +70,12 @@ def expression_of(text: str) -> Expression:
 
 
 class Expressions:
-    """The expressions of one file."""
+    """The expressions of one file. `sources` are their nodes, and the targets of loops, if it is asked for."""
 
-    def __init__(self, unit: Unit) -> None:
+    def __init__(self, unit: Unit, sources: dict[object, Node] | None = None) -> None:
         self._unit = unit
         self._depth = 0
+        self.sources = sources
 
     def expression(self, node: Node | None) -> Expression:
         """Return the form of an expression; `Opaque` for no node, for too deep code and for what is not understood."""
@@ -86,7 +87,10 @@ class Expressions:
             lower = self._lowered.get(node.type)
             if lower is None or self._depth > _DEEPEST:
                 return Opaque(line_of(node), code(node)[:_SHOWN])
-            return lower(self, node)
+            made = lower(self, node)
+            if self.sources is not None:
+                self.sources[made] = node
+            return made
         finally:
             self._depth -= 1
 
@@ -123,8 +127,8 @@ class Expressions:
             for text, field in self._parts(piece):
                 template += text.replace("{", "{{").replace("}", "}}")
                 if field is not None:
-                    value, specification = field
-                    template += "{" + specification + "}"
+                    value, format_of = field
+                    template += "{" + format_of + "}"
                     fields.append(value)
         line = line_of(node)
         if not fields:
@@ -132,7 +136,7 @@ class Expressions:
         return Call(line, Member(line, Literal(line, template), "format"), tuple(fields))
 
     def _parts(self, node: Node) -> Iterator[tuple[str, tuple[Expression, str] | None]]:
-        """Yield the texts of a string, each with the replacement field behind it: value and specification."""
+        """Yield the texts of a string, each with the replacement field behind it: value and format."""
         start, end = node.named_children[0], node.named_children[-1]
         prefix = code(start)
         raw = node.text or b""
@@ -151,13 +155,12 @@ class Expressions:
         yield text(last), None
 
     def _field(self, node: Node) -> tuple[Expression, str]:
-        specification = next((child for child in node.named_children if child.type == "format_specifier"), None)
+        parts = {child.type: child for child in node.named_children}
         value = self.expression(node.named_children[0] if node.named_child_count else None)
-        if specification is None:
-            return value, ""
-        if specification.named_child_count:
+        specification = parts.get("format_specifier")
+        if specification is not None and specification.named_child_count:
             return Opaque(line_of(node), code(node)[:_SHOWN], (value,)), ""
-        return value, code(specification)
+        return value, code(parts.get("type_conversion")) + code(specification)
 
     # Operators
 
@@ -238,16 +241,17 @@ class Expressions:
         return Display(line_of(node), self._all(node.named_children))
 
     def _dictionary(self, node: Node) -> Expression:
+        line = line_of(node)
+        parts: list[Expression] = []
         pairs: list[tuple[Expression, Expression]] = []
-        spread: list[Expression] = []
         for child in node.named_children:
             if child.type == "pair":
                 pairs.append(self._pair(child))
             elif child.type == "dictionary_splat":
-                spread.append(self.expression(child.named_children[0]))
-        line = line_of(node)
-        held = Pairs(line, tuple(pairs))
-        return Binary(line, "|", (*spread, held)) if spread else held
+                parts += [Pairs(line, tuple(pairs)), self.expression(child.named_children[0])]
+                pairs = []
+        parts.append(Pairs(line, tuple(pairs)))
+        return Binary(line, "|", tuple(parts)) if len(parts) > 1 else parts[0]
 
     def _pair(self, node: Node) -> tuple[Expression, Expression]:
         return self.expression(node.child_by_field_name("key")), self.expression(node.child_by_field_name("value"))
@@ -276,9 +280,13 @@ class Expressions:
         """Return a loop over a collection; targets that are no plain names are assigned in its body."""
         names = [target] if target is not None and target.type not in _LISTS else list(_children(target))
         if names and all(name.type == "identifier" for name in names):
-            return Loop(line, Block(line, body, open=True), tuple(code(name) for name in names), over)
-        first = Step(line, Assign(line, self.expression(target), Name(line, (_ITEM,))))
-        return Loop(line, Block(line, (first, *body), open=True), (_ITEM,), over)
+            made = Loop(line, Block(line, body, open=True), tuple(code(name) for name in names), over)
+        else:
+            first = Step(line, Assign(line, self.expression(target), Name(line, (_ITEM,))))
+            made = Loop(line, Block(line, (first, *body), open=True), (_ITEM,), over)
+        if self.sources is not None and target is not None:
+            self.sources[made] = target
+        return made
 
     # Functions
 

@@ -20,6 +20,7 @@ from kg.symbolic.values import (
     Bound,
     Closure,
     Kind,
+    Mapping,
     Object,
     Pack,
     Sequence,
@@ -31,7 +32,8 @@ from kg.symbolic.values import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable
+    from collections.abc import Mapping as Names
 
     from kg.corpus.files import FilePath
     from kg.extract.python.modules import Modules
@@ -59,18 +61,17 @@ class Python:
     """The meaning of Python in one program, with `main` as the module that runs first."""
 
     machine: Machine
+    calls_of: type[Calls] = Calls
+    counted = staticmethod(counted)
+    elements = staticmethod(library.elements)
 
     def __init__(self, modules: Modules, main: PythonUnit | None = None) -> None:
         self.modules = modules
-        self.calls = Calls(self)
+        self.calls = self.calls_of(self)
         self.call = self.calls.call
         self.construct_expression = self.calls.construct_expression
         self.escape = self.calls.escape
         self.create = self.calls.create
-        self.counted = counted
-        self.with_element = with_element
-        self.elements = library.elements
-        self.element = library.element
         self.classes: dict[Class, Variables] = {}
         """The variables of each class that was defined."""
         self.around: dict[Class, Frame] = {}
@@ -84,7 +85,7 @@ class Python:
         """The modules outside of the build from which a module takes all names, by the identity of its variables."""
 
     @property
-    def expressions(self) -> Mapping[type, Callable[[Any, Frame], Value]]:
+    def expressions(self) -> Names[type, Callable[[Any, Frame], Value]]:
         """How expressions run that only Python has."""
         return {form.Import: self._import, form.Define: self._define, form.Spread: self._spread}
 
@@ -96,12 +97,17 @@ class Python:
         if made is None:
             name = "__main__" if unit is self._main else unit.name
             made = Object(Kind((MODULE, unit.name)), path=unit.path)
-            made.fields.update({"__name__": Text.of(name), "__file__": Text.hole("it is the path of the file")})
+            made.fields.update({"__name__": Text.of(name), "__file__": self.path_of(unit)})
             self._loaded[unit.key] = made
             self._waiting[id(made)] = unit
         if not lazy or mentions_ros(unit.source):
             self._run(made)
         return made
+
+    def path_of(self, unit: PythonUnit) -> Value:
+        """Return the path of a module, as a text of the program."""
+        del unit
+        return Text.hole("it is the path of the file")
 
     def _run(self, module: Object) -> None:
         unit = self._waiting.pop(id(module), None)
@@ -174,7 +180,7 @@ class Python:
         below = self.modules.find(f".{name}", unit) if unit.is_package else None
         return self.module(below, lazy=True) if below is not None else None
 
-    def _starred(self, name: str, variables: Mapping[str, object]) -> Value | None:
+    def _starred(self, name: str, variables: Names[str, object]) -> Value | None:
         modules = self._stars.get(id(variables))
         names = self.modules.starred(name, modules) if modules and name not in BUILTINS else None
         return self._constant(TypeValue(Kind(names))) if names is not None else None
@@ -369,6 +375,16 @@ class Python:
         return value
 
     # Operators
+
+    def element(self, of: Value, key: Value) -> Value:
+        """Return the element of a container at a key; a `defaultdict` makes those that it does not have."""
+        if isinstance(of, Mapping) and of.default is not None and all(key != own for own, _ in of.items):
+            return self.calls.value(of.default)
+        return library.element(of, key)
+
+    def with_element(self, of: Value, key: Value, value: Value) -> Value:
+        """Return a container with an element set."""
+        return with_element(of, key, value)
 
     def formatted(self, row: tuple[Value, ...]) -> Value:
         """Return the text of `format % value`."""

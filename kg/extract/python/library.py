@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.python import texts
+from kg.extract.python import functions, paths, texts
 from kg.facts import Resolution
 from kg.holes import Hole, label_of
 from kg.symbolic import containers
@@ -47,7 +48,8 @@ __all__ = ["CONSTANTS", "call", "element", "elements", "member", "method", "obje
 
 _COMPUTED: Final = Unknown("it is computed when the program runs")
 _NOTHING: Final = NULL
-_MOST_NUMBERS: Final = 64
+_MOST_ITEMS: Final = 5_000
+"""How many items of a range are known, and how many calls add to a list."""
 _SAME: Final = frozenset({"get_parameter_value", "copy", "to_msg", "get_type_hash"})
 _VALUES: Final = frozenset({"value", *(f"{kind}_value" for kind in ("string", "integer", "double", "bool"))}) | {
     f"{kind}_array_value" for kind in ("string", "integer", "double", "bool")
@@ -57,6 +59,10 @@ CONSTANTS: Final[dict[str, Value]] = {
     "sys.argv": COMMAND_LINE,
     "os.sep": Text.of("/"),
     "os.path.sep": Text.of("/"),
+    "os.pathsep": Text.of(":"),
+    "os.linesep": Text.of("\n"),
+    "math.pi": Number(math.pi, repr(math.pi)),
+    "math.tau": Number(math.tau, repr(math.tau)),
     "rclpy.duration.Infinite": duration(INFINITE),
     **{
         f"diagnostic_updater.{name}": TypeValue(Kind(("diagnostic_msgs", "msg", name)))
@@ -74,7 +80,7 @@ def elements(of: Value) -> list[Value]:
         keys = [key for key, _ in of.items]
         return keys if keys or of.parameter is None else [key_of(of.parameter)]
     if isinstance(of, Text) and of.known is not None and of.parameter is None:
-        return [replace(of, parts=(letter,)) for letter in of.known[:_MOST_NUMBERS]]
+        return [replace(of, parts=(letter,)) for letter in of.known[:_MOST_ITEMS]]
     return containers.elements(of)
 
 
@@ -98,8 +104,10 @@ def _is_open(of: Value) -> bool:
 
 
 def member(of: Value, name: str) -> Value | None:
-    """Return a member of a parameter, an enumerator or a number; None for others."""
-    return of if name in _VALUES else None
+    """Return a member of a parameter, an enumerator, a number or a path; None for others."""
+    if name in _VALUES:
+        return of
+    return paths.MEMBERS[name](of) if isinstance(of, Text) and name in paths.MEMBERS else None
 
 
 # Functions
@@ -110,7 +118,7 @@ def call(language: Python, names: tuple[str, ...], given: Arguments) -> Value | 
     path = ".".join(names)
     apply = _FUNCTIONS.get(path)
     if apply is not None:
-        return over(given.values, lambda *row: apply(list(row), given))
+        return language.machine.over(given.values, lambda *row: apply(list(row), given))
     special = _SPECIAL.get(path)
     return special(language, given) if special is not None else None
 
@@ -126,18 +134,19 @@ def _string(values: list[Value], given: Arguments) -> Value:
 
 
 def _listed(values: list[Value], given: Arguments) -> Value:
-    """`list(x)`, `tuple(x)`, `sorted(x)`, `reversed(x)`, `set(x)`."""
+    """`list(x)`, `tuple(x)`, `set(x)`."""
     del given
     if not values:
         return Sequence(())
     of = values[0]
-    if isinstance(of, Mapping) and of.items:
-        return Sequence(tuple(elements(of)), of.open)
+    if (isinstance(of, Mapping) and of.items) or (isinstance(of, Text) and of.known is not None):
+        return Sequence(tuple(elements(of)), _is_open(of))
     return of
 
 
 def _countable(value: Value) -> list[Value] | None:
     known = isinstance(value, Sequence | Mapping) and not value.open
+    known = known or (isinstance(value, Text) and value.known is not None)
     return elements(value) if known or is_unknown_parameter(value) else None
 
 
@@ -167,7 +176,8 @@ def _range(values: list[Value], given: Arguments) -> Value:
     bounds = [int(value.value) for value in values if isinstance(value, Number)]
     if not bounds or len(bounds) != len(values) or len(bounds) > 3 or bounds[2:] == [0]:  # noqa: PLR2004 - start, stop, step
         return _COMPUTED
-    return Sequence(tuple(number(one) for one in range(*bounds)[:_MOST_NUMBERS]))
+    numbers = range(*bounds)
+    return Sequence(tuple(map(number, numbers))) if not numbers[_MOST_ITEMS:] else Unknown("a range is too long")
 
 
 def _length(values: list[Value], given: Arguments) -> Value:
@@ -182,14 +192,16 @@ def _length(values: list[Value], given: Arguments) -> Value:
 
 def _dictionary(values: list[Value], given: Arguments) -> Value:
     pairs: tuple[tuple[Value, Value], ...] = ()
+    is_open = False
     if values and isinstance(values[0], Mapping):
-        pairs = values[0].items
+        pairs, is_open = values[0].items, values[0].open
     elif values and isinstance(values[0], Sequence):
         rows = [item.items for item in values[0].items if isinstance(item, Sequence)]
         pairs = tuple((row[0], row[1]) for row in rows if len(row) == 2)  # noqa: PLR2004 - key and value
+        is_open = values[0].open or len(pairs) < len(values[0].items)
     elif values:
         return _COMPUTED
-    return Mapping((*pairs, *((Text.of(name), value) for name, value in given.named.items())))
+    return Mapping((*pairs, *((Text.of(name), value) for name, value in given.named.items())), is_open)
 
 
 def _truth(values: list[Value], given: Arguments) -> Value:
@@ -197,19 +209,43 @@ def _truth(values: list[Value], given: Arguments) -> Value:
     return values[0] if values and isinstance(values[0], Truth | Number) else _COMPUTED
 
 
-def _join_path(values: list[Value], given: Arguments) -> Value:
-    """`os.path.join` and the joins of names: parts with one slash between them; an absolute part starts anew."""
+def _join_names(values: list[Value], given: Arguments) -> Value:
+    """The joins of names; a private name starts anew."""
     del given
-    joined = Text.of("")
-    for value in values:
-        part = as_text(texts.stringified(value))
-        first, last = part.parts[0], joined.parts[-1] if joined.parts else ""
-        if isinstance(first, str) and first.startswith(("/", "~")):
-            joined = part
-            continue
-        slash = "" if last == "" or (isinstance(last, str) and last.endswith("/")) else "/"
-        joined = as_text(concatenate(joined, Text.of(slash), part))
-    return joined
+    private = [index for index, one in enumerate(values) if isinstance(one, Text) and one.shown.startswith("~")]
+    return paths.joined(values[private[-1] if private else 0 :])
+
+
+def _join_path(values: list[Value], given: Arguments) -> Value:
+    del given
+    return paths.joined(values)
+
+
+def _function(apply: Callable[..., Value]) -> Callable[[list[Value], Arguments], Value]:
+    """Return a function of `kg.extract.python.functions`; `reverse=True` turns the order of its items round."""
+
+    def called(values: list[Value], given: Arguments) -> Value:
+        made = apply(values, _countable)
+        backwards = given.named.get("reverse") == Truth(True)
+        return replace(made, items=made.items[::-1]) if backwards and isinstance(made, Sequence) else made
+
+    return called
+
+
+def _path(apply: Callable[[Text], Value]) -> Callable[[list[Value], Arguments], Value]:
+    """Return a function of one path."""
+
+    def called(values: list[Value], given: Arguments) -> Value:
+        del given
+        return apply(as_text(values[0])) if values else _COMPUTED
+
+    return called
+
+
+def _default(values: list[Value], given: Arguments) -> Value:
+    """`defaultdict(factory)`."""
+    del given
+    return Mapping((), default=values[0] if values else None)
 
 
 def _typed(kind: str) -> Callable[[list[Value], Arguments], Value]:
@@ -241,9 +277,11 @@ def _command_line(values: list[Value], given: Arguments) -> Value:
 
 
 _FUNCTIONS: Final[dict[str, Callable[[list[Value], Arguments], Value]]] = {
-    **{f"builtins.{name}": _listed for name in ("list", "tuple", "sorted", "reversed", "set", "frozenset", "iter")},
+    **{f"builtins.{name}": _listed for name in ("list", "tuple", "set", "frozenset", "iter")},
     **{f"builtins.{name}": _string for name in ("str", "unicode", "repr")},
-    **{f"builtins.{name}": _first for name in ("int", "float", "bool", "abs")},
+    **{name: _function(apply) for name, apply in functions.FUNCTIONS.items()},
+    **{name: _path(apply) for name, apply in paths.FUNCTIONS.items()},
+    **{f"pathlib.{name}": _join_path for name in ("Path", "PurePath", "PosixPath")},
     **{f"builtins.{name}": _range for name in ("range", "xrange")},
     "builtins.zip": _zip,
     "itertools.izip": _zip,
@@ -251,13 +289,14 @@ _FUNCTIONS: Final[dict[str, Callable[[list[Value], Arguments], Value]]] = {
     "builtins.len": _length,
     "builtins.dict": _dictionary,
     "collections.OrderedDict": _dictionary,
+    "collections.defaultdict": _default,
     "rospy.numpy_msg.numpy_msg": _first,
     "copy.copy": _first,
     "copy.deepcopy": _first,
     "ast.literal_eval": _truth,
     **dict.fromkeys(("os.path.join", "posixpath.join"), _join_path),
     **dict.fromkeys(("os.environ.get", "os.getenv"), _environment),
-    **{f"{package}.names.ns_join": _join_path for package in ("rosgraph", "roslib", "rospy")},
+    **{f"{package}.names.ns_join": _join_names for package in ("rosgraph", "roslib", "rospy")},
     "roslib.message.get_message_class": _typed("msg"),
     "roslib.message.get_service_class": _typed("srv"),
     "rosidl_runtime_py.utilities.get_message": _typed("msg"),
@@ -404,6 +443,8 @@ def method(language: Python, of: Value, name: str, given: Arguments, written: Ex
     if name == "get" and values:
         return _got(of, values, given)
     if isinstance(of, Text):
+        if name in paths.METHODS:
+            return paths.METHODS[name](of, values)
         if name == "format":
             return texts.braces(of, values, given.named)
         if name in ("startswith", "endswith") and len(values) == 1:
@@ -427,16 +468,25 @@ def _changed(of: Sequence | Mapping, name: str, values: list[Value], given: Argu
             return merged
         if name == "setdefault" and values and all(key != values[0] for key, _ in of.items):
             return with_element(of, values[0], values[1] if len(values) > 1 else NULL)
-        return of if name in ("setdefault", "pop") else None
+        if name == "pop" and values:
+            return replace(of, items=tuple(pair for pair in of.items if pair[0] != values[0]))
+        return of if name == "setdefault" else None
     if name in ("append", "add", "appendleft", "put") and values:
-        return replace(of, items=(*of.items, values[0])) if len(of.items) < _MOST_NUMBERS else replace(of, open=True)
+        return replace(of, items=(*of.items, values[0])) if len(of.items) < _MOST_ITEMS else replace(of, open=True)
     if name == "insert" and len(values) > 1:
-        return replace(of, items=(values[1], *of.items))
+        at = int(values[0].value) if isinstance(values[0], Number) else 0
+        return replace(of, items=(*of.items[:at], values[1], *of.items[at:]))
+    if name == "reverse":
+        return replace(of, items=of.items[::-1])
+    if name == "pop":
+        popped = element(of, values[0] if values else number(-1))
+        at = next((index for index, one in enumerate(of.items) if one is popped), len(of.items))
+        return replace(of, items=(*of.items[:at], *of.items[at + 1 :]))
     if name in ("extend", "update") and values:
         more = values[0]
         known = isinstance(more, Sequence) and not more.open
         return replace(of, items=(*of.items, *elements(more)), open=of.open or not known)
-    return of if name in ("sort", "reverse", "pop", "remove", "popleft") else None
+    return of if name in ("sort", "remove", "discard", "popleft") else None
 
 
 def _popped(of: Sequence | Mapping, name: str, values: list[Value]) -> Value:

@@ -25,8 +25,8 @@ from kg.symbolic.form import (
     Lambda,
     Literal,
     Loop,
+    Member,
     Name,
-    Opaque,
     Return,
     Spread,
     Step,
@@ -190,6 +190,14 @@ class Statements:
     def _continue(self, node: Node) -> list[Statement]:
         return [Jump(line_of(node), "continue")]
 
+    def _delete(self, node: Node) -> list[Statement]:
+        """Return the removal of entries: `del of[key]` as `of.pop(key)`."""
+        line = line_of(node)
+        targets = chain.from_iterable(_parts(child) for child in node.named_children)
+        held = [self._expressions.expression(target) for target in targets]
+        found = [one for one in held if isinstance(one, Index)]
+        return [Step(line, Call(line, Member(line, one.of, "pop"), (one.key,))) for one in found]
+
     # Imports
 
     def _import(self, node: Node) -> list[Statement]:
@@ -270,13 +278,28 @@ class Statements:
             if case.type != "case_clause":
                 continue
             pattern = next((child for child in case.named_children if child.type == "case_pattern"), None)
-            inner = pattern.named_children[0] if pattern is not None and pattern.named_child_count else None
             held = self._block(case.child_by_field_name("consequence"))
-            if inner is None or inner.type in ("dotted_name", "identifier"):
-                arms.append((None if inner is None else Opaque(line_of(case), code(inner)), held))
-            else:
-                arms.append((Binary(line_of(case), "==", (subject, self._expressions.expression(inner))), held))
+            test = self._matches(pattern, subject)
+            guard = next((child for child in case.named_children if child.type == "if_clause"), None)
+            if guard is not None and guard.named_child_count:
+                guarded = self._expressions.expression(guard.named_children[0])
+                test = guarded if test is None else Binary(line_of(case), "and", (test, guarded))
+            arms.append((test, held))
         return [Branch(line_of(node), tuple(arms))]
+
+    def _matches(self, pattern: Node | None, subject: Expression) -> Expression | None:
+        """Return the condition under which a pattern of `match` fits; None if it always does."""
+        inner = pattern.named_children[0] if pattern is not None and pattern.named_child_count else None
+        if inner is None:
+            return None
+        line = line_of(inner)
+        if inner.type == "dotted_name" and inner.named_child_count == 1:
+            bound = Assign(line, Name(line, (code(inner),)), subject)
+            return Binary(line, ",", (bound, Literal(line, True)))
+        if inner.type == "union_pattern":
+            parts = [Binary(line, "==", (subject, self._expressions.expression(one))) for one in inner.named_children]
+            return Binary(line, "or", tuple(parts))
+        return Binary(line, "==", (subject, self._expressions.expression(inner)))
 
     # Functions and classes
 
@@ -351,6 +374,7 @@ class Statements:
         "expression_statement": _step,
         **dict.fromkeys(("print_statement", "assert_statement", "exec_statement"), _values),
         "ERROR": _broken,
+        "delete_statement": _delete,
         "return_statement": _return,
         "raise_statement": _raise,
         "break_statement": _break,
@@ -367,6 +391,10 @@ class Statements:
         "function_definition": _function,
         "class_definition": _class,
     }
+
+
+def _parts(node: Node) -> list[Node]:
+    return node.named_children if node.type == "expression_list" else [node]
 
 
 def _import_names(node: Node) -> tuple[str, str | None]:

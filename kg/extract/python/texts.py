@@ -6,10 +6,12 @@ What a replacement field makes of an unknown value stays a hole.
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from string import Formatter
 from typing import TYPE_CHECKING, Final
 
+from kg.symbolic.operators import NULL, plain
 from kg.symbolic.values import (
     Either,
     Mapping,
@@ -21,31 +23,35 @@ from kg.symbolic.values import (
     Value,
     concatenate,
     join,
+    number,
     over,
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
     from collections.abc import Mapping as Names
 
 __all__ = ["braces", "method", "percent", "stringified"]
 
 _HOLE: Final = Unknown("part of it is not known")
-_INTEGER: Final = frozenset("diu")
-_KEPT: Final = frozenset({"strip", "lstrip", "rstrip", "encode", "decode"})
+_KEPT: Final = frozenset({"strip", "lstrip", "rstrip"})
 """Methods that leave a text that is not known as it is."""
-_FEWEST_TO_REPLACE: Final = 2
+_METHODS: Final = _KEPT | {
+    "capitalize", "casefold", "count", "find", "index", "isalnum", "isalpha", "isdecimal", "isdigit", "islower",
+    "isspace", "isupper", "lower", "partition", "removeprefix", "removesuffix", "replace", "rfind", "rpartition",
+    "rsplit", "split", "splitlines", "swapcase", "title", "upper",
+}  # fmt: skip
+_LONGEST_TO_REPLACE: Final = 2_000
+_LONGEST_FORMAT: Final = 6
+_SPECIFICATION: Final = re.compile(r"[-+ #0<>^=,]*\d{0,3}(?:\.\d{1,3})?[a-zA-Z%]?|.[<>^=]\d{0,3}")
+"""A format of a width that a program can mean."""
 
 
 def stringified(value: Value) -> Value:
     """Return what `str(value)` gives."""
     if isinstance(value, Either):
         return over((value,), stringified)
-    if isinstance(value, Number):
-        whole = value.value == int(value.value) and not any(mark in value.written for mark in ".eE")
-        return Text.of(str(int(value.value)) if whole else str(value.value))
-    if isinstance(value, Truth) and value.parameter is None:
-        return Text.of(str(value.value))
+    if isinstance(value, Number) or (isinstance(value, Truth) and value.parameter is None) or value == NULL:
+        return Text.of(str(plain(value)))
     return value if isinstance(value, Text | Unknown) else _HOLE
 
 
@@ -86,15 +92,15 @@ def _directive(rest: str, waiting: list[Value], whole: Value) -> tuple[Value, st
 
 
 def _converted(value: Value | None, flags: str, kind: str) -> Value:
-    if value is None or "*" in flags:
+    if value is not None and kind == "s" and not flags:
+        return stringified(value)
+    known = plain(value) if value is not None else None
+    if known is None or len(flags) > _LONGEST_FORMAT:
         return _HOLE
-    if kind in _INTEGER:
-        return Text.of(f"%{flags}d" % int(value.value)) if isinstance(value, Number) else _HOLE
-    piece = stringified(value) if kind == "s" else _HOLE
-    if not flags:
-        return piece
-    known = piece.known if isinstance(piece, Text) else None
-    return _HOLE if known is None else Text.of(f"%{flags}s" % known)
+    try:
+        return Text.of(f"%{flags}{kind}" % known)
+    except (ValueError, TypeError, OverflowError):
+        return _HOLE
 
 
 def braces(template: Value, positional: list[Value], named: Names[str, Value]) -> Value:
@@ -114,28 +120,26 @@ def braces(template: Value, positional: list[Value], named: Names[str, Value]) -
         return concatenate(_HOLE)
     pieces: list[Value] = []
     counter = iter(range(len(fields)))
-    for literal, name, specification, _ in fields:
+    for literal, name, specification, conversion in fields:
         pieces.append(Text.of(literal))
         if name is not None:
             key = name or str(next(counter))
             value = named.get(key, _HOLE)
             if key.isdigit():
                 value = positional[int(key)] if int(key) < len(positional) else _HOLE
-            pieces.append(_specified(value, specification or ""))
+            pieces.append(_specified(value, specification or "", conversion or ""))
     return _carried(template, concatenate(*pieces))
 
 
-def _specified(value: Value, specification: str) -> Value:
+def _specified(value: Value, specification: str, conversion: str) -> Value:
     """Return what a replacement field makes of a value; with a specification, it is known only for known values."""
-    if not specification:
+    if not specification and conversion in ("", "s"):
         return stringified(value)
-    known: str | float | None = None
-    if isinstance(value, Text):
-        known = value.known
-    elif isinstance(value, Number):
-        known = int(value.value) if value.value == int(value.value) and "." not in value.written else value.value
-    if known is None or "{" in specification:
+    known = plain(value)
+    if known is None or not _SPECIFICATION.fullmatch(specification):
         return _HOLE
+    if conversion:
+        known = repr(known) if conversion in ("r", "a") else str(known)
     try:
         return Text.of(format(known, specification))
     except (ValueError, OverflowError):
@@ -148,23 +152,33 @@ def _carried(template: Text, made: Value) -> Value:
 
 
 def method(of: Text, name: str, arguments: list[Value]) -> Value | None:
-    """Return the result of a method of `str` that gives a text or a list of texts; None for other methods."""
-    given = [one.known if isinstance(one, Text) else None for one in arguments]
+    """Return the result of a method of `str` that only reads it; None for other methods."""
     if name == "join" and len(arguments) == 1:
         return _joined(of, arguments[0])
-    if name in ("split", "rsplit") and len(given) <= 1:
-        separator = given[0] if given else None
-        if of.known is None or separator == "" or (given and separator is None):
-            return None
-        return Sequence(tuple(replace(of, parts=(part,)) for part in of.known.split(separator)))
+    if name in ("encode", "decode"):
+        return of
     if name not in _METHODS:
         return None
     if of.known is None:
         kept = replace(of, parts=of.parts)
         return kept if name in _KEPT else concatenate(Unknown("it is computed when the program runs", of.parameter))
-    if None in given and name not in ("encode", "decode"):
-        return concatenate(_HOLE)
-    return replace(of, parts=(_METHODS[name](of.known, [one for one in given if one is not None]),))
+    given = [plain(one) for one in arguments]
+    if None in given or (name == "replace" and len(of.known) > _LONGEST_TO_REPLACE):
+        return concatenate(_HOLE) if name not in ("split", "rsplit") else None
+    try:
+        return _result(of, getattr(of.known, name)(*given))
+    except (ValueError, TypeError):
+        return Unknown(f"`str.{name}` fails")
+
+
+def _result(of: Text, made: object) -> Value:
+    if isinstance(made, str):
+        return replace(of, parts=(made,))
+    if isinstance(made, bool):
+        return Truth(made, of.parameter)
+    if isinstance(made, list | tuple):
+        return Sequence(tuple(_result(of, part) for part in made))
+    return number(int(made), of.parameter) if isinstance(made, int) else _HOLE
 
 
 def _joined(separator: Text, items: Value) -> Value | None:
@@ -177,24 +191,3 @@ def _joined(separator: Text, items: Value) -> Value | None:
     for index, item in enumerate(items.items):
         pieces += [separator, stringified(item)] if index else [stringified(item)]
     return concatenate(*pieces)
-
-
-def _called(name: str) -> Callable[[str, list[str]], str]:
-    def apply(text: str, given: list[str]) -> str:
-        result: str = getattr(text, name)(*given[:1])
-        return result
-
-    return apply
-
-
-_METHODS: Final[dict[str, Callable[[str, list[str]], str]]] = {
-    **{name: _called(name) for name in ("strip", "lstrip", "rstrip", "removeprefix", "removesuffix")},
-    "lower": lambda text, _: text.lower(),
-    "upper": lambda text, _: text.upper(),
-    "title": lambda text, _: text.title(),
-    "capitalize": lambda text, _: text.capitalize(),
-    "encode": lambda text, _: text,
-    "decode": lambda text, _: text,
-    "replace": lambda text, given: text.replace(given[0], given[1]) if len(given) >= _FEWEST_TO_REPLACE else text,
-}
-"""Methods that give a text for a known text and known arguments."""

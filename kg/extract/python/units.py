@@ -20,13 +20,14 @@ __all__ = ["PythonUnit"]
 
 
 class PythonUnit(Unit):
-    """A lowered file. `error` is the line of the first part that does not parse."""
+    """A lowered file. `error` is the line of the first part that does not parse, `sources` as of `Expressions`."""
 
-    def __init__(self, key: FilePath, source: bytes) -> None:
+    def __init__(self, key: FilePath, source: bytes, sources: dict[object, Node] | None = None) -> None:
         self.key = key
         self.source = source
+        self.sources = sources
         self.root: Node = parse(source).root_node
-        self._statements = Statements(self, Expressions(self))
+        self._statements = Statements(self, Expressions(self, sources))
         self.error = first_error(self.root)
 
     @property

@@ -1,5 +1,9 @@
 from __future__ import annotations
 
+import itertools
+import math
+import os
+import pathlib
 from typing import TYPE_CHECKING
 
 import pytest
@@ -9,7 +13,8 @@ from hypothesis import strategies as st
 
 from kg.facts import Resolution
 from kg.holes import Hole
-from kg.symbolic.values import Mapping, Sequence, Text
+from kg.symbolic.operators import is_floating
+from kg.symbolic.values import Mapping, Number, Sequence, Text
 
 if TYPE_CHECKING:
     from hypothesis.strategies import SearchStrategy
@@ -96,6 +101,43 @@ def test_python_s_own_functions_are_computed(words: list[str], start: int) -> No
 
 
 @pytest.mark.parametrize(
+    "expression",
+    [
+        "int('12') + abs(-3)", "float('1.5') * 2", "1.0 * 2", "7 // 2", "6 / 3", "str(0.5 + 0.5)", "-1.5", "bool([])",
+        "'ab' * 3", "'a' == 1", "1 == 1.0", "[1, 'a'] == [1, 'a']", "[1] == [1, 2]", "'%5.2f|%s' % (1.25, True)",
+        "f'{1.5:.3f}{\"a\"!r}{2!s:>4}'", "'{0!r}'.format('x')", "str(None)", "'a,b,c'.rsplit(',', 1)[1]",
+        "'a.b'.partition('.')[2]", "'aXb'.swapcase()", "'abc'.find('c')", "'12'.isdigit()", "'a b'.split()[1]",
+        "sorted(['b', 'a'])[0]", "sorted([3, 1], reverse=True)[0]", "list(reversed([1, 2]))[0]", "sum([1, 2, 3])",
+        "max([1, 5, 2])", "min(4, 2)", "all([1, 'a'])", "any([0, ''])", "list('abc')[1]", "[*['a', 'b'], 'c'][1]",
+        "{**{'a': 1}, 'b': 2, **{'a': 3}}['a']", "(lambda *a, k='d': k)('x', 'y')", "[1, 2, 3, 4][1:3][0]",
+    ],
+)  # fmt: skip
+def test_operations_are_what_python_makes_of_them(expression: str) -> None:
+    """Numbers keep their kind, and functions and methods of Python give what Python computes."""
+    computed = eval(expression)  # noqa: S307 - Python itself is the reference, on the expressions above
+    [value] = values_of(f"x = {expression}\n")
+    assert plain(value) == computed
+    assert not isinstance(value, Number) or is_floating(value) == isinstance(computed, float)
+
+
+@pytest.mark.parametrize(
+    "expression",
+    [
+        "os.path.dirname('/a/b/c')", "os.path.basename('a/b.py')", "os.path.normpath('/a/../b')",
+        "os.path.splitext('a/b.yaml')[1]", "os.path.join('a', '/b')", "str(pathlib.Path('a') / 'b' / 'c.txt')",
+        "pathlib.Path('/a/b.c').stem", "str(pathlib.Path('/a/b.c').parent)", "pathlib.Path('a/b.c').suffix",
+        "str(pathlib.Path('a').joinpath('b'))", "str(pathlib.Path('a/b.c').with_suffix('.d'))",
+        "list(itertools.chain([1], [2]))[1]", "list(itertools.product('ab', 'cd'))[3][0]", "math.pi",
+    ],
+)  # fmt: skip
+def test_modules_of_python_are_computed(expression: str) -> None:
+    """Paths, `itertools` and `math` of known values are known."""
+    imports = "import os, pathlib, itertools, math\n"
+    computed = eval(expression, {"os": os, "pathlib": pathlib, "itertools": itertools, "math": math})  # noqa: S307 - the reference
+    assert [plain(value) for value in values_of(f"{imports}x = {expression}\n")] == [computed]
+
+
+@pytest.mark.parametrize(
     ("text", "known"),
     [
         ("x = 'a'\nx += '/b'\n", ["a/b"]),
@@ -118,6 +160,16 @@ def test_python_s_own_functions_are_computed(words: list[str], start: int) -> No
         ("def f():\n    global x\n    x = 'g'\nf()\n", ["g"]),
         ("with 'w' as x:\n    pass\n", ["w"]),
         ("x = (y := 'a') + y\n", ["aa"]),
+        ("a, *b = ['1', '2', '3']\nx = b[1]\n", ["3"]),
+        ("*a, x = ['1', '2', '3']\n", ["3"]),
+        ("d = {'a': '1', 'b': '2'}\ndel d['a']\nx = list(d)[0]\n", ["b"]),
+        ("l = ['a', 'b', 'a']\nx = l.pop() + str(len(l))\n", ["a2"]),
+        ("def f(l):\n    l.append('b')\nl = ['a']\nf(l)\nx = l[1]\n", ["b"]),
+        ("def f(l):\n    l = l + ['b']\nl = ['a']\nf(l)\nx = str(len(l))\n", ["1"]),
+        ("from collections import defaultdict\nd = defaultdict(list)\nd['k'].append('v')\nx = d['k'][0]\n", ["v"]),
+        ("m = 'b'\nmatch m:\n    case 'a' | 'b':\n        x = 'c'\n    case _:\n        x = 'd'\n", ["c"]),
+        ("m = 'e'\nmatch m:\n    case 'a':\n        x = 'c'\n    case n if n == 'e':\n        x = n\n", ["e"]),
+        ("from dataclasses import dataclass\n@dataclass\nclass A:\n    p: str\n    q: str\nx = A('1', '2').q\n", ["2"]),
     ],
 )  # fmt: skip
 def test_bindings(text: str, known: list[str | None]) -> None:

@@ -1,33 +1,338 @@
-"""All functions that the reader knows, by their last name, or by the full one where another could be meant."""
+"""The functions and classes that launch files use, by name: of launch and ament, of files, YAML and the environment.
+
+What a class of launch is given becomes an object, whose meaning is read when the launch description is complete.
+"""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.ros2.python.conditions import CONDITIONS
-from kg.extract.launch.ros2.python.control import CONTROL
+from kg.extract.launch.ros2.context import HOLE
+from kg.extract.launch.ros2.python.conditions import CONDITIONS, condition
+from kg.extract.launch.ros2.python.documents import read_json, read_yaml
 from kg.extract.launch.ros2.python.entities import ENTITIES
-from kg.extract.launch.ros2.python.events import EVENTS
-from kg.extract.launch.ros2.python.includes import INCLUDES
-from kg.extract.launch.ros2.python.nodes import NODES
-from kg.extract.launch.ros2.python.substitutions import SUBSTITUTIONS
-from kg.extract.launch.ros2.python.system import SYSTEM
+from kg.extract.launch.ros2.python.substitutions import PLAIN, SUBSTITUTIONS, is_substitution
+from kg.extract.launch.ros2.python.values import (
+    Later,
+    Made,
+    guarded,
+    later,
+    launch_text,
+    reason_of,
+    text_of,
+)
+from kg.extract.python import library as python
+from kg.extract.python.paths import joined
+from kg.symbolic.operators import NULL
+from kg.symbolic.state import Arguments
+from kg.symbolic.values import Kind, Mapping, Sequence, Text, Truth, Unknown, Value, as_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from collections.abc import Mapping as Names
 
-    from kg.extract.launch.expressions.values import Value
-    from kg.extract.launch.ros2.python.call import Call
+    from kg.corpus.files import FilePath
+    from kg.extract.launch.ros2.python.language import LaunchPython
 
-__all__ = ["FUNCTIONS"]
+__all__ = ["CONFIGURATIONS", "NAMES", "PATH_METHODS", "call", "joined_path", "made_of", "method", "with_holes"]
 
-FUNCTIONS: Final[dict[str, Callable[[Call], Value]]] = {
-    **SYSTEM,
-    **SUBSTITUTIONS,
+CONFIGURATIONS: Final = "launch_configurations"
+_FILE: Final = "<file>"
+_MOST_TEXT: Final = 200_000
+_CLASSES: Final[Names[str, tuple[str, ...]]] = {
+    **{name: names[1:] for name, names in PLAIN.items()},
+    **{name: names for name, (names, _) in SUBSTITUTIONS.items()},
     **CONDITIONS,
-    **INCLUDES,
-    **ENTITIES,
-    **NODES,
-    **EVENTS,
-    **CONTROL,
+    **{name: names for name, (names, _) in ENTITIES.items()},
+    "LaunchContext": (),
+    "LaunchLogDir": (),
+    "LaunchConfigurationContext": (),
+    "HasNodeParams": (),
+    "ParameterValue": ("value",),
+    "Parameter": ("name", "value"),
 }
+"""Classes, and functions that make actions: the names of their parameters in order."""
+
+
+# Calls
+
+
+def call(language: LaunchPython, kind: Kind, given: Arguments) -> Value | None:
+    """Return what a function or class gives that is not in the build; None for others."""
+    path, name = ".".join(kind.names), kind.name
+    known = _FUNCTIONS.get(path) or (_FUNCTIONS.get(name) if kind.names[0] != "builtins" else None)
+    if known is not None:
+        names, apply = known
+        fields = _bound(names, given)
+        return language.machine.over(
+            fields.values(), lambda *row: apply(language, dict(zip(fields, row, strict=True)), given)
+        )
+    if name in _CLASSES and kind.names[0] != "builtins":
+        return made_of(language, name, _bound(_CLASSES[name], given), given)
+    return python.call(language, kind.names, given)
+
+
+def _bound(names: tuple[str, ...], given: Arguments) -> dict[str, Value]:
+    fields = dict(zip(names, given.values, strict=False))
+    fields.update({f"*{index}": value for index, value in enumerate(given.values[len(names) :])})
+    return {**fields, **given.named}
+
+
+def made_of(language: LaunchPython, name: str, fields: dict[str, Value], given: Arguments | None = None) -> Made:
+    """Return an object of a class of launch."""
+    site = language.machine.stack[-1] if language.machine.stack else None
+    frame = given.frame if given is not None else None
+    file = frame.unit.key if frame is not None else site.unit.key if site is not None else language.reading.file
+    line = given.call.line if given is not None and given.call is not None else site.line if site is not None else 1
+    location = language.reading.at(file, line)
+    return Made(
+        kind=Kind(("launch", name)),
+        fields=fields,
+        given=given if given is not None else Arguments([]),
+        location=location,
+        names=_CLASSES.get(name, ()),
+    )
+
+
+# Functions
+
+
+Fields = dict[str, Value]
+
+
+def _first(fields: Fields) -> Value:
+    return next(iter(fields.values()), Unknown("it is not given"))
+
+
+def joined_path(values: tuple[Value, ...]) -> Value:
+    """Return `os.path.join`; `PREFIX/share/NAME/...` is the folder of the package NAME that it is."""
+    path = joined([text_of(launch_text(value)) if isinstance(value, Made) else value for value in values])
+    parts = path.parts if isinstance(path, Text) else ()
+    if len(parts) < 2 or not isinstance(parts[0], Later) or parts[0].part.kind != "find-pkg-prefix":  # noqa: PLR2004 - prefix and rest
+        return path
+    name, rest = parts[0].part.arguments[0], parts[1]
+    if len(name) != 1 or not isinstance(name[0], str) or not isinstance(rest, str):
+        return path
+    share = f"/share/{name[0]}"
+    if rest != share and not rest.startswith(f"{share}/"):
+        return path
+    return Text((f"package://{name[0]}{rest[len(share) :]}", *parts[2:]))
+
+
+def _join(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
+    del language, given
+    return joined_path(tuple(fields.values()))
+
+
+def _share(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
+    del given
+    name = language.settled(_first(fields))
+    known = name.known if isinstance(name, Text) else None
+    return Text.of(f"package://{known}") if known is not None else later("find-pkg-share", launch_text(name))
+
+
+def _prefix(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
+    del language, given
+    return later("find-pkg-prefix", launch_text(_first(fields)))
+
+
+def _variable(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
+    del given
+    name, default = launch_text(_first(fields)), fields.get("default")
+    made = later("env", name, launch_text(default)) if isinstance(default, Text) else later("env", name)
+    return language.settled(made) if language.reading.context is not None else made
+
+
+def _exists(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
+    del given
+    return exists(language, _first(fields))
+
+
+def exists(language: LaunchPython, path: Value) -> Value:
+    """Return whether a file exists; what is not in the build may still be there when it runs."""
+    text = language.settled(path)
+    known = text.known if isinstance(text, Text) else None
+    if known is not None and language.reading.find(known) is not None:
+        return Truth(True)
+    return Unknown(f"whether the file {known or 'named here'} exists")
+
+
+def _open(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
+    del given
+    return opened(language, _first(fields))
+
+
+def opened(language: LaunchPython, path: Value) -> Value:
+    """Return an open file; its text is unknown if it cannot be read."""
+    reading, text = language.reading, language.settled(path)
+    known = text.known if isinstance(text, Text) else None
+    file = reading.find(known) if known is not None else None
+    data = reading.files.read(file) if file is not None else None
+    if data is None or file is None:
+        why = reason_of(path) if known is None else f"the file {known} is not in the build"
+        return made_of(language, _FILE, {"text": Unknown(why)})
+    content = Text.of(data.decode("utf-8", "replace")[:_MOST_TEXT])
+    language.machine.place(content, file)
+    return made_of(language, _FILE, {"text": content})
+
+
+def _document(read: Callable[..., Value]) -> Callable[[LaunchPython, Fields, Arguments], Value]:
+    def apply(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
+        del given
+        of = _first(fields)
+        text = of.fields["text"] if isinstance(of, Made) and of.name == _FILE else language.settled(of)
+        known = text.known if isinstance(text, Text) else None
+        if known is None:
+            return Unknown(reason_of(text))
+        place = language.machine.places.get(id(text))
+        return read(language.machine, known, place[1] if place is not None else None)
+
+    return apply
+
+
+def _length(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
+    of = _first(fields)
+    if isinstance(of, Sequence) and any(guarded(item)[1] or isinstance(item, Unknown) for item in of.items):
+        return Unknown("not all items are known")
+    return python.call(language, ("builtins", "len"), given) or Unknown("the length is not known")
+
+
+def _dictionary(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
+    """Return `dict(...)`, whose keys stand where it is called."""
+    made = python.call(language, ("builtins", "dict"), replace(given, values=[_first(fields)] if given.values else []))
+    if not isinstance(made, Mapping) or given.call is None or given.frame is None:
+        return made or Unknown("it is no dictionary")
+    lines = {name: getattr(one, "line", given.call.line) for name, one in given.call.keywords}
+    pairs = [(replace(key) if isinstance(key, Text) else key, value) for key, value in made.items]
+    for key, _ in pairs:
+        known = key.known if isinstance(key, Text) else None
+        language.machine.place(key, given.frame.unit.key, lines.get(known or "", given.call.line))
+    return replace(made, items=tuple(pairs))
+
+
+def _holds(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
+    """`evaluate_condition_expression(context, expression)`."""
+    del given
+    value = language.reading.perform(fields.get("expression", NULL))
+    known = value.known.strip().lower() if isinstance(value, Text) and value.known is not None else ""
+    if known in ("true", "1", "false", "0"):
+        return Truth(known in ("true", "1"))
+    return Unknown(reason_of(value))
+
+
+def _performed(name: str) -> Callable[[LaunchPython, Fields, Arguments], Value]:
+    return lambda language, fields, _: language.reading.perform(fields.get(name, NULL))
+
+
+def _exit(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
+    from kg.extract.launch.ros2.python.machine import EXIT  # noqa: PLC0415 - each needs the other
+
+    del language, fields, given
+    return EXIT
+
+
+_FUNCTIONS: Final[dict[str, tuple[tuple[str, ...], Callable[[LaunchPython, Fields, Arguments], Value]]]] = {
+    **dict.fromkeys(("os.path.join", "pathlib.Path", "pathlib.PurePath", "pathlib.PosixPath"), ((), _join)),
+    **dict.fromkeys(("get_package_share_directory", "get_package_share_path"), (("package_name",), _share)),
+    "get_package_prefix": (("package_name",), _prefix),
+    **dict.fromkeys(("os.getenv", "os.environ.get"), (("key", "default"), _variable)),
+    **dict.fromkeys(("os.path.exists", "os.path.isfile"), (("path",), _exists)),
+    "builtins.open": (("file",), _open),
+    "builtins.len": (("obj",), _length),
+    "builtins.dict": ((), _dictionary),
+    **dict.fromkeys(("yaml.safe_load", "yaml.load", "yaml.full_load"), (("stream",), _document(read_yaml))),
+    **dict.fromkeys(
+        ("json.load", "json.loads"), (("s",), _document(lambda machine, text, _: read_json(machine, text)))
+    ),
+    "evaluate_condition_expression": (("context", "expression"), _holds),
+    "perform_substitutions": (("context", "subs"), _performed("subs")),
+    "perform_typed_substitution": (("context", "value"), _performed("value")),
+    "normalize_to_list_of_substitutions": (
+        ("subs",),
+        lambda language, fields, given: made_of(language, "TextSubstitution", {"text": _first(fields)}, given),
+    ),
+    **dict.fromkeys(("sys.exit", "builtins.exit", "builtins.quit"), ((), _exit)),
+}
+"""Functions that are evaluated at once: the names of their parameters, and what they give."""
+
+NAMES: Final = frozenset({*_CLASSES, *(name for name in _FUNCTIONS if "." not in name)})
+
+
+# Methods
+
+
+def method(language: LaunchPython, of: Made, name: str, given: Arguments) -> Value:
+    """Return what a method of an object of launch gives."""
+    reading, machine = language.reading, language.machine
+    if is_substitution(of) and name in ("perform", "evaluate"):
+        return reading.perform(of)
+    if of.name == "process_file" and name in ("toxml", "toprettyxml"):
+        return of
+    if of.name in CONDITIONS and name == "evaluate":
+        return _evaluated(language, of)
+    if of.name == "LaunchDescription" and name in ("add_action", "add_entity"):
+        added = _bound(("action" if name == "add_action" else "entity",), given)
+        file, line = _site(given)
+        held = Sequence(tuple(machine.placed(value, file, line) for value in added.values()))
+        entities = of.fields.get("entities", Sequence(()))
+        if not isinstance(entities, Sequence):
+            entities = Sequence((entities,))
+        machine.write(of.fields, "entities", machine.computed("+", (entities, held)))
+        return NULL
+    if of.name == "LaunchDescription" and name == "describe_sub_entities":
+        return of.fields.get("entities", Sequence(()))
+    if of.name == CONFIGURATIONS and name == "get":
+        fields = _bound(("key", "default"), given)
+        found = language.configuration(of, language.settled(_first(fields)))
+        unset = isinstance(found, Unknown) and found.reason.endswith("is not set")
+        return fields.get("default", NULL) if unset else found
+    if of.name == "LaunchContext" and name == "perform_substitution":
+        return reading.perform(_first(_bound(("substitution",), given)))
+    if of.name == _FILE:
+        return _of_file(of, name)
+    return Unknown(reason_of(of))
+
+
+def _site(given: Arguments) -> tuple[FilePath, int]:
+    call_of, frame = given.call, given.frame
+    assert call_of is not None and frame is not None  # noqa: PT018, S101 - methods are called by code
+    return frame.unit.key, call_of.line
+
+
+def _of_file(of: Made, name: str) -> Value:
+    text = of.fields["text"]
+    if name == "read" or isinstance(text, Unknown):
+        return text
+    if name == "readlines" and isinstance(text, Text):
+        return Sequence(tuple(map(Text.of, (text.known or "").splitlines(keepends=True))))
+    return NULL if name == "close" else Unknown(f"`{name}` of a file is not read")
+
+
+def _evaluated(language: LaunchPython, of: Made) -> Value:
+    context, held = language.reading.context, condition(of)
+    if context is None or held.value is None:
+        return Unknown(f"the condition `{held.written}` is evaluated where it cannot be known")
+    text = context.perform(held.value).strip().lower()
+    if text not in ("true", "1", "false", "0"):
+        return Unknown(f"it depends on `{held.written}`")
+    return Truth((text in ("true", "1")) is not held.negated)
+
+
+def with_holes(text: str, reason: str) -> Text:
+    """Return what the executor gave for a text; its holes are unknown for the reason."""
+    if HOLE not in text:
+        return Text.of(text)
+    pieces = text.split(HOLE)
+    parts = [one for piece in pieces[1:] for one in (Text.hole(reason).parts[0], piece)]
+    kept = tuple(part for part in (pieces[0], *parts) if part != "")
+    return Text(kept, as_text(Unknown(reason)).resolution, None, reason)
+
+
+PATH_METHODS: Final[Names[str, Callable[[LaunchPython, Text], Value]]] = {
+    "exists": exists,
+    "is_file": exists,
+    "open": opened,
+    "read_text": lambda language, of: _of_file(opened(language, of), "read"),  # type: ignore[arg-type]  # it is one
+}
+"""Methods of a path that need its file."""

@@ -6,93 +6,59 @@ build is read, and the work is bounded. Sources: the packages `launch` and `laun
 
 from __future__ import annotations
 
-import ast
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.expressions.containers import Halt
-from kg.extract.launch.expressions.values import Frame, Function, Library, Module, Unknown
-from kg.extract.launch.ros2.python.flatten import actions_of
-from kg.extract.launch.ros2.python.invoke import Invocations
+from kg.extract.launch.ros2.python.reading import Reading
 from kg.extract.launch.ros2.python.source import Broken, parse
-from kg.facts import LaunchProblem, LaunchProblemKind
+from kg.facts import LaunchProblemKind
+from kg.symbolic.operators import NULL
+from kg.symbolic.values import Closure, Sequence, TypeValue, Unknown
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence as Items
 
     from kg.corpus.files import FilePath
-    from kg.extract.launch.expressions.values import Value
     from kg.extract.launch.files import Files
     from kg.extract.launch.ros2.actions import Action
-    from kg.extract.launch.ros2.context import Context
-    from kg.facts import Location
+    from kg.extract.python.units import PythonUnit
+    from kg.facts import LaunchProblem
+    from kg.symbolic.values import Value
 
 __all__ = ["read_python"]
 
 _ENTRIES: Final = ("generate_launch_description", "generate_test_description")
-_TOO_MUCH: Final = "the file needs more steps to be read than are allowed"
 
 
-class _Reading(Invocations):
-    """The interpreter, at work on one file."""
-
-    def __init__(self, files: Files, problems: list[LaunchProblem]) -> None:
-        super().__init__(files, problems)
-        self.modules = {}
-
-    def within(self, context: Context, body: Callable[[], Value], location: Location) -> Sequence[Action]:
-        """Return the actions of an `OpaqueFunction`, whose body is read in the context of the moment."""
-        before, self.context = self.context, context
-        self.steps = 0
-        try:
-            return self.bounded(body, location)
-        finally:
-            if before is None:
-                self.restore()
-            self.context = before
-
-    def bounded(self, body: Callable[[], Value], location: Location) -> Sequence[Action]:
-        """Return the actions that a value stands for; none where it cannot be found within the bounds."""
-        depth, height = self.depth, len(self.guards)
-        try:
-            return actions_of(self, body(), location)
-        except Halt:
-            self.note(LaunchProblemKind.LIMIT, _TOO_MUCH, location)
-        except RecursionError:
-            self.note(LaunchProblemKind.LIMIT, "the file is nested too deeply to be read", location)
-        finally:
-            self.depth = depth
-            del self.guards[height:]
-        return []
-
-
-def read_python(files: Files, file: FilePath, text: bytes, problems: list[LaunchProblem]) -> Sequence[Action]:
+def read_python(files: Files, file: FilePath, text: bytes, problems: list[LaunchProblem]) -> Items[Action]:
     """Return the actions that a launch file describes; what is wrong or not known is added to `problems`.
 
     Bodies of `OpaqueFunction`s are read when their actions are executed, and may add problems then.
     """
-    reading = _Reading(files, problems)
-    tree = parse(text)
-    if isinstance(tree, Broken):
-        reading.note(LaunchProblemKind.MALFORMED, tree.message, reading.at(file, tree.line))
+    reading = Reading(files, file, problems)
+    unit = parse(file, text)
+    if isinstance(unit, Broken):
+        reading.note(LaunchProblemKind.MALFORMED, unit.message, reading.at(file, unit.line))
         return []
-    module = Module(file, "launch")
-    reading.modules[file] = module
-    module.scope.names.update({"__file__": files.text(file), "__name__": "launch"})
-    entry = next((each for each in ast.walk(tree) if getattr(each, "name", None) in _ENTRIES), tree)
-    location = reading.at(file, getattr(entry, "lineno", 1))
-    return reading.bounded(lambda: _described(reading, tree, module, location), location)
+    names = [child for child in unit.root.named_children if child.type == "function_definition"]
+    lines = (
+        int(node.start_point[0]) + 1
+        for node in names
+        if (name := node.child_by_field_name("name")) is not None and (name.text or b"").decode() in _ENTRIES
+    )
+    location = reading.at(file, next(lines, 1))
+    return reading.bounded(lambda: _described(reading, unit), location)
 
 
-def _described(reading: _Reading, tree: ast.Module, module: Module, location: Location) -> Value:
+def _described(reading: Reading, unit: PythonUnit) -> Value:
     """Return what the file's function returns."""
-    reading.run_module(tree, module)
-    names = module.scope.names
-    function = next((names[name] for name in _ENTRIES if name in names), None)
+    module = reading.language.module(unit)
+    function = next((module.fields[name] for name in _ENTRIES if name in module.fields), None)
     if function is None:
         message = f"the file has no function `{_ENTRIES[0]}`"
-        reading.note(LaunchProblemKind.MALFORMED, message, location)
-        return None
-    if not isinstance(function, Function | Library):
+        reading.note(LaunchProblemKind.MALFORMED, message, reading.location)
+        return NULL
+    if not isinstance(function, Closure | TypeValue):
         return Unknown(f"`{_ENTRIES[0]}` is no function that can be read")
-    found = reading.invoke(function, [], {}, ast.Constant(None, lineno=location.line), Frame(module, module.scope))
-    return found[0] if isinstance(found, tuple) and found else found
+    found = reading.called(function, [])
+    test = isinstance(found, Sequence) and _ENTRIES[1] in module.fields and found.items
+    return found.items[0] if test and isinstance(found, Sequence) else found

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from extract.launch.ros2.python.described import described, read_text
 from extract.workspaces import reader_of
 
+from kg.corpus.files import FilePath
 from kg.extract.launch.files import Files
 from kg.extract.launch.ros2.actions import Opaque
 from kg.extract.launch.ros2.context import Context
@@ -63,7 +64,8 @@ def test_problems_of_a_body_are_those_of_its_execution(tmp_path: Path) -> None:
 
 def test_parsed_once() -> None:
     """A text is parsed once in a process."""
-    assert parse(b"x = 1") is parse(b"x = 1")
+    file = FilePath("local/demo", "launch.py")
+    assert parse(file, b"x = 1") is parse(file, b"x = 1")
 
 
 def test_descriptions_of_tests(tmp_path: Path) -> None:

@@ -1,0 +1,69 @@
+"""What variables receive: parameters of functions, and the elements behind the targets of loops."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+from kg.symbolic import form
+from kg.symbolic.containers import part_at, rest_of
+from kg.symbolic.values import Mapping, Number, Pack, Sequence, Text, Truth, number
+
+if TYPE_CHECKING:
+    from kg.symbolic.form import Expression, Function
+    from kg.symbolic.machine import Machine
+    from kg.symbolic.state import Frame
+    from kg.symbolic.values import Value
+
+__all__ = ["bind", "unpack", "write_back"]
+
+
+def bind(
+    machine: Machine, function: Function, frame: Frame, arguments: list[Value], given: tuple[Expression, ...] = ()
+) -> None:
+    """Set the parameters of a function to arguments, to their defaults, or to unknown values.
+
+    Those that have a value already keep it. `given` are the arguments as expressions.
+    """
+    for index, parameter in enumerate(function.parameters):
+        if parameter.name in frame.variables:
+            continue
+        if parameter.variadic:
+            frame.variables[parameter.name] = Pack(tuple(arguments[index:]))
+            return
+        kind = parameter.type
+        if kind is not None:
+            frame.declared[parameter.name] = kind
+        if index < len(arguments) and not parameter.named:
+            plain = kind is not None and kind.name != "auto" and kind.name not in function.template
+            written = given[index] if plain and len(given) == len(arguments) else None
+            frame.variables[parameter.name] = machine.language.converted(arguments[index], kind, written, frame)
+        elif parameter.default is not None:
+            frame.variables[parameter.name] = machine.value(parameter.default, frame)
+        elif parameter.name:
+            frame.variables[parameter.name] = machine.language.unknown(kind, frame, parameter.name)
+
+
+def write_back(machine: Machine, loop: form.Loop, index: int, frame: Frame) -> None:
+    """Write a target that is a reference to the element that it means."""
+    kind, over = loop.declared, loop.over
+    if kind is None or not kind.reference or kind.constant or len(loop.targets) != 1:
+        return
+    value = frame.variables.get(loop.targets[0])
+    if isinstance(over, form.Name | form.Member) and isinstance(value, Text | Number | Truth | Sequence | Mapping):
+        machine.assign(form.Index(loop.line, over, form.Literal(loop.line, float(index), str(index))), value, frame)
+
+
+def unpack(machine: Machine, targets: tuple[Expression, ...], value: Value, frame: Frame) -> None:
+    """Set several targets to the elements of a collection."""
+    count = len(targets)
+    star = next((index for index, one in enumerate(targets) if isinstance(one, form.Spread)), None)
+    for index, target in enumerate(targets):
+        if isinstance(target, form.Spread):
+            part = partial(rest_of, index, count - 1)
+            target = target.of  # noqa: PLW2901 - what takes the rest
+        elif star is not None:
+            part = partial(part_at, machine.language, number(index if index < star else index - count), None)
+        else:
+            part = partial(part_at, machine.language, number(index), count)
+        machine.assign(target, machine.over((value,), part), frame)
