@@ -18,7 +18,7 @@ if TYPE_CHECKING:
         ("kg node dr", ["driver"]),
         ("kg nodes --package rover_", ["rover_base", "rover_sim"]),
         ("kg query who-", []),
-        ("kg query explore/who-", ["explore/who-publishes", "explore/who-subscribes"]),
+        ("kg query explore/who-", ["explore/who-loads-plugin", "explore/who-publishes", "explore/who-subscribes"]),
         ("kg explain KG60", ["KG601", "KG602", "KG603", "KG604", "KG605"]),
     ],
 )
