@@ -72,7 +72,7 @@ def test_a_program_builds_and_asks(tmp_path: Path) -> None:
     store = tmp_path / "store"
     report = kg.build([ROOT / "examples" / "workspace" / "rover"], store=store, jobs=1)
     assert report.read == 2
-    assert {node["package"] for node in kg.nodes(store=store)} == {"rover_core", "rover_robot"}
+    assert {node["package"] for node in kg.nodes(store=store)} == {"rover_robot"}
     answer = kg.sparql('ASK { ?node rnkg:name "base_controller" }', store=store)
     assert isinstance(answer, Boolean)
     assert answer.value

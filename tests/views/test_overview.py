@@ -19,7 +19,7 @@ def test_sources_have_their_state(snapshot: EmbeddedSnapshot, settings: Settings
     (source,) = overview(snapshot, settings)["sources"]
     assert source["name"] == "local/examples"
     assert source["read"].startswith("20")
-    assert (source["packages"], source["nodes"]) == (5, 12)
+    assert (source["packages"], source["nodes"]) == (5, 11)
     assert 0 < source["unresolved"] < source["interfaces"]
 
 
@@ -27,7 +27,7 @@ def test_counts_and_snapshot(snapshot: EmbeddedSnapshot, settings: Settings) -> 
     """What there is is counted by kind, launch configurations too."""
     found = overview(snapshot, settings)
     assert found["snapshot"] == snapshot.identity
-    assert (found["counts"]["node"], found["counts"]["package"], found["systems"]) == (12, 5, 4)
+    assert (found["counts"]["node"], found["counts"]["package"], found["systems"]) == (11, 5, 4)
 
 
 def test_each_question_has_an_answer_here(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
