@@ -24,8 +24,8 @@ _BLOCK: Final = re.compile(r"(?P<open>^```console\n)(?P<body>.*?)(?P<close>^```$
 _PROMPT: Final = "$ "
 _MORE: Final = "> "
 _LEFT_OUT: Final = "..."
-_VARIES: Final = re.compile(r"\b\d+(?:\.\d+)? ?(?=m?s\b)|\b\d+\.\d{4}\b|\b\d+(?=%)")
-"""Durations in sentences and in columns, and shares of them."""
+_VARIES: Final = re.compile(r"\b\d+(?:\.\d+)? ?(?=m?s\b)|\b\d+\.\d{4}\b|\b\d+(?=%)|(?<=\bat )[0-9a-f]{12}\b")
+"""Durations in sentences and in columns, shares of them, and the commit of the examples: any edit there changes it."""
 _SECONDS: Final = 120
 _DEFECT: Final = "error[KG900]"
 """What `kg` says of a defect in itself: no page shows that as an example."""
@@ -43,7 +43,7 @@ def commands(text: str) -> list[str]:
 
 
 def masked(text: str) -> str:
-    """Return the text without what differs from run to run: durations."""
+    """Return the text without what differs from run to run: durations, the commit of the examples."""
     return _VARIES.sub("# ", text)
 
 
