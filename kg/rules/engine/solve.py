@@ -15,7 +15,7 @@ from kg.rules.engine.tables import CHUNK, UNIT, Table, TooManyRowsError, concate
 from kg.rules.engine.terms import TRIPLE
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from numpy.typing import NDArray
 
@@ -84,6 +84,10 @@ class Solver:
                     yield from self._run(table.take(piece), steps, outputs, bag=bag)
                 return
             steps = rest
+            if isinstance(step, Grouped | Block) and len(parts := _by_unbound(table, step.names & _binding(rest))) > 1:
+                for part in parts:
+                    yield from self._run(part, steps, outputs, bag=bag)
+                return
         if table.rows:
             yield table.keeping(outputs)
 
@@ -151,7 +155,8 @@ class Solver:
             return join(table, Table(dict(step.columns), step.size))
         if isinstance(step, Block):
             shop = self.shop
-            return join(table, shop.blocks.solutions(step, self.view.sources[step.number], shop.clock, shop.hidden))
+            found = shop.blocks.solutions(step, self.view.sources[step.number], shop.clock, shop.hidden)
+            return _compatible(table, found)
         return self._grouped(table, step)
 
     def _assign(self, table: Table, step: Assign) -> Table:
@@ -212,7 +217,7 @@ class Solver:
         if asked and table.rows <= _SEED:
             few = distinct_rows(table.keeping(asked))
             seeds = Table({inner_of[name]: column for name, column in few.columns.items()}, few.rows)
-        return join(table, self._inner().groups(step, seeds))
+        return _compatible(table, self._inner().groups(step, seeds))
 
     def groups(self, step: Grouped, seeds: Table) -> Table:
         """Return keys and values of the groups of an aggregate, in outer columns."""
@@ -220,6 +225,39 @@ class Solver:
         parts = list(self.solutions(step.body, names, seeds, bag=True))
         table = concatenate([part.keeping(names) for part in parts], names)
         return grouped(step, table, self.shop.dictionary, self.shop.expressions, self.shop.clock)
+
+
+def _by_unbound(table: Table, names: Iterable[str]) -> list[Table]:
+    """Return the rows of a table apart by which of the columns are unbound, each part without these columns.
+
+    What is unbound agrees with every value (SPARQL 1.1, section 18.3): a later step binds it as if for the first time.
+    """
+    parts = [table]
+    for name in names:
+        apart = []
+        for part in parts:
+            known = part.columns[name] != 0 if name in part.columns else np.ones(part.rows, bool)
+            if known.all():
+                apart.append(part)
+                continue
+            apart.append(part.take(~known).keeping(part.columns.keys() - {name}))
+            if known.any():
+                apart.append(part.take(known))
+        parts = apart
+    return parts
+
+
+def _compatible(left: Table, right: Table) -> Table:
+    """Join with a table some of whose values may be unbound."""
+    parts = _by_unbound(right, left.columns.keys() & right.columns.keys())
+    return concatenate([join(left, part) for part in parts], left.columns.keys() | right.columns.keys())
+
+
+def _binding(steps: Iterable[Step]) -> frozenset[str]:
+    """Return the columns that steps bind or join on."""
+    return frozenset().union(
+        *(step.names for step in steps if isinstance(step, Match | Structure | Rows | Grouped | Block))
+    )
 
 
 def _without(steps: tuple[Step, ...], step: Step) -> tuple[Step, ...]:

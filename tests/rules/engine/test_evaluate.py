@@ -151,6 +151,17 @@ def test_aggregates_have_the_types_of_sparql(function: str, values: str, expecte
     assert str(value) == expected
 
 
+@pytest.mark.parametrize("atoms_first", [True, False])
+@pytest.mark.parametrize(("least", "expected"), [("", ":a :is 1\n:b :is 2"), (":c :limit 2", ":b :is 2")])
+def test_an_aggregate_without_a_value_agrees_with_any(least: str, expected: str, *, atoms_first: bool) -> None:
+    """MIN of nothing leaves its variable unbound, and an atom beside it binds that; MIN of something restricts it."""
+    column = Column(Variable("y"), "MIN", expression("?l"), distinct=False)
+    smallest = Aggregate((), (column,), atoms("?z :limit ?l"))
+    atom = "?x :size ?y"
+    body = (atom, smallest) if atoms_first else (smallest, atom)
+    assert inferred([rule("?x :is ?y", *body)], facts(f":a :size 1\n:b :size 2\n{least}")) == facts(expected)
+
+
 def test_counting_nothing_is_zero_without_keys_and_no_group_with_them() -> None:
     """SPARQL 1.1, section 11.2."""
     column = Column(Variable("n"), "COUNT", None)
