@@ -18,6 +18,7 @@ from kg.wiring.remapping import Remapping, Rule, rules_of
 from kg.wiring.similar import Alike, alike_when_short
 from kg.wiring.simulation import Simulated, own_ends
 from kg.wiring.switches import switched_on
+from kg.wiring.tools import TOOL, tool_ends
 from kg.wiring.types import own_name
 from kg.wiring.values import Server, Settings, parsed
 
@@ -155,19 +156,20 @@ def finished(draft: Draft, server: Server | None, host: Draft | None) -> NodeIns
     draft.used |= remapping.used
     if host is not None:
         host.used |= remapping.used
+    tool = any(end.declared.origin == TOOL for end in interfaces)
     return NodeInstance(
         name=draft.place.full,
         namespace=draft.place.namespace,
         started=draft.written or draft.started,
         type=draft.typed[0] if draft.typed is not None else None,
-        reason=draft.reason,
+        reason=None if tool else draft.reason,
         plugins=tuple(dict.fromkeys(plugin.found[0] for plugin in draft.plugins if plugin.found is not None)),
         host=draft.started.host,
         interfaces=interfaces,
         parameters=parameters,
         remaps=tuple(one for one in _remaps(draft, interfaces) if one.used or draft.made_by is None),
-        complete=_complete(draft, interfaces),
-        missing=draft.missing,
+        complete=_complete(draft, interfaces, tool=tool),
+        missing=None if tool else draft.missing,
         similar=draft.similar,
     )
 
@@ -193,6 +195,7 @@ def _interfaces(draft: Draft, ends: Ends) -> tuple[InstanceInterface, ...]:
             found += ends.of_plugin(replace(plugin, found=(owner, node)))
     if draft.typed is None:
         found += own_ends(draft.started, draft.place, ends.remapping, draft.ros, draft.repository)
+        found += tool_ends(draft.started, ends, draft.repository)
     for simulated in draft.simulated:
         found += simulated.ends(draft.place, ends.remapping)
     return tuple(dict.fromkeys(found))
@@ -225,10 +228,10 @@ def _unmapped(interfaces: Iterable[InstanceInterface]) -> set[str]:
     }
 
 
-def _complete(draft: Draft, interfaces: Iterable[InstanceInterface]) -> bool:
+def _complete(draft: Draft, interfaces: Iterable[InstanceInterface], *, tool: bool) -> bool:
     if draft.started.kind in _HOSTS and draft.started.package in _HOST_PACKAGES:
         return True
-    if draft.typed is None:
+    if draft.typed is None and not tool:
         return False
     if any(plugin.found is None for plugin in draft.plugins):
         return False

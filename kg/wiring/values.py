@@ -98,13 +98,14 @@ class Settings:
         self._server = server
         self._remapping = remapping
         self._started = started
-        self._words = _words(started.arguments)
+        self.words = _words(started.arguments)
+        """The arguments that the program sees."""
         self.own = {parameter.name.removeprefix("~/").lstrip("/"): parameter for parameter in started.parameters}
 
     @property
     def arguments(self) -> int:
         """How many arguments the program gets, those not counted that ROS takes for itself."""
-        return len(self._words)
+        return len(self.words)
 
     def get(self, name: str, place: Place) -> LaunchParameter | None:
         """Return what is set for a parameter that code of the instance asks for as `name`.
@@ -130,9 +131,9 @@ class Settings:
         argument, option = ARGUMENT.fullmatch(name), OPTION.fullmatch(name)
         if argument is not None:
             index = int(argument[1])
-            return self._words[index - 1] if 0 < index <= len(self._words) else None
+            return self.words[index - 1] if 0 < index <= len(self.words) else None
         spellings = option[1].split("|") if option is not None else ()
-        for word, following in zip(self._words, [*self._words[1:], None], strict=True):
+        for word, following in zip(self.words, [*self.words[1:], None], strict=True):
             spelling, given, value = word.partition("=")
             if spelling in spellings:
                 return value if given else following

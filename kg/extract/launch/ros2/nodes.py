@@ -36,6 +36,8 @@ _KINDS: Final = {
     "component": StartKind.COMPONENT,
 }
 _RUN: Final = ("ros2", "run")
+_TOOLS: Final = {("topic", "pub"), ("topic", "echo"), ("service", "call"), ("action", "send_goal")}
+"""Commands of `ros2` that are nodes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,11 +80,14 @@ def load_components(context: Context, action: LoadComponents) -> None:
 
 
 def execute_process(context: Context, action: Executable) -> None:
-    """Start the node that a command starts: `ros2 run PACKAGE EXECUTABLE`, or a program that is given `--ros-args`."""
+    """Start the node that a command starts: `ros2 run PACKAGE EXECUTABLE`, a tool, or what is given `--ros-args`."""
     words = [context.perform(word) for word in action.command]
+    words = words[0].split() if len(words) == 1 else words  # a line for a shell
     program = [posixpath.basename(word) for word in words[:1]] + words[1:2]
     if tuple(program) == _RUN:
         package, executable, rest = _run_operands(words[2:])
+    elif program[:1] == ["ros2"] and tuple(words[1:3]) in _TOOLS:
+        package, executable, rest = f"ros2{words[1]}", "ros2", words[2:]
     elif "--ros-args" in words[1:]:
         package, executable, rest = None, posixpath.basename(words[0]), words[1:]
     else:
