@@ -168,10 +168,11 @@ class Index:
 
 @dataclass(slots=True, eq=False)
 class Display:
-    """A list, tuple, set or initialiser list."""
+    """A list, tuple, set or initialiser list; `kind` is the one of Python that it is."""
 
     line: int
     items: tuple[Expression, ...]
+    kind: str = "list"
 
 
 @dataclass(slots=True, eq=False)

@@ -62,7 +62,7 @@ _ABSENT_SLICE: Final = 3
 
 def expression_of(text: str) -> Expression:
     """Return the form of one Python expression; `Opaque` for text that is none."""
-    root = parse(text.encode()).root_node
+    root = parse(text.encode("utf-8", "replace")).root_node
     statement = root.named_children[0] if root.named_child_count == 1 and not root.has_error else None
     if statement is None or statement.type != "expression_statement" or statement.named_child_count != 1:
         return Opaque(1, text[:_SHOWN])
@@ -174,8 +174,9 @@ class Expressions:
         sign, operand = code(node.child_by_field_name("operator")), node.child_by_field_name("argument")
         held = self.expression(operand)
         if sign == "-" and isinstance(held, Literal) and isinstance(held.value, float):
-            return Literal(line_of(node), -held.value, f"-{held.written}")
-        return Unary(line_of(node), sign, held) if sign in ("-", "+") else Opaque(line_of(node), code(node)[:_SHOWN])
+            minus, rest = ("", held.written[1:]) if held.written.startswith("-") else ("-", held.written)
+            return Literal(line_of(node), -held.value, f"{minus}{rest}")
+        return Unary(line_of(node), sign, held)
 
     def _not(self, node: Node) -> Expression:
         return Unary(line_of(node), "not", self.expression(node.child_by_field_name("argument")))
@@ -238,7 +239,8 @@ class Expressions:
     # Collections
 
     def _display(self, node: Node) -> Expression:
-        return Display(line_of(node), self._all(node.named_children))
+        kind = node.type if node.type in ("list", "set") else "tuple"
+        return Display(line_of(node), self._all(node.named_children), kind)
 
     def _dictionary(self, node: Node) -> Expression:
         line = line_of(node)
@@ -273,7 +275,8 @@ class Expressions:
             elif clause.type == "for_in_clause":
                 over = self.expression(clause.child_by_field_name("right"))
                 statement = self.loop(line, clause.child_by_field_name("left"), over, (statement,))
-        filled = (Declare(line, _RESULT, None, start), statement, Return(line, result))
+        made = Display(line, (Spread(line, result),), "set") if node.type == "set_comprehension" else result
+        filled = (Declare(line, _RESULT, None, start), statement, Return(line, made))
         return Call(line, Lambda(line, self._function(line, (), Block(line, filled))), ())
 
     def loop(self, line: int, target: Node | None, over: Expression, body: tuple[Statement, ...]) -> Loop:

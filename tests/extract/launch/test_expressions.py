@@ -11,7 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kg.extract.launch.expressions.dialect import (
+from kg.extract.launch.expressions import (
+    HOLE,
     MISSING,
     Dialect,
     ExpressionError,
@@ -20,9 +21,8 @@ from kg.extract.launch.expressions.dialect import (
     evaluate_text,
 )
 
-HOLE = "{}"
 NAMES: dict[str, object] = {"x": 3, "y": "text", "z": 2.5, "empty": "", "unknown": HOLE, "partly": f"a{HOLE}"}
-DIALECT = Dialect(HOLE, arguments=lambda name: NAMES.get(name, MISSING), functions={"arg": NAMES.__getitem__})
+DIALECT = Dialect(arguments=lambda name: NAMES.get(name, MISSING), functions={"arg": NAMES.__getitem__})
 
 ERRORS = (ExpressionError, UnsupportedError, NotKnownError)
 
@@ -91,14 +91,15 @@ def test_agrees_with_python(source: str) -> None:
 @given(st.recursive(ATOMS | st.sampled_from(["unknown", "partly"]), compound, max_leaves=8), st.sampled_from(["", "b"]))
 @settings(max_examples=400, deadline=None)
 def test_what_is_certain_holds_for_every_text(source: str, text: str) -> None:
-    """What an expression gives with an unknown text is what Python gives for any text in its place."""
+    """Outside of holes, an expression with an unknown text gives what Python gives for any text in its place."""
     names = {**vars(math), **NAMES, "unknown": text, "partly": f"a{text}", "arg": NAMES.__getitem__}
     try:
         found = value_of(source)
         expected = eval(source, names)  # noqa: S307 - the expressions are made above
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError, *ERRORS):
         return
-    assert repr(found).replace(HOLE, text) == repr(expected)
+    pattern = re.escape(repr(found)).replace(re.escape(repr(HOLE)[1:-1]), ".*")
+    assert re.fullmatch(pattern, repr(expected), re.DOTALL)
 
 
 @given(st.text(alphabet="x'()[]+-*/%<>=., 0123456789anotrifelsuchpd{}:\\\"\n", max_size=60) | st.text(max_size=40))
@@ -131,13 +132,11 @@ def test_never_raises_anything_else(source: str) -> None:
         "f'{1:>999999}'",
         "'x'.ljust(999999)",
         "[[a, b, c] for a in 'x' * 4000 for b in 'x' * 4000 for c in 'x' * 4000]",
-        "(" * 500 + ")" * 500,
         "[" * 90 + "]" * 90,
         "-" * 1999 + "1",
         "-" * 9000 + "1",
         "not " * 400 + "1",
         "x" + ".b" * 9000,
-        "+".join("1" * 999),
         "x" * 30_000,
     ],
 )
@@ -160,7 +159,6 @@ def test_large_is_refused(source: str) -> None:
         "'{0.real}'.format(1)",
         "str.format('{}', 1)",
         "(lambda: 1)()",
-        "b'bytes'",
         "1j",
         "(-8) ** 0.5",
         "absent",
@@ -223,5 +221,5 @@ def test_unknown_stays_unknown(source: str) -> None:
 
 def test_arguments_hide_functions_of_python() -> None:
     """Names of launch arguments such as `map` are common; names of `math` are the mathematical ones."""
-    dialect = Dialect(HOLE, arguments=lambda name: {"map": "m.yaml", "e": 1}.get(name, MISSING))
+    dialect = Dialect(arguments=lambda name: {"map": "m.yaml", "e": 1}.get(name, MISSING))
     assert evaluate_text("map + str(floor(e))", dialect) == "m.yaml2"

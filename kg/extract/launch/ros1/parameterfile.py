@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import yaml
 
-from kg.extract.launch.expressions.dialect import Dialect, ExpressionError, UnsupportedError, evaluate_text
+from kg.extract.launch.expressions import Dialect, ExpressionError, UnsupportedError, evaluate_text
 from kg.extract.launch.ros1.texts import HOLE, shown
 from kg.extract.launch.ros1.values import one_line, type_of
 from kg.yamltext import compose_yaml
@@ -220,7 +220,7 @@ def _angle(text: str, tag: str) -> float:
     if tag.startswith("!deg"):
         return float(inner) * math.pi / 180.0
     try:
-        value = evaluate_text(inner, Dialect(HOLE))
+        value = evaluate_text(inner, Dialect())
     except (ExpressionError, UnsupportedError) as error:
         raise ValueError(f"{text} is no angle ({error})") from None
     if not isinstance(value, int | float):

@@ -10,15 +10,15 @@ import re
 from functools import lru_cache
 from typing import TYPE_CHECKING, Final, Protocol
 
-from kg.extract.launch.expressions.dialect import (
+from kg.extract.launch.expressions import (
     MISSING,
     Dialect,
     ExpressionError,
     NotKnownError,
     UnsupportedError,
     evaluate_text,
+    is_builtin,
 )
-from kg.extract.launch.expressions.functions import is_builtin
 from kg.extract.launch.files import SCHEME
 from kg.extract.launch.ros1.texts import HOLE, MOST_CHARACTERS
 from kg.extract.launch.ros1.values import automatic
@@ -177,7 +177,7 @@ class _Commands:
             "dirname": lambda: self._around.folder,
         }
         try:
-            dialect = Dialect(HOLE, _word, self._variable, functions)
+            dialect = Dialect(_word, self._variable, functions)
             return str(evaluate_text(expression, dialect))
         except NotKnownError:
             return HOLE

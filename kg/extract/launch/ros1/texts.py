@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from typing import Final
 
+from kg.extract.launch.expressions import HOLE
 from kg.holes import ANONYMOUS
 
 __all__ = ["HOLE", "MOST_CHARACTERS", "canonical", "global_namespace", "join", "shown"]
-
-HOLE: Final = "\ue000"
-"""Stands for a part that is not known while texts are computed; `{}` itself may be part of a text."""
 
 MOST_CHARACTERS: Final = 1 << 16
 """Of one text after substitution; arguments that repeat each other double with each line."""

@@ -9,13 +9,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
-from kg.extract.launch.expressions.values import Object, Substitution, TextLike, Words
+from kg.extract.launch.ros2.texts import Substitution
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from kg.extract.launch.expressions.values import Condition, Text
     from kg.extract.launch.ros2.context import Context
+    from kg.extract.launch.ros2.texts import Condition, Text
     from kg.facts import Location
 
 __all__ = [
@@ -57,7 +57,7 @@ class ParameterValue:
 
 
 @dataclass(frozen=True, slots=True)
-class ParameterFile(TextLike):
+class ParameterFile:
     """A file of parameters; with `substitutions` texts like `$(var x)` in it are substituted.
 
     `rewrites` are nav2's `RewrittenYaml`: pairs of a key and its new value, put wherever the file has a parameter of
@@ -72,17 +72,18 @@ class ParameterFile(TextLike):
     root: Text | None = None
     keys: tuple[tuple[Text, Text], ...] = ()
 
-    def as_text(self) -> Words:
-        """Return the path of the file, or of the copy that is made of it."""
+    @property
+    def read(self) -> Text:
+        """The path of the file, or of the copy that is made of it."""
         changed = self.rewrites or self.root or self.keys
-        return Words((Substitution("rewritten-file", file=self),) if changed else self.path, lazy=True)
+        return (Substitution("rewritten-file", file=self),) if changed else self.path
 
 
 ParameterSource: TypeAlias = ParameterValue | ParameterFile
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Action(Object):
+class Action:
     """What all actions have."""
 
     location: Location

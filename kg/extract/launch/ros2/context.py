@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from kg.corpus.files import FilePath
-    from kg.extract.launch.expressions.values import Text
     from kg.extract.launch.files import Files
     from kg.extract.launch.ros2.generated import Generated
+    from kg.extract.launch.ros2.texts import Text
     from kg.facts import LaunchArgument, LaunchInclude, LaunchParameter, LaunchPlugin, Remap, StartedNode
 
 __all__ = ["HOLE", "Context", "Found", "GlobalFile", "Scope", "place"]

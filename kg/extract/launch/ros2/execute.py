@@ -183,7 +183,7 @@ def _parameter(context: Context, action: kinds.SetParameter) -> None:
 
 
 def _parameters_file(context: Context, action: kinds.SetParametersFromFile) -> None:
-    path = perform(context, action.file.as_text().parts)
+    path = perform(context, action.file.read)
     context.scope.parameters += (GlobalFile(path, action.file.location, context.chain),)
 
 

@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kg.corpus.files import FilePath
-    from kg.extract.launch.expressions.values import Text
     from kg.extract.launch.ros2.actions import ParameterFile
     from kg.extract.launch.ros2.context import Context
     from kg.extract.launch.ros2.parameter_files import Entry
+    from kg.extract.launch.ros2.texts import Text
 
 __all__ = ["Generated", "replaced_file", "rewritten_file"]
 

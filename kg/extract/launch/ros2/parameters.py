@@ -140,7 +140,7 @@ def _of_file(
 ) -> Iterator[tuple[str, LaunchParameter]]:
     """Yield the parameters of a file; `flat` is the node that a file is for which names no nodes at all."""
     substitutions = isinstance(source, ParameterFile) and source.substitutions
-    path = source.path if isinstance(source, GlobalFile) else context.perform(source.as_text().parts)
+    path = source.path if isinstance(source, GlobalFile) else context.perform(source.read)
     found = read_parameters(context, path, substitutions=substitutions)
     if found is None:
         yield flat or _ALL, LaunchParameter(HOLE, None, source.location, context.chain, reason=_UNREAD)

@@ -10,7 +10,7 @@ import math
 import shlex
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.expressions.dialect import Dialect, ExpressionError, UnsupportedError, evaluate_text, failure
+from kg.extract.launch.expressions import Dialect, ExpressionError, UnsupportedError, evaluate_text, failure
 from kg.extract.launch.files import SCHEME
 from kg.extract.launch.ros2.actions import ParameterFile
 from kg.extract.launch.ros2.context import HOLE
@@ -21,8 +21,8 @@ from kg.facts import LaunchParameter, LaunchProblemKind
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from kg.extract.launch.expressions.values import Condition, Substitution, Text
     from kg.extract.launch.ros2.context import Context
+    from kg.extract.launch.ros2.texts import Condition, Substitution, Text
 
 __all__ = ["holds", "perform"]
 
@@ -31,7 +31,7 @@ _MOST_SUBSTITUTIONS: Final = 500_000
 """Of one configuration; Python code can put the same one into many others, and those into many."""
 _TRUE: Final = {"true", "1"}
 _FALSE: Final = {"false", "0"}
-_PYTHON: Final = Dialect(HOLE)
+_PYTHON: Final = Dialect()
 
 
 def perform(context: Context, text: Text) -> str:

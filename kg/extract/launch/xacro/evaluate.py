@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.expressions.dialect import NotKnownError
+from kg.extract.launch.expressions import NotKnownError
 from kg.extract.launch.ros1.substitute import Substituter
 from kg.extract.launch.ros1.texts import HOLE, shown
 from kg.extract.launch.xacro.document import DESCRIPTION, Element

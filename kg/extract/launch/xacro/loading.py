@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
 
-from kg.extract.launch.expressions.dialect import NotKnownError
+from kg.extract.launch.expressions import NotKnownError
 from kg.extract.launch.files import SCHEME, Found
 from kg.extract.launch.ros1.parameterfile import read_tree
 from kg.extract.launch.ros1.texts import HOLE, shown

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.expressions.dialect import NotKnownError
+from kg.extract.launch.expressions import NotKnownError
 from kg.extract.launch.ros1.texts import HOLE
 from kg.extract.launch.xacro.table import Block, Macro, Table
 

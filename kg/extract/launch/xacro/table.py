@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.expressions.dialect import NotKnownError
+from kg.extract.launch.expressions import NotKnownError
 from kg.extract.launch.ros1.texts import HOLE
 
 if TYPE_CHECKING:

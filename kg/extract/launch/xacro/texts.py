@@ -10,7 +10,7 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.expressions.dialect import (
+from kg.extract.launch.expressions import (
     MISSING,
     Dialect,
     ExpressionError,
@@ -18,9 +18,8 @@ from kg.extract.launch.expressions.dialect import (
     UnsupportedError,
     evaluate_text,
     failure,
+    is_builtin,
 )
-from kg.extract.launch.expressions.functions import is_builtin
-from kg.extract.launch.expressions.values import Table as Dictionary
 from kg.extract.launch.ros1.texts import HOLE, MOST_CHARACTERS
 from kg.extract.launch.xacro.table import Table
 from kg.facts import LaunchProblemKind
@@ -103,7 +102,6 @@ class Texts:
         if HOLE in expression:
             return HOLE
         dialect = Dialect(
-            HOLE,
             lambda name: table[name] if name in table else MISSING,  # noqa: SIM401 - a scope is no dictionary
             self._defined_later,
             self._functions,
@@ -138,7 +136,7 @@ class Texts:
 
 def _member(holder: object, name: str) -> object:
     """Return a property of a namespace, or an entry of a dictionary."""
-    if isinstance(holder, Table) or (isinstance(holder, Dictionary) and name in holder):
+    if isinstance(holder, Table) or (isinstance(holder, dict) and name in holder):
         return holder[name]
     return MISSING
 

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.expressions.values import Substitution
 from kg.extract.launch.ros2 import actions as kinds
 from kg.extract.launch.ros2.frontend.element import Malformed
 from kg.extract.launch.ros2.frontend.nodes import NodeBuilder
+from kg.extract.launch.ros2.texts import Substitution
 from kg.extract.launch.ros2.values import truth
 from kg.facts import LaunchProblem, LaunchProblemKind
 from kg.holes import ANONYMOUS
@@ -18,9 +18,9 @@ from kg.holes import ANONYMOUS
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
-    from kg.extract.launch.expressions.values import Text
     from kg.extract.launch.ros2.actions import Action
     from kg.extract.launch.ros2.frontend.element import Element
+    from kg.extract.launch.ros2.texts import Text
     from kg.facts import Location
 
 __all__ = ["build"]

@@ -8,19 +8,19 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Final, TypedDict
 
-from kg.extract.launch.expressions.values import Condition
 from kg.extract.launch.ros2 import actions as kinds
 from kg.extract.launch.ros2.context import HOLE
 from kg.extract.launch.ros2.frontend.element import Malformed
 from kg.extract.launch.ros2.frontend.template import TemplateError, parse_template
+from kg.extract.launch.ros2.texts import Condition
 from kg.extract.launch.ros2.values import truth
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from kg.extract.launch.expressions.values import Part, Text
     from kg.extract.launch.ros2.actions import Action
     from kg.extract.launch.ros2.frontend.element import Element
+    from kg.extract.launch.ros2.texts import Part, Text
     from kg.facts import LaunchProblem, Location
 
 __all__ = ["NodeBuilder"]

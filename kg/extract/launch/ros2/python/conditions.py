@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.expressions.values import Condition, Substitution
 from kg.extract.launch.ros2.python.values import Made
+from kg.extract.launch.ros2.texts import Condition, Substitution
 from kg.symbolic.values import Either, Unknown
 
 if TYPE_CHECKING:

@@ -10,8 +10,6 @@ import shlex
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
-from kg.extract.launch.expressions.texts import unknown_text
-from kg.extract.launch.expressions.values import Condition, Substitution
 from kg.extract.launch.ros2 import actions as kinds
 from kg.extract.launch.ros2.actions import Group, NodeAction
 from kg.extract.launch.ros2.python.conditions import condition_on
@@ -26,6 +24,7 @@ from kg.extract.launch.ros2.python.values import (
     pair_of,
     reason_of,
 )
+from kg.extract.launch.ros2.texts import Condition, Substitution, unknown_text
 from kg.holes import ANONYMOUS
 from kg.symbolic.operators import NULL
 from kg.symbolic.values import Closure, Either, Mapping, Sequence, Text, Truth, Unknown, Value
@@ -33,9 +32,9 @@ from kg.symbolic.values import Closure, Either, Mapping, Sequence, Text, Truth, 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kg.extract.launch.expressions.values import Text as LaunchText
     from kg.extract.launch.ros2.actions import Action
     from kg.extract.launch.ros2.python.reading import Reading
+    from kg.extract.launch.ros2.texts import Text as LaunchText
 
 __all__ = ["ENTITIES"]
 

@@ -37,10 +37,10 @@ from kg.symbolic.values import (
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from kg.extract.launch.expressions.values import Substitution
     from kg.extract.launch.files import Files
     from kg.extract.launch.ros2.python.machine import LaunchMachine
     from kg.extract.launch.ros2.python.reading import Reading
+    from kg.extract.launch.ros2.texts import Substitution
     from kg.extract.python.units import PythonUnit
     from kg.symbolic import form
     from kg.symbolic.form import Expression

@@ -51,8 +51,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
     from kg.corpus.files import FilePath
-    from kg.extract.launch.expressions.values import Substitution
     from kg.extract.launch.ros2.python.language import LaunchPython
+    from kg.extract.launch.ros2.texts import Substitution
     from kg.symbolic.form import Expression, Function
     from kg.symbolic.state import Frame, Slot, Written
     from kg.symbolic.values import Way

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.expressions.texts import join, unknown_text
 from kg.extract.launch.ros2.actions import LoadComponents, NodeAction
 from kg.extract.launch.ros2.python.conditions import condition_on
 from kg.extract.launch.ros2.python.parameters import sources_of
@@ -19,6 +18,7 @@ from kg.extract.launch.ros2.python.values import (
     reason_of,
     terms_of_way,
 )
+from kg.extract.launch.ros2.texts import join, unknown_text
 from kg.holes import ANONYMOUS
 from kg.symbolic.operators import NULL
 from kg.symbolic.values import Either, Mapping, Sequence, Text, Unknown, Value, rows
@@ -26,10 +26,10 @@ from kg.symbolic.values import Either, Mapping, Sequence, Text, Unknown, Value, 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kg.extract.launch.expressions.values import Condition
-    from kg.extract.launch.expressions.values import Text as LaunchText
     from kg.extract.launch.ros2.actions import Action
     from kg.extract.launch.ros2.python.reading import Reading
+    from kg.extract.launch.ros2.texts import Condition
+    from kg.extract.launch.ros2.texts import Text as LaunchText
     from kg.facts import Location
 
 __all__ = ["NODES"]

@@ -9,19 +9,19 @@ from __future__ import annotations
 from itertools import islice
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.expressions.texts import join, unknown_text
 from kg.extract.launch.ros2.actions import ParameterFile, ParameterValue
 from kg.extract.launch.ros2.python.substitutions import file_of, is_substitution
 from kg.extract.launch.ros2.python.values import Made, guarded, launch_text, reason_of
+from kg.extract.launch.ros2.texts import join, unknown_text
 from kg.symbolic.operators import NULL, plain
 from kg.symbolic.values import Either, Mapping, Number, Sequence, Text, Truth, TypeValue, Unknown, Value
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kg.extract.launch.expressions.values import Text as LaunchText
     from kg.extract.launch.ros2.actions import ParameterSource
     from kg.extract.launch.ros2.python.reading import Reading
+    from kg.extract.launch.ros2.texts import Text as LaunchText
     from kg.facts import Location
 
 __all__ = ["sources_of", "value_of"]

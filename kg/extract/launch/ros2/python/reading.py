@@ -32,9 +32,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from kg.corpus.files import FilePath
-    from kg.extract.launch.expressions.values import Condition
     from kg.extract.launch.files import Files
     from kg.extract.launch.ros2.context import Context
+    from kg.extract.launch.ros2.texts import Condition
     from kg.facts import Location
     from kg.symbolic.values import Way
 

@@ -8,8 +8,6 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.expressions.texts import join, unknown_text
-from kg.extract.launch.expressions.values import Substitution
 from kg.extract.launch.ros2.actions import ParameterFile
 from kg.extract.launch.ros2.python.conditions import condition_on
 from kg.extract.launch.ros2.python.values import (
@@ -19,13 +17,14 @@ from kg.extract.launch.ros2.python.values import (
     launch_text,
     reason_of,
 )
+from kg.extract.launch.ros2.texts import Substitution, join, unknown_text
 from kg.symbolic.values import Mapping, Sequence, Text, Truth, Value
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from collections.abc import Mapping as Names
 
-    from kg.extract.launch.expressions.values import Text as LaunchText
+    from kg.extract.launch.ros2.texts import Text as LaunchText
     from kg.facts import Location
 
 __all__ = ["PLAIN", "SUBSTITUTIONS", "file_of", "is_substitution", "pairs_of", "substituted"]

@@ -11,8 +11,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.expressions.texts import join, unknown_text
-from kg.extract.launch.expressions.values import Condition, Substitution
+from kg.extract.launch.ros2.texts import Condition, Substitution, join, unknown_text
 from kg.holes import Hole
 from kg.symbolic import form
 from kg.symbolic.operators import NULL, plain
@@ -34,8 +33,8 @@ from kg.symbolic.values import (
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from kg.extract.launch.expressions.values import Part
-    from kg.extract.launch.expressions.values import Text as LaunchText
+    from kg.extract.launch.ros2.texts import Part
+    from kg.extract.launch.ros2.texts import Text as LaunchText
     from kg.facts import Location
     from kg.symbolic.form import Expression, Unit
     from kg.symbolic.state import Arguments
