@@ -15,6 +15,7 @@ from kg.compare.changes import Change, Difference, Kind, Level, Side
 from kg.compare.pairing import paired, relabelled
 from kg.compare.renaming import Renames
 from kg.compare.systems import Wiring
+from kg.compare.values import canonical
 from kg.compare.wording import qos_words
 
 if TYPE_CHECKING:
@@ -159,7 +160,7 @@ def _parameters(node: NodeType, *, every: bool) -> dict[str, list[Parameter]]:
 def _told(accesses: list[Parameter]) -> str:
     """Return type and defaults of a parameter, of all lines that give them."""
     types = sorted({one.type for one in accesses if one.type})
-    defaults = sorted({one.default for one in accesses if one.default is not None})
+    defaults = sorted({canonical(one.default) for one in accesses if one.default is not None})
     return " ".join(filter(None, ["|".join(types), f"= {' or '.join(defaults)}" if defaults else ""]))
 
 

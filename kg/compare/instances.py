@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 from kg.compare.changes import Change, Kind, Level, Side
 from kg.compare.pairing import paired, relabelled
+from kg.compare.values import canonical
 from kg.compare.wording import qos_words
 from kg.holes import anonymous
 
@@ -94,7 +95,7 @@ class Instances:
                 yield self._change(level, kind, owner, one, other)
 
     def _same(self, before: str, after: str) -> bool:
-        return self._renames.neutral(before) == self._renames.neutral(after)
+        return canonical(self._renames.neutral(before)) == canonical(self._renames.neutral(after))
 
     def _setting(self, number: int, name: str, value: LaunchParameter) -> Side:
         return self.side(number, name, "?" if value.value is None else value.value, value.location)

@@ -10,6 +10,7 @@ from kg.compare.connections import came_apart, joined
 from kg.compare.instances import Instances
 from kg.compare.pairing import paired
 from kg.compare.renaming import Renames, instance_pairs
+from kg.compare.values import canonical
 from kg.facts import Location
 from kg.render.text import count
 
@@ -110,7 +111,7 @@ class _Systems:
             kind = Kind.NEW if one is None else Kind.GONE if other is None else Kind.DEFAULT
             if one and other and one.fixed and other.fixed:
                 kind = Kind.VALUE
-            if before is None or after is None or before.value != after.value:
+            if before is None or after is None or canonical(before.value) != canonical(after.value):
                 yield Change(Level.ARGUMENT, kind, self._name, before, after, system=self._name)
 
     def _argument(self, number: int, argument: LaunchArgument | None) -> Side | None:

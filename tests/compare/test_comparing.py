@@ -159,6 +159,32 @@ def test_instances_and_what_they_are_set_to_are_compared() -> None:
     ]
 
 
+SPELLINGS = [
+    ("30.", "30.0"),
+    ("1e-3", "0.001"),
+    ("+5", "5"),
+    ("True", "true"),
+    ("'a'", '"a"'),
+    ("[1., 'x']", "[1.0, x]"),
+]
+
+
+@pytest.mark.parametrize(("one", "other"), SPELLINGS)
+def test_another_spelling_of_a_value_is_no_change(one: str, other: str) -> None:
+    """Settings of launch files and defaults of code are compared as values."""
+    speeds = [InstanceParameter("/a/speed", LaunchParameter("speed", text, PLACE)) for text in (one, other)]
+    assert told(*(wired(replace(instance("/a"), parameters=(speed,))) for speed in speeds)) == []
+    assert told(*(code(parameters=(parameter("a", text),)) for text in (one, other))) == []
+
+
+@pytest.mark.parametrize(("one", "other"), [("30", "30.0"), ("'30'", "30"), ("true", "'true'"), ("1.0", "1.5")])
+def test_a_value_of_another_type_is_a_change(one: str, other: str) -> None:
+    """A node of ROS 2 refuses an integer for a floating point number."""
+    assert told(*(code(parameters=(parameter("a", text),)) for text in (one, other))) == [
+        ("parameter", "default", "pkg/n", "a")
+    ]
+
+
 def test_a_launch_file_that_came_is_one_change() -> None:
     """Its nodes are counted, not listed."""
     (change,) = compare(Sources(), wired(instance("/a"))).changes
