@@ -162,7 +162,7 @@ chooses families.
 
 _FAMILIES: Final = {
     "architecture": "What is wrong in the wiring of systems, as launch files start them: each finding has a code, "
-    "KG401 to KG416, which `kg explain` explains, and `kg lint` shows them. What is no fault stands in "
+    "KG401 to KG417, which `kg explain` explains, and `kg lint` shows them. What is no fault stands in "
     "ontology/architecture.ttl, and a file .srl of your own adds to it with `DATA { ... }`.",
     "capability": "What robots can sense, do and know. Messages, services and actions tell it, by "
     "ontology/capability.ttl; where they do not, names of nodes and topics do, by ontology/capability-contexts.ttl. "

@@ -1,4 +1,4 @@
-"""The codes of findings in the wiring of systems, which the rules of `rules/architecture/` make: KG401 to KG416."""
+"""The codes of findings in the wiring of systems, which the rules of `rules/architecture/` make: KG401 to KG417."""
 
 from __future__ import annotations
 
@@ -95,5 +95,11 @@ CODES: Final = {
         "A parameter is set to a value of another type than the node reads it with. A node of ROS 2 ends when it "
         "declares the parameter; one of ROS 1 goes on with its default, or ends.",
         "Write a value of the type that the code declares; in ROS 2 a whole number for a double has a point (`1.0`).",
+    ),
+    "KG417": CodeEntry(
+        "launch files of ROS 1 in a package of ROS 2",
+        "A package of ROS 2 has launch files with elements, attributes or substitutions that only ROS 1 reads. "
+        "`ros2 launch` refuses them; they are not evaluated.",
+        "Port the files, or remove them.",
     ),
 }

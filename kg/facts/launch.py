@@ -70,6 +70,8 @@ class LaunchProblemKind(StrEnum):
     """A file includes itself, by way of others or not."""
     MALFORMED = "malformed"
     """What is written is no valid launch file."""
+    OTHER_VERSION = "other-version"
+    """The file is written for ROS 1, and its package is of ROS 2; it is not evaluated."""
     UNRESOLVED = "unresolved"
     """Something depends on what is known only at run time."""
     LIMIT = "limit"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
@@ -11,19 +12,25 @@ from kg.extract.launch.files import Files
 from kg.extract.launch.ros1.evaluate import evaluate as evaluate_roslaunch
 from kg.extract.launch.ros2.evaluate import evaluate as evaluate_ros2
 from kg.extract.launch.ros2.read import dialect_by_ending
-from kg.facts import FileKind, LaunchDialect, LaunchProblemKind
+from kg.facts import FileKind, LaunchConfiguration, LaunchDialect, LaunchProblem, LaunchProblemKind, Location
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kg.corpus.files import PackageFolder
     from kg.corpus.reading import Reader
-    from kg.facts import LaunchConfiguration
 
 __all__ = ["read_configuration", "read_launches"]
 
 _NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
 _ROS2: Final = 2
+_COMMENT: Final = re.compile(rb"<!--.*?-->", re.DOTALL)
+_OF_ROS1: Final = re.compile(rb"""<(node|test)\b[^>]*\stype\s*=|\$\((find|arg)\s|<(rosparam|test|machine)\b""")
+_OF_ROS2: Final = re.compile(
+    rb"""<(node|test|executable)\b[^>]*\s(exec|cmd)\s*=|\$\((find-pkg-\w+|var|exec-in-pkg|find-exec)\s"""
+    rb"""|<(let|set_parameter|push[-_]ros[-_]namespace|node_container|load_composable_node)\b"""
+)
+"""What only launch files of one version have."""
 
 
 def read_launches(reader: Reader, package: PackageFolder, ros: int) -> tuple[LaunchConfiguration, ...]:
@@ -57,6 +64,12 @@ def read_configuration(
     dialect = _dialect_of(file, text or b"", ros)
     if text is None or dialect is None:
         return None
+    if ros == _ROS2 and dialect is LaunchDialect.ROS2_XML and _is_of_ros1(text):
+        problem = LaunchProblem(LaunchProblemKind.OTHER_VERSION, "the file is written for ROS 1", Location(path, 1))
+        package = reader.package
+        return LaunchConfiguration(
+            reader.repository, package.name, path, 1, LaunchDialect.ROSLAUNCH, problems=(problem,), folder=package.path
+        )
     evaluate = evaluate_roslaunch if dialect is LaunchDialect.ROSLAUNCH else evaluate_ros2
     found = evaluate(Files(reader), file, dialect, given, environment)
     return replace(found, package=reader.package.name, folder=reader.package.path)
@@ -71,4 +84,11 @@ def _dialect_of(file: FilePath, text: bytes, ros: int) -> LaunchDialect | None:
         if b"<launch" not in text:
             return None
         return dialect if ros == _ROS2 else LaunchDialect.ROSLAUNCH
-    return dialect
+    named = re.search(r"\.launch\.ya?ml$", file.path)
+    return dialect if named or re.search(rb"^['\"]?launch['\"]?\s*:", text, re.MULTILINE) else None
+
+
+def _is_of_ros1(text: bytes) -> bool:
+    """Tell whether a launch file in XML has what only ROS 1 reads, and nothing that only ROS 2 does."""
+    plain = _COMMENT.sub(b"", text)
+    return _OF_ROS1.search(plain) is not None and _OF_ROS2.search(plain) is None

@@ -62,7 +62,7 @@ class ParameterFile:
 
     `rewrites` are nav2's `RewrittenYaml`: pairs of a key and its new value, put wherever the file has a parameter of
     that name or dotted path, for any node; with `root` all nodes of the file stand below that namespace; `keys` are
-    pairs of a key of the file and what it is called instead.
+    pairs of a key of the file and what it is called instead, `values` pairs of a value and what stands in its place.
     """
 
     path: Text
@@ -71,11 +71,12 @@ class ParameterFile:
     rewrites: tuple[tuple[Text, Text], ...] = ()
     root: Text | None = None
     keys: tuple[tuple[Text, Text], ...] = ()
+    values: tuple[tuple[Text, Text], ...] = ()
 
     @property
     def read(self) -> Text:
         """The path of the file, or of the copy that is made of it."""
-        changed = self.rewrites or self.root or self.keys
+        changed = self.rewrites or self.root or self.keys or self.values
         return (Substitution("rewritten-file", file=self),) if changed else self.path
 
 

@@ -96,6 +96,7 @@ def rewritten_file(context: Context, source: ParameterFile) -> str:
     rewriting = Rewriting(
         {context.perform(old): context.perform(new) for old, new in source.keys},
         {context.perform(name): context.perform(value) for name, value in source.rewrites},
+        {context.perform(old): context.perform(new) for old, new in source.values},
         context.perform(source.root) if source.root is not None else "",
         source.location,
     )

@@ -165,11 +165,13 @@ def _joined(names: Sequence[str]) -> str:
 class Rewriting:
     """What is put into a copy of a file: new names of `keys`, new `values`, and a `root` above all nodes.
 
-    A value is named by its key alone, or by the whole path to it, which is added where the file does not have it.
+    A value is named by its key alone, or by the whole path to it, which is added where the file does not have it;
+    `instead` has what takes the place of a value, whatever its key.
     """
 
     keys: Mapping[str, str]
     values: Mapping[str, str]
+    instead: Mapping[str, str]
     root: str
     location: Location
 
@@ -186,6 +188,7 @@ class Rewriting:
     def _rewritten(self, entry: Entry) -> Entry:
         path, keys, node = _path(entry), self.keys, entry.node
         wanted = self.values.get(path, self.values.get(path.lstrip("."), self.values.get(entry.names[-1])))
+        wanted = self.instead.get(entry.value) if wanted is None else wanted
         names = tuple(keys.get(name, name) for name in entry.names)
         if node is not None:
             node = "/".join(keys.get(part, part) for part in node.split("/"))

@@ -145,6 +145,9 @@ def _replaced(made: Made) -> LaunchText:
     return (Substitution("replaced-file", operands),)
 
 
+_REWRITES: Final = ("param_rewrites", "key_rewrites", "value_rewrites")
+
+
 def file_of(value: Value | None, location: Location) -> ParameterFile:
     """Return a file of parameters; its path is unknown if the value is."""
     if isinstance(value, Made) and value.name == "ParameterFile":
@@ -153,7 +156,7 @@ def file_of(value: Value | None, location: Location) -> ParameterFile:
         off = allowed == Truth(False) or (isinstance(allowed, Text) and allowed.known in ("false", "False"))
         return replace(inner, location=value.location, substitutions=not off)
     if isinstance(value, Made) and value.name == "RewrittenYaml":
-        root, given = value.text("root_key"), [value.value(name) for name in ("param_rewrites", "key_rewrites")]
+        root, given = value.text("root_key"), [value.value(name) for name in _REWRITES]
         unknown = next((one for one in given if one not in (None, Text.of("")) and not isinstance(one, Mapping)), None)
         return ParameterFile(
             (value.text("source_file") or ())
@@ -163,14 +166,13 @@ def file_of(value: Value | None, location: Location) -> ParameterFile:
             rewrites=pairs_of(value, "param_rewrites"),
             root=root or None,
             keys=pairs_of(value, "key_rewrites"),
+            values=pairs_of(value, "value_rewrites"),
         )
     return ParameterFile(launch_text(value) if value is not None else (), location)
 
 
 def _file(made: Made) -> LaunchText:
-    file = file_of(made, made.location)
-    changed = file.rewrites or file.root or file.keys
-    return (Substitution("rewritten-file", file=file),) if changed else file.path
+    return file_of(made, made.location).read
 
 
 SUBSTITUTIONS: Final[Names[str, tuple[tuple[str, ...], Callable[[Made], LaunchText]]]] = {

@@ -14,6 +14,7 @@ def generate_launch_description():
         source_file=params,
         root_key=namespace,
         param_rewrites={"use_sim_time": "true"},
+        value_rewrites={"ZONE_ENABLED": LaunchConfiguration("zone")},
         convert_types=True,
     )
     replaced = ReplaceString(
@@ -29,6 +30,7 @@ def generate_launch_description():
             DeclareLaunchArgument("namespace", default_value="r1"),
             DeclareLaunchArgument("use_namespace", default_value="true"),
             DeclareLaunchArgument("which"),
+            DeclareLaunchArgument("zone", default_value="True"),
             Node(package="p", executable="amcl", name="amcl", parameters=[replaced], arguments=["-d", replaced]),
             Node(package="p", executable="amcl", name="amcl", parameters=[unknown]),
             IncludeLaunchDescription(
