@@ -27,10 +27,8 @@ _SHORT: Final = 4
 """Words with fewer letters are not taken for misspelt ones."""
 _LONG: Final = 7
 """From this length on a word can have two errors."""
-_LONGEST: Final = 24
-_FEW: Final = 24
 _COMMON: Final = 64
-"""A key that so many names share tells nothing about them."""
+"""A form or an end that so many names share tells nothing about them."""
 
 
 def alike(one: str, other: str) -> bool:
@@ -64,29 +62,31 @@ def alike_when_short(one: str, other: str) -> bool:
 
 
 class Alike:
-    """Names among which alike ones are looked for: few one by one, many by what alike names have in common."""
+    """Names among which alike ones are looked for, by what alike names have in common."""
 
     def __init__(self, names: Iterable[str]) -> None:
-        self._all = sorted({name for name in names if not is_partial(name)})
+        self._all = {name for name in names if not is_partial(name)}
         self._index: defaultdict[object, list[str]] | None = None
 
     def find(self, name: str) -> list[str]:
         """Return the names that `name` is likely meant to be, sorted; never itself."""
-        if len(self._all) <= _FEW:
-            return [candidate for candidate in self._all if alike(name, candidate)]
         index = self._indexed()
         found: set[str] = set()
         for key in _asked_keys(name):
             candidates = index.get(key, ())
             if len(candidates) <= _COMMON:
-                found.update(candidate for candidate in candidates if candidate not in found and alike(name, candidate))
-        return sorted(found)
+                found.update(candidates)
+        for key, letters in _word_keys(name):
+            longest = 2 if letters >= _LONG else 1
+            for other in range(letters - longest, letters + longest + 1):
+                found.update(index.get((key, other), ()))
+        return sorted(candidate for candidate in found if alike(name, candidate))
 
     def _indexed(self) -> defaultdict[object, list[str]]:
         if self._index is None:
             self._index = defaultdict(list)
             for name in self._all:
-                for key in _own_keys(name):
+                for key in (*_own_keys(name), *_word_keys(name)):
                     self._index[key].append(name)
         return self._index
 
@@ -156,7 +156,6 @@ def _own_keys(name: str) -> Iterator[object]:
     yield "whole", tails[0]
     for tail in tails[1:]:
         yield "tail", tail
-    yield from _misspelt_keys(name)
 
 
 def _asked_keys(name: str) -> Iterator[object]:
@@ -165,7 +164,6 @@ def _asked_keys(name: str) -> Iterator[object]:
     yield "tail", tails[0]
     for tail in tails:
         yield "whole", tail
-    yield from _misspelt_keys(name)
 
 
 def _tails(name: str) -> list[str]:
@@ -173,21 +171,10 @@ def _tails(name: str) -> list[str]:
     return ["/".join(parts[start:]) for start in range(len(parts))]
 
 
-def _misspelt_keys(name: str) -> Iterator[object]:
-    """Yield a key for each word that can be misspelt: all the others, and what is left of it without some letters."""
+def _word_keys(name: str) -> Iterator[tuple[object, int]]:
+    """Yield for each word that can be misspelt its first letter with all the other words, and how long it is."""
     words = words_of(name)
     for i, segment in enumerate(words):
         for j, word in enumerate(segment):
-            if _SHORT <= len(word) <= _LONGEST and word.isalpha():
-                rest = hash((words[:i], segment[:j], segment[j + 1 :], words[i + 1 :]))
-                for variant in _without_letters(word):
-                    yield rest, i, j, variant
-
-
-@lru_cache(maxsize=16_384)
-def _without_letters(word: str) -> tuple[str, ...]:
-    """Return a word without one letter and, where it is long, without two; the first letter stays."""
-    found = {word}
-    for _ in range(2 if len(word) >= _LONG else 1):
-        found |= {left[:at] + left[at + 1 :] for left in found for at in range(1, len(left))}
-    return tuple(found)
+            if len(word) >= _SHORT and word.isalpha():
+                yield (i, j, word[0], words[:i], segment[:j], segment[j + 1 :], words[i + 1 :]), len(word)
