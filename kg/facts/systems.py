@@ -9,15 +9,17 @@ from typing import TYPE_CHECKING
 from kg.facts.launch import StartKind
 
 if TYPE_CHECKING:
-    from kg.facts.code import Interface, Parameter, Qos, Resolution
+    from kg.facts.code import Interface, NodeKind, Parameter, Qos, Resolution
     from kg.facts.launch import LaunchConfiguration, LaunchParameter, Remap, StartedNode
 
 __all__ = [
     "InstanceInterface",
     "InstanceParameter",
     "InstanceRemap",
+    "Known",
     "MissingType",
     "NodeInstance",
+    "NodeName",
     "NodeReference",
     "Sighting",
     "System",
@@ -47,6 +49,26 @@ class NodeReference:
 
     def __str__(self) -> str:
         return f"{self.repository}:{self.package}/{self.node}"
+
+
+@dataclass(frozen=True, slots=True)
+class NodeName:
+    """What launch files name a node type by; `mark` is a digest of all that wiring may learn of it."""
+
+    name: str
+    kind: NodeKind
+    executable: str | None
+    plugin: str | None
+    aliases: tuple[str, ...]
+    mark: str
+
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """What can be started of a package: its node types, in the order of its cached result, and other programs."""
+
+    nodes: tuple[NodeName, ...] = ()
+    programs: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -78,8 +78,8 @@ SHAPES: Final[Mapping[Role, Shape]] = {
 _NAMELESS: Final = frozenset({Resolution.PARTIAL, Resolution.UNRESOLVED})
 
 
-def interface(scope: Scope, owner: str, fact: Interface) -> None:
-    """Write one interface of the node whose IRI is `owner`."""
+def interface(scope: Scope, owner: str, fact: Interface) -> str:
+    """Write one interface of the node whose IRI is `owner`; return its IRI."""
     shape, writer = SHAPES[fact.role], scope.writer
     node, part = f"<{owner}>", scope.part(owner, shape.component, fact.name)
     writer.add(node, v.HAS_COMPONENT, part)
@@ -99,6 +99,7 @@ def interface(scope: Scope, owner: str, fact: Interface) -> None:
         if kind:
             writer.once(channel, shape.channel_has_type, kind)
     _details(scope, part, fact)
+    return part[1:-1]
 
 
 def _details(scope: Scope, part: str, fact: Interface) -> None:

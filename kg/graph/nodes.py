@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from kg.facts import Interface, NodeType
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_text
 from kg.graph.interfaces import interface
@@ -11,13 +13,31 @@ from kg.graph.ntriples import boolean, integer, literal
 from kg.graph.plugin_slots import plugin_slot
 
 if TYPE_CHECKING:
-    from kg.facts import NodeType, Parameter
+    from kg.facts import Parameter
     from kg.graph.scope import Scope
 
-__all__ = ["node"]
+__all__ = ["Stated", "node", "order"]
 
 
-def node(scope: Scope, package: str, fact: NodeType) -> None:
+@dataclass(frozen=True, slots=True)
+class Stated:
+    """A node type as the graph has it, its parts in the order in which they are read back, and the IRIs of all."""
+
+    node: NodeType
+    iri: str
+    ends: tuple[str, ...]
+    """The IRIs of its interfaces."""
+    settable: tuple[str, ...]
+    """The IRIs of its parameters."""
+
+
+def order(fact: Interface | Parameter) -> tuple[str, str, str, int, str]:
+    """Return what the interfaces, or the parameters, of a node are sorted by."""
+    role = str(fact.role if isinstance(fact, Interface) else fact.access)
+    return role, fact.name or "~~", fact.location.path, fact.location.line, fact.type or ""
+
+
+def node(scope: Scope, package: str, fact: NodeType) -> Stated:
     """Write a node type of the package whose spelled IRI is `package`, with all it declares."""
     iri = scope.unique(scope.iris.node(scope.repository, scope.package, fact.name))
     subject, writer = f"<{iri}>", scope.writer
@@ -40,12 +60,19 @@ def node(scope: Scope, package: str, fact: NodeType) -> None:
     _executable(scope, subject, fact)
     for path in fact.sources:
         writer.add(subject, v.HAS_SOURCE, scope.file(path))
-    for each in fact.interfaces:
-        interface(scope, iri, each)
-    for parameter in fact.parameters:
-        _parameter(scope, iri, parameter)
+    ends = [(each, interface(scope, iri, each)) for each in fact.interfaces]
+    settable = [(parameter, _parameter(scope, iri, parameter)) for parameter in fact.parameters]
     for slot in fact.slots:
         plugin_slot(scope, iri, slot)
+    ends.sort(key=lambda pair: order(pair[0]))
+    settable.sort(key=lambda pair: order(pair[0]))
+    interfaces, parameters = tuple(one for one, _ in ends), tuple(one for one, _ in settable)
+    return Stated(
+        replace(fact, aliases=tuple(sorted(fact.aliases)), interfaces=interfaces, parameters=parameters),
+        iri,
+        tuple(part for _, part in ends),
+        tuple(part for _, part in settable),
+    )
 
 
 def _executable(scope: Scope, subject: str, fact: NodeType) -> None:
@@ -57,7 +84,7 @@ def _executable(scope: Scope, subject: str, fact: NodeType) -> None:
         scope.writer.text(iri, v.NAME, fact.executable)
 
 
-def _parameter(scope: Scope, owner: str, fact: Parameter) -> None:
+def _parameter(scope: Scope, owner: str, fact: Parameter) -> str:
     writer, part = scope.writer, scope.part(owner, "parameter", fact.name)
     writer.add(f"<{owner}>", v.HAS_PARAMETER, part)
     writer.add(part, v.TYPE, v.PARAMETER)
@@ -71,3 +98,4 @@ def _parameter(scope: Scope, owner: str, fact: Parameter) -> None:
     writer.text(part, v.ORIGIN, fact.origin)
     writer.text(part, v.REASON, fact.reason)
     scope.evidence(part, fact.location, fact.via)
+    return part[1:-1]

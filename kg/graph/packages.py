@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 from kg.graph import vocabulary as v
 from kg.graph.definitions import definition
 from kg.graph.licenses import spdx
-from kg.graph.nodes import node
+from kg.graph.nodes import Stated, node
 from kg.graph.ntriples import integer, literal
 from kg.graph.scope import Scope
 from kg.graph.texts import descriptions
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from kg.facts import Dependency, Package, PackageFacts, Person, Problem, SourceFile
     from kg.graph.iris import Iris
 
-__all__ = ["package_triples", "problem"]
+__all__ = ["package_parts", "package_triples", "problem"]
 
 _ADDRESSES: Final = {"website": v.WEBSITE, "repository": v.CODE_REPOSITORY, "bugtracker": v.BUG_TRACKER}
 _ROLES: Final = {"maintainer": v.MAINTAINER, "author": v.AUTHOR}
@@ -24,6 +24,11 @@ _ROLES: Final = {"maintainer": v.MAINTAINER, "author": v.AUTHOR}
 
 def package_triples(facts: PackageFacts, iris: Iris) -> bytes:
     """Return the N-Triples of one package: the same bytes for the same facts; a source's graph is their union."""
+    return package_parts(facts, iris)[0]
+
+
+def package_parts(facts: PackageFacts, iris: Iris) -> tuple[bytes, tuple[Stated, ...]]:
+    """Return the N-Triples of one package, and its node types with the IRIs that they have there."""
     scope = Scope(iris, facts.repository, facts.package.name)
     iri = iris.package(facts.repository, facts.package.name)
     subject = f"<{iri}>"
@@ -39,12 +44,11 @@ def package_triples(facts: PackageFacts, iris: Iris) -> bytes:
         definition(scope, subject, each)
     for program in facts.programs:
         scope.writer.text(subject, v.INSTALLS, program)
-    for each_node in facts.nodes:
-        node(scope, subject, each_node)
+    stated = tuple(node(scope, subject, each_node) for each_node in facts.nodes)
     descriptions(scope, iri, facts.descriptions)
     for each_problem in facts.problems:
         problem(scope, iri, each_problem)
-    return scope.writer.encoded()
+    return scope.writer.encoded(), stated
 
 
 def _manifest(scope: Scope, subject: str, fact: Package) -> None:

@@ -26,6 +26,7 @@ from kg.facts import (
 )
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of
+from kg.graph.nodes import order
 from kg.graph.ntriples import literal
 from kg.graph.plugin_slots import NAMED, SLOTS, class_key, plugins_by_class, slots_by_node
 from kg.graph.texts_reading import DESCRIPTIONS, descriptions_of
@@ -361,8 +362,8 @@ def _node(
         base_class=one(properties, v.BASE_CLASS),
         aliases=tuple(sorted(properties.get(v.bare(v.ALIAS), ()))),
         sources=tuple(sources),
-        interfaces=tuple(sorted(parts[0], key=_order)),
-        parameters=tuple(sorted(parts[1], key=_order)),
+        interfaces=tuple(sorted(parts[0], key=order)),
+        parameters=tuple(sorted(parts[1], key=order)),
         bounds=tuple(map(_bound, sorted(properties.get(v.bare(v.BOUND), ())))),
         exported=next(iter(chain_of(one(properties, v.EXPORTED_AT))), None),
     )
@@ -371,11 +372,6 @@ def _node(
 def _bound(text: str) -> Bound:
     limit, _, place = text.partition(" ")
     return Bound(limit, *chain_of(place))
-
-
-def _order(fact: Interface | Parameter) -> tuple[str, str, str, int, str]:
-    role = str(fact.role if isinstance(fact, Interface) else fact.access)
-    return role, fact.name or "~~", fact.location.path, fact.location.line, fact.type or ""
 
 
 def _interface(role: Role, properties: Properties, types: Mapping[str, str], qualities: Mapping[str, Qos]) -> Interface:

@@ -313,6 +313,7 @@ class _Build:
             counts=dict(result.counts),
             unresolved=dict(result.unresolved),
             problems=result.problems,
+            known=outcome.known,
         )
 
     def _next_state(  # noqa: PLR0913, PLR0917 - all that a build found out

@@ -1,6 +1,6 @@
 """Results of extraction on disk: the N-Triples of a package, its own and those that sources share, compressed.
 
-The look-ups that they depend on, what its launch files start, and its descriptions stand before them.
+The look-ups that they depend on, what its launch files start, its descriptions and its node types stand before them.
 
 A file is named by the digest of its content, so a damaged or foreign one is noticed, and two builds cannot disturb
 each other.
@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Final
 import msgspec
 
 from kg.facts import Description, LaunchConfiguration
+from kg.graph.nodes import Stated
 from kg.store.layout import write_atomically
 
 if TYPE_CHECKING:
@@ -24,30 +25,31 @@ if TYPE_CHECKING:
 
     from kg.pipeline.recording import Lookup
 
-__all__ = ["descriptions", "exists", "keep_only", "launches", "lookups", "pack", "shared", "store", "triples"]
+__all__ = ["descriptions", "exists", "keep_only", "launches", "lookups", "nodes", "pack", "shared", "store", "triples"]
 
 _LEVEL: Final = 1
 _ENDING: Final = ".z"
 _LENGTH_BYTES: Final = 8
-_LOOKUPS, _SHARED, _LAUNCHES, _DESCRIPTIONS, _CONTENT = range(5)
+_LOOKUPS, _SHARED, _LAUNCHES, _DESCRIPTIONS, _NODES, _CONTENT = range(6)
 
 
-def pack(
+def pack(  # noqa: PLR0913, PLR0917 - the parts of a result
     content: bytes,
     found: Mapping[Lookup, str],
     common: bytes = b"",
     configurations: tuple[LaunchConfiguration, ...] = (),
     texts: tuple[Description, ...] = (),
+    stated: tuple[Stated, ...] = (),
 ) -> bytes:
     """Return the packed form of N-Triples, of the look-ups (with their answers) that they depend on, of shared ones.
 
-    With them go the configurations of the package's launch files, and its annotated descriptions.
+    With them go the configurations of the package's launch files, its annotated descriptions, and its node types.
     """
     listed = json.dumps([[*lookup, answer] for lookup, answer in sorted(found.items())], separators=(",", ":"))
     encode = msgspec.msgpack.encode
     parts = [
         zlib.compress(part, _LEVEL)
-        for part in (listed.encode(), common, encode(configurations), encode(texts), content)
+        for part in (listed.encode(), common, encode(configurations), encode(texts), encode(stated), content)
     ]
     return b"".join(len(part).to_bytes(_LENGTH_BYTES) + part for part in parts)
 
@@ -85,6 +87,12 @@ def descriptions(folder: Path, name: str) -> tuple[Description, ...]:
     """Return the annotated descriptions of a package; none when the result is not there or damaged."""
     part = _part(folder, name, _DESCRIPTIONS)
     return () if part is None else msgspec.msgpack.decode(part, type=tuple[Description, ...])
+
+
+def nodes(folder: Path, name: str) -> tuple[Stated, ...]:
+    """Return the node types of a package; none when the result is not there or damaged."""
+    part = _part(folder, name, _NODES)
+    return () if part is None else msgspec.msgpack.decode(part, type=tuple[Stated, ...])
 
 
 def exists(folder: Path, name: str) -> bool:

@@ -99,7 +99,10 @@ def evaluate(  # noqa: PLR0913, PLR0917 - what a configuration depends on
             hint = did_you_mean(argument, declared) or f"Its arguments are {', '.join(sorted(declared)) or 'none'}."
             raise UsageError("KG003", f"{name.name} has no argument `{argument}`", hint=hint)
     loadable = {
-        one.name for found in state.sources.values() for one in found.packages.values() if one.counts.get("loadable")
+        package.name
+        for found in state.sources.values()
+        for package in found.packages.values()
+        if any(one.plugin is not None for one in package.known.nodes)
     }
     types, _ = node_types(graph, loadable | used_packages([configuration]))
     return wire(configuration, types)

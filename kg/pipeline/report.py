@@ -77,8 +77,10 @@ class SystemsReport:
 
 def totals(systems: Systems) -> SystemsReport:
     """Return the counts of the systems of a store."""
-    packages = [one for found in systems.values() for one in found.values()]
-    return SystemsReport(sum(len(one.graphs) for one in packages), sum(one.instances for one in packages))
+    graphs = [
+        one for found in systems.packages.values() for package in found.values() for one in package.graphs.values()
+    ]
+    return SystemsReport(len(graphs), sum(one.instances for one in graphs))
 
 
 @dataclass(frozen=True, slots=True)

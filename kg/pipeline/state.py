@@ -10,7 +10,7 @@ import json
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
-from kg.facts import Problem, Repository
+from kg.facts import Known, NodeKind, NodeName, Problem, Repository
 from kg.pipeline.report import PackageResult
 from kg.store.layout import write_atomically
 
@@ -19,12 +19,25 @@ if TYPE_CHECKING:
 
     from kg.pipeline.recording import Lookup
 
-__all__ = ["PackageState", "PackageSystems", "SourceState", "State", "Systems", "discard", "load", "save"]
+__all__ = [
+    "Known",
+    "NodeName",
+    "PackageState",
+    "PackageSystems",
+    "Question",
+    "SourceState",
+    "State",
+    "Systems",
+    "WiredSystem",
+    "discard",
+    "load",
+    "save",
+]
 
-Systems: TypeAlias = "dict[str, dict[str, PackageSystems]]"
-"""The systems of each package that has launch files, by source and path of the package."""
+Question: TypeAlias = tuple[str, ...]
+"""What wiring asks about node types: the name of a method of `NodeTypes`, or `record`, and its arguments."""
 
-_FORM: Final = 3
+_FORM: Final = 4
 _NAME: Final = "state.json"
 
 
@@ -34,7 +47,7 @@ class PackageState:
 
     `listing` is a digest of the paths of its files, `stamp` one of size and time of all that was read, `inputs`
     the mark of each file read (`repository:path`), `outside` the look-ups, with their answers, of files that no scan
-    lists, `result` the name of its result in the cache.
+    lists, `result` the name of its result in the cache, `known` what other packages can start of it.
     """
 
     name: str
@@ -47,6 +60,7 @@ class PackageState:
     counts: dict[str, int]
     unresolved: dict[str, int]
     problems: tuple[Problem, ...]
+    known: Known = field(default_factory=Known)
 
     def report(self, source: str) -> PackageResult:
         """Return what the report of a build says of the package."""
@@ -54,17 +68,38 @@ class PackageState:
 
 
 @dataclass(frozen=True, slots=True)
-class PackageSystems:
-    """The systems of one package as they were wired last.
+class WiredSystem:
+    """A system as it was wired last.
 
-    `uses` are the packages that its launch files name, `basis` is a digest of all that the systems depend on, `graphs`
-    maps the paths of the launch files to digests of their graphs, `instances` counts what they start.
+    `configuration` is a digest of what its launch file starts, `graph` one of its triples, `instances` counts what it
+    starts, `asked` tells which of the `answers` of all systems it depends on.
     """
 
-    uses: tuple[str, ...]
-    basis: str
-    graphs: dict[str, str] = field(default_factory=dict)
-    instances: int = 0
+    configuration: str
+    graph: str
+    instances: int
+    asked: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class PackageSystems:
+    """The systems of one package, by the paths of their launch files; `result` is what these were read from."""
+
+    result: str
+    graphs: dict[str, WiredSystem] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Systems:
+    """The systems of a store: of each package that has launch files, by source and path of the package.
+
+    `version` stands for the code that wired them, `answers` are the questions about node types that they depend on,
+    each with a digest of the answer.
+    """
+
+    version: str = ""
+    answers: tuple[tuple[Question, str], ...] = ()
+    packages: dict[str, dict[str, PackageSystems]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +128,7 @@ class State:
     roots: tuple[str, ...] = ()
     sources: dict[str, SourceState] = field(default_factory=dict)
     rules: str = ""
-    systems: Systems = field(default_factory=dict)
+    systems: Systems = field(default_factory=Systems)
 
 
 def load(cache: Path) -> State:
@@ -125,11 +160,21 @@ def _state(content: dict[str, Any]) -> State:
     if content.pop("form") != _FORM:
         return State()
     sources = {name: _source(source) for name, source in content.pop("sources").items()}
-    systems = {
-        name: {path: PackageSystems(**{**one, "uses": tuple(one["uses"])}) for path, one in packages.items()}
-        for name, packages in content.pop("systems").items()
-    }
+    systems = _systems(content.pop("systems"))
     return State(**{**content, "roots": tuple(content["roots"])}, sources=sources, systems=systems)
+
+
+def _systems(content: dict[str, Any]) -> Systems:
+    packages = {
+        name: {path: PackageSystems(one["result"], _wired(one["graphs"])) for path, one in found.items()}
+        for name, found in content["packages"].items()
+    }
+    answers = tuple((tuple(question), answer) for question, answer in content["answers"])
+    return Systems(content["version"], answers, packages)
+
+
+def _wired(content: dict[str, Any]) -> dict[str, WiredSystem]:
+    return {path: WiredSystem(**{**one, "asked": tuple(one["asked"])}) for path, one in content.items()}
 
 
 def _source(content: dict[str, Any]) -> SourceState:
@@ -139,7 +184,13 @@ def _source(content: dict[str, Any]) -> SourceState:
     return SourceState(repository, problems, packages, content["head"], content["quads"])
 
 
+def _named(content: dict[str, Any]) -> NodeName:
+    return NodeName(**{**content, "kind": NodeKind(content["kind"]), "aliases": tuple(content["aliases"])})
+
+
 def _package(content: dict[str, Any]) -> PackageState:
     problems = tuple(Problem(**problem) for problem in content["problems"])
     outside = tuple((tuple(lookup), answer) for lookup, answer in content["outside"])
-    return PackageState(**{**content, "problems": problems, "outside": outside})
+    named = tuple(_named(one) for one in content["known"]["nodes"])
+    known = Known(named, tuple(content["known"]["programs"]))
+    return PackageState(**{**content, "problems": problems, "outside": outside, "known": known})

@@ -1,25 +1,26 @@
 """The graphs of launch configurations, kept in step with the sources of a store inside the transaction of a build.
 
 What launch files start is read with their packages (`kg.extract.launch`); which node types that are, and what names
-they get, depends on other packages too. So each package remembers which packages its launch files name, and its
-systems are wired again when the results of any of these changed, or of any that has plugins to load. Only graphs whose
-content differs are written.
+they get, depends on other packages too. So each system remembers which questions its wiring asked about node types
+(`kg.pipeline.catalogue`), and is wired again when an answer is another, or when its launch file starts something else.
+Its graph is patched by the triples that differ.
 """
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
+import msgspec
 from pyoxigraph import NamedNode
 
 from kg.graph.reading import node_records, programs
 from kg.graph.systems import system_triples
 from kg.pipeline import cache
+from kg.pipeline.catalogue import Catalogue
+from kg.pipeline.known import digest
 from kg.pipeline.report import totals
-from kg.pipeline.state import PackageSystems
-from kg.wiring.similar import Alike
+from kg.pipeline.state import PackageSystems, Systems, WiredSystem
 from kg.wiring.systems import wire
 from kg.wiring.types import NodeTypes
 
@@ -32,12 +33,13 @@ if TYPE_CHECKING:
     from kg.graph.reading import NodeRecord, Queryable
     from kg.pipeline.plan import Key
     from kg.pipeline.report import SystemsReport
-    from kg.pipeline.state import PackageState, Systems
+    from kg.pipeline.state import PackageState, Question
     from kg.store.transaction import EmbeddedTransaction
 
 __all__ = ["node_types", "update_systems", "used_packages"]
 
-_BYTES: Final = 16
+_SMALL: Final = 2
+"""A graph is patched when less than one in so many of its triples change."""
 
 
 def update_systems(  # noqa: PLR0913, PLR0917 - all that systems depend on
@@ -55,39 +57,52 @@ def update_systems(  # noqa: PLR0913, PLR0917 - all that systems depend on
     `folder` is the cache, `last` what the last build left, `version` stands for the code in force, `touched` are the
     graphs that others wrote since then, None where that is not known. Returns what the next one compares with.
     """
-    earlier = {(source, path): one for source, found in last.items() for path, one in found.items()}
-    work = _Work(transaction, folder, iris, packages, version)
     present = {graph.value for graph in transaction.graphs()}
     intact = set[str]() if touched is None else present - touched
-    found = {key: work.kept(key, systems, intact) for key, systems in earlier.items() if key in packages}
-    kept = {key: systems for key, systems in found.items() if systems is not None}
-    anew = [key for key, package in packages.items() if package.counts.get("launches") and key not in kept]
-    wired = work.wire(anew)
-    systems = {**kept, **{key: one for key, (one, _) in wired.items()}}
-    contents = {
-        iris.launch_graph(key[0], path): content
-        for key, (_, graphs) in wired.items()
-        for path, content in graphs.items()
-    }
-    before = {
-        iris.launch_graph(key[0], path): mark for key, one in earlier.items() for path, mark in one.graphs.items()
-    }
-    after = {iris.launch_graph(key[0], path): mark for key, one in systems.items() for path, mark in one.graphs.items()}
-    known = tuple(iris.launch_graph(source, "") for source, _ in {*packages, *earlier})
-    gone = [graph for graph in sorted(present) if known and graph.startswith(known) and graph not in after]
-    written = {
-        graph: content
-        for graph, content in contents.items()
-        if graph not in intact or before.get(graph) != after[graph]
-    }
+    work = _Work(_catalogue(transaction, folder, iris, packages, present), iris, last, version, intact)
+    for key in sorted(packages):
+        if packages[key].counts.get("launches"):
+            work.package(folder, key, packages[key].result)
+    sources = {source for source, _ in packages} | set(last.packages)
+    known = tuple(iris.launch_graph(source, "") for source in sources)
+    gone = [graph for graph in sorted(present) if known and graph.startswith(known) and graph not in work.graphs]
     for graph in gone:
         transaction.drop_graph(NamedNode(graph))
-    if written:
-        transaction.replace_small_graphs({NamedNode(graph): content for graph, content in written.items()})
-    state: Systems = {}
-    for (source, path), one in sorted(systems.items()):
-        state.setdefault(source, {})[path] = one
-    return state, replace(totals(state), changed=len(written) + len(gone))
+    _write(transaction, work.contents, intact)
+    systems = work.systems()
+    return systems, replace(totals(systems), changed=len(work.contents) + len(gone))
+
+
+def _catalogue(
+    transaction: EmbeddedTransaction,
+    folder: Path,
+    iris: Iris,
+    packages: Mapping[Key, PackageState],
+    present: set[str],
+) -> Catalogue:
+    """Return the node types of the store; those of sources of which only the graph is known are read from there."""
+    strangers = (iris.source_graph(source) for source, _ in packages)
+    if not any(graph.startswith(iris.source_graph("")) for graph in present.difference(strangers)):
+        return Catalogue(folder, packages)
+    known = {source for source, _ in packages}
+    others = [record for record in node_records(transaction) if record.repository not in known]
+    return Catalogue(folder, packages, others, programs(transaction))
+
+
+def _write(transaction: EmbeddedTransaction, contents: Mapping[str, bytes], intact: set[str]) -> None:
+    """Give graphs the triples that they are to have; those of `intact` are there and hold most of them."""
+    anew: dict[NamedNode, bytes] = {}
+    for name, content in contents.items():
+        graph = NamedNode(name)
+        wanted = set(content.splitlines(keepends=True))
+        held = set(transaction.content(graph).splitlines(keepends=True)) if name in intact else set[bytes]()
+        removed, added = held - wanted, wanted - held
+        if (len(removed) + len(added)) * _SMALL > len(wanted):
+            anew[graph] = content
+        else:
+            transaction.patch_graph(graph, b"".join(sorted(removed)), b"".join(sorted(added)))
+    if anew:
+        transaction.replace_small_graphs(anew)
 
 
 def used_packages(configurations: Iterable[LaunchConfiguration]) -> set[str]:
@@ -108,62 +123,70 @@ def node_types(graph: Queryable, packages: Iterable[str]) -> tuple[NodeTypes, di
 
 
 class _Work:
-    """What the wiring of one build shares."""
+    """The systems of one build; `graphs` are those that stay, `contents` what some of them are to hold."""
 
-    def __init__(
-        self,
-        transaction: EmbeddedTransaction,
-        folder: Path,
-        iris: Iris,
-        packages: Mapping[Key, PackageState],
-        version: str,
-    ) -> None:
-        self._transaction = transaction
-        self._folder = folder
+    def __init__(self, catalogue: Catalogue, iris: Iris, last: Systems, version: str, intact: set[str]) -> None:
+        self.graphs: set[str] = set()
+        self.contents: dict[str, bytes] = {}
+        self._catalogue = catalogue
         self._iris = iris
-        self._packages = packages
+        self._last = last
         self._version = version
-        self._results: dict[str, list[str]] = {}
-        for (source, path), package in sorted(packages.items()):
-            self._results.setdefault(package.name, []).append(f"{source} {path} {package.result}")
-        self._loadable = {package.name for package in packages.values() if package.counts.get("loadable")}
-        self._shared = self._digest(sorted(self._loadable))
-        self._names = Alike(self._results)
-        """What a package that is not there may mean."""
+        self._intact = intact
+        self._questions = [question for question, _ in last.answers]
+        self._changed = {at for at, (question, mark) in enumerate(last.answers) if catalogue.mark(question) != mark}
+        self._found: dict[Key, dict[str, tuple[WiredSystem, tuple[Question, ...]]]] = {}
+        self._results: dict[Key, str] = {}
 
-    def kept(self, key: Key, earlier: PackageSystems, present: set[str]) -> PackageSystems | None:
-        """Return the systems of a package where nothing that they depend on changed, and their graphs are there."""
-        whole = all(self._iris.launch_graph(key[0], path) in present for path in earlier.graphs)
-        return earlier if whole and earlier.basis == self._basis(key, earlier.uses) else None
+    def package(self, folder: Path, key: Key, result: str) -> None:
+        """Wire those systems of a package that are not what they were; `result` is its name in the cache `folder`."""
+        earlier = self._last.packages.get(key[0], {}).get(key[1])
+        held = {path: one for path, one in earlier.graphs.items() if self._holds(key, path, one)} if earlier else {}
+        found = {path: (one, tuple(self._questions[at] for at in one.asked)) for path, one in held.items()}
+        if earlier is None or earlier.result != result or len(held) < len(earlier.graphs):
+            configurations = {one.path: one for one in cache.launches(folder, result) or ()}
+            found = {
+                path: self._kept(found.get(path), configuration) or self._wired(key, configuration, earlier)
+                for path, configuration in configurations.items()
+            }
+        self._found[key], self._results[key] = found, result
+        self.graphs.update(self._iris.launch_graph(key[0], path) for path in found)
 
-    def wire(self, keys: Iterable[Key]) -> dict[Key, tuple[PackageSystems, dict[str, bytes]]]:
-        """Return the systems of packages with the content of their graphs by path."""
-        launches = {key: cache.launches(self._folder, self._packages[key].result) or () for key in keys}
-        used = {key: used_packages(configurations) for key, configurations in launches.items()}
-        if not any(launches.values()):
-            return {}
-        types, records = node_types(self._transaction, self._loadable.union(*used.values()))
-        found = {}
-        for key, configurations in launches.items():
-            contents, instances = {}, 0
-            for configuration in configurations:
-                system = wire(configuration, types)
-                contents[configuration.path] = system_triples(system, records, self._iris)
-                instances += len(system.instances)
-            uses = tuple(sorted(used[key]))
-            marks = {path: _mark(content) for path, content in contents.items()}
-            found[key] = PackageSystems(uses, self._basis(key, uses), marks, instances), contents
-        return found
+    def _holds(self, key: Key, path: str, system: WiredSystem) -> bool:
+        same = self._last.version == self._version and self._changed.isdisjoint(system.asked)
+        return same and self._iris.launch_graph(key[0], path) in self._intact
 
-    def _basis(self, key: Key, uses: Iterable[str]) -> str:
-        names = list(uses)
-        alike = ",".join(name for use in names if use not in self._results for name in self._names.find(use))
-        own = self._packages[key].result
-        return _mark(f"{self._version} {own} {self._shared} {self._digest(names)} {alike}".encode())
+    def _kept(
+        self, held: tuple[WiredSystem, tuple[Question, ...]] | None, configuration: LaunchConfiguration
+    ) -> tuple[WiredSystem, tuple[Question, ...]] | None:
+        return held if held is not None and held[0].configuration == _mark(configuration) else None
 
-    def _digest(self, names: Iterable[str]) -> str:
-        return _mark("\n".join(line for name in names for line in (name, *self._results.get(name, ()))).encode())
+    def _wired(
+        self, key: Key, configuration: LaunchConfiguration, earlier: PackageSystems | None
+    ) -> tuple[WiredSystem, tuple[Question, ...]]:
+        self._catalogue.asked.clear()
+        system = wire(configuration, self._catalogue)
+        content = system_triples(system, self._catalogue.records(system), self._iris)
+        mark, graph = digest(content), self._iris.launch_graph(key[0], configuration.path)
+        before = earlier.graphs.get(configuration.path) if earlier else None
+        if graph not in self._intact or before is None or before.graph != mark:
+            self.contents[graph] = content
+        made = WiredSystem(_mark(configuration), mark, len(system.instances), ())
+        return made, tuple(self._catalogue.asked)
+
+    def systems(self) -> Systems:
+        """Return what the next build compares with."""
+        places: dict[Question, int] = {}
+        packages: dict[str, dict[str, PackageSystems]] = {}
+        for key, found in sorted(self._found.items()):
+            graphs = {}
+            for path, (system, asked) in sorted(found.items()):
+                at = tuple(sorted(places.setdefault(question, len(places)) for question in asked))
+                graphs[path] = replace(system, asked=at)
+            packages.setdefault(key[0], {})[key[1]] = PackageSystems(self._results[key], graphs)
+        answers = tuple((question, self._catalogue.mark(question)) for question in places)
+        return Systems(self._version, answers, packages)
 
 
-def _mark(content: bytes) -> str:
-    return hashlib.blake2b(content, digest_size=_BYTES).hexdigest()
+def _mark(configuration: LaunchConfiguration) -> str:
+    return digest(msgspec.msgpack.encode(configuration))

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.package import ExtractSettings, extract_package
-from kg.facts import Problem, Resolution
-from kg.graph import Iris, count, package_triples
+from kg.facts import Known, Problem, Resolution
+from kg.graph import Iris, count
+from kg.graph.packages import package_parts
 from kg.graph.shared import split
 from kg.language import annotate
 from kg.pipeline import cache
+from kg.pipeline.known import known_as
 from kg.pipeline.report import PackageResult
 
 if TYPE_CHECKING:
@@ -47,13 +49,14 @@ class Job:
 class Outcome:
     """What comes back of one package: the result packed for the cache, and what the report and the next build need.
 
-    `outside` are the look-ups of files that no scan lists, with their answers.
+    `outside` are the look-ups of files that no scan lists, with their answers; `known` is what can be started.
     """
 
     result: PackageResult
     inputs: dict[str, str]
     outside: dict[Lookup, str]
     packed: bytes
+    known: Known = field(default_factory=Known)
     reusable: bool = True
 
 
@@ -70,24 +73,25 @@ def work(job: Job, source: str, path: str, earlier: str = "") -> Outcome:
     job.workspace.forget()
     facts = extract_package(job.workspace, found, package, ExtractSettings(job.max_file_bytes, job.calls))
     tagged = cache.descriptions(job.cache, earlier) if job.cache and earlier else ()
-    known = {one.text: one for one in tagged}
-    facts = replace(facts, descriptions=annotate(facts.descriptions, job.model, known))
+    before = {one.text: one for one in tagged}
+    facts = replace(facts, descriptions=annotate(facts.descriptions, job.model, before))
     iris = Iris(job.base)
-    own, shared = split(package_triples(facts, iris), iris)
-    loadable = sum(node.plugin is not None for node in facts.nodes)
+    triples, stated = package_parts(facts, iris)
+    own, shared = split(triples, iris)
+    stated, known = known_as(stated, facts.programs)
     counts = asdict(count([facts], triples=len(own) + len(shared)))
     result = PackageResult(
         source=source,
         name=package.name,
         path=path,
-        counts=counts | {"launches": len(facts.launches), "loadable": loadable},
+        counts=counts | {"launches": len(facts.launches)},
         unresolved=_reasons(facts),
         problems=facts.problems,
         seconds=time.perf_counter() - began,
     )
     record = job.workspace.lookups
-    packed = cache.pack(b"".join(own), record, b"".join(shared), facts.launches, facts.descriptions)
-    return Outcome(result, dict(facts.inputs), job.workspace.outside, packed)
+    packed = cache.pack(b"".join(own), record, b"".join(shared), facts.launches, facts.descriptions, stated)
+    return Outcome(result, dict(facts.inputs), job.workspace.outside, packed, known)
 
 
 def failed(source: str, name: str, path: str, message: str) -> Outcome:

@@ -11,9 +11,9 @@ from kg.names import normalise
 from kg.wiring.similar import Alike
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Mapping, Sequence
 
-    from kg.facts import NodeReference, NodeType, StartedNode
+    from kg.facts import NodeName, NodeReference, NodeType, StartedNode
 
 __all__ = ["NodeTypes", "Typed", "class_name", "own_name"]
 
@@ -30,6 +30,9 @@ class NodeTypes:
 
     `pairs` are all node types with their references. `packages` names further packages of the build, which have no node
     types; `programs` what else packages install to be started, in which no node was found.
+
+    Whatever wiring learns of other packages it asks by one of `has`, `installed`, `executables`, `started`, `loaded`
+    and `like`, so that a build knows which answers a system depends on.
     """
 
     def __init__(
@@ -39,36 +42,61 @@ class NodeTypes:
         packages: Iterable[str] = (),
         programs: Mapping[str, Iterable[str]] | None = None,
     ) -> None:
-        self.packages = set(packages) | set(programs or ())
-        self._programs = {package: set(names) for package, names in (programs or {}).items()}
-        self._started: defaultdict[tuple[str, str], list[Typed]] = defaultdict(list)
-        self._loaded: defaultdict[str, list[Typed]] = defaultdict(list)
+        self._pairs = list(pairs)
+        self._index((reference.package, node) for reference, node in self._pairs)
+        self._packages.update(packages, programs or ())
+        self._programs.update((package, set(names)) for package, names in (programs or {}).items())
+
+    def _index(self, nodes: Iterable[tuple[str, NodeType | NodeName]]) -> None:
+        """Note where among the node types, given with their packages, each stands by its names."""
+        self._packages: set[str] = set()
+        self._programs: dict[str, set[str]] = {}
+        self._started: defaultdict[tuple[str, str], list[int]] = defaultdict(list)
+        self._loaded: defaultdict[str, list[int]] = defaultdict(list)
         self._names: defaultdict[str, set[str]] = defaultdict(set)
-        self._sources: defaultdict[str, set[str]] = defaultdict(set)
-        for reference, node in pairs:
-            self._add(reference, node)
         self._alike: Alike | None = None
+        for at, (package, node) in enumerate(nodes):
+            self._packages.add(package)
+            if node.plugin or node.kind in _LOADED:
+                for name in {class_name(node.plugin or node.name), class_name(node.name)}:
+                    self._loaded[name].append(at)
+            if node.executable or node.kind in _STARTED:
+                names = [node.executable or "", node.name, *node.aliases]
+                self._names[package].add(node.executable or node.name)
+                for name in dict.fromkeys(part for known in names if known for part in (known, _without_end(known))):
+                    self._started[package, name].append(at)
+
+    def has(self, package: str) -> bool:
+        """Tell whether the build has a package."""
+        return package in self._packages
+
+    def installed(self, package: str) -> list[str]:
+        """Return what else a package installs to be started, sorted."""
+        return sorted(self._programs.get(package, ()))
+
+    def executables(self, package: str) -> list[str]:
+        """Return the programs of a package that are nodes, sorted."""
+        return sorted(self._names.get(package, ()))
+
+    def started(self, package: str, name: str) -> list[Typed]:
+        """Return what is started by the name of a program of a package."""
+        return [self.typed(at) for at in self._started.get((package, name), ())]
+
+    def loaded(self, name: str) -> list[Typed]:
+        """Return what is loaded by the name of a class, as `class_name` has it."""
+        return [self.typed(at) for at in self._loaded.get(name, ())]
 
     def like(self, package: str) -> tuple[str, ...]:
         """Return the packages of the build that the name of one which is not there is likely meant to be."""
-        if package in self.packages:
+        if package in self._packages:
             return ()
         if self._alike is None:
-            self._alike = Alike(self.packages)
+            self._alike = Alike(self._packages)
         return tuple(self._alike.find(package))
 
-    def _add(self, reference: NodeReference, node: NodeType) -> None:
-        package = reference.package
-        self.packages.add(package)
-        self._sources[package].add(reference.repository)
-        if node.plugin or node.kind in _LOADED:
-            for name in {class_name(node.plugin or node.name), class_name(node.name)}:
-                self._loaded[name].append((reference, node))
-        if node.executable or node.kind in _STARTED:
-            names = [node.executable or "", node.name, *node.aliases]
-            self._names[package].add(node.executable or node.name)
-            for name in dict.fromkeys(part for known in names if known for part in (known, _without_end(known))):
-                self._started[package, name].append((reference, node))
+    def typed(self, at: int) -> Typed:
+        """Return one of the node types by its place among them."""
+        return self._pairs[at]
 
     def of(self, started: StartedNode, repository: str) -> tuple[Typed | None, MissingType | None, str | None]:
         """Return the node type that a node of a configuration in `repository` is of.
@@ -81,14 +109,14 @@ class NodeTypes:
         package, executable = started.package, started.executable
         if not package or not executable or is_partial(package) or is_partial(executable):
             return None, MissingType.NOT_SAID, "which program is started is not known before run time"
-        if package not in self.packages:
+        if not self.has(package):
             return None, MissingType.UNKNOWN_PACKAGE, f"package {package} is not in the build"
         program = executable.rpartition("/")[2]
         for name in dict.fromkeys((program, _without_end(program))):
-            found = _nearest(self._started.get((package, name), ()), repository)
+            found = _nearest(self.started(package, name), repository)
             if found is not None:
                 return found, None, None
-        if {program, _without_end(program)} & self._programs.get(package, set()):
+        if not {program, _without_end(program)}.isdisjoint(self.installed(package)):
             return None, MissingType.NO_NODE, f"no node was found in {program} of package {package}"
         return None, MissingType.UNKNOWN_NODE, self._other_names(package, executable)
 
@@ -100,7 +128,7 @@ class NodeTypes:
         if found is not None:
             return found, None, None
         at_front = plugin.replace("::", "/").partition("/")[0] if "/" in plugin or "::" in plugin else None
-        package = next((name for name in (at_front, started.package) if name in self.packages), None)
+        package = next((name for name in (at_front, started.package) if name and self.has(name)), None)
         if package is None:
             package = started.package or at_front or plugin
             return None, MissingType.UNKNOWN_PACKAGE, f"package {package} is not in the build"
@@ -108,13 +136,13 @@ class NodeTypes:
 
     def plugin(self, name: str, repository: str, package: str | None = None) -> Typed | None:
         """Return what is loaded by the name of a class (`pkg/Class`, `ns::Class`); of several that of `package`."""
-        known = self._loaded.get(class_name(name), ())
-        exact = [pair for pair in known if name in (pair[1].plugin, pair[1].name)] or list(known)
+        known = self.loaded(class_name(name))
+        exact = [pair for pair in known if name in (pair[1].plugin, pair[1].name)] or known
         own = [pair for pair in exact if pair[0].package == package] or exact
         return _nearest(own, repository)
 
     def _other_names(self, package: str, executable: str) -> str:
-        names = sorted(self._names[package])
+        names = self.executables(package)
         shown = ", ".join(names[:_SHOWN]) + (", ..." if len(names) > _SHOWN else "")
         return f"package {package} has no executable {executable}; it has: {shown or 'none'}"
 
@@ -131,8 +159,7 @@ def own_name(node: NodeType) -> str:
     return node.name.rpartition("::")[2].rpartition("/")[2].removesuffix(".py")
 
 
-def _nearest(found: Iterable[Typed], repository: str) -> Typed | None:
-    known = list(found)
+def _nearest(known: Sequence[Typed], repository: str) -> Typed | None:
     return next((pair for pair in known if pair[0].repository == repository), known[0] if known else None)
 
 

@@ -1,0 +1,163 @@
+"""The node types of all packages of a store, from their cached results, and what wiring asked about them.
+
+What could be started contributes its names, which the state of a build holds. A node type is decoded when a question
+names it. Questions are noted with digests of their answers, so that a system is wired again when an answer changes.
+"""
+
+from __future__ import annotations
+
+from itertools import groupby
+from typing import TYPE_CHECKING
+
+from kg.facts import NodeName, NodeReference
+from kg.graph.nodes import Stated
+from kg.graph.reading import NodeRecord
+from kg.pipeline import cache
+from kg.pipeline.known import digest, known_as
+from kg.wiring.types import NodeTypes
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+    from pathlib import Path
+
+    from kg.facts import System
+    from kg.pipeline.plan import Key
+    from kg.pipeline.state import PackageState, Question
+    from kg.wiring.types import Typed
+
+__all__ = ["Catalogue"]
+
+
+class Catalogue(NodeTypes):
+    """The node types of `packages`, whose results are in the cache `folder`, and those of other sources of the store.
+
+    `programs` are what packages of other sources install. `asked` are the questions since it was emptied.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        packages: Mapping[Key, PackageState],
+        others: Iterable[NodeRecord] = (),
+        programs: Mapping[str, Iterable[str]] | None = None,
+    ) -> None:
+        self.asked: dict[Question, None] = {}
+        self._folder = folder
+        self._marks: dict[Question, str] = {}
+        self._places: list[tuple[Key, NodeReference, NodeName, int]] = []
+        self._results = {key: package.result for key, package in packages.items()}
+        self._decoded: dict[Key, list[NodeRecord]] = {}
+        found = {(key[0], package.name, key): package.known for key, package in packages.items()}
+        for (repository, package), records in groupby(others, key=lambda one: (one.repository, one.package)):
+            whole = {one.iri: one for one in records}
+            stated = (
+                Stated(one.node, one.iri, tuple(one.ends.values()), tuple(one.settable.values()))
+                for one in whole.values()
+            )
+            ordered, known = known_as(stated)
+            key = (repository, f"{package}/")
+            self._decoded[key] = [whole[one.iri] for one in ordered]
+            found[repository, package, key] = known
+        for (repository, package, key), known in sorted(found.items(), key=lambda item: item[0]):
+            for at, one in enumerate(known.nodes):
+                self._places.append((key, NodeReference(repository, package, one.name), one, at))
+        self._by_reference = {reference: at for at, (_, reference, _, _) in enumerate(self._places)}
+        self._index((reference.package, one) for _, reference, one, _ in self._places)
+        self._packages.update((package for _, package, _ in found), programs or ())
+        for package, names in (
+            *((package, known.programs) for (_, package, _), known in found.items()),
+            *(programs or {}).items(),
+        ):
+            self._programs.setdefault(package, set()).update(names)
+
+    def has(self, package: str) -> bool:
+        """Tell whether the build has a package."""
+        self.asked["has", package] = None
+        return super().has(package)
+
+    def installed(self, package: str) -> list[str]:
+        """Return what else a package installs to be started, sorted."""
+        self.asked["installed", package] = None
+        return super().installed(package)
+
+    def executables(self, package: str) -> list[str]:
+        """Return the programs of a package that are nodes, sorted."""
+        self.asked["executables", package] = None
+        return super().executables(package)
+
+    def started(self, package: str, name: str) -> list[Typed]:
+        """Return what is started by the name of a program of a package."""
+        self.asked["started", package, name] = None
+        return super().started(package, name)
+
+    def loaded(self, name: str) -> list[Typed]:
+        """Return what is loaded by the name of a class."""
+        self.asked["loaded", name] = None
+        return super().loaded(name)
+
+    def like(self, package: str) -> tuple[str, ...]:
+        """Return the packages that the name of one which is not there is likely meant to be."""
+        self.asked["like", package] = None
+        return super().like(package)
+
+    def typed(self, at: int) -> Typed:
+        """Return one of the node types by its place among them."""
+        return self._places[at][1], self._record(at).node
+
+    def records(self, system: System) -> dict[NodeReference, NodeRecord]:
+        """Return the node types that are named in a system."""
+        found = {}
+        for reference in _references(system):
+            self.asked["record", reference.repository, reference.package, reference.node] = None
+            at = self._by_reference.get(reference)
+            if at is not None:
+                found[reference] = self._record(at)
+        return found
+
+    def mark(self, question: Question) -> str:
+        """Return a digest of the answer to a question."""
+        if question not in self._marks:
+            self._marks[question] = digest(repr(self._answer(*question)).encode())
+        return self._marks[question]
+
+    def _answer(self, kind: str, *names: str) -> object:
+        match kind:
+            case "started":
+                return self._marks_of(self._started.get((names[0], names[1]), ()))
+            case "loaded":
+                return self._marks_of(self._loaded.get(names[0], ()))
+            case "record":
+                at = self._by_reference.get(NodeReference(*names))
+                return self._marks_of(() if at is None else (at,))
+            case _:
+                return getattr(super(), kind)(*names)
+
+    def _marks_of(self, places: Iterable[int]) -> list[tuple[str, str]]:
+        return [(str(reference), one.mark) for _, reference, one, _ in (self._places[at] for at in places)]
+
+    def _record(self, at: int) -> NodeRecord:
+        key, reference, _, place = self._places[at]
+        if key not in self._decoded:
+            self._decoded[key] = [
+                NodeRecord(
+                    reference.repository,
+                    None,
+                    reference.package,
+                    one.node,
+                    one.iri,
+                    dict(zip(one.node.interfaces, one.ends, strict=True)),
+                    dict(zip(one.node.parameters, one.settable, strict=True)),
+                )
+                for one in cache.nodes(self._folder, self._results[key])
+            ]
+        return self._decoded[key][place]
+
+
+def _references(system: System) -> Iterator[NodeReference]:
+    """Yield the node types that the instances of a system are of, load, or have something from, each once."""
+    found: dict[NodeReference | None, None] = {}
+    for instance in system.instances:
+        found.update(dict.fromkeys((instance.type, *instance.plugins)))
+        found.update((end.owner, None) for end in instance.interfaces)
+        found.update((parameter.owner, None) for parameter in instance.parameters)
+    yield from (reference for reference in found if reference is not None)

@@ -1,0 +1,77 @@
+"""What the other packages of a build know of the node types of one: their names, and a digest of the rest."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from itertools import groupby
+from typing import TYPE_CHECKING, Any, Final
+
+import msgspec
+
+from kg.facts import Known, NodeName
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from kg.graph.nodes import Stated
+
+__all__ = ["digest", "known_as"]
+
+_BYTES: Final = 16
+
+
+def known_as(stated: Iterable[Stated], programs: Iterable[str] = ()) -> tuple[tuple[Stated, ...], Known]:
+    """Return the node types of a package in the order that results have, and what others know of them."""
+    ordered = sorted(stated, key=lambda one: (one.node.name, str(one.node.location)))
+    names: list[NodeName] = []
+    for _, several in groupby(ordered, key=lambda one: one.node.name):
+        same = list(several)
+        # A reference names all node types of a name, so that each depends on the others.
+        marks = " ".join(map(_mark, same))
+        for at, one in enumerate(same):
+            node, mark = one.node, digest(f"{at} {marks}".encode())
+            names.append(NodeName(node.name, node.kind, node.executable, node.plugin, node.aliases, mark))
+    return tuple(ordered), Known(tuple(names), tuple(programs))
+
+
+def _mark(stated: Stated) -> str:
+    """Return a digest of a node type in which lines count by their order alone.
+
+    A comment moves lines, and nothing that wiring makes holds a line of code.
+    """
+    content = msgspec.to_builtins(stated)
+    places = {place: at for at, place in enumerate(sorted(set(_places(content))))}
+    return digest(msgspec.msgpack.encode(_without_lines(content, places)))
+
+
+def _places(content: Any) -> Iterator[tuple[str, str, int]]:
+    if isinstance(content, Mapping):
+        if _is_place(content):
+            yield _place(content)
+            return
+        content = content.values()
+    if not isinstance(content, str) and hasattr(content, "__iter__"):
+        for one in content:
+            yield from _places(one)
+
+
+def _without_lines(content: Any, places: Mapping[tuple[str, str, int], int]) -> Any:
+    if isinstance(content, dict):
+        if _is_place(content):
+            return places[_place(content)]
+        return {key: _without_lines(value, places) for key, value in content.items()}
+    return [_without_lines(one, places) for one in content] if isinstance(content, list | tuple) else content
+
+
+def _is_place(content: Mapping[str, Any]) -> bool:
+    return content.keys() == {"path", "line", "repository"}
+
+
+def _place(content: Mapping[str, Any]) -> tuple[str, str, int]:
+    return content["repository"] or "", content["path"], content["line"]
+
+
+def digest(content: bytes) -> str:
+    """Return a digest in hexadecimal digits."""
+    return hashlib.blake2b(content, digest_size=_BYTES).hexdigest()
