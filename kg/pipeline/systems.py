@@ -119,7 +119,7 @@ def node_types(graph: Queryable, packages: Iterable[str]) -> tuple[NodeTypes, di
     """Return the node types of some packages, with their records by reference, and what else all packages install."""
     records = node_records(graph, packages=packages)
     pairs = [(record.reference, record.node) for record in records]
-    return NodeTypes(pairs, programs=programs(graph)), {record.reference: record for record in records}
+    return NodeTypes(pairs, programs=programs(graph)), {record.reference: record for record in reversed(records)}
 
 
 class _Work:

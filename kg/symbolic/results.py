@@ -73,6 +73,8 @@ def _of_argument(framework: Framework, what: str, argument: Value, node: Value |
     if what == "resolved":
         handles = alternatives(node) if node is not None else ()
         return join(*(below(namespace_of(one), argument) for one in handles)) if handles else argument
+    if what == "private":
+        return below(Text.of("~"), argument)
     if what == "sub node":
         native = {"namespace": below(namespace_of(node), argument)}
         return Object(Kind(("rclcpp", "Node")), native=native if node is None else {**native, "of": node})

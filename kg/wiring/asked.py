@@ -57,6 +57,9 @@ class Asked:
                 spelled = plugin.spelled(name)
                 known = self._absolute(name, place) if spelled is None else self._absolute(spelled, self._place)
                 self._add(known, parameter, owner)
+                beside, slash, _ = plugin.parameter.rpartition("/")
+                if slash and not name.startswith("/"):  # a handle for what stands beside the class
+                    self._add(self._place.resolve(f"~/{beside}/{name.removeprefix('~/')}"), parameter, owner)
 
     def _of_loaded(self, name: str, plugin: Loaded) -> Iterator[str]:
         """Yield the absolute names that a parameter of a plugin may have in ROS 2: of its own, or of the node."""

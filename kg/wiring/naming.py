@@ -82,6 +82,8 @@ def _around(declared: Interface, defaults: Iterable[str]) -> tuple[str, str, boo
     if hole and (hole == own or (declared.parameter or "") in (declared.reason or "")):
         return before, after, True
     texts = sorted({normalise(text) for text in defaults if text}, key=len, reverse=True)
+    if name.strip("/~") and "" in defaults and not texts:  # a prefix (`ns + "/scan"`): nothing of it is in the name
+        return "", name, True
     for text in texts:
         if name == text:
             return "", "", True
