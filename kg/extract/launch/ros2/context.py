@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from kg.corpus.files import FilePath
     from kg.extract.launch.files import Files
     from kg.extract.launch.ros2.generated import Generated
+    from kg.extract.launch.ros2.parameter_files import Entry
     from kg.extract.launch.ros2.texts import Text
     from kg.facts import LaunchArgument, LaunchInclude, LaunchParameter, LaunchPlugin, Remap, StartedNode
 
@@ -69,6 +70,10 @@ class Found:
     files: dict[FilePath, None] = field(default_factory=dict)
     generated: dict[str, Generated] = field(default_factory=dict)
     """Files that are made when the configuration runs, by name."""
+    given: dict[object, dict[int, tuple[Entry, tuple[str, LaunchParameter, LaunchParameter]]]] = field(
+        default_factory=dict
+    )
+    """What nodes are given of each entry of a parameter file, since many nodes are given the same files."""
     containers: dict[int, str] = field(default_factory=dict)
     """The absolute names of containers by the identity of the action that starts them."""
     actions: int = 0

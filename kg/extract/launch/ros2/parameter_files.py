@@ -194,7 +194,7 @@ class Rewriting:
             node = "/".join(keys.get(part, part) for part in node.split("/"))
             node = _joined((self.root, node)) if self.root.strip("/") else node
         if wanted is None:
-            return replace(entry, names=names, node=node)
+            return Entry(node, names, entry.value, entry.type, entry.line, entry.location)
         value, kind = _converted(wanted)
         value = HOLE if value is None else value
         return replace(entry, names=names, node=node, value=value, type=kind, location=self.location)

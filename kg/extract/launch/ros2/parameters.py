@@ -10,7 +10,7 @@ process may have nodes that launch knows nothing of.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 from kg.extract.launch.ros2.actions import ParameterFile, ParameterValue
 from kg.extract.launch.ros2.context import HOLE, GlobalFile, place
@@ -32,6 +32,8 @@ _ALL: Final = "/**"
 _MOST: Final = 200_000
 _AT_RUN_TIME: Final = "it depends on what is known only when it runs"
 _UNREAD: Final = "what its parameter file says is not known"
+_Given: TypeAlias = tuple[str, LaunchParameter, LaunchParameter]
+"""The name of node that a parameter is written for, the parameter of that node alone, and the same with the name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,8 +77,11 @@ def node_parameters(
 ) -> tuple[LaunchParameter, ...]:
     """Return the parameters given to a node in the order in which they are applied, with the keys they stand below."""
     merged: dict[str, dict[str, LaunchParameter]] = {}
-    for key, parameter in _written(context, asked, sources):
-        own = _is_own(key, asked)
+    owned: dict[str, bool | None] = {}  # files have many parameters for few nodes
+    for key, parameter, below in _written(context, asked, sources):
+        if key not in owned:
+            owned[key] = _is_own(key, asked)
+        own = owned[key]
         if asked.loaded and own is False:
             continue
         context.found.parameters += 1
@@ -85,7 +90,7 @@ def node_parameters(
             break
         known = merged.setdefault("" if asked.loaded else key, {})
         known.pop(parameter.name, None)
-        known[parameter.name] = parameter if own else replace(parameter, node=f"/{key.strip('/')}")
+        known[parameter.name] = parameter if own else below
     return tuple(parameter for known in merged.values() for parameter in known.values())
 
 
@@ -115,7 +120,7 @@ def _is_own(key: str, asked: Asked) -> bool | None:
 
 def _written(
     context: Context, asked: Asked, sources: Iterable[ParameterSource | LaunchParameter | GlobalFile]
-) -> Iterator[tuple[str, LaunchParameter]]:
+) -> Iterator[_Given]:
     """Yield the parameters of all sources with the name of node that they are written for."""
     own = asked.full if asked.full is not None and asked.whole else _ALL
     for source in sources:
@@ -123,39 +128,49 @@ def _written(
             yield _addressed(source)
         elif isinstance(source, ParameterValue):
             with context.at(source.location):
-                yield own, given_parameter(context, source)
+                yield _given(own, given_parameter(context, source))
         else:
             with context.at(source.location):
                 yield from _of_file(context, source, own if asked.loaded else None)
 
 
-def _addressed(parameter: LaunchParameter) -> tuple[str, LaunchParameter]:
+def _given(key: str, parameter: LaunchParameter) -> _Given:
+    return key, parameter, replace(parameter, node=f"/{key.strip('/')}")
+
+
+def _addressed(parameter: LaunchParameter) -> _Given:
     """Return a parameter for all nodes, or that of a rule `node:name`, as `rcl` reads them."""
     node, colon, name = parameter.name.rpartition(":")
-    return (node, replace(parameter, name=name)) if colon and node else (_ALL, parameter)
+    return _given(node, replace(parameter, name=name)) if colon and node else _given(_ALL, parameter)
 
 
-def _of_file(
-    context: Context, source: ParameterFile | GlobalFile, flat: str | None
-) -> Iterator[tuple[str, LaunchParameter]]:
+def _of_file(context: Context, source: ParameterFile | GlobalFile, flat: str | None) -> Iterator[_Given]:
     """Yield the parameters of a file; `flat` is the node that a file is for which names no nodes at all."""
     substitutions = isinstance(source, ParameterFile) and source.substitutions
     path = source.path if isinstance(source, GlobalFile) else context.perform(source.read)
     found = read_parameters(context, path, substitutions=substitutions)
     if found is None:
-        yield flat or _ALL, LaunchParameter(HOLE, None, source.location, context.chain, reason=_UNREAD)
+        yield _given(flat or _ALL, LaunchParameter(HOLE, None, source.location, context.chain, reason=_UNREAD))
         return
     file, listed = found
-    repository = place(context.files, file, 1).repository
     doubt = source.reason if isinstance(source, GlobalFile) else None
+    known = context.found.given.setdefault((file, context.chain, doubt), {})
+    repository = place(context.files, file, 1).repository
     for entry in listed:
+        if id(entry) in known:
+            yield known[id(entry)][1]
+            continue
         node = entry.node if entry.node is not None else flat
         if node is None:
             continue
         value = None if doubt or entry.value == HOLE else entry.value
         reason = doubt or (_AT_RUN_TIME if value is None else None)
         where = entry.location or Location(file.path, entry.line, repository)
-        yield node, LaunchParameter(".".join(entry.names), value, where, context.chain, entry.type, reason)
+        name = ".".join(entry.names)
+        made = _given(node, LaunchParameter(name, value, where, context.chain, entry.type, reason))
+        if entry.node is not None:
+            known[id(entry)] = (entry, made)
+        yield made
 
 
 def _value(context: Context, parameter: ParameterValue) -> tuple[str | None, str | None]:
