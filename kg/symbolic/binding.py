@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final, cast
 
 from kg.symbolic import form
 from kg.symbolic.containers import part_at, rest_of
-from kg.symbolic.values import Mapping, Number, Pack, Sequence, Text, Truth, number
+from kg.symbolic.values import Either, Mapping, Number, Pack, Sequence, Text, Truth, Unknown, number
 
 if TYPE_CHECKING:
-    from kg.symbolic.form import Expression, Function
+    from collections.abc import Iterable
+
+    from kg.symbolic.form import Expression, Function, Parameter
     from kg.symbolic.machine import Machine
     from kg.symbolic.state import Frame
     from kg.symbolic.values import Value
 
-__all__ = ["bind", "unpack", "write_back"]
+__all__ = ["bind", "hand_back", "unpack", "write_back"]
+
+_HANDED: Final = frozenset({Text, Number, Truth, Sequence, Mapping, Either})
+"""Values that a function gives back through references; objects are the same ones already."""
 
 
 def bind(
@@ -42,6 +47,23 @@ def bind(
             frame.variables[parameter.name] = machine.value(parameter.default, frame)
         elif parameter.name:
             frame.variables[parameter.name] = machine.language.unknown(kind, frame, parameter.name)
+
+
+def hand_back(
+    machine: Machine, rows: Iterable[tuple[Parameter, Expression, Value]], frame: Frame, caller: Frame
+) -> None:
+    """Write what a function left in its reference parameters to the arguments of its caller.
+
+    `rows` has for each parameter its argument as an expression, and the value that this had.
+    """
+    for parameter, expression, before in rows:
+        kind = parameter.type
+        if kind is None or not (kind.reference or kind.pointer) or kind.constant:
+            continue
+        value = frame.variables.get(parameter.name)
+        lost = not kind.pointer and isinstance(before, Text)
+        if type(value) in _HANDED or (lost and isinstance(value, Unknown)):
+            machine.put(expression, cast("Value", value), caller)
 
 
 def write_back(machine: Machine, loop: form.Loop, index: int, frame: Frame) -> None:

@@ -148,6 +148,7 @@ class Descriptions:
     language: str = "cpp"
     calls: dict[str, list[CallDescription]] = field(default_factory=lambda: defaultdict(list))
     classes: dict[str, list[ClassDescription]] = field(default_factory=lambda: defaultdict(list))
+    _found: dict[tuple[str, ...], ClassDescription | None] = field(default_factory=dict, repr=False)
 
     def read(self, text: str) -> None:
         """Add the descriptions of a file."""
@@ -165,8 +166,11 @@ class Descriptions:
 
     def class_named(self, names: tuple[str, ...]) -> ClassDescription | None:
         """Return the description of a class by its qualified name; the namespaces that both have must agree."""
-        listed = self.classes.get(names[-1] if names else "", ())
-        return next((one for one in listed if agree(tuple(one.name.split("::")), names)), None)
+        # Programs construct the same few classes many times.
+        if names not in self._found:
+            listed = self.classes.get(names[-1] if names else "", ())
+            self._found[names] = next((one for one in listed if agree(tuple(one.name.split("::")), names)), None)
+        return self._found[names]
 
 
 def agree(described: tuple[str, ...], names: tuple[str, ...]) -> bool:

@@ -93,6 +93,8 @@ class Framework:
         self._option_sites: dict[int, tuple[Site, ...]] = {}
         """The calls that gave an options object the name of its interface."""
         self._described: dict[object, list[ClassDescription]] = {}
+        self._alike: dict[object, tuple[list[ClassDescription], frozenset[str]]] = {}
+        """For each type the descriptions that apply to its objects, with their names."""
 
     def progress(self) -> tuple[int, ...]:
         """Return the number of results so far: if it changes while a function runs, the function has effects."""
@@ -120,18 +122,22 @@ class Framework:
             self._described[key] = found
         return found
 
-    def _classes(self, of: Object) -> list[ClassDescription]:
-        """Return the descriptions of an object's classes, and of the classes that these are like."""
-        found = list(self.described(of.kind))
-        for one in found:
-            like = self.descriptions.class_named(tuple(one.like.split("::"))) if one.like is not None else None
-            if like is not None and like not in found:
-                found.append(like)
-        return found
+    def _classes(self, of: Object) -> tuple[list[ClassDescription], frozenset[str]]:
+        """Return the descriptions of an object's classes and of those that these are like, and their names."""
+        key = of.kind.cls or of.kind.names
+        known = self._alike.get(key)
+        if known is None:
+            found = list(self.described(of.kind))
+            for one in found:
+                like = self.descriptions.class_named(tuple(one.like.split("::"))) if one.like is not None else None
+                if like is not None and like not in found:
+                    found.append(like)
+            known = self._alike[key] = (found, frozenset(one.name for one in found))
+        return known
 
     def is_node(self, of: Value) -> bool:
         """Check whether an object is a node or a node handle."""
-        return isinstance(of, Object) and any(one.is_a in _NODES for one in self._classes(of))
+        return isinstance(of, Object) and any(one.is_a in _NODES for one in self._classes(of)[0])
 
     def _is_profile(self, of: Object) -> bool:
         return "qos" in of.native or any(one.is_a == "qos" for one in self.described(of.kind))
@@ -157,7 +163,7 @@ class Framework:
 
     def handed(self, of: Object, name: str, count: int) -> dict[int, Value]:
         """Return the node handles that a framework passes to a method, by the index of the parameter."""
-        for described in self._classes(of):
+        for described in self._classes(of)[0]:
             for method, arguments, handles in described.gives:
                 if method == name and arguments == count:
                     return {index: _handle(namespace) for index, namespace in handles}
@@ -214,7 +220,7 @@ class Framework:
     def constructed(self, made: Object) -> None:
         """Schedule the methods of an object that a framework calls after construction."""
         language = self.machine.language
-        for described in self._classes(made):
+        for described in self._classes(made)[0]:
             for name in (one for pattern in described.runs for one in self._matching(made, pattern)):
                 if language.methods(made.kind, name):
                     language.escape([Bound(name, made)])
@@ -306,12 +312,11 @@ class Framework:
         return name in qos.METHODS and self._is_profile(of)
 
     def _applies(self, described: CallDescription, of: Object) -> bool:
-        names = {one.name for one in self._classes(of)}
-        return any(on in names for on in described.on)
+        return not self._classes(of)[1].isdisjoint(described.on)
 
     def call_method(self, of: Object, name: str, given: Arguments) -> Value | None:
         """Apply the effects of a method of a framework class; None if it is not described."""
-        if self._is_profile(of):
+        if name in qos.METHODS and self._is_profile(of):
             changed = qos.changed_profile(self.machine, of, name, given.values)
             if changed is not None:
                 return changed

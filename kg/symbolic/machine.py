@@ -13,7 +13,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.symbolic import form
-from kg.symbolic.binding import bind, unpack, write_back
+from kg.symbolic.binding import bind, hand_back, unpack, write_back
 from kg.symbolic.containers import is_unset
 from kg.symbolic.operators import (
     NULL,
@@ -31,7 +31,6 @@ from kg.symbolic.spelling import member_label
 from kg.symbolic.state import UNSET, Alias, Frame, Journal, Site
 from kg.symbolic.values import (
     Closure,
-    Either,
     Guard,
     Kind,
     Mapping,
@@ -312,23 +311,23 @@ class Machine:
             self._left += [(end, side, under) for side, end, under in rows if end and side]
         return live
 
-    @contextmanager
-    def _until(self, *ends: str) -> Iterator[None]:
-        """Run code that sides of branches leave by one of some ways; their writes count after it."""
-        outer, self._left = self._left, []
-        try:
-            yield
-        finally:
-            left, self._left = self._left, outer
+    def _rejoin(self, left: list[tuple[str, Written, tuple[str, ...]]], ends: tuple[str, ...]) -> None:
+        """Write what sides of branches wrote that left some code by one of `ends`, after this code."""
         here = [one for one in left if one[0] in ends]
-        outer += [one for one in left if one[0] not in (*ends, "raise")]
+        self._left += [one for one in left if one[0] not in (*ends, "raise")]
         if here:
             self.merge([{}, *(side for _, side, _ in here)], [(), *(terms for _, _, terms in here)])
 
     def _turn(self, loop: form.Loop, frame: Frame) -> str | None:
         """Run the body of a loop once."""
-        with self._until("break", "continue"):
-            return self.run(loop.body, frame)
+        outer, self._left = self._left, []
+        try:
+            ended = self.run(loop.body, frame)
+        finally:
+            left, self._left = self._left, outer
+        if left:
+            self._rejoin(left, ("break", "continue"))
+        return ended
 
     def _try(self, statement: form.Try, frame: Frame) -> str | None:
         """Run a block, then each of its handlers as one side of a branch."""
@@ -481,11 +480,15 @@ class Machine:
 
     def _name(self, expression: form.Name, frame: Frame) -> Value:
         names = expression.names
-        holder = frame.holder(names[0]) if len(names) == 1 else None
-        if holder is None:
-            return read_back(self.language.name(expression, frame), names[-1])
-        held = holder[names[0]]
-        return read_back(self.value(held.target, held.frame) if isinstance(held, Alias) else held, names[0])
+        if len(names) == 1:  # as `Frame.holder`, in the place that runs most often
+            name = names[0]
+            around: Frame | None = frame
+            while around is not None:
+                held = around.variables.get(name)
+                if held is not None:
+                    return read_back(self.value(held.target, held.frame) if type(held) is Alias else held, name)
+                around = around.parent
+        return read_back(self.language.name(expression, frame), names[-1])
 
     def _member(self, expression: form.Member, frame: Frame) -> Value:
         of = self.value(expression.of, frame)
@@ -511,7 +514,7 @@ class Machine:
         found: list[Value] = []
         for expression in expressions:
             value = self.value(expression, frame)
-            if isinstance(value, Pack):
+            if type(value) is Pack:
                 found += value.items
             else:
                 found.append(value)
@@ -660,15 +663,7 @@ class Machine:
             bind(self, function, frame, arguments, given)
             result = self.result(frame, self.run(function.body, frame))
         if caller is not None and len(given) == len(arguments):
-            for parameter, expression, before_it in zip(function.parameters, given, arguments, strict=False):
-                kind = parameter.type
-                if kind is not None and (kind.reference or kind.pointer) and not kind.constant:
-                    value = frame.variables.get(parameter.name)
-                    lost = not kind.pointer and isinstance(before_it, Text)
-                    if isinstance(value, Text | Number | Truth | Sequence | Mapping | Either) or (
-                        lost and isinstance(value, Unknown)
-                    ):
-                        self.put(expression, value, caller)
+            hand_back(self, zip(function.parameters, given, arguments, strict=False), frame, caller)
         self._local = outer
         if self.framework.progress() != before:
             self.fruitful.add(id(function))
@@ -685,12 +680,15 @@ class Machine:
         guards = len(self.guards)
         self.running[id(function)] += 1
         self.executed.add(id(function))
+        outer, self._left = self._left, []
         try:
-            with self._until("return"):
-                yield
+            yield
         finally:
+            left, self._left = self._left, outer
             self.running[id(function)] -= 1
             del self.guards[guards:]
+        if left:
+            self._rejoin(left, ("return",))
 
     def put(self, expression: Expression, value: Value, frame: Frame) -> None:
         """Write a value to the variable that is passed as an output argument."""

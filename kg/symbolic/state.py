@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from enum import Enum, auto
-from typing import TYPE_CHECKING, Final, TypeAlias, TypeVar, cast
+from typing import TYPE_CHECKING, Final, TypeAlias, TypeVar, cast, final
 
 from kg.symbolic.form import Opaque
 from kg.symbolic.values import ABSENT, Pack, Unknown, Value
@@ -42,6 +42,7 @@ UNSET: Final = Unknown("it has no value")
 _Result = TypeVar("_Result")
 
 
+@final
 @dataclass(slots=True, eq=False)
 class Alias:
     """A reference to the value of an expression in another frame."""

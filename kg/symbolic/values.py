@@ -67,6 +67,7 @@ MOST_ROWS: Final = 500
 _ALWAYS: Final[Way] = frozenset()
 _NAMELESS: Final = (Hole(),)
 _ORDER: Final = {resolution: index for index, resolution in enumerate(Resolution)}
+# The most frequent functions below compare classes by identity: that takes a fifth of the time of `isinstance`.
 
 
 @dataclass(unsafe_hash=True, slots=True)
@@ -279,7 +280,7 @@ Value: TypeAlias = Scalar | Sequence | Mapping | TypeValue | Object | Closure | 
 
 def alternatives(value: Value) -> tuple[Value, ...]:
     """Return the values that a value can be."""
-    if not isinstance(value, Either):
+    if type(value) is not Either:
         return (value,)
     return tuple(_unique(value.items)) if value.ways else value.items
 
@@ -303,8 +304,12 @@ def options(values: Iterable[Value], choice: object) -> Value:
     """Return one of several values, of which a choice takes one: the same wherever the choice is the same."""
     values = tuple(values)
     first = values[0]
-    if not isinstance(first, Either) and all(value is first for value in values):
-        return first
+    if type(first) is not Either:
+        for value in values:
+            if value is not first and value != first:
+                break
+        else:
+            return first
     found: list[tuple[Value, Way]] = []
     for index, value in enumerate(values):
         option = frozenset([(choice, index)])
@@ -340,7 +345,10 @@ def combinations(values: Iterable[Value], most: int = MOST_ALTERNATIVES) -> Iter
 def over(values: Iterable[Value], apply: Callable[..., Value]) -> Value:
     """Apply a function to each row of alternatives of some values, and join the results."""
     values = tuple(values)
-    if not any(isinstance(value, Either) for value in values):
+    for value in values:
+        if type(value) is Either:
+            break
+    else:
         return apply(*values)
     found: list[Value] = []
     for row, way in rows(values, MOST_ALTERNATIVES):
@@ -352,17 +360,17 @@ def over(values: Iterable[Value], apply: Callable[..., Value]) -> Value:
 
 def read_back(value: Value, name: str = "") -> Value:
     """Return a value as read from a variable rather than written in place; `name` labels it if it is unknown."""
-    if isinstance(value, Text):
+    if type(value) is Unknown:
+        if value.label is None and name:
+            return Unknown(value.reason, value.parameter, label_of(name) or None)
+    elif type(value) is Text:
         if value.resolution is Resolution.LITERAL:
             return Text(value.parts, Resolution.CONSTANT, value.parameter, value.reason)
         if value.parts == _NAMELESS and label_of(name):
             return Text((Hole(label_of(name)),), value.resolution, value.parameter, value.reason)
-    elif isinstance(value, Unknown):
-        if value.label is None and name:
-            return Unknown(value.reason, value.parameter, label_of(name) or None)
-    elif isinstance(value, Either):
+    elif type(value) is Either:
         return Either(tuple([read_back(item, name) for item in value.items]), value.ways)
-    elif isinstance(value, Sequence) and value.items:
+    elif type(value) is Sequence and value.items:
         return Sequence(tuple([read_back(item) for item in value.items]), value.open, value.parameter)
     return value
 

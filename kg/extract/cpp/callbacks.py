@@ -6,7 +6,21 @@ from typing import TYPE_CHECKING, Final
 
 from kg.extract.cpp.kinds import frame_of, this_of
 from kg.symbolic.state import Frame
-from kg.symbolic.values import PLACEHOLDER, Bound, Closure, Object, Value, alternatives
+from kg.symbolic.values import (
+    PLACEHOLDER,
+    Bound,
+    Closure,
+    Mapping,
+    Number,
+    Object,
+    Sequence,
+    Text,
+    Truth,
+    TypeValue,
+    Unknown,
+    Value,
+    alternatives,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -16,6 +30,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Callbacks", "closure_frame"]
 
+_WITHOUT: Final = frozenset({Text, Number, Truth, Unknown, Sequence, Mapping, TypeValue})
+"""Values that are no functions, nor objects with methods."""
 _MOST_SITES: Final = 12
 """How many calls on the way to its registration a callback keeps."""
 
@@ -37,6 +53,8 @@ class Callbacks:
         receiver: Object | None = None
         method: Bound | None = None
         for value in values:
+            if type(value) in _WITHOUT:
+                continue
             for one in alternatives(value):
                 if isinstance(one, Closure):
                     self._schedule(one)

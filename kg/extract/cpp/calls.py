@@ -57,6 +57,8 @@ class Calls:
             of = self._inherited_handle(machine.value(function.of, frame), function, frame)
             values = machine.arguments(expression.arguments, frame)
             given = Arguments(values, self._kinds.template(function.template, frame), expression, frame)
+            if type(of) is not Either:
+                return self.method(of, function.name, given, function.of)
             return join(*(self.method(one, function.name, given, function.of) for one in alternatives(of)))
         if isinstance(function, form.Type):
             found = self._kinds.kind(function, frame)
@@ -69,8 +71,10 @@ class Calls:
 
     def _inherited_handle(self, of: Value, function: form.Member, frame: Frame) -> Value:
         """Return the node handle that a base class outside of the sources must hold, as its methods are called."""
+        if function.name not in _OF_HANDLES or not isinstance(of, Unknown):
+            return of
         this = this_of(frame)
-        if function.name not in _OF_HANDLES or not isinstance(of, Unknown) or not isinstance(this, Object):
+        if not isinstance(this, Object):
             return of
         written = function.of
         if not isinstance(written, form.Name) or len(written.names) > 1 or frame.holder(written.names[0]) is not None:

@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Copies"]
 
-_PLACES: Final = (form.Name, form.Member, form.Index, form.Unary)
+_COPIED: Final = frozenset({Object, Either, Sequence, Mapping})
+"""Values that are objects, or can have them."""
+_PLACES: Final = frozenset({form.Name, form.Member, form.Index, form.Unary})
 """Expressions that mean an object in another place; all others return objects of their own."""
 _AUTO: Final = ("auto",)
 _THIS: Final = ("this",)
@@ -38,7 +40,7 @@ class Copies:
 
         `kind` is the type of the place, as the frame `at` means it; None if it is not declared.
         """
-        if not isinstance(value, Object | Either | Sequence | Mapping) or not isinstance(written, _PLACES):
+        if type(value) not in _COPIED or type(written) not in _PLACES:
             return value
         if isinstance(written, form.Unary) and written.sign != "*":
             return value
@@ -52,7 +54,7 @@ class Copies:
 
         The object that a reference or `*pointer` means stays the same one, with the members of the other.
         """
-        if not isinstance(value, Object | Either | Sequence | Mapping):
+        if type(value) not in _COPIED:
             return value
         declared = self._kinds.written_type(target, frame) if isinstance(target, form.Name | form.Member) else None
         kind, at = declared or (None, frame)

@@ -57,6 +57,7 @@ class Kinds:
         self._plain: dict[tuple[int, Unit, tuple[str, ...]], tuple[Type, Kind | Value]] = {}
         """The types that mean the same in all frames of a file and scope, by the identity of what is written."""
         self._chains: dict[object, tuple[list[tuple[Class, dict[str, Value]]], list[Kind]]] = {}
+        self._methods: dict[object, dict[str, list[tuple[Function, dict[str, Value]]]]] = {}
 
     def kind(self, kind: Type, frame: Frame, depth: int = 0) -> Kind | Value:
         """Return what a type means in a frame: a `Kind`, or the value of a template parameter."""
@@ -234,7 +235,12 @@ class Kinds:
             frame = inside(current.cls, bound)
             found = [self.kind(base, frame) for base in current.cls.bases]
             pending += [one for one in found if isinstance(one, Kind)]
+        self._methods.pop(key, None)  # found among a part of the classes
         return classes, outside
+
+    def methods_of(self, kind: Kind) -> dict[str, list[tuple[Function, dict[str, Value]]]]:
+        """Return the methods of a class that were looked up before, by name."""
+        return self._methods.setdefault((kind.cls or kind.names, kind.arguments), {})
 
     def is_a(self, kind: Kind, name: str) -> bool:
         """Return whether a type is, or derives from, the class of a name."""

@@ -48,6 +48,8 @@ __all__ = ["Cpp", "pointee"]
 _PLACEHOLDER: Final = re.compile(r"_[1-9]")
 _RELATIONS: Final = frozenset({"is_same", "is_same_v", "is_base_of", "is_base_of_v"})
 _PAIR: Final = ("first", "second")
+_STORED: Final = frozenset({Either, Text, Number, Sequence})
+"""Values that a variable may hold in another form."""
 
 
 class Cpp:
@@ -232,8 +234,11 @@ class Cpp:
 
     def methods(self, kind: Kind, name: str) -> list[Overload]:
         """Return the methods of a name that a class has, its own before those of its bases."""
-        methods = self.linker.methods
-        return [(one, bound) for cls, bound in self.chain(kind)[0] for one in methods(cls).get(name, ())]
+        known = self.kinds.methods_of(kind)
+        if name not in known:
+            methods = self.linker.methods
+            known[name] = [(one, bound) for cls, bound in self.chain(kind)[0] for one in methods(cls).get(name, ())]
+        return known[name]
 
     def declarations(self, kind: Kind, name: str) -> list[Overload]:
         """Return the methods of a name; their declarations if none has a body."""
@@ -262,7 +267,7 @@ class Cpp:
             return value
         if written is not None and (kind is None or not (kind.reference or kind.pointer)):
             value = self.copies.kept(value, kind, frame, written, frame)
-        if kind is None or isinstance(value, Object):
+        if kind is None or type(value) not in _STORED:
             return value
         if isinstance(value, Either):
             return join(*(self.converted(item, kind, None, frame) for item in value.items))

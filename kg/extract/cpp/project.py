@@ -8,6 +8,7 @@ kept for the next package of the same process, within a bound.
 from __future__ import annotations
 
 from collections import OrderedDict, defaultdict
+from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
 from kg.corpus.files import FilePath, Place
@@ -245,8 +246,7 @@ class Project:
             for entry in self.reader.workspace.files(owner, FileKind.CPP):
                 file = FilePath(owner.repository, entry.path)
                 data = self._content(file) if _is_source(entry.path) else None
-                spaced = data.translate(_NAMES).replace(b"::", b":: ").replace(b"(", b"( ") if data else b""
-                for word in {word for word in spaced.split() if word.endswith((b"::", b"("))}:
+                for word in _followed(data) if data else ():
                     index[word].append(file)
         found = index.get(f"{name}{end}".encode(), ())
         return [file for file in found if file != header and file not in known]
@@ -254,7 +254,10 @@ class Project:
     def find(self, file: FilePath, kind: str, name: str) -> list[CppUnit]:
         """Return the headers of a file that declare a name of a kind, nearest first; see `CppUnit.names`."""
         near = self._near(file)
-        found = [one for one in self._declaring.get((kind, name), ()) if one in near]
+        listed = self._declaring.get((kind, name))
+        if not listed:
+            return []
+        found = [one for one in listed if one in near]
         return sorted(found, key=near.__getitem__) if len(found) > 1 else found
 
     def defining(self, file: FilePath, name: str) -> list[CppUnit]:
@@ -274,6 +277,13 @@ class Project:
                         for name in names:
                             self._declaring[kind, name].append(one)
         return known
+
+
+@lru_cache(maxsize=512)  # the sources of a library are searched for each package that uses it
+def _followed(source: bytes) -> frozenset[bytes]:
+    """Return the names in a source with the `::` or `(` that follows."""
+    spaced = source.translate(_NAMES).replace(b"::", b":: ").replace(b"(", b"( ")
+    return frozenset(word for word in spaced.split() if word.endswith((b"::", b"(")))
 
 
 def _is_source(path: str) -> bool:
