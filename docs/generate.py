@@ -251,7 +251,7 @@ PAGES: Final[dict[str, Callable[[], str]]] = {
 }
 """The pages that are made from the code, and what makes them."""
 
-SESSIONS: Final = ("../README.md", "quickstart.md", "writing-rules.md", "compose.md")
+SESSIONS: Final = ("../README.md", "quickstart.md", "writing-rules.md", "compose.md", "impact.md")
 """The pages with sessions, whose commands are run."""
 
 

@@ -72,6 +72,7 @@ CALLS: Final[dict[str, View]] = {
     "complete": View("complete", "complete"),
     "diagnose": View("diagnose", "diagnose"),
     "find": View("find", "find"),
+    "impact": View("impact", "impact"),
     "lint": View("lint", "lint"),
     "node": View("node", "node"),
     "overview": View("overview", "overview"),

@@ -1,0 +1,188 @@
+"""What `kg.impact` needs besides nodes and systems: packages, definitions, files, and which systems name a thing."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.facts import Dependency, Field, FileKind, InterfaceDefinition, Location
+from kg.graph import vocabulary as v
+from kg.graph.definitions import message_of
+from kg.graph.ntriples import literal
+from kg.impact import DefinitionRecord, FileRecord, PackageRecord
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from kg.graph.reading import Queryable
+
+__all__ = [
+    "arguments",
+    "channel_names",
+    "channels_called",
+    "definition_records",
+    "file_records",
+    "package_records",
+    "systems_naming",
+    "type_names",
+]
+
+_PREFIXES: Final = {"ros": v.ROS, "rnkg": v.RNKG, "rdfs": v.RDFS}
+_PACKAGES: Final = """
+SELECT ?package ?repository ?name ?folder ?manifest ?on ?kind ?line WHERE {
+  ?r a rnkg:Repository ; rnkg:name ?repository ; rnkg:contains ?package .
+  ?package a rnkg:Package ; rnkg:name ?name ; rnkg:path ?manifest .
+  OPTIONAL { ?package rnkg:folder ?folder }
+  OPTIONAL {
+    ?package rnkg:hasDependency ?dependency .
+    ?dependency rnkg:onPackage/rdfs:label ?on ; rnkg:dependencyKind ?kind ; rnkg:line ?line .
+  }
+}"""
+_DEFINITIONS: Final = """
+SELECT ?definition ?repository ?package ?name ?kind ?path ?line WHERE {
+  ?r a rnkg:Repository ; rnkg:name ?repository ; rnkg:contains ?p .
+  ?p rnkg:name ?package ; rnkg:contains ?definition .
+  ?definition a rnkg:InterfaceDefinition ; rnkg:name ?name ; rnkg:definitionKind ?kind ; rnkg:path ?path ;
+    rnkg:line ?line .
+}"""
+_FIELDS: Final = """
+SELECT ?definition ?section ?name ?type ?line ?default ?constant WHERE {
+  ?definition a rnkg:InterfaceDefinition ; rnkg:hasField ?field .
+  ?field rnkg:section ?section ; rnkg:name ?name ; rnkg:fieldType ?type ; rnkg:line ?line .
+  OPTIONAL { ?field rnkg:defaultValue ?default }
+  OPTIONAL { ?field rnkg:constantValue ?constant }
+}
+ORDER BY ?definition ?line"""
+_FILES: Final = """
+SELECT ?repository ?package ?path ?kind WHERE {
+  ?r a rnkg:Repository ; rnkg:name ?repository ; rnkg:contains ?p .
+  ?p rnkg:name ?package ; rnkg:contains ?file .
+  ?file rnkg:fileKind ?kind ; rnkg:path ?path .
+}"""
+_LABELS: Final = "SELECT DISTINCT ?name WHERE { ?thing a %s ; rdfs:label ?name }"
+_KINDS: Final = {"topic": v.bare(v.TOPIC), "service": v.bare(v.SERVICE), "action": v.bare(v.ACTION)}
+_CALLED: Final = f"""
+SELECT DISTINCT ?class ?name WHERE {{
+  VALUES ?name {{ %s }}
+  ?channel rdfs:label ?name ; a ?class .
+  FILTER(?class IN ({v.TOPIC}, {v.SERVICE}, {v.ACTION}))
+}}"""
+_ARGUMENTS: Final = """
+SELECT DISTINCT ?name ?launch WHERE {
+  %s
+  ?argument a rnkg:LaunchArgument ; rnkg:name ?name .
+  ?configuration rnkg:hasArgument ?argument ; rnkg:name ?launch .
+}"""
+_TYPES: Final = ("ros:Message", "rnkg:ServiceType", "rnkg:ActionType")
+_STATING: Final = "SELECT DISTINCT ?graph WHERE { VALUES ?value { %s } GRAPH ?graph { ?thing ?predicate ?value } }"
+_STARTING: Final = """
+SELECT DISTINCT ?graph WHERE {
+  VALUES ?type { %s }
+  GRAPH ?graph { ?instance rnkg:instanceOf|rnkg:loadsPlugin ?type }
+}"""
+_INCLUDING: Final = """
+SELECT DISTINCT ?graph WHERE {
+  VALUES ?configuration { %s }
+  { GRAPH ?graph { ?other rnkg:includes ?configuration } } UNION
+  { GRAPH ?graph { ?configuration rnkg:launchDialect ?dialect } }
+}"""
+
+
+def package_records(graph: Queryable) -> list[PackageRecord]:
+    """Return the packages of the store with their dependencies, sorted by source and name."""
+    found: dict[str, PackageRecord] = {}
+    lines: defaultdict[str, list[Dependency]] = defaultdict(list)
+    for row in _rows(graph, _PACKAGES):
+        iri = row["package"].value
+        folder = row["folder"].value if row["folder"] else "."
+        found[iri] = PackageRecord(row["repository"].value, row["name"].value, folder, row["manifest"].value)
+        if row["on"] is not None:
+            lines[iri].append(Dependency(row["on"].value, row["kind"].value, int(row["line"].value)))
+    whole = [
+        PackageRecord(one.repository, one.name, one.folder, one.manifest, tuple(sorted(lines[iri], key=repr)))
+        for iri, one in found.items()
+    ]
+    return sorted(whole, key=lambda one: (one.repository, one.name, one.folder))
+
+
+def definition_records(graph: Queryable) -> list[DefinitionRecord]:
+    """Return the definitions of the store, sorted by source, name and kind."""
+    fields: defaultdict[str, list[Field]] = defaultdict(list)
+    for row in _rows(graph, _FIELDS):
+        field = Field(
+            section=row["section"].value,
+            name=row["name"].value,
+            type=row["type"].value,
+            line=int(row["line"].value),
+            default=_value(row["default"]),
+            constant=_value(row["constant"]),
+        )
+        fields[row["definition"].value].append(field)
+    found = []
+    for row in _rows(graph, _DEFINITIONS):
+        package, own = row["package"].value, tuple(fields[row["definition"].value])
+        location = Location(row["path"].value, int(row["line"].value))
+        definition = InterfaceDefinition(row["kind"].value, package, row["name"].value, own, location)
+        embeds = {f"{one.section}/{one.name}": held for one in own if (held := message_of(one.type, package))}
+        found.append(DefinitionRecord(row["repository"].value, definition, embeds))
+    return sorted(found, key=lambda one: (one.repository, one.name, one.definition.kind))
+
+
+def file_records(graph: Queryable) -> list[FileRecord]:
+    """Return the files of the packages of the store, sorted by source and path."""
+    found = [
+        FileRecord(row["repository"].value, row["package"].value, row["path"].value, FileKind(row["kind"].value))
+        for row in _rows(graph, _FILES)
+    ]
+    return sorted(found, key=lambda one: (one.repository, one.path))
+
+
+def channel_names(graph: Queryable) -> dict[str, list[str]]:
+    """Return the names of topics, services and actions by kind, as systems have them and as code alone has them."""
+    return {kind: _labels(graph, f"<{term}>") for kind, term in _KINDS.items()}
+
+
+def channels_called(graph: Queryable, names: Iterable[str]) -> list[tuple[str, str]]:
+    """Return the topics, services and actions of some absolute names, as kind and name, sorted."""
+    rows = _rows(graph, _CALLED % " ".join(map(literal, sorted(set(names)))))
+    kinds = {term: kind for kind, term in _KINDS.items()}
+    return sorted((kinds[row["class"].value], row["name"].value) for row in rows)
+
+
+def arguments(graph: Queryable, name: str | None = None) -> list[tuple[str, str]]:
+    """Return the launch arguments, or those of a name, each with the launch file that declares it, sorted."""
+    given = "" if name is None else f"VALUES ?name {{ {literal(name)} }}"
+    return sorted((row["name"].value, row["launch"].value) for row in _rows(graph, _ARGUMENTS % given))
+
+
+def type_names(graph: Queryable) -> list[str]:
+    """Return the names of the types of messages, services and actions, sorted."""
+    return sorted({name for term in _TYPES for name in _labels(graph, term)})
+
+
+def systems_naming(
+    graph: Queryable, texts: Iterable[str], types: Iterable[str], included: Iterable[str] = ()
+) -> set[str]:
+    """Return the named graphs that state one of some texts, start a node type, or include a launch configuration.
+
+    `types` and `included` are IRIs.
+    """
+    asked = (
+        (_STATING, " ".join(map(literal, sorted(set(texts))))),
+        (_STARTING, " ".join(f"<{iri}>" for iri in sorted(set(types)))),
+        (_INCLUDING, " ".join(f"<{iri}>" for iri in sorted(set(included)))),
+    )
+    return {row["graph"].value for query, values in asked if values for row in _rows(graph, query % values)}
+
+
+def _labels(graph: Queryable, term: str) -> list[str]:
+    return sorted({row["name"].value for row in _rows(graph, _LABELS % term)})
+
+
+def _rows(graph: Queryable, text: str) -> Iterable[Any]:
+    rows: Iterable[Any] = graph.query(text, prefixes=_PREFIXES)
+    return rows
+
+
+def _value(term: Any) -> str | None:
+    return None if term is None else term.value

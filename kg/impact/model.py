@@ -1,0 +1,225 @@
+"""Impact as values: the subject of a change, what it reaches, how certain that is and why."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from typing import TYPE_CHECKING, Final, Protocol
+
+from kg.facts import Role
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+    from kg.compare.changes import Record
+    from kg.facts import Dependency, FileKind, InterfaceDefinition, Location, System
+
+__all__ = [
+    "CHANNELS",
+    "VERBS",
+    "Area",
+    "DefinitionRecord",
+    "Effect",
+    "FileRecord",
+    "Grade",
+    "Impact",
+    "Kind",
+    "PackageRecord",
+    "Subject",
+    "World",
+    "merged",
+]
+
+
+class Kind(StrEnum):
+    """What can be changed."""
+
+    TOPIC = "topic"
+    SERVICE = "service"
+    ACTION = "action"
+    TYPE = "type"
+    FIELD = "field"
+    PARAMETER = "parameter"
+    NODE = "node"
+    ARGUMENT = "argument"
+    FILE = "file"
+
+
+CHANNELS: Final = frozenset({Kind.TOPIC, Kind.SERVICE, Kind.ACTION})
+
+VERBS: Final = {
+    Role.PUBLISHES: "publishes",
+    Role.SUBSCRIBES: "subscribes to",
+    Role.SERVICES: "offers",
+    Role.CLIENTS: "calls",
+    Role.ACTION_SERVERS: "offers",
+    Role.ACTION_CLIENTS: "calls",
+}
+"""What a node does with a channel, in words."""
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Subject:
+    """What is changed.
+
+    `name` is absolute for channels and started nodes, `package/Type` for types, `package/node` for node types, a path
+    for files. `owner` is the type of a field, the node of a parameter (empty for all nodes), the launch file of an
+    argument as `package/path`, or the source of a file.
+    """
+
+    kind: Kind
+    name: str
+    owner: str = ""
+
+    @property
+    def text(self) -> str:
+        """The name as `kg impact` takes it."""
+        if self.kind in {Kind.FIELD, Kind.PARAMETER} and self.owner:
+            return f"{self.owner}.{self.name}"
+        if self.owner and self.kind in {Kind.ARGUMENT, Kind.FILE}:
+            return f"{self.owner}:{self.name}"
+        return self.name
+
+
+class Grade(StrEnum):
+    """How certain an effect is."""
+
+    BREAKS = "breaks"
+    MAY = "may"
+
+
+class Area(StrEnum):
+    """Where an effect shows."""
+
+    SYSTEMS = "started nodes"
+    CODE = "code"
+    DEFINITIONS = "definitions"
+    LAUNCH = "launch files"
+    PARAMETERS = "parameter files"
+    PACKAGES = "packages"
+    TEXT = "other files"
+
+
+@dataclass(frozen=True, slots=True)
+class Effect:
+    """One thing that breaks or may break: `what` it is, and the `reason`.
+
+    `systems` are the launch files, as `package/path`, in which that is so. `started` is the line that starts the node.
+    """
+
+    grade: Grade
+    area: Area
+    what: str
+    reason: str
+    location: Location | None = None
+    repository: str = ""
+    systems: tuple[str, ...] = ()
+    started: Location | None = None
+
+    @property
+    def key(self) -> tuple[str, ...]:
+        """What names the effect in two states of the sources, whose lines may differ."""
+        return str(self.area), self.what, self.location.path if self.location else ""
+
+
+@dataclass(frozen=True, slots=True)
+class Impact:
+    """The effects of a change to a subject, the certain ones of each area first; `about` describes the subject."""
+
+    subject: Subject
+    about: tuple[str, ...]
+    effects: tuple[Effect, ...]
+
+    @property
+    def is_breaking(self) -> bool:
+        """Whether something breaks for certain."""
+        return self.count(Grade.BREAKS) > 0
+
+    def count(self, grade: Grade) -> int:
+        """Return the number of effects of a grade."""
+        return sum(one.grade is grade for one in self.effects)
+
+
+@dataclass(frozen=True, slots=True)
+class PackageRecord:
+    """A package: its source, name, folder and dependencies, with the path of its manifest."""
+
+    repository: str
+    name: str
+    folder: str
+    manifest: str
+    dependencies: tuple[Dependency, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class DefinitionRecord:
+    """A definition of a source; `embeds` maps its fields that hold messages, as `section/name`, to `package/Type`."""
+
+    repository: str
+    definition: InterfaceDefinition
+    embeds: Mapping[str, str]
+
+    @property
+    def name(self) -> str:
+        """`package/Type`."""
+        return f"{self.definition.package}/{self.definition.name}"
+
+
+@dataclass(frozen=True, slots=True)
+class FileRecord:
+    """A file of a package; `repository` is empty for a file of the user outside of all sources."""
+
+    repository: str
+    package: str
+    path: str
+    kind: FileKind
+
+
+class World(Protocol):
+    """The sources that a change may reach."""
+
+    @property
+    def nodes(self) -> Sequence[Record]:
+        """All node types."""
+        ...
+
+    @property
+    def packages(self) -> Sequence[PackageRecord]:
+        """All packages."""
+        ...
+
+    @property
+    def definitions(self) -> Sequence[DefinitionRecord]:
+        """All definitions of messages, services and actions."""
+        ...
+
+    @property
+    def files(self) -> Sequence[FileRecord]:
+        """All files of packages, and files of the user that hold names (rules, queries, programs)."""
+        ...
+
+    def systems(self, subject: Subject) -> Sequence[System]:
+        """Return the launch configurations that may have to do with a subject, at least."""
+        ...
+
+    def lines(self, repository: str, path: str) -> Sequence[str]:
+        """Return the lines of a file, none if it cannot be read."""
+        ...
+
+
+def merged(effects: Iterable[Effect]) -> tuple[Effect, ...]:
+    """Return each effect once, with its strongest grade and the launch files where that holds, in order of areas."""
+    found: dict[object, Effect] = {}
+    for effect in effects:
+        key = effect.area, effect.what, effect.location, effect.repository
+        known = found.setdefault(key, effect)
+        if known.grade is effect.grade:
+            found[key] = replace(known, systems=tuple(sorted({*known.systems, *effect.systems})))
+        elif effect.grade is Grade.BREAKS:
+            found[key] = effect
+    return tuple(sorted(found.values(), key=_order))
+
+
+def _order(effect: Effect) -> tuple[object, ...]:
+    place = (effect.location.path, effect.location.line) if effect.location else ("", 0)
+    return tuple(Area).index(effect.area), effect.grade is Grade.MAY, *place, effect.what, effect.repository

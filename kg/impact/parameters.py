@@ -1,0 +1,150 @@
+"""What a parameter is read by, set by, and what it names."""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from typing import TYPE_CHECKING, Final
+
+from kg.impact.model import VERBS, Area, Effect, Grade
+from kg.impact.started import ends_of, partners
+from kg.impact.values import area_of
+from kg.names import normalise
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kg.compare.changes import Record
+    from kg.facts import InstanceParameter, Location, NodeInstance, System
+    from kg.impact.model import Subject, World
+
+__all__ = ["declared_settings", "has_parameter", "names_node", "parameter_about", "parameter_effects", "same_parameter"]
+
+_VERBS: Final = {"read": "reads", "write": "writes", "declare": "declares"}
+
+
+def same_parameter(one: str | None, other: str) -> bool:
+    """Check whether two names as nodes give them mean one parameter: `~/rate`, `~rate` and `rate`."""
+    return one is not None and _bare(one) == _bare(other)
+
+
+def _bare(name: str) -> str:
+    return normalise(name).removeprefix("~/").removeprefix("~").replace("/", ".")
+
+
+def names_node(record: Record, name: str) -> bool:
+    """Check whether `name` (`node` or `package/node`) means a node type."""
+    return name in {record.node.name, f"{record.package}/{record.node.name}", record.node.node_name}
+
+
+def has_parameter(record: Record, subject: Subject) -> bool:
+    """Check whether a node type has the parameter that is meant."""
+    is_owner = not subject.owner or names_node(record, subject.owner)
+    return is_owner and any(same_parameter(one.name, subject.name) for one in record.node.parameters)
+
+
+def _owned(subject: Subject, world: World) -> list[Record]:
+    return [record for record in world.nodes if has_parameter(record, subject)]
+
+
+def parameter_about(subject: Subject, world: World) -> list[str]:
+    """Return the types and defaults of a parameter."""
+    found = [
+        one
+        for record in _owned(subject, world)
+        for one in record.node.parameters
+        if same_parameter(one.name, subject.name)
+    ]
+    types = sorted({one.type for one in found if one.type})
+    return [*types, *(f"default {one}" for one in sorted({one.default for one in found if one.default is not None}))]
+
+
+def parameter_effects(subject: Subject, world: World) -> Iterator[Effect]:
+    """Yield what depends on the name of a parameter: code, what sets it, and the channels that it names or enables."""
+    records = _owned(subject, world)
+    for record in records:
+        yield from _code(subject, record)
+    for system in world.systems(subject):
+        for instance in system.instances:
+            yield from _started(subject, system, instance)
+
+
+def _code(subject: Subject, record: Record) -> Iterator[Effect]:
+    node = f"{record.package}/{record.node.name}"
+    for one in record.node.parameters:
+        if same_parameter(one.name, subject.name):
+            repository = one.location.repository or record.repository
+            what = f"{node} {_VERBS[str(one.access)]} it"
+            yield Effect(Grade.BREAKS, Area.CODE, what, "the code names the parameter", one.location, repository)
+    for end in record.node.interfaces:
+        named = same_parameter(end.parameter, subject.name)
+        if named or any(same_parameter(one.removeprefix("!"), subject.name) for one in end.switches):
+            what = f"{node} {VERBS[end.role]} {end.name or '?'}"
+            reason = "the parameter gives the name" if named else "the parameter enables it"
+            repository = end.location.repository or record.repository
+            yield Effect(Grade.MAY, Area.CODE, what, reason, end.location, repository)
+    for slot in record.node.slots:
+        if same_parameter(slot.names, subject.name) or same_parameter(slot.parameter, subject.name):
+            repository = slot.location.repository or record.repository
+            what = f"{node} loads plugins of {slot.base_class or 'a class that is not known'}"
+            yield Effect(Grade.BREAKS, Area.CODE, what, "the parameter names the plugins", slot.location, repository)
+
+
+def _started(subject: Subject, system: System, instance: NodeInstance) -> Iterator[Effect]:
+    set_by: defaultdict[object, list[InstanceParameter]] = defaultdict(list)
+    for one in instance.parameters:
+        effect = _setting(subject, system, instance, one)
+        if effect is not None:
+            yield effect
+            set_by[one.set].append(one)
+    for end in instance.interfaces:
+        if end.parameter is None or end.parameter not in set_by or end.resolved is None:
+            continue
+        others = partners(ends_of(system, end.declared.role.channel, end.resolved), (instance, end))
+        lost = ", ".join(sorted({other.name for other, _ in others}))
+        yield Effect(
+            Grade.BREAKS if lost else Grade.MAY,
+            Area.SYSTEMS,
+            f"{instance.name} {VERBS[end.declared.role]} {end.resolved}",
+            f"the parameter gives the name; with another it loses {lost}" if lost else "the parameter gives the name",
+            end.declared.location,
+            end.declared.location.repository or end.owner.repository,
+            (system.configuration.name,),
+            instance.started.location,
+        )
+
+
+def declared_settings(subject: Subject, world: World) -> Iterator[tuple[str, Location]]:
+    """Yield the lines, with their sources, of settings whose parameter is known."""
+    for system in world.systems(subject):
+        for instance in system.instances:
+            for one in instance.parameters:
+                if one.declared is not None:
+                    yield one.set.location.repository or system.configuration.repository, one.set.location
+
+
+def _setting(subject: Subject, system: System, instance: NodeInstance, one: InstanceParameter) -> Effect | None:
+    """Return the effect on what sets a parameter, None if it sets another one."""
+    inner = one.name.removeprefix(f"{instance.name}/")
+    owner = one.owner or instance.type
+    is_owner = not subject.owner or (
+        subject.owner in {instance.name, f"{owner.package}/{owner.node}", owner.node} if owner else False
+    )
+    if one.declared is not None:
+        certain = same_parameter(one.declared.name, subject.name)
+        if not (certain and is_owner):
+            return None
+    elif not (is_owner and re.search(rf"(?:^|[./]){re.escape(_bare(subject.name))}$", inner)):
+        return None
+    else:
+        certain = False
+    return Effect(
+        Grade.BREAKS if certain else Grade.MAY,
+        area_of(one.set.location),
+        f"sets {inner} of {instance.name.rpartition('/')[2]}"
+        + (f" to {one.set.value}" if one.set.value is not None else ""),
+        "the key would set nothing" if certain else "no code is known to read the key",
+        one.set.location,
+        one.set.location.repository or system.configuration.repository,
+        (system.configuration.name,),
+    )

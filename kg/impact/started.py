@@ -1,0 +1,123 @@
+"""What changes of channels do to the nodes that launch files start."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final, TypeAlias
+
+from kg.facts import Role
+from kg.holes import fits, is_known, known_letters
+from kg.impact.model import VERBS, Area, Effect, Grade
+
+if TYPE_CHECKING:
+    from collections.abc import Hashable, Iterable, Iterator, Sequence
+
+    from kg.facts import InstanceInterface, NodeInstance, System
+    from kg.impact.model import Subject
+
+__all__ = ["End", "ends_of", "partners", "started_effects"]
+
+_FEW_LETTERS: Final = 3
+"""A name of which so few letters are known fits too much."""
+
+End: TypeAlias = "tuple[NodeInstance, InstanceInterface]"
+
+
+def ends_of(system: System, kind: str, name: str) -> list[End]:
+    """Return the ends of a channel in a system."""
+    return [
+        (instance, end)
+        for instance in system.instances
+        for end in instance.interfaces
+        if end.resolved == name and end.declared.role.channel == kind
+    ]
+
+
+def partners(ends: Iterable[End], one: End) -> list[End]:
+    """Return those of the ends of a channel that talk to `one`: at the other side, of another node."""
+    role = one[1].declared.role.opposite
+    return [other for other in ends if other[1].declared.role is role and other[0].name != one[0].name]
+
+
+@dataclass(slots=True)
+class _Loss:
+    """The partners that an end loses, over all systems."""
+
+    instance: NodeInstance
+    end: InstanceInterface
+    certain: dict[str, None] = field(default_factory=dict)
+    conditional: dict[str, str] = field(default_factory=dict)
+    systems: list[str] = field(default_factory=list)
+    alone: list[str] = field(default_factory=list)
+
+
+def started_effects(subject: Subject, systems: Sequence[System]) -> Iterator[Effect]:
+    """Yield an effect for each end of a channel: it loses its partners, or none are known; then ends that may fit."""
+    losses: dict[Hashable, _Loss] = {}
+    for system in systems:
+        ends = ends_of(system, subject.kind, subject.name)
+        for instance, end in ends:
+            key = end.declared.role, instance.name, end.declared.location, end.owner
+            loss = losses.setdefault(key, _Loss(instance, end))
+            others = partners(ends, (instance, end))
+            for other, _ in others:
+                condition = instance.started.condition or other.started.condition
+                if condition is None:
+                    loss.certain[other.name] = None
+                else:
+                    loss.conditional.setdefault(other.name, condition)
+            (loss.systems if others else loss.alone).append(system.configuration.name)
+    for loss in losses.values():
+        yield _effect(loss)
+    yield from _possible(subject, systems, {end.declared.type for loss in losses.values() for end in (loss.end,)})
+
+
+def _effect(loss: _Loss) -> Effect:
+    instance, end = loss.instance, loss.end
+    if loss.certain:
+        grade, reason = Grade.BREAKS, f"loses {_listed(loss.certain)}"
+    elif loss.conditional:
+        name, condition = next(iter(loss.conditional.items()))
+        grade, reason = Grade.MAY, f"loses {_listed(loss.conditional)}; {name} is started only if {condition}"
+    else:
+        side = {Role.PUBLISHES: "subscribes", Role.SUBSCRIBES: "publishes"}.get(end.declared.role)
+        grade, reason = Grade.MAY, f"no node of the launch file {side or 'is at the other side'}; others may"
+    return Effect(
+        grade,
+        Area.SYSTEMS,
+        f"{instance.name} {VERBS[end.declared.role]} it",
+        reason,
+        end.declared.location,
+        end.declared.location.repository or end.owner.repository,
+        tuple(sorted({*(loss.systems or loss.alone)})),
+        instance.started.location,
+    )
+
+
+def _possible(subject: Subject, systems: Sequence[System], types: set[str | None]) -> Iterator[Effect]:
+    """Yield the ends whose name is not known whole and may be that of the channel."""
+    for system in systems:
+        for instance in system.instances:
+            for end in instance.interfaces:
+                declared, name = end.declared, end.resolved
+                if name is None or is_known(name) or declared.role.channel != subject.kind or declared.implicit:
+                    continue
+                is_like = declared.type in types and known_letters(name) > _FEW_LETTERS
+                if is_like and fits(name, subject.name):
+                    yield Effect(
+                        Grade.MAY,
+                        Area.SYSTEMS,
+                        f"{instance.name} {VERBS[declared.role]} {name}",
+                        "the name is not known whole; it may be this one",
+                        declared.location,
+                        declared.location.repository or end.owner.repository,
+                        (system.configuration.name,),
+                        instance.started.location,
+                    )
+
+
+def _listed(names: Iterable[str]) -> str:
+    found = sorted(names)
+    shown = 4
+    more = f" and {len(found) - shown} more" if len(found) > shown else ""
+    return f"{', '.join(found[:shown])}{more}"

@@ -1,0 +1,66 @@
+"""Textual uses of names: lines of files that no fact covers. None of them is certain."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Final
+
+from kg.facts import FileKind, Location
+from kg.impact.model import Area, Effect, Grade
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from kg.impact.model import FileRecord, World
+
+__all__ = ["HOLDING", "absolute_name", "code_of", "mentions", "quoted", "word"]
+
+HOLDING: Final = frozenset({FileKind.CONFIG, FileKind.LAUNCH})
+"""Kinds of files whose values name things of a system."""
+_AREAS: Final = {
+    FileKind.CONFIG: Area.TEXT,
+    FileKind.LAUNCH: Area.LAUNCH,
+    FileKind.CPP: Area.CODE,
+    FileKind.PYTHON: Area.CODE,
+    FileKind.BUILD: Area.PACKAGES,
+    FileKind.PLUGIN: Area.PACKAGES,
+}
+_COMMENTS: Final = {"py": "#", "yaml": "#", "yml": "#", "txt": "#", "cmake": "#", "rq": "#"}
+_LONGEST: Final = 60
+
+
+def absolute_name(name: str) -> re.Pattern[str]:
+    """Return the pattern of a whole absolute name that is no part of a longer name or of the path of a file."""
+    return re.compile(rf"(?<![\w/.)}}~-]){re.escape(name)}(?![\w/.{{$-])")
+
+
+def word(text: str) -> re.Pattern[str]:
+    """Return the pattern of a text that is no part of a longer word or name."""
+    return re.compile(rf"(?<![\w/.-]){re.escape(text)}(?![\w/-])")
+
+
+def quoted(line: str) -> str:
+    """Return a line of a file as an effect shows it."""
+    text = " ".join(line.split())
+    return f"`{text if len(text) <= _LONGEST else f'{text[: _LONGEST - 3]}...'}`"
+
+
+def code_of(line: str, path: str) -> str:
+    """Return a line without the comment at its end."""
+    sign = _COMMENTS.get(path.rpartition(".")[2])
+    if sign is not None:
+        at = line.find(sign)
+        is_open = at > 0 and (line.count("'", 0, at) % 2 or line.count('"', 0, at) % 2)
+        return line if at < 0 or is_open else line[:at]
+    if line.lstrip().startswith(("*", "/*", "<!--")):
+        return ""
+    return line.partition("<!--")[0] if "<!--" in line else re.split(r"(?<!:)//", line, maxsplit=1)[0]
+
+
+def mentions(world: World, files: Iterable[FileRecord], pattern: re.Pattern[str], reason: str) -> Iterator[Effect]:
+    """Yield the lines of `files` that `pattern` matches outside of comments."""
+    for file in files:
+        area = Area.PARAMETERS if file.path.endswith((".yaml", ".yml")) else _AREAS.get(file.kind, Area.TEXT)
+        for number, line in enumerate(world.lines(file.repository, file.path), 1):
+            if pattern.search(code_of(line, file.path)):
+                yield Effect(Grade.MAY, area, quoted(line), reason, Location(file.path, number), file.repository)

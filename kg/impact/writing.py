@@ -1,0 +1,115 @@
+"""An impact as lines for people, as Markdown for a pull request, and as plain values for JSON."""
+
+from __future__ import annotations
+
+from itertools import groupby
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
+
+from kg.impact.model import Grade
+from kg.render.text import count, printable
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from kg.facts import Location
+    from kg.impact.model import Effect, Impact
+
+__all__ = ["Link", "impact_lines", "impact_markdown", "impact_object", "summary"]
+
+Link: TypeAlias = "Callable[[str, Location], str | None]"
+"""Gives the address of a line of a source."""
+_SYSTEMS: Final = 2
+"""So many launch files are named; of more, their number."""
+
+
+def summary(found: Impact) -> str:
+    """Return how much breaks and may break, in one sentence."""
+    certain, possible = found.count(Grade.BREAKS), found.count(Grade.MAY)
+    if not found.effects:
+        return "nothing is known to use it"
+    return f"{count(certain, 'place')} break{'s' if certain == 1 else ''}, {count(possible, 'place')} may"
+
+
+def impact_lines(found: Impact) -> list[str]:
+    """Return lines for people: the subject, then the effects by area."""
+    about = f" ({', '.join(found.about)})" if found.about else ""
+    lines = [printable(f"{found.subject.kind} {found.subject.text}{about}"), summary(found), ""]
+    for area, effects in _areas(found):
+        lines += [str(area), *_effect_lines(effects), ""]
+    return lines[:-1]
+
+
+def _effect_lines(effects: Sequence[Effect], indent: str = "  ") -> Iterator[str]:
+    for one in effects:
+        where = f"  {one.location}" if one.location else ""
+        yield printable(f"{indent}{one.grade:<6}  {one.what}{where}")
+        yield printable(f"{indent}        {_reason(one)}")
+
+
+def _reason(one: Effect) -> str:
+    return "; ".join(filter(None, [one.reason, _systems(one)]))
+
+
+def _systems(one: Effect) -> str:
+    if not one.systems:
+        return ""
+    more = len(one.systems) - _SYSTEMS
+    others = f" and {count(more, 'more launch file')}" if more > 0 else ""
+    return f"in {', '.join(one.systems[:_SYSTEMS])}{others}"
+
+
+def impact_markdown(found: Impact, link: Link | None = None, *, most: int = 200) -> str:
+    """Return Markdown: the numbers, then a table for each area with at most `most` rows."""
+    parts = [f"### {found.subject.kind} {_code(found.subject.text)}", "", f"**{summary(found)}**", ""]
+    for area, effects in _areas(found):
+        parts += [f"#### {area}", "", "|   | what | why | where |", "|---|---|---|---|"]
+        parts += [_row(one, link) for one in effects[:most]]
+        more = len(effects) - most
+        parts += ["", *([f"{count(more, 'more row')} left out.", ""] if more > 0 else [])]
+    return "\n".join(parts)
+
+
+def _row(one: Effect, link: Link | None) -> str:
+    where = ""
+    if one.location is not None:
+        address = link(one.repository, one.location) if link else None
+        where = f"[{_code(str(one.location))}]({address})" if address else _code(str(one.location))
+    return f"| {one.grade} | {_code(one.what)} | {_code(_reason(one))} | {where} |"
+
+
+def impact_object(found: Impact) -> dict[str, Any]:
+    """Return an impact as plain values, ready for JSON; the fields of docs/formats.md."""
+    return {
+        "kind": str(found.subject.kind),
+        "name": found.subject.name,
+        "owner": found.subject.owner or None,
+        "about": list(found.about),
+        "breaks": found.count(Grade.BREAKS),
+        "may": found.count(Grade.MAY),
+        "effects": [_effect_object(one) for one in found.effects],
+    }
+
+
+def _effect_object(one: Effect) -> dict[str, Any]:
+    return {
+        "grade": str(one.grade),
+        "area": str(one.area),
+        "what": one.what,
+        "reason": one.reason,
+        "file": one.location.path if one.location else None,
+        "line": (one.location.line or None) if one.location else None,
+        "repository": one.repository or None,
+        "systems": list(one.systems),
+        "started": {"file": one.started.path, "line": one.started.line} if one.started else None,
+    }
+
+
+def _areas(found: Impact) -> Iterator[tuple[str, list[Effect]]]:
+    for area, effects in groupby(found.effects, key=lambda one: one.area):
+        yield area, list(effects)
+
+
+def _code(text: str) -> str:
+    """Return text as code in a cell: nothing in it is Markdown, HTML or the name of a user."""
+    safe = printable(text).replace("`", "'").replace("|", "\\|")
+    return f"`{safe}`"

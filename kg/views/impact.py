@@ -1,0 +1,169 @@
+"""The view `impact`: what a name means, and what breaks if that is renamed, removed or changed."""
+
+from __future__ import annotations
+
+from itertools import chain
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.errors import UsageError
+from kg.graph.impact_reading import arguments, channel_names, channels_called, type_names
+from kg.graph.systems_reading import started_names
+from kg.impact import Kind, Subject
+from kg.impact.assessing import impact as assess
+from kg.impact.parameters import names_node, same_parameter
+from kg.impact.writing import impact_object
+from kg.pipeline.launch_names import matching
+from kg.similar import did_you_mean
+from kg.views.evidence import places
+from kg.views.impact_world import StoredWorld
+from kg.views.names import unknown
+from kg.views.systems import known_names
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kg.impact import Impact
+    from kg.settings import Settings
+    from kg.store.snapshot import EmbeddedSnapshot
+
+__all__ = ["impact", "impact_of", "subjects"]
+
+_SHOWN: Final = 8
+_SECTIONS: Final = frozenset({"msg", "srv", "action"})
+
+
+def impact(snapshot: EmbeddedSnapshot, settings: Settings, *, name: str, kind: str = "") -> dict[str, Any]:
+    """Return the impact of a change to what `name` means, as `kg impact --json` writes it (docs/formats.md).
+
+    Raises:
+        UnknownNameError: KG001 when nothing has the name, with those that were probably meant.
+        UsageError: KG003 when it means several things, with a command for each.
+    """
+    return impact_object(impact_of(snapshot, settings, name, kind))
+
+
+def impact_of(snapshot: EmbeddedSnapshot, settings: Settings, name: str, kind: str = "") -> Impact:
+    """Return the impact of a change to the one thing that `name` means; raises as `impact`."""
+    if kind and kind not in {str(one) for one in Kind}:
+        raise UsageError("KG003", f"unknown kind `{kind}`", hint=did_you_mean(kind, map(str, Kind)) or _kinds())
+    world = StoredWorld(snapshot, settings)
+    found = [one for one in subjects(snapshot, world, name) if kind in {"", str(one.kind)}]
+    if not found:
+        raise unknown(
+            kind or "name", name, _known(snapshot, world, kind), otherwise="`kg search` finds nodes by words."
+        )
+    if len(found) > 1:
+        lines = [f"`kg impact {one.text} --kind {one.kind}`" for one in found[:_SHOWN]]
+        more = [f"... and {len(found) - _SHOWN} more"] if len(found) > _SHOWN else []
+        raise UsageError("KG003", f"`{name}` means {len(found)} things; choose one", hint="\n".join([*lines, *more]))
+    return assess(found[0], world)
+
+
+def subjects(snapshot: EmbeddedSnapshot, world: StoredWorld, name: str) -> list[Subject]:
+    """Return what a name may mean: all that has it whole, else all whose name ends with it by whole segments."""
+    exact = [
+        *(Subject(Kind(kind), found) for kind, found in channels_called(snapshot, {name, f"/{name.lstrip('/')}"})),
+        *_types(snapshot, world, name),
+        *_nodes(snapshot, world, name),
+        *_parameters(snapshot, world, name),
+        *_arguments(snapshot, name),
+        *_files(snapshot, world, name, whole=True),
+    ]
+    if exact:
+        return [*dict.fromkeys(exact)]
+    ending = f"/{name.lstrip('/')}"
+    channels = [
+        Subject(Kind(kind), one)
+        for kind, names in channel_names(snapshot).items()
+        for one in names
+        if one.endswith(ending)
+    ]
+    started = [Subject(Kind.NODE, one) for one in started_names(snapshot) if one.endswith(ending)]
+    return [*channels, *started, *_files(snapshot, world, name, whole=False)]
+
+
+def _types(snapshot: EmbeddedSnapshot, world: StoredWorld, name: str) -> Iterator[Subject]:
+    front, _, last = name.rpartition("/")
+    bare, _, field = last.partition(".")
+    package = "/".join(part for part in front.split("/") if part not in _SECTIONS)
+    known = (
+        set(type_names(snapshot)) | {one.name for one in world.definitions} if front or bare[:1].isupper() else set()
+    )
+    for found in sorted(known):
+        if found != f"{package}/{bare}" and (front or found.rpartition("/")[2] != bare):
+            continue
+        if not field:
+            yield Subject(Kind.TYPE, found)
+            continue
+        fields = {each.name for one in world.definitions if one.name == found for each in one.definition.fields}
+        if not fields or field.partition(".")[0] in fields:
+            yield Subject(Kind.FIELD, field, found)
+
+
+def _nodes(snapshot: EmbeddedSnapshot, world: StoredWorld, name: str) -> Iterator[Subject]:
+    if name.startswith("/"):
+        yield from (Subject(Kind.NODE, name) for _ in range(name in started_names(snapshot)))
+        return
+    for record in world.nodes:
+        if name in {record.node.name, f"{record.package}/{record.node.name}"}:
+            yield Subject(Kind.NODE, f"{record.package}/{record.node.name}")
+
+
+def _parameters(snapshot: EmbeddedSnapshot, world: StoredWorld, name: str) -> Iterator[Subject]:
+    if any(same_parameter(one.name, name) for record in world.nodes for one in record.node.parameters):
+        yield Subject(Kind.PARAMETER, name)
+    splits = [(name[:at], name[at + 1 :]) for at, sign in enumerate(name) if sign == "."]
+    for owner, inner in splits:
+        if owner.startswith("/") and owner in started_names(snapshot):
+            yield Subject(Kind.PARAMETER, inner, owner)
+        for record in world.nodes:
+            if names_node(record, owner) and any(same_parameter(one.name, inner) for one in record.node.parameters):
+                yield Subject(Kind.PARAMETER, inner, f"{record.package}/{record.node.name}")
+
+
+def _arguments(snapshot: EmbeddedSnapshot, name: str) -> Iterator[Subject]:
+    launch, _, argument = name.rpartition(":")
+    found = arguments(snapshot, argument)
+    if found and not launch:
+        yield Subject(Kind.ARGUMENT, argument)
+        return
+    meant = {one.name for one in matching(known_names(snapshot), launch)} if launch else set()
+    yield from (Subject(Kind.ARGUMENT, argument, owner) for _, owner in found if owner in meant)
+
+
+def _files(snapshot: EmbeddedSnapshot, world: StoredWorld, name: str, *, whole: bool) -> Iterator[Subject]:
+    if "." not in name:
+        return
+    repository, _, path = name.rpartition(":")
+    real = Path(name).resolve() if whole and Path(name).is_file() else None
+    roots = {source.name: Path(source.root).resolve() for source in places(snapshot).sources.values() if source.root}
+    for one in world.files:
+        on_disk = real is not None and one.repository in roots and roots[one.repository] / one.path == real
+        named = one.path == path if whole else f"/{one.path}".endswith(f"/{path}")
+        if on_disk or (named and repository in {"", one.repository}):
+            yield Subject(Kind.FILE, one.path, one.repository)
+
+
+def _known(snapshot: EmbeddedSnapshot, world: StoredWorld, kind: str) -> set[str]:
+    """Return the names that a misspelt one may mean."""
+    known = {str(one): names for one, names in channel_names(snapshot).items()}
+    nodes = {f"{one.package}/{one.node.name}" for one in world.nodes} | {one.node.name for one in world.nodes}
+    known |= {
+        Kind.TYPE: type_names(snapshot),
+        Kind.NODE: [*nodes, *started_names(snapshot)],
+        Kind.PARAMETER: [
+            name
+            for record in world.nodes
+            for one in record.node.parameters
+            for name in (one.name, f"{record.node.name}.{one.name}")
+            if one.name and name
+        ],
+        Kind.ARGUMENT: [name for name, _ in arguments(snapshot)],
+        Kind.FILE: [one.path.rpartition("/")[2] for one in world.files],
+    }
+    return set(chain.from_iterable(names for one, names in known.items() if kind in {"", str(one)}))
+
+
+def _kinds() -> str:
+    return f"The kinds are {', '.join(map(str, Kind))}."
