@@ -79,11 +79,7 @@ def _node(record: Record, place: tuple[str, str]) -> Iterator[Effect]:
         *(one.location for one in node.parameters if not one.implicit),
         *(one.location for one in node.slots),
     ]
-    lines = [
-        one.line
-        for one in facts
-        if place == (one.repository or record.repository, one.path)
-    ]
+    lines = [one.line for one in facts if place == (one.repository or record.repository, one.path)]
     is_source = place[0] == record.repository and place[1] in {node.location.path, *node.sources}
     if lines or is_source:
         what = f"{name} has {len(lines)} interfaces and parameters in it" if lines else f"{name} is built from it"
