@@ -6,6 +6,7 @@ import typer
 
 from kg.cli.commands import (
     build,
+    channels,
     completions,
     compose,
     config,
@@ -27,6 +28,7 @@ from kg.cli.commands import (
     node,
     nodes,
     ontology,
+    param,
     query,
     robot,
     robot_driving,
@@ -94,6 +96,10 @@ COMMANDS: Final[tuple[tuple[str, str, Any], ...]] = (
     ("Ask", "shell", shell.shell),
     ("Ask", "mcp", mcp.mcp),
     ("Ask", "packages", lists.packages),
+    ("Ask", "topic", channels.topic),
+    ("Ask", "service", channels.service),
+    ("Ask", "action", channels.action),
+    ("Ask", "param", param.param),
     ("Ask", "topics", lists.topics),
     ("Ask", "services", lists.services),
     ("Ask", "actions", lists.actions),

@@ -9,7 +9,19 @@ from kg.errors import CATALOGUE, KgError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["codes", "features", "launches", "nodes", "packages", "queries", "rules"]
+__all__ = [
+    "actions",
+    "codes",
+    "features",
+    "launches",
+    "nodes",
+    "packages",
+    "parameters",
+    "queries",
+    "rules",
+    "services",
+    "topics",
+]
 
 
 def codes(incomplete: str) -> list[tuple[str, str]]:
@@ -97,6 +109,50 @@ def launches(incomplete: str) -> list[str]:
 
         with reading(load()) as snapshot:
             return [one.name for one in system_names(snapshot)]
+
+    return _beginning(incomplete, names)
+
+
+def topics(incomplete: str) -> list[str]:
+    """Return the names of topics, in launched systems and in code."""
+    return _channels("topic", incomplete)
+
+
+def services(incomplete: str) -> list[str]:
+    """Return the names of services, in launched systems and in code."""
+    return _channels("service", incomplete)
+
+
+def actions(incomplete: str) -> list[str]:
+    """Return the names of actions, in launched systems and in code."""
+    return _channels("action", incomplete)
+
+
+def parameters(incomplete: str) -> list[str]:
+    """Return the names of parameters, as code declares them and as launch and parameter files set them."""
+
+    def names() -> list[str]:
+        from kg.graph.parameters_reading import declared_names, set_names  # noqa: PLC0415 - start-up time
+        from kg.settings import load  # noqa: PLC0415 - start-up time
+        from kg.store.opening import reading  # noqa: PLC0415 - start-up time
+
+        with reading(load()) as snapshot:
+            return sorted({*(name for name in declared_names(snapshot) if "{" not in name), *set_names(snapshot)})
+
+    return _beginning(incomplete, names)
+
+
+def _channels(kind: str, incomplete: str) -> list[str]:
+    """Return names of channels; where the slash in front is not typed, they come without it."""
+
+    def names() -> list[str]:
+        from kg.graph.channels_reading import names as known  # noqa: PLC0415 - start-up time
+        from kg.settings import load  # noqa: PLC0415 - start-up time
+        from kg.store.opening import reading  # noqa: PLC0415 - start-up time
+
+        with reading(load()) as snapshot:
+            found = known(snapshot, kind)
+        return [name.removeprefix("/") for name in found] if incomplete and not incomplete.startswith("/") else found
 
     return _beginning(incomplete, names)
 

@@ -4,7 +4,7 @@ from typing import Annotated, Any
 
 import typer
 
-from kg.cli.completion import packages
+from kg.cli.completion import launches, packages
 from kg.settings import DECLARED
 
 __all__ = [
@@ -26,6 +26,7 @@ __all__ = [
     "Rules",
     "SearchModel",
     "Store",
+    "System",
     "Timeout",
     "from_setting",
 ]
@@ -76,5 +77,14 @@ PackageName = Annotated[
         metavar="NAME",
         help="Only this package (`name` or `repository:name`).",
         autocompletion=packages,
+    ),
+]
+System = Annotated[
+    str | None,
+    typer.Option(
+        "--system",
+        metavar="LAUNCH",
+        help="Only what these launch files start: a path, or `package/launch/x.launch`, or any end of these.",
+        autocompletion=launches,
     ),
 ]

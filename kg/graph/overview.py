@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.facts import Location, NodeKind
 from kg.graph import vocabulary as v
+from kg.graph.channels_reading import CLASSES
+from kg.graph.ntriples import literal
 from kg.graph.reading import which
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Collection, Iterable
 
     from kg.graph.reading import Queryable
 
@@ -73,20 +75,43 @@ SELECT ?node (COUNT(DISTINCT ?known) AS ?number) WHERE {
   BIND(COALESCE(?name, 0) AS ?known)
 }
 GROUP BY ?node"""
-_ENDS: Final = """
+_IN_CODE: Final = """
 SELECT DISTINCT ?channel ?class ?node ?type WHERE {
   {
     SELECT * WHERE {
+      %(named)s
       ?node a rnkg:NodeType ; ros:hasComponent ?end .
       ?end a ?class ; rnkg:connectsTo ?c ; rnkg:implicit ?implicit .
-      %s
+      %(own)s
     }
     LIMIT 1000000000
   }
-  VALUES ?class { %s %s }
+  VALUES ?class { %(classes)s }
   ?c rdfs:label ?channel .
-  OPTIONAL { ?end %s/rdfs:label ?type }
+  OPTIONAL { ?end %(typed)s/rdfs:label ?type }
 }"""
+_IN_SYSTEMS: Final = """
+SELECT DISTINCT ?channel ?class ?node ?type WHERE {
+  {
+    SELECT * WHERE {
+      %(named)s
+      ?c rnkg:inConfiguration ?configuration ; a %(kind)s ; rnkg:name ?channel .
+      ?end rnkg:connectsTo ?c ; rnkg:implicit ?implicit .
+      ?instance ros:hasComponent ?end .
+      %(own)s
+    }
+    LIMIT 1000000000
+  }
+  VALUES ?class { %(classes)s }
+  ?end a ?class .
+  OPTIONAL { ?instance rnkg:instanceOf ?node }
+  OPTIONAL { ?end %(typed)s/rdfs:label ?type }
+}"""
+_LAUNCHES: Final = """
+SELECT ?channel (COUNT(DISTINCT ?configuration) AS ?number) WHERE {
+  %(named)s
+  ?c rnkg:inConfiguration ?configuration ; a %(kind)s ; rnkg:name ?channel .
+} GROUP BY ?channel"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,12 +149,16 @@ class NodeSummary:
 
 @dataclass(frozen=True, slots=True)
 class Channel:
-    """A topic, service or action with its types and the nodes at its two ends, as `package/node`."""
+    """A topic, service or action with its types and the nodes at its two ends, as `package/node`.
+
+    The nodes have it where they are started alone, or in one of so many `systems`, as launch files start them.
+    """
 
     name: str
     types: tuple[str, ...]
     givers: tuple[str, ...]
     takers: tuple[str, ...]
+    systems: int
 
 
 def packages(graph: Queryable) -> list[PackageSummary]:
@@ -183,23 +212,32 @@ def package_names(graph: Queryable) -> list[str]:
     return sorted({row[0].value for row in _rows(graph, "SELECT ?name WHERE { ?p a rnkg:Package ; rnkg:name ?name }")})
 
 
-def channels(graph: Queryable, kind: str, *, implicit: bool = False) -> list[Channel]:
-    """Return all topics, services or actions by name; `implicit` adds the ends that frameworks make by themselves."""
+def channels(
+    graph: Queryable, kind: str, *, implicit: bool = False, named: Collection[str] | None = None
+) -> list[Channel]:
+    """Return all topics, services or actions by name, or those `named`.
+
+    `implicit` adds the ends that frameworks make by themselves, and names that have no others.
+    """
     giver, taker, typed = _CHANNELS[kind]
+    values = "" if named is None else f"VALUES ?channel {{ {' '.join(map(literal, sorted(named)))} }}"
+    given = {"classes": f"{giver} {taker}", "typed": typed, "kind": CLASSES[kind]}
+    given |= {"named": values and f"{values} ?c rdfs:label ?channel .", "own": "" if implicit else "FILTER(!?implicit)"}
     names: defaultdict[str, list[str]] = defaultdict(list)
     for row in _rows(graph, _OWNERS):
         names[row["node"].value].append(f"{row['package'].value}/{row['name'].value}")
     types: defaultdict[str, set[str]] = defaultdict(set)
     ends: defaultdict[str, tuple[set[str], set[str]]] = defaultdict(lambda: (set(), set()))
     local = giver.partition(":")[2]
-    for row in _rows(graph, _ENDS % ("" if implicit else "FILTER(!?implicit)", giver, taker, typed)):
+    for row in (*_rows(graph, _IN_CODE % given), *_rows(graph, _IN_SYSTEMS % given)):
         name = row["channel"].value
         side = 0 if row["class"].value.endswith(f"#{local}") else 1
-        ends[name][side].update(names[row["node"].value])
+        ends[name][side].update(names[row["node"].value] if row["node"] is not None else ())
         if row["type"] is not None:
             types[name].add(row["type"].value)
+    systems = {row["channel"].value: int(row["number"].value) for row in _rows(graph, _LAUNCHES % given)}
     return [
-        Channel(name, tuple(sorted(types[name])), tuple(sorted(givers)), tuple(sorted(takers)))
+        Channel(name, tuple(sorted(types[name])), tuple(sorted(givers)), tuple(sorted(takers)), systems.get(name, 0))
         for name, (givers, takers) in sorted(ends.items())
     ]
 

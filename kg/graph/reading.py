@@ -41,6 +41,7 @@ __all__ = [
     "Properties",
     "Queryable",
     "end_of",
+    "facts",
     "grouped",
     "loaded_as",
     "node_names",
@@ -48,6 +49,7 @@ __all__ = [
     "one",
     "programs",
     "qualities",
+    "references",
     "type_of",
     "which",
     "word",
@@ -108,6 +110,23 @@ SELECT ?subject ?predicate ?object WHERE {{
   }}
   VALUES ?predicate {{ {" ".join(_OF_PARTS)} }}
 }}"""
+_FACTS: Final = f"""
+SELECT ?subject ?predicate ?object WHERE {{
+  {{ SELECT DISTINCT * WHERE {{ %s ?subject ?predicate ?object }} LIMIT 1000000000 }}
+  VALUES ?predicate {{ {" ".join(_OF_PARTS)} }}
+}}"""
+_OWNED: Final = """
+SELECT DISTINCT ?subject ?node WHERE {
+  { SELECT * WHERE { %s ?node ros:hasComponent|rnkg:hasParameter ?subject } LIMIT 1000000000 }
+  ?node a rnkg:NodeType .
+}"""
+_REFERENCES: Final = """
+SELECT ?node ?name ?package ?repository WHERE {
+  VALUES ?node { %s }
+  ?node rnkg:name ?name .
+  ?p rnkg:contains ?node ; rnkg:name ?package .
+  ?r rnkg:contains ?p ; rnkg:name ?repository .
+}"""
 _TYPES: Final = """
 SELECT DISTINCT ?type ?label WHERE {
   VALUES ?class { ros:Message rnkg:ServiceType rnkg:ActionType }
@@ -197,6 +216,25 @@ def node_records(
         }
         found.append(replace(record, descriptions=said.get(at, ()), plugins=loaded))
     return sorted(found, key=lambda one: (one.repository, one.package, one.node.name, str(one.node.location)))
+
+
+def facts(graph: Queryable, those: str) -> dict[str, tuple[NodeReference, Interface | Parameter]]:
+    """Return interfaces and parameters of node types by their IRIs, with their node types.
+
+    `those` is a pattern that binds ?subject to them and ends in a full stop; the prefixes ros: and rnkg: are known.
+    """
+    owners = {row["subject"].value: row["node"].value for row in _rows(graph, _OWNED % those)}
+    named = references(graph, set(owners.values()))
+    found = _facts(graph, grouped(_rows(graph, _FACTS % those)))
+    return {iri: (named[owners[iri]], fact) for iri, fact in found.items() if owners.get(iri) in named}
+
+
+def references(graph: Queryable, iris: Collection[str]) -> dict[str, NodeReference]:
+    """Return what stands for the node types of some IRIs; those that are not in the store are left out."""
+    return {
+        row["node"].value: NodeReference(*(_text(row[key]) for key in ("repository", "package", "name")))
+        for row in _rows(graph, _REFERENCES % _listing(iris))
+    }
 
 
 def _plugins(graph: Queryable, classes: set[str]) -> dict[str, list[tuple[NodeReference, str]]]:
@@ -289,17 +327,24 @@ def _parts(graph: Queryable, those: str, owners: Iterable[str]) -> dict[str, tup
     nodes: defaultdict[str, list[str]] = defaultdict(list)
     for owner in owners:
         nodes[owner.partition("#")[0]].append(owner)
-    parts = grouped(_rows(graph, _PARTS % those))
+    found: defaultdict[str, tuple[_Ends, _Settable]] = defaultdict(lambda: ([], []))
+    for iri, fact in _facts(graph, grouped(_rows(graph, _PARTS % those))).items():
+        interfaces, parameters = found[_owner(iri, nodes)]
+        if isinstance(fact, Interface):
+            interfaces.append((fact, iri))
+        else:
+            parameters.append((fact, iri))
+    return found
+
+
+def _facts(graph: Queryable, parts: Mapping[str, Properties]) -> dict[str, Interface | Parameter]:
+    """Return interfaces and parameters from their properties, by their IRIs."""
     types = _types(graph, {iri for properties in parts.values() if (iri := type_of(properties))})
     known = qualities(graph, {iri for properties in parts.values() for iri in properties.get(v.bare(v.HAS_QOS), ())})
-    found: defaultdict[str, tuple[_Ends, _Settable]] = defaultdict(lambda: ([], []))
+    found: dict[str, Interface | Parameter] = {}
     for iri, properties in parts.items():
-        interfaces, parameters = found[_owner(iri, nodes)]
         roles = [_ROLES[kind] for kind in properties[v.bare(v.TYPE)] if kind in _ROLES]
-        if roles:
-            interfaces.append((_interface(roles[0], properties, types, known), iri))
-        else:
-            parameters.append((_parameter(properties), iri))
+        found[iri] = _interface(roles[0], properties, types, known) if roles else _parameter(properties)
     return found
 
 

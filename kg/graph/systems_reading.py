@@ -9,10 +9,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
+from pyoxigraph import NamedNode
+
 from kg.facts import (
     InstanceInterface,
     InstanceParameter,
     InstanceRemap,
+    Interface,
     LaunchArgument,
     LaunchConfiguration,
     LaunchDialect,
@@ -24,6 +27,7 @@ from kg.facts import (
     MissingType,
     NodeInstance,
     NodeReference,
+    Parameter,
     Remap,
     Resolution,
     Sighting,
@@ -34,15 +38,15 @@ from kg.facts import (
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of
 from kg.graph.iris import RUNNING, Iris
-from kg.graph.reading import Queryable, end_of, grouped, node_records, one, qualities, type_of, word
+from kg.graph.reading import Queryable, end_of, facts, grouped, one, qualities, references, type_of, word
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from kg.facts import Interface, Parameter, Qos
-    from kg.graph.reading import NodeRecord, Properties
+    from kg.facts import Qos
+    from kg.graph.reading import Properties
 
-__all__ = ["SystemName", "included", "started_names", "system_names", "systems"]
+__all__ = ["SystemName", "included", "partial_systems", "started_names", "system_names", "systems"]
 
 _PREFIXES: Final = {"ros": v.ROS, "rnkg": v.RNKG}
 _NAMES: Final = """
@@ -63,6 +67,20 @@ SELECT DISTINCT ?name ?system WHERE {
   ?configuration rnkg:hasInstance/rnkg:name ?name ; rnkg:name ?system .
 }"""
 _GRAPH: Final = "SELECT ?s ?p ?o WHERE { GRAPH <%s> { ?s ?p ?o } }"
+_PARTS: Final = (
+    "SELECT DISTINCT ?graph ?configuration ?instance ?end WHERE { %s ?configuration rnkg:hasInstance ?instance }"
+)
+_OF: Final = """
+SELECT ?subject ?predicate ?object WHERE {
+  VALUES (?graph ?subject) { %s }
+  GRAPH ?graph { ?subject ?predicate ?object }
+  FILTER(?predicate NOT IN (
+    rnkg:hasInstance, ros:hasComponent, rnkg:hasSetting, rnkg:hasRemap, rnkg:host,
+    rnkg:includes, rnkg:hasArgument, rnkg:hasLaunchProblem
+  ))
+}"""
+_CAUSES: Final = {v.bare(v.REMAPPED_BY): v.bare(v.HAS_REMAP), v.bare(v.NAMED_BY): v.bare(v.HAS_SETTING)}
+"""What leads from an end to the part of its instance that named it, and what leads there from the instance."""
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -108,6 +126,43 @@ def systems(graph: Queryable, names: Iterable[SystemName], base: str) -> list[Sy
     return [_Reading(name, content, records, iris).run() for name, content in contents]
 
 
+def partial_systems(graph: Queryable, names: Iterable[SystemName], ends: str, base: str) -> list[System]:
+    """Return the systems of these names that have some `ends`, with these ends and their instances alone.
+
+    `ends` is a pattern that binds ?end, its ?instance, and the ?graph and the ?configuration of that. What named an
+    end is there as well; other parameters and remappings, and what is said of a system as a whole, are not.
+    """
+    iris = Iris(base)
+    rows = [[term.value for term in row] for row in graph.query(_PARTS % ends, prefixes=_PREFIXES)]
+    content = _properties(graph, {(row[0], part) for row in rows for part in row[1:]})
+    causes = set()
+    for where, configuration, instance, end in rows:
+        _add(content[configuration], v.HAS_INSTANCE, instance)
+        _add(content[instance], v.HAS_COMPONENT, end)
+        remap, setting = (one(content[end], term) for term in (v.REMAPPED_BY, v.NAMED_BY))
+        if remap:
+            _add(content[instance], v.HAS_REMAP, remap)
+        causes |= {(where, cause) for cause in (remap, setting) if cause}
+    content |= _properties(graph, causes)
+    declared = {iri for properties in content.values() for iri in properties.get(v.bare(v.DECLARED_BY), ())}
+    records = _Records(graph, [content], f"VALUES ?subject {{ {' '.join(str(NamedNode(iri)) for iri in declared)} }}")
+    configurations = {row[1] for row in rows}
+    meant = [one for one in names if iris.configuration(one.repository, one.path) in configurations]
+    return [_Reading(name, content, records, iris).run() for name in meant]
+
+
+def _add(properties: dict[str, list[str]], term: str, value: str) -> None:
+    values = properties.setdefault(v.bare(term), [])
+    if value not in values:
+        values.append(value)
+
+
+def _properties(graph: Queryable, parts: Iterable[tuple[str, str]]) -> dict[str, dict[str, list[str]]]:
+    """Return what graphs say of parts of systems, but for what leads on to others."""
+    listed = " ".join(f"({NamedNode(where)} {NamedNode(part)})" for where, part in sorted(parts))
+    return grouped(graph.query(_OF % listed, prefixes=_PREFIXES)) if listed else {}
+
+
 def _content(graph: Queryable, name: str) -> dict[str, dict[str, list[str]]]:
     return grouped(graph.query(_GRAPH % name, prefixes=_PREFIXES))
 
@@ -115,7 +170,10 @@ def _content(graph: Queryable, name: str) -> dict[str, dict[str, list[str]]]:
 class _Records:
     """The node types that instances are of, with what their IRIs stand for."""
 
-    def __init__(self, graph: Queryable, contents: Iterable[Mapping[str, Properties]]) -> None:
+    def __init__(
+        self, graph: Queryable, contents: Iterable[Mapping[str, Properties]], declared: str | None = None
+    ) -> None:
+        """Read the node types of instances; `declared` is a pattern for ?subject, where not all they declare counts."""
         types = {
             iri
             for content in contents
@@ -123,19 +181,17 @@ class _Records:
             for term in (v.INSTANCE_OF, v.LOADS_PLUGIN)
             for iri in properties.get(v.bare(term), ())
         }
-        found = node_records(graph, iris=types) if types else []
-        self.by_iri: dict[str, NodeRecord] = {record.iri: record for record in found}
-        self.ends: dict[str, tuple[NodeReference, Interface]] = {}
-        self.settable: dict[str, tuple[NodeReference, Parameter]] = {}
-        for record in found:
-            self.ends.update((iri, (record.reference, end)) for end, iri in record.ends.items())
-            self.settable.update((iri, (record.reference, one)) for one, iri in record.settable.items())
+        listed = " ".join(str(NamedNode(iri)) for iri in sorted(types))
+        every = f"VALUES ?owner {{ {listed} }} ?owner ros:hasComponent|rnkg:hasParameter ?subject ."
+        found = facts(graph, declared or every) if types else {}
+        self._by_iri = references(graph, types) if types else {}
+        self.ends = {iri: (owner, fact) for iri, (owner, fact) in found.items() if isinstance(fact, Interface)}
+        self.settable = {iri: (owner, fact) for iri, (owner, fact) in found.items() if isinstance(fact, Parameter)}
         self.qualities: Mapping[str, Qos] = qualities(graph) if types else {}
 
     def reference(self, iri: str | None) -> NodeReference | None:
         """Return what stands for the node type of an IRI."""
-        record = self.by_iri.get(iri) if iri else None
-        return record.reference if record else None
+        return self._by_iri.get(iri) if iri else None
 
 
 class _Reading:

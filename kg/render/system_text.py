@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from kg.render.system_graph import Channel, Link, Member, SystemGraph
 
-__all__ = ["SystemRow", "nobody_at", "system_lines", "system_rows"]
+__all__ = ["NOBODY", "SystemRow", "nobody_at", "system_lines", "system_rows"]
 
 _VERBS: Final = {
     ("topic", True): "publishes",
@@ -23,7 +23,7 @@ _VERBS: Final = {
     ("action", True): "calls action",
     ("action", False): "serves action",
 }
-_NOBODY: Final = {
+NOBODY: Final = {
     ("topic", True): "nobody subscribes",
     ("topic", False): "nobody publishes",
     ("service", True): "nobody serves",
@@ -85,7 +85,7 @@ def _row(link: Link, channel: Channel, ends: tuple[tuple[str, ...], tuple[str, .
 
 def nobody_at(channel: Channel, *, outward: bool) -> str:
     """Return what to say where nobody is at the other side of a channel."""
-    return "name not known" if channel.open else _NOBODY[channel.kind, outward]
+    return "name not known" if channel.open else NOBODY[channel.kind, outward]
 
 
 def _head(member: Member) -> str:

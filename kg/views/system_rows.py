@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from kg.render.system_graph import SystemGraph
     from kg.views.evidence import Places
 
-__all__ = ["instance_rows", "setting_row"]
+__all__ = ["instance_rows", "set_at", "setting_row"]
 
 
 def instance_rows(  # noqa: PLR0913 - a system, and what is known of it
@@ -127,13 +127,14 @@ class _Rows:
             "others": others,
             "nobody": "" if others else nobody_at(channel, outward=role.outward),
             "evidence": self._where.evidence(end.owner.repository, declared.location),
-            "set_at": self._set_at(end),
+            "set_at": set_at(end, self._source, self._where),
         }
 
-    def _set_at(self, end: InstanceInterface) -> dict[str, Any] | None:
-        """Return the launch line that gave an end the name that it has."""
-        if end.remap:
-            return {"words": f"remapped from {end.remap.source}", "evidence": self._place(end.remap.location)}
-        if end.parameter:
-            return {"words": f"parameter {end.parameter.name}", "evidence": self._place(end.parameter.location)}
-        return None
+
+def set_at(end: InstanceInterface, source: str, where: Places) -> dict[str, Any] | None:
+    """Return the `words` and `evidence` of the launch line that gave an end its name, in a system of this source."""
+    if end.remap:
+        return {"words": f"remapped from {end.remap.source}", "evidence": where.evidence(source, end.remap.location)}
+    if end.parameter:
+        return {"words": f"parameter {end.parameter.name}", "evidence": where.evidence(source, end.parameter.location)}
+    return None

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
-__all__ = ["included_names", "known_names", "system_named", "systems"]
+__all__ = ["chosen_systems", "included_names", "known_names", "system_named", "systems"]
 
 _MOST: Final = 1000
 _STARTED: Final = """SELECT ?system (COUNT(?instance) AS ?count) {
@@ -61,6 +61,21 @@ def known_names(snapshot: EmbeddedSnapshot) -> tuple[SystemName, ...]:
 def included_names(snapshot: EmbeddedSnapshot) -> frozenset[str]:
     """Return the names of the configurations that others include."""
     return included(snapshot)
+
+
+def chosen_systems(snapshot: EmbeddedSnapshot, name: str, base: str) -> frozenset[str] | None:
+    """Return the IRIs of all configurations that a name may mean; None, which stands for all, for an empty one.
+
+    Raises:
+        UnknownNameError: KG422 when there is none, with those that were probably meant.
+    """
+    if not name.strip():
+        return None
+    names = known_names(snapshot)
+    found = matching(names, name)
+    if not found:
+        raise unknown_launch(names, name)
+    return frozenset(Iris(base).configuration(one.repository, one.path) for one in found)
 
 
 def system_named(snapshot: EmbeddedSnapshot, name: str, repository: str = "", base: str = "") -> SystemName:

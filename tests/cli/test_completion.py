@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     [
         ("kg no", ["nodes", "node"]),
         ("kg node dr", ["driver"]),
+        ("kg topic /od", ["/odom"]),
+        ("kg topic od", ["odom"]),
+        ("kg service /", ["/driver/reset", "/map"]),
+        ("kg action /d", ["/dock"]),
         ("kg nodes --package rover_", ["rover_base", "rover_sim"]),
         ("kg query who-", []),
         ("kg query explore/who-", ["explore/who-loads-plugin", "explore/who-publishes", "explore/who-subscribes"]),

@@ -59,8 +59,8 @@ def test_nodes_of_one_package_are_listed() -> None:
 def test_channels_have_their_types_and_the_nodes_at_their_ends() -> None:
     """An end without a type is there; what frameworks make is there when it is asked for."""
     store = stored(("a", (ROVER,)), ("b", (replace(ROVER, interfaces=ROVER.interfaces[3:]),)))
-    odom = Channel("/odom", ("nav_msgs/Odometry",), ("a/rover",), ())
-    scan = Channel("/scan", (), (), ("a/rover", "b/rover"))
+    odom = Channel("/odom", ("nav_msgs/Odometry",), ("a/rover",), (), 0)
+    scan = Channel("/scan", (), (), ("a/rover", "b/rover"), 0)
     assert channels(store, "topic") == [odom, scan]
     assert [one.name for one in channels(store, "topic", implicit=True)] == ["/odom", "/rosout", "/scan"]
     assert [one.name for one in channels(store, "action")] == ["/dock", "/drive"]

@@ -13,9 +13,10 @@ from kg.render.text import count
 from kg.store.opening import reading
 
 if TYPE_CHECKING:
-    from kg.graph.overview import Channel
+    from collections.abc import Mapping, Sequence
+    from typing import Any
 
-__all__ = ["actions", "packages", "services", "topics"]
+__all__ = ["actions", "channel_rows", "packages", "services", "topics"]
 
 All = Annotated[bool, typer.Option("--all", "-a", help="Also what frameworks make by themselves (/rosout, /tf, ...).")]
 
@@ -48,33 +49,52 @@ def packages(context: typer.Context, *, json: Json = False, store: Store = None)
 def topics(context: typer.Context, *, every: All = False, json: Json = False, store: Store = None) -> None:
     """List the topics, their types and how many nodes use them.
 
-    Names are those of nodes started alone, without remapping.
+    Names are those in launched systems, after remapping, and those of nodes started alone. `kg topic NAME` shows one.
     """
-    _channels("topic", ("publish", "subscribe"), _found(context, "topic", store, every=every), json=json)
+    _list(context, "topic", store, every=every, json=json)
 
 
 def services(context: typer.Context, *, every: All = False, json: Json = False, store: Store = None) -> None:
-    """List the services, their types and how many nodes use them."""
-    _channels("service", ("offer", "call"), _found(context, "service", store, every=every), json=json)
+    """List the services, their types and how many nodes use them; `kg service NAME` shows one."""
+    _list(context, "service", store, every=every, json=json)
 
 
 def actions(context: typer.Context, *, every: All = False, json: Json = False, store: Store = None) -> None:
-    """List the actions, their types and how many nodes use them."""
-    _channels("action", ("offer", "call"), _found(context, "action", store, every=every), json=json)
+    """List the actions, their types and how many nodes use them; `kg action NAME` shows one."""
+    _list(context, "action", store, every=every, json=json)
 
 
-def _found(context: typer.Context, kind: str, store: str | None, *, every: bool) -> "list[Channel]":
+def _list(context: typer.Context, kind: str, store: str | None, *, every: bool, json: bool) -> None:
     from kg.graph import overview  # noqa: PLC0415 - start-up time
 
     with reading(session(context).settings(store=store)) as snapshot:
-        return overview.channels(snapshot, kind, implicit=every)
-
-
-def _channels(kind: str, verbs: tuple[str, str], found: "list[Channel]", *, json: bool) -> None:
-    columns = (Column(kind, "name"), Column("type"), *(Column(verb, "number") for verb in verbs))
-    rows = [(one.name, ", ".join(one.types), len(one.givers), len(one.takers)) for one in found]
-    givers, takers = (f"{verb}ed_by" if verb[-1] != "e" else f"{verb}d_by" for verb in verbs)
-    objects = ({kind: one.name, "types": one.types, givers: one.givers, takers: one.takers} for one in found)
-    listing(columns, rows, objects=objects if json else None)
+        found = [asdict(one) for one in overview.channels(snapshot, kind, implicit=every)]
+    channel_rows(kind, found, json=json)
     if terminal() and not json:
         note(count(len(found), kind))
+
+
+def channel_rows(kind: str, found: "Sequence[Mapping[str, Any]]", *, json: bool = False) -> None:
+    """Write topics, services or actions as a list: objects as of `kg.graph.overview.Channel`."""
+    verbs = ("publish", "subscribe") if kind == "topic" else ("offer", "call")
+    columns = (
+        Column(kind, "name"),
+        Column("type", spare=1),
+        *(Column(verb, "number") for verb in verbs),
+        Column("launch files", "number"),
+    )
+    rows = [
+        (one["name"], ", ".join(one["types"]), len(one["givers"]), len(one["takers"]), one["systems"]) for one in found
+    ]
+    givers, takers = (f"{verb}ed_by" if verb[-1] != "e" else f"{verb}d_by" for verb in verbs)
+    objects = (
+        {
+            kind: one["name"],
+            "types": one["types"],
+            givers: one["givers"],
+            takers: one["takers"],
+            "systems": one["systems"],
+        }
+        for one in found
+    )
+    listing(columns, rows, objects=objects if json else None)

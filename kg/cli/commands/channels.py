@@ -1,0 +1,119 @@
+"""`kg topic`, `kg service`, `kg action`: one name with all its ends, in launched systems and in code."""
+
+from typing import Annotated
+
+import typer
+
+from kg.cli.commands.lists import channel_rows
+from kg.cli.completion import actions, services, topics
+from kg.cli.diagnostics import note
+from kg.cli.options import Json, Store, System
+from kg.cli.output import json_lines, line_width, show, terminal
+from kg.cli.session import session
+from kg.render.text import count
+from kg.store.opening import reading
+
+__all__ = ["All", "Via", "action", "service", "topic"]
+
+_HELP = "Its name in a system, `/{0}`; in the code, `{0}` or `~/{0}`; or a part of one."
+Topic = Annotated[
+    str, typer.Argument(metavar="NAME", help=_HELP.format("scan"), autocompletion=topics, show_default=False)
+]
+Service = Annotated[
+    str, typer.Argument(metavar="NAME", help=_HELP.format("reset"), autocompletion=services, show_default=False)
+]
+Action = Annotated[
+    str, typer.Argument(metavar="NAME", help=_HELP.format("dock"), autocompletion=actions, show_default=False)
+]
+All = Annotated[bool, typer.Option("--all", "-a", help="A row for each launch file, instead of their number.")]
+Via = Annotated[
+    bool, typer.Option("--via", help="Also the calls in wrappers and base classes, from the line to the framework.")
+]
+
+
+def topic(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    name: Topic,
+    *,
+    system: System = None,
+    every: All = False,
+    via: Via = False,
+    json: Json = False,
+    store: Store = None,
+) -> None:
+    """Show who publishes and subscribes to a topic, in every launch file and in code.
+
+    Each row is one line of code of one start of a node: with its QoS, the line that starts it, and how many launch
+    files include that line. Types and QoS that do not fit are listed below, as `kg lint` reports them.
+    For example:
+
+        kg topic /cmd_vel
+        kg topic cmd_vel --system rover.launch
+        kg topic vel --json
+    """
+    _show(context, "topic", name, system, store, every=every, via=via, json=json)
+
+
+def service(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    name: Service,
+    *,
+    system: System = None,
+    every: All = False,
+    via: Via = False,
+    json: Json = False,
+    store: Store = None,
+) -> None:
+    """Show who offers and calls a service, in every launch file and in code; as `kg topic`."""
+    _show(context, "service", name, system, store, every=every, via=via, json=json)
+
+
+def action(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    name: Action,
+    *,
+    system: System = None,
+    every: All = False,
+    via: Via = False,
+    json: Json = False,
+    store: Store = None,
+) -> None:
+    """Show who offers and calls an action, in every launch file and in code; as `kg topic`."""
+    _show(context, "action", name, system, store, every=every, via=via, json=json)
+
+
+def _show(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    kind: str,
+    name: str,
+    system: str | None,
+    store: str | None,
+    *,
+    every: bool,
+    via: bool,
+    json: bool,
+) -> None:
+    from kg.cli.endpoint_view import endpoint_view, plain  # noqa: PLC0415 - start-up time
+    from kg.cli.links import Links  # noqa: PLC0415 - start-up time
+    from kg.views.channel import channel  # noqa: PLC0415 - start-up time
+    from kg.views.evidence import places  # noqa: PLC0415 - start-up time
+
+    settings = session(context).settings(store=store)
+    with reading(settings) as snapshot:
+        found = channel(snapshot, settings, kind=kind, name=name, system=system or "")
+        others = [one["name"] for one in found["meant"]]
+        if json:
+            names = [found["name"], *others] if found["name"] else others
+            for one in names:
+                ends = channel(snapshot, settings, kind=kind, name=one, system=system or "")["endpoints"]
+                json_lines(map(plain, ends))
+            return
+        links = Links(places(snapshot))
+    if found["name"] is None:
+        channel_rows(kind, found["meant"])
+        if terminal():
+            note(f"{count(len(others), kind)}; `kg {kind} {others[0]}` shows one")
+        return
+    show(*endpoint_view(found, links, line_width(), every=every, via=via))
+    if others:
+        note(f"`{name}` in the code is also {', '.join(others[:5])}{' ...' if len(others) > 5 else ''}")  # noqa: PLR2004

@@ -1,0 +1,60 @@
+"""`kg param`: one parameter, as code declares it and as launch and parameter files set it."""
+
+from typing import Annotated
+
+import typer
+
+from kg.cli.commands.channels import All, Via
+from kg.cli.completion import parameters
+from kg.cli.diagnostics import note
+from kg.cli.options import Json, Store, System
+from kg.cli.output import Column, json_lines, line_width, listing, show, terminal
+from kg.cli.session import session
+from kg.render.text import count
+from kg.store.opening import reading
+
+__all__ = ["param"]
+
+_HELP = "Its name in the code, `rate`; in a parameter file, `FollowPath.speed`; `/node/rate`; or a part of one."
+Name = Annotated[str, typer.Argument(metavar="NAME", help=_HELP, autocompletion=parameters, show_default=False)]
+
+
+def param(  # noqa: PLR0913 - the options of a command
+    context: typer.Context,
+    name: Name,
+    *,
+    system: System = None,
+    every: All = False,
+    via: Via = False,
+    json: Json = False,
+    store: Store = None,
+) -> None:
+    """Show which nodes declare a parameter, and the value that it has in every launch file.
+
+    With the line of code that declares it, its type and default, and the line of the launch or parameter file that
+    sets it. A start of a node that sets nothing has the default. For example:
+
+        kg param use_sim_time
+        kg param /controller_server/controller_frequency
+        kg param speed --system rover.launch --json
+    """
+    from kg.cli.endpoint_view import parameter_view, plain  # noqa: PLC0415 - start-up time
+    from kg.cli.links import Links  # noqa: PLC0415 - start-up time
+    from kg.views.evidence import places  # noqa: PLC0415 - start-up time
+    from kg.views.parameter import parameter  # noqa: PLC0415 - start-up time
+
+    settings = session(context).settings(store=store)
+    with reading(settings) as snapshot:
+        found = parameter(snapshot, settings, name=name, system=system or "")
+        if json:
+            for one in [found["name"]] if found["name"] else found["meant"]:
+                each = parameter(snapshot, settings, name=one, system=system or "")
+                json_lines(plain(row) for row in (*each["declared"], *each["values"]))
+            return
+        links = Links(places(snapshot))
+    if found["name"] is None:
+        listing((Column("parameter", "name"),), [(one,) for one in found["meant"]])
+        if terminal():
+            note(f"{count(len(found['meant']), 'parameter')}; `kg param {found['meant'][0]}` shows one")
+        return
+    show(*parameter_view(found, links, line_width(), every=every, via=via))

@@ -1,0 +1,190 @@
+"""Ends of a topic, service or action, and what becomes of a parameter, as tables with links to the lines."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.cli.output import Column, Linked, make_table
+from kg.cli.places import fitted
+from kg.render.system_text import NOBODY
+from kg.render.text import count, printable
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+    from rich.console import RenderableType
+
+    from kg.cli.links import Links
+
+__all__ = ["endpoint_view", "parameter_view", "plain"]
+
+_OF_FACES: Final = frozenset({"accesses", "calls", "evidence", "node_iri", "quality", "title"})
+"""What of a row is there for faces; it has the same in other fields."""
+_MOST: Final = 3
+"""So many launch files are named in a sentence."""
+
+
+def endpoint_view(
+    found: Mapping[str, Any], links: Links, columns: int, *, every: bool, via: bool
+) -> Iterator[RenderableType]:
+    """Yield what to show of the view `channel` on so many columns.
+
+    `every` gives each launch file a row, `via` adds the calls from a line to the framework.
+    """
+    from rich.text import Text  # noqa: PLC0415 - start-up time
+
+    ends = found["endpoints"]
+    qualities = {one["quality"] for one in ends}
+    yield Text.assemble((printable(found["name"]), "bold"), f"  {found['kind']}  {', '.join(found['types'])}")
+    where = f"in {count(len(found['systems']), 'launch file')}" if found["systems"] else "in no launch file"
+    same = f"; QoS {''.join(qualities)}" if len(qualities) == 1 and qualities != {""} else ""
+    yield Text(f"  {where}; {_fit(found)}{same}", style="dim")
+    yield Text()
+    titles = {
+        "node": Column("node", "name"),
+        "of": Column("of", spare=3),
+        "type": Column("type", spare=2) if len(found["types"]) > 1 else None,
+        "QoS": Column("QoS") if len(qualities) > 1 else None,
+        "started": Column("started at", "dim"),
+        "in": Column("launch file") if every else Column("in", spare=1),
+        "code": Column("code", "dim"),
+    }
+    rows = _endpoints(ends, _Places(links, columns, ends, ("evidence", "launched")), every=every, via=via)
+    yield _table(titles, rows)
+    if found["findings"]:
+        yield Text()
+    for one in found["findings"]:
+        yield Text.assemble((f"{one['severity']}[{one['code']}]", "bold"), f": {printable(one['message'])}")
+        yield Text(f"  in {_listed(one['systems'])}", style="dim")
+
+
+def parameter_view(
+    found: Mapping[str, Any], links: Links, columns: int, *, every: bool, via: bool
+) -> Iterator[RenderableType]:
+    """Yield what to show of the view `parameter` on so many columns; see `endpoint_view`."""
+    from rich.text import Text  # noqa: PLC0415 - start-up time
+
+    yield Text.assemble((printable(found["name"]), "bold"), "  parameter")
+    place = _Places(links, columns, [*found["declared"], *found["values"]], ("evidence", "set_at", "launched"))
+    if found["declared"]:
+        yield Text()
+        rows = [row for one in found["declared"] for row in _declared(one, place, via=via)]
+        titles = (Column("declared by", "name"), Column("type"), Column("default"), Column("code does", spare=1))
+        yield make_table((*titles, Column("code", "dim")), rows)
+    if found["values"]:
+        yield Text()
+        rows = [row for one in found["values"] for row in _value(one, place, every=every)]
+        named = Column("launch file") if every else Column("in", spare=1)
+        titles = (
+            Column("node", "name"),
+            Column("value"),
+            Column("set at", "dim"),
+            Column("started at", "dim", spare=2),
+        )
+        yield make_table((*titles, named), rows)
+
+
+def _table(titles: Mapping[str, Column | None], rows: Iterable[Mapping[str, object]]) -> RenderableType:
+    """Return a table of the columns that are there and not empty."""
+    every = list(rows)
+    shown = {name: column for name, column in titles.items() if column and any(row.get(name) for row in every)}
+    return make_table(tuple(shown.values()), [[row.get(name, "") for name in shown] for row in every])
+
+
+def plain(row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a row of a view for other programs: without what faces show, places as `file`, `line`, `repository`."""
+    return {
+        name: {"file": value["path"], "line": value["line"], "repository": value["repository"]}
+        if isinstance(value, dict) and "vscode" in value
+        else value
+        for name, value in row.items()
+        if name not in _OF_FACES and not (isinstance(value, dict) and "words" in value)
+    }
+
+
+def _fit(found: Mapping[str, Any]) -> str:
+    sides = {one["role"]: one for one in found["endpoints"] if one["instance"] is not None}
+    if found["findings"]:
+        return f"{count(len(found['findings']), 'mismatch', 'mismatches')} of types or QoS"
+    if len(sides) == 1:
+        (role,) = sides
+        return NOBODY[found["kind"], role in {"publishes", "clients", "action_clients"}]
+    fit = "types and QoS fit" if found["kind"] == "topic" else "types fit"
+    return fit if sides else "only code has it"
+
+
+def _listed(systems: Sequence[str]) -> str:
+    more = f" and {count(len(systems) - _MOST, 'other launch file')}" if len(systems) > _MOST else ""
+    return f"{', '.join(systems[:_MOST])}{more}"
+
+
+class _Places:
+    """Writes places as cells that lead to the files, as short as lines of so many columns need."""
+
+    def __init__(self, links: Links, columns: int, rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> None:
+        self._links = links
+        self._shown: dict[str, str] = {}
+        for name in names:
+            places = list(dict.fromkeys(_place(row[name]) for row in rows if row.get(name)))
+            self._shown.update(zip(places, fitted(places, columns // 4), strict=True))
+
+    def cell(self, evidence: Mapping[str, Any] | None, words: str = "") -> Linked | str:
+        """Return a cell for a place; `words` stand in front of it, or alone where there is none."""
+        from kg.facts import Location  # noqa: PLC0415 - start-up time
+
+        if evidence is None:
+            return words
+        address = self._links.to(evidence["repository"], Location(evidence["path"], evidence["line"] or 0))
+        text = _place(evidence)
+        return Linked(f"{words}{self._shown.get(text, text)}", address)
+
+
+def _place(evidence: Mapping[str, Any]) -> str:
+    return f"{evidence['path']}:{evidence['line']}" if evidence["line"] else str(evidence["path"])
+
+
+def _endpoints(
+    ends: Iterable[Mapping[str, Any]], places: _Places, *, every: bool, via: bool
+) -> Iterator[Mapping[str, object]]:
+    """Yield rows by the names of their columns; what is done at the name has a row of its own above those who do it."""
+    title = None
+    for one in ends:
+        head = one["title"] if one["instance"] else f"{one['title']}, by no launch file"
+        if head != title:
+            title = head
+            yield {"node": title}
+        kind = f"{one['package']}/{one['node']}" if one["package"] else str(one["node"] or "")
+        loaded = ", ".join(name.rpartition("/")[2] for name in one["plugins"])
+        of = f"{kind if one['instance'] else ''}{f' with {loaded}' if loaded else ''}"
+        row = {
+            "node": f"  {one['instance'] or kind}",
+            "of": of,
+            "type": " | ".join(one["types"]),
+            "QoS": one["quality"],
+            "started": places.cell(one["launched"]),
+            "code": places.cell(one["evidence"]),
+        }
+        for system in (one["systems"] if every else ()) or [_count(one["systems"])]:
+            yield {**row, "in": system}
+        for call in one["calls"] if via else ():
+            yield {"code": places.cell(call, "via ")}
+
+
+def _declared(one: Mapping[str, Any], places: _Places, *, via: bool) -> Iterator[tuple[object, ...]]:
+    node = f"{one['package']}/{one['node']}"
+    yield node, one["type"] or "", one["default"] or "", one["accesses"] or one["access"], places.cell(one["evidence"])
+    for call in one["calls"] if via else ():
+        yield "", "", "", "", places.cell(call, "via ")
+
+
+def _value(one: Mapping[str, Any], places: _Places, *, every: bool) -> Iterator[tuple[object, ...]]:
+    value = "(not known)" if one["value"] is None else one["value"]
+    origin = places.cell(one["set_at"], "" if one["set_at"] else "default")
+    started = places.cell(one["launched"])
+    for system in (one["systems"] if every else ()) or [_count(one["systems"])]:
+        yield one["instance"], value, origin, started, system
+
+
+def _count(systems: Iterable[str]) -> str:
+    every = list(systems)
+    return every[0] if len(every) == 1 else count(len(every), "launch file") if every else ""

@@ -1,0 +1,119 @@
+"""Topics, services and actions by name: who uses one in launched systems and in code, read for that name alone.
+
+Reading whole systems for one name would take time in proportion to the store.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from typing import TYPE_CHECKING, Any, Final
+
+from pyoxigraph import NamedNode
+
+from kg.facts import Interface
+from kg.graph import vocabulary as v
+from kg.graph.iris import Iris
+from kg.graph.ntriples import literal
+from kg.graph.reading import facts
+from kg.graph.systems_reading import partial_systems, system_names
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from kg.facts import NodeReference, System
+    from kg.graph.reading import Queryable
+
+__all__ = ["CLASSES", "ends_in_code", "findings_about", "names", "names_in", "names_written", "systems_at"]
+
+CLASSES: Final = {"topic": v.TOPIC, "service": v.SERVICE, "action": v.ACTION}
+"""The class of each kind of channel."""
+_PREFIXES: Final = {"ros": v.ROS, "rnkg": v.RNKG, "rdfs": v.RDFS}
+# The LIMIT, which no store reaches, lets the engine look up ends channel by channel; MINUS reads those of frameworks
+# once.
+_NAMES: Final = """
+SELECT DISTINCT ?name WHERE {
+  { SELECT ?channel ?name WHERE { ?channel a %s ; rdfs:label ?name } LIMIT 1000000000 }
+  ?end rnkg:connectsTo ?channel .
+  MINUS { ?end rnkg:implicit true }
+}"""
+_SYSTEM_NAMES: Final = """
+SELECT DISTINCT ?name WHERE {
+  VALUES ?configuration { %s }
+  ?channel rnkg:inConfiguration ?configuration ; a %s ; rnkg:name ?name .
+}"""
+_EVERY_NAME: Final = "SELECT DISTINCT ?name WHERE { ?channel a %s ; rdfs:label ?name }"
+_WRITTEN: Final = """
+SELECT DISTINCT ?name WHERE {
+  ?declared rnkg:name %s .
+  { ?declared rnkg:connectsTo ?channel } UNION { ?end rnkg:declaredBy ?declared ; rnkg:connectsTo ?channel }
+  ?channel a %s ; rdfs:label ?name .
+}"""
+_AT: Final = """
+GRAPH ?graph {
+  ?channel rnkg:name %s ; a %s ; rnkg:inConfiguration ?configuration .
+  ?end rnkg:connectsTo ?channel .
+  ?instance ros:hasComponent ?end .
+}"""
+_FINDINGS: Final = """
+SELECT ?system ?code ?severity ?message ?subject WHERE {
+  ?finding rnkg:mainSubject %s ; a rnkg:Finding ; rnkg:inConfiguration ?system ; rnkg:code ?code ;
+    rnkg:severity ?severity ; rnkg:message ?message ; rnkg:subject ?subject .
+}"""
+
+
+def names(graph: Queryable, kind: str, *, implicit: bool = False) -> list[str]:
+    """Return the names of all topics, services or actions, of systems and of nodes started alone, sorted.
+
+    Those that only frameworks use are there with `implicit` alone.
+    """
+    return sorted(_column(graph, (_EVERY_NAME if implicit else _NAMES) % CLASSES[kind]))
+
+
+def names_in(graph: Queryable, kind: str, systems: Iterable[str]) -> list[str]:
+    """Return the names of topics, services or actions of some configurations, by their IRIs, sorted."""
+    listed = " ".join(str(NamedNode(one)) for one in sorted(systems))
+    return sorted(_column(graph, _SYSTEM_NAMES % (listed, CLASSES[kind])))
+
+
+def names_written(graph: Queryable, kind: str, written: str) -> list[str]:
+    """Return the names that ends have whose name in the code is `written`, in systems and started alone, sorted."""
+    return sorted(_column(graph, _WRITTEN % (literal(written), CLASSES[kind])))
+
+
+def ends_in_code(graph: Queryable, kind: str, name: str, base: str) -> list[tuple[NodeReference, Interface]]:
+    """Return the interfaces that have this name where their node is started alone, sorted."""
+    channel = NamedNode(Iris(base).channel(kind, name))
+    found = facts(graph, f"?subject rnkg:connectsTo {channel} .")
+    ends = [(owner, fact) for owner, fact in found.values() if isinstance(fact, Interface)]
+    return sorted(ends, key=lambda one: (one[1].role, one[0], str(one[1].location), one[1].type or ""))
+
+
+def systems_at(graph: Queryable, kind: str, name: str, base: str) -> list[System]:
+    """Return the systems with a topic, service or action of this name; their instances have their ends there alone.
+
+    Instances that do not use it are left out, and so are parameters and remappings that did not name an end.
+    """
+    return partial_systems(graph, system_names(graph), _AT % (literal(name), CLASSES[kind]), base)
+
+
+def findings_about(graph: Queryable, name: str) -> dict[tuple[str, str, str], tuple[list[str], list[str]]]:
+    """Return what rules found about a name: code, severity and message, each with its subjects and configurations.
+
+    Of configurations these are the IRIs.
+    """
+    found: defaultdict[tuple[str, str, str], tuple[set[str], set[str]]] = defaultdict(lambda: (set(), set()))
+    for row in _rows(graph, _FINDINGS % literal(name)):
+        code, severity, message = (row[part].value for part in ("code", "severity", "message"))
+        subjects, systems = found[code, severity, message]
+        subjects.add(row["subject"].value)
+        systems.add(row["system"].value)
+    return {key: (sorted(found[key][0]), sorted(found[key][1])) for key in sorted(found)}
+
+
+def _column(graph: Queryable, text: str) -> list[str]:
+    return [row[0].value for row in _rows(graph, text)]
+
+
+def _rows(graph: Queryable, text: str) -> Iterable[Any]:
+    rows: Iterable[Any] = graph.query(text, prefixes=_PREFIXES)
+    return rows

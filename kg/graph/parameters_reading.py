@@ -1,0 +1,158 @@
+"""Parameters by name: what code declares them, and what launch and parameter files set them to, for that name alone."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+from pyoxigraph import NamedNode
+
+from kg.facts import Location, Parameter
+from kg.graph import vocabulary as v
+from kg.graph.ntriples import literal
+from kg.graph.reading import facts, grouped, one
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterable
+
+    from kg.facts import NodeReference
+    from kg.graph.reading import Queryable
+
+__all__ = ["SetParameter", "Start", "declarations", "declared_names", "set_names", "set_parameters", "starts"]
+
+_PREFIXES: Final = {"ros": v.ROS, "rnkg": v.RNKG, "rdfs": v.RDFS}
+_DECLARED: Final = "SELECT DISTINCT ?name WHERE { ?parameter rnkg:access ?access ; rnkg:name ?name }"
+_SET_NAMES: Final = """
+SELECT DISTINCT ?node ?name WHERE { ?instance rnkg:hasSetting ?setting ; rnkg:name ?node . ?setting rnkg:name ?name }"""
+_SET: Final = """
+SELECT DISTINCT ?setting ?owner ?name WHERE {
+  ?owner rnkg:hasSetting ?setting .
+  ?setting rnkg:name ?name .
+  FILTER(CONTAINS(?name, %s))
+}"""
+_PROPERTIES: Final = """
+SELECT ?subject ?predicate ?object WHERE {
+  VALUES ?subject { %s }
+  ?subject ?predicate ?object .
+  FILTER(?predicate NOT IN (ros:hasComponent, rnkg:hasSetting, rnkg:hasRemap))
+}"""
+_SYSTEMS: Final = """
+SELECT ?instance ?system WHERE {
+  VALUES ?instance { %s }
+  ?system rnkg:hasInstance ?instance .
+}"""
+_INSTANCES: Final = """
+SELECT DISTINCT ?instance WHERE {
+  VALUES ?type { %s }
+  ?instance rnkg:instanceOf ?type .
+}"""
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """A start of a node: its absolute name, the IRI of the configuration, that of its type, and the launch line."""
+
+    iri: str
+    name: str
+    system: str
+    type: str | None
+    location: Location
+
+
+@dataclass(frozen=True, slots=True)
+class SetParameter:
+    """A parameter that a launch or parameter file sets: `name` as the node knows it, `absolute` with that of the node.
+
+    `start` is None where it is set for all nodes of a configuration; `declared` is the IRI of the declaration in code.
+    `value` is a text of YAML, None where it is not known, for this `reason`. `location` is None for the default in
+    the code.
+    """
+
+    name: str
+    absolute: str
+    value: str | None
+    reason: str | None
+    location: Location | None
+    system: str
+    start: Start | None
+    declared: str | None
+
+
+def declared_names(graph: Queryable) -> list[str]:
+    """Return the names of parameters as code declares them, sorted; some have unknown parts."""
+    return sorted(row[0].value for row in _rows(graph, _DECLARED))
+
+
+def set_names(graph: Queryable) -> list[str]:
+    """Return the names of parameters that files set, as the nodes know them, sorted."""
+    return sorted({row["name"].value.removeprefix(f"{row['node'].value}/") for row in _rows(graph, _SET_NAMES)})
+
+
+def declarations(
+    graph: Queryable, named: Collection[str], iris: Collection[str]
+) -> dict[str, tuple[NodeReference, Parameter]]:
+    """Return what code does with parameters of some names, and with those of some IRIs, by IRI; with the node types."""
+    if not named and not iris:
+        return {}
+    names, listed = " ".join(map(literal, sorted(named))), _listing(iris)
+    those = f"{{ VALUES ?name {{ {names} }} ?subject rnkg:name ?name }} UNION {{ VALUES ?subject {{ {listed} }} }}"
+    found = facts(graph, f"{{ {those} }} ?subject rnkg:access ?access .")
+    kept = {iri: (owner, fact) for iri, (owner, fact) in found.items() if isinstance(fact, Parameter)}
+    return dict(sorted(kept.items(), key=lambda one: (one[1][0], str(one[1][1].access), str(one[1][1].location))))
+
+
+def set_parameters(graph: Queryable, part: str) -> list[SetParameter]:
+    """Return the parameters that files set and whose absolute name has a `part`."""
+    rows = [[term.value for term in row] for row in _rows(graph, _SET % literal(part))]
+    owners = {start.iri: start for start in _starts(graph, {owner for _, owner, _ in rows})}
+    properties = _properties(graph, {setting for setting, _, _ in rows})
+    found = []
+    for setting, owner, name in rows:
+        own, start = properties[setting], owners.get(owner)
+        found.append(
+            SetParameter(
+                name=name.removeprefix(f"{start.name}/") if start else name,
+                absolute=name,
+                value=one(own, v.VALUE),
+                reason=one(own, v.REASON),
+                location=_place(own),
+                system=start.system if start else owner,
+                start=start,
+                declared=one(own, v.SETS),
+            )
+        )
+    return sorted(found, key=lambda one: (one.absolute, one.system, str(one.location)))
+
+
+def starts(graph: Queryable, types: Collection[str]) -> list[Start]:
+    """Return the starts of nodes of some types, by their IRIs."""
+    rows = _rows(graph, _INSTANCES % _listing(types)) if types else ()
+    return _starts(graph, {row[0].value for row in rows})
+
+
+def _starts(graph: Queryable, instances: Collection[str]) -> list[Start]:
+    systems: defaultdict[str, str] = defaultdict(str)
+    systems.update((row[0].value, row[1].value) for row in _rows(graph, _SYSTEMS % _listing(instances)))
+    return [
+        Start(iri, one(own, v.NAME) or "", systems[iri], one(own, v.INSTANCE_OF), _place(own))
+        for iri, own in sorted(_properties(graph, set(systems)).items())
+    ]
+
+
+def _place(properties: Any) -> Location:
+    path, line, repository = (one(properties, term) for term in (v.PATH, v.LINE, v.IN_REPOSITORY))
+    return Location(path or "", int(line or 0), repository)
+
+
+def _properties(graph: Queryable, iris: Collection[str]) -> dict[str, dict[str, list[str]]]:
+    return grouped(_rows(graph, _PROPERTIES % _listing(iris))) if iris else {}
+
+
+def _listing(iris: Iterable[str]) -> str:
+    return " ".join(str(NamedNode(iri)) for iri in sorted(iris))
+
+
+def _rows(graph: Queryable, text: str) -> Iterable[Any]:
+    rows: Iterable[Any] = graph.query(text, prefixes=_PREFIXES)
+    return rows

@@ -1,0 +1,239 @@
+"""One topic, service or action: who uses it, in launched systems and in code, and whether the ends fit together."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.errors import UsageError
+from kg.graph.channels_reading import ends_in_code, findings_about, names, names_in, names_written, systems_at
+from kg.graph.iris import Iris
+from kg.graph.overview import channels
+from kg.graph.records import end_object, interface_object
+from kg.names import normalise
+from kg.views.evidence import places
+from kg.views.names import unknown
+from kg.views.system_rows import set_at
+from kg.views.systems import chosen_systems, known_names
+from kg.views.wording import TITLES, quality
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from kg.facts import Interface, NodeInstance, NodeReference, System
+    from kg.settings import Settings
+    from kg.store.snapshot import EmbeddedSnapshot
+    from kg.views.evidence import Places
+
+__all__ = ["channel", "channels_meant"]
+
+_KINDS: Final = ("topic", "service", "action")
+_MISMATCHES: Final = frozenset({"KG403", "KG405", "KG410"})
+"""Findings that say of two ends of one name that nothing passes between them: their types or QoS do not fit."""
+
+
+def channel(
+    snapshot: EmbeddedSnapshot, settings: Settings, *, kind: str, name: str, system: str = ""
+) -> dict[str, Any]:
+    """Return what a `kind` (topic, service or action) called `name` is in launched systems and in code.
+
+    `name` is absolute, a name in the code (`cmd_vel`, `~/plan`) or a part of a name; `system` names launch files to
+    look at alone. The keys:
+
+    * `kind`, `name` (the absolute name that is shown, None if several are meant), `iri`, `types`, `systems` (names of
+      the launch files that have it);
+    * `meant`: what else the given name stands for; objects of name, `types`, `givers` and `takers` (`package/node`) and
+      `systems` (how many launch files);
+    * `endpoints`: one for each line of code of each start of a node, however many launch files include it. It has the
+      fields of an interface in `kg instances --json` (docs/formats.md), and `role`, `title`, `types`, `quality`,
+      `instance` (None for code that no launch file starts under this name), `package` and `node` (its type),
+      `node_iri`, `plugins` (`package/node` of the plugins whose code it is), `systems` (names of launch files),
+      `condition`, `launched` and `evidence` (the line that starts it, that of the code), `calls` (as in the view
+      `node`), `set_at` (what gave it the name), `mismatches` (messages of the findings about it);
+    * `findings`: `code`, `severity`, `message`, `systems` of those that say that types or QoS do not fit.
+
+    Raises:
+        UnknownNameError: KG001 when there is none, with those that were probably meant; KG422 for the launch file.
+        UsageError: KG003 for another kind.
+    """
+    systems = chosen_systems(snapshot, system, settings.base)
+    chosen, others = channels_meant(snapshot, kind, name, systems)
+    summaries = (
+        {one.name: asdict(one) for one in channels(snapshot, kind, implicit=True, named=others)} if others else {}
+    )
+    found: dict[str, Any] = {
+        "kind": kind,
+        "name": chosen,
+        "iri": Iris(settings.base).channel(kind, chosen) if chosen else None,
+        "types": [],
+        "systems": [],
+        "meant": [summaries[one] for one in others if one in summaries],
+        "endpoints": [],
+        "findings": [],
+    }
+    if chosen is None:
+        return found
+    rows = _Endpoints(snapshot, settings, systems)
+    launched = [one for one in systems_at(snapshot, kind, chosen, settings.base) if rows.looks_at(one)]
+    endpoints = rows.of_systems(launched)
+    if systems is None:
+        endpoints += rows.of_code(ends_in_code(snapshot, kind, chosen, settings.base), launched)
+    findings = _findings(snapshot, settings, chosen, systems)
+    for one in endpoints:
+        one["mismatches"] = [
+            finding["message"]
+            for finding in findings
+            if one["instance"] in finding["subjects"] and not set(one["systems"]).isdisjoint(finding["systems"])
+        ]
+    return {
+        **found,
+        "types": sorted({kind for one in endpoints for kind in one["types"]}),
+        "systems": sorted(one.configuration.name for one in launched),
+        "endpoints": endpoints,
+        "findings": findings,
+    }
+
+
+def channels_meant(
+    snapshot: EmbeddedSnapshot, kind: str, name: str, systems: frozenset[str] | None = None
+) -> tuple[str | None, list[str]]:
+    """Return the absolute name that `name` stands for, None where it stands for several; and those besides, sorted.
+
+    It is a name in systems, a name in the code, or else a part of names: their beginning, if it begins with a slash.
+    With IRIs of `systems` the names are theirs.
+
+    Raises:
+        UnknownNameError: KG001 when there is none, with those that were probably meant.
+        UsageError: KG003 for another kind than topic, service or action.
+    """
+    if kind not in _KINDS:
+        raise UsageError("KG003", f"`{kind}` is not a kind of name", hint=f"Use {', '.join(_KINDS)}.")
+    known = names(snapshot, kind, implicit=True) if systems is None else names_in(snapshot, kind, systems)
+    written = normalise(name.strip())
+    found = [one for one in names_written(snapshot, kind, written) if one in known]
+    absolute = written if written.startswith("/") else f"/{written}"
+    if absolute in known:
+        return absolute, [one for one in found if one != absolute]
+    if not found and written.strip("/~"):
+        part = name.strip().lower()
+        found = [one for one in known if one.lower().startswith(part) or (part[0] != "/" and part in one.lower())]
+        explicit = set(names(snapshot, kind))
+        found = [one for one in found if one in explicit] or found
+    if not found:
+        raise unknown(kind, name, known, otherwise=f"`kg {kind}s` lists the {kind}s.")
+    return (found[0], []) if len(found) == 1 else (None, found)
+
+
+def _findings(
+    snapshot: EmbeddedSnapshot, settings: Settings, name: str, systems: frozenset[str] | None
+) -> list[dict[str, Any]]:
+    iris = Iris(settings.base)
+    named = {iris.configuration(one.repository, one.path): one.name for one in known_names(snapshot)}
+    named = {iri: name for iri, name in named.items() if systems is None or iri in systems}
+    found = []
+    for (code, severity, message), (subjects, where) in findings_about(snapshot, name).items():
+        inside = sorted({named[one] for one in where if one in named})
+        if code in _MISMATCHES and inside:
+            found.append(
+                {"code": code, "severity": severity, "message": message, "systems": inside, "subjects": subjects}
+            )
+    return found
+
+
+class _Endpoints:
+    """Rows of ends: one for each start of a node and line of code, with all the launch files that have it."""
+
+    def __init__(self, snapshot: EmbeddedSnapshot, settings: Settings, systems: frozenset[str] | None) -> None:
+        self._where: Places = places(snapshot)
+        self._iris = Iris(settings.base)
+        self._chosen = systems
+
+    def looks_at(self, system: System) -> bool:
+        """Tell whether a system is one of those to look at."""
+        own = system.configuration
+        return self._chosen is None or self._iris.configuration(own.repository, own.path) in self._chosen
+
+    def of_systems(self, systems: Iterable[System]) -> list[dict[str, Any]]:
+        """Return the ends of instances, by role, name and place."""
+        rows: dict[tuple[object, ...], dict[str, Any]] = {}
+        for system in systems:
+            source = system.configuration.repository
+            for instance in system.instances:
+                for end in instance.interfaces:
+                    launched = self._where.evidence(source, instance.started.location)
+                    row = {
+                        **end_object(end),
+                        **self._common(end.declared, end.owner),
+                        "quality": quality(end.qos) if end.qos else "",
+                        "instance": instance.name,
+                        **self._type(instance, end.owner),
+                        "condition": instance.started.condition,
+                        "launched": launched,
+                        "set_at": set_at(end, source, self._where),
+                    }
+                    key = (
+                        *(row["role"], instance.name, row["node_iri"], str(instance.started.location), source),
+                        *(str(end.declared.location), row["quality"], instance.started.condition),
+                    )
+                    self._fold(rows, key, row, system.configuration.name)
+        return [rows[key] for key in sorted(rows, key=str)]
+
+    def of_code(
+        self, ends: Iterable[tuple[NodeReference, Interface]], systems: Iterable[System]
+    ) -> list[dict[str, Any]]:
+        """Return the ends of nodes that no launch file starts under the name, which they have when started alone."""
+        started = {(end.owner, end.declared) for one in systems for each in one.instances for end in each.interfaces}
+        rows: dict[tuple[object, ...], dict[str, Any]] = {}
+        shown = {(owner, fact.role, fact.location) for owner, fact in started}
+        for owner, fact in ends:
+            if (owner, fact.role, fact.location) in shown:
+                continue
+            row = {
+                **interface_object(fact),
+                "owner": str(owner),
+                "remap": None,
+                "set_by": None,
+                **self._common(fact, owner),
+                "quality": quality(fact.qos) if fact.qos else "",
+                "instance": None,
+                "package": owner.package,
+                "node": owner.node,
+                "node_iri": self._iris.node(owner.repository, owner.package, owner.node),
+                "condition": None,
+                "launched": None,
+                "set_at": None,
+            }
+            self._fold(rows, (fact.role, owner, str(fact.location), row["quality"]), row, None)
+        return list(rows.values())
+
+    def _common(self, fact: Interface, owner: NodeReference) -> dict[str, Any]:
+        source = owner.repository
+        return {
+            "role": str(fact.role),
+            "title": TITLES[fact.role],
+            "types": [fact.type] if fact.type else [],
+            "plugins": [],
+            "systems": [],
+            "evidence": self._where.evidence(source, fact.location),
+            "calls": [self._where.evidence(source, one) for one in fact.via],
+        }
+
+    def _type(self, instance: NodeInstance, owner: NodeReference) -> dict[str, Any]:
+        kind, started = instance.type, instance.started
+        plugin = owner.node and owner != kind
+        return {
+            "package": kind.package if kind else started.package,
+            "node": kind.node if kind else started.executable,
+            "node_iri": self._iris.node(kind.repository, kind.package, kind.node) if kind else None,
+            "plugins": [f"{owner.package}/{owner.node}"] if plugin else [],
+        }
+
+    @staticmethod
+    def _fold(
+        rows: dict[tuple[object, ...], dict[str, Any]], key: Any, row: dict[str, Any], system: str | None
+    ) -> None:
+        kept = rows.setdefault(key, row)
+        for name in ("types", "plugins"):
+            kept[name] = sorted({*kept[name], *row[name]})
+        if system is not None:
+            kept["systems"] = sorted({*kept["systems"], system})

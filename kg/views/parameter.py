@@ -1,0 +1,152 @@
+"""One parameter: which code declares it, which files set it, and the value that each start of a node has."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from kg.graph.iris import Iris
+from kg.graph.parameters_reading import (
+    SetParameter,
+    declarations,
+    declared_names,
+    set_names,
+    set_parameters,
+    starts,
+)
+from kg.graph.records import parameter_object
+from kg.holes import fits, is_partial, known_letters
+from kg.views.evidence import places
+from kg.views.names import unknown
+from kg.views.systems import chosen_systems, known_names
+from kg.views.wording import accesses, parameter_groups
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+    from kg.facts import NodeReference, Parameter
+    from kg.settings import Settings
+    from kg.store.snapshot import EmbeddedSnapshot
+
+__all__ = ["parameter"]
+
+
+def parameter(snapshot: EmbeddedSnapshot, settings: Settings, *, name: str, system: str = "") -> dict[str, Any]:
+    """Return what a parameter is, in code and in every launched system.
+
+    `name` is that in the code (`rate`), that in a parameter file (`FollowPath.speed`), one with the node in front
+    (`/controller_server/rate`), or a part of such names. `system` names launch files to look at alone. The keys:
+
+    * `name` (None if several are meant), `meant` (the names, where there are several);
+    * `declared`: one for each node type, with the fields of a parameter in `kg nodes --json` (docs/formats.md), and
+      `package`, `node`, `node_iri`, `accesses` (words), `evidence`, `calls`;
+    * `values`: one for each start of a node, however many launch files include it: `parameter` (its absolute name),
+      `instance` (None where it is set for all nodes), `value` (None where it is not known), `reason`, `set_at`
+      (evidence of the line that sets it, None for the default in the code), `launched` (evidence), `systems` (names of
+      launch files).
+
+    Raises:
+        UnknownNameError: KG001 when there is none, with those that were probably meant; KG422 for the launch file.
+    """
+    written = name.strip().removeprefix("~/")
+    last, absolute = written.rpartition("/")[2], written.startswith("/")
+    found = [one for one in set_parameters(snapshot, last) if written in {one.name, one.absolute}] if last else []
+    known = declared_names(snapshot)
+    declared = {one for one in known if last and _is(one.removeprefix("~/"), written)}
+    declared = declared or {one for one in known if not found and _may_be(one, written)}
+    code = declarations(snapshot, declared, {one.declared for one in found if one.declared})
+    view = _View(snapshot, settings, chosen_systems(snapshot, system, settings.base))
+    found += [one for one in view.defaults(code, found) if not absolute or one.absolute == written]
+    if absolute:
+        types, set_here = {one.start.type for one in found if one.start}, {one.declared for one in found}
+        code = {iri: one for iri, one in code.items() if iri in set_here or view.node(one[0]) in types}
+    if not found and not code:
+        every = {one.removeprefix("~/") for one in known if not is_partial(one)} | set(set_names(snapshot))
+        meant = sorted(one for one in every if last and written.lower() in one.lower())
+        if not meant:
+            raise unknown("parameter", name, every, otherwise="`kg node NAME` lists the parameters of a node.")
+        if len(meant) > 1:
+            return {"name": None, "meant": meant, "declared": [], "values": []}
+        return parameter(snapshot, settings, name=meant[0], system=system)
+    return {"name": written, "meant": [], "declared": view.declared(code.values()), "values": view.values(found)}
+
+
+def _is(declared: str, written: str) -> bool:
+    """Tell whether a name in the code is the one that is given, which may have that of a node in front."""
+    return written == declared or (written.startswith("/") and written.endswith(f"/{declared}"))
+
+
+def _may_be(declared: str, written: str) -> bool:
+    """Tell whether a name with unknown parts may be one that is given; a name of which nothing is known may not."""
+    return is_partial(declared) and known_letters(declared) > 0 and fits(declared, written, "[^/]+")
+
+
+class _View:
+    def __init__(self, snapshot: EmbeddedSnapshot, settings: Settings, chosen: frozenset[str] | None) -> None:
+        self._snapshot = snapshot
+        self._where = places(snapshot)
+        self._iris = Iris(settings.base)
+        self._chosen = chosen
+        self._systems = {self._iris.configuration(one.repository, one.path): one for one in known_names(snapshot)}
+
+    def declared(self, found: Iterable[tuple[NodeReference, Parameter]]) -> list[dict[str, Any]]:
+        """Return what code does with the parameter, a row for each node type."""
+        by_node: dict[NodeReference, list[Parameter]] = {}
+        for owner, fact in found:
+            by_node.setdefault(owner, []).append(fact)
+        return [
+            {
+                **parameter_object(group[0]),
+                "default": next((one.default for one in group if one.default is not None), None),
+                "type": next((one.type for one in group if one.type), None),
+                "package": owner.package,
+                "node": owner.node,
+                "node_iri": self.node(owner),
+                "accesses": accesses(group),
+                "evidence": self._where.evidence(owner.repository, group[0].location),
+                "calls": [self._where.evidence(owner.repository, one) for one in group[0].via],
+            }
+            for owner, facts in by_node.items()
+            for group in parameter_groups(facts)
+        ]
+
+    def defaults(
+        self, code: Mapping[str, tuple[NodeReference, Parameter]], found: Sequence[SetParameter]
+    ) -> list[SetParameter]:
+        """Return the defaults in force: at starts of nodes that declare the parameter with one and do not set it."""
+        by_type = {
+            self.node(owner): fact
+            for owner, fact in code.values()
+            if fact.default is not None and fact.name and not is_partial(fact.name)
+        }
+        has = {one.start.iri for one in found if one.start}
+        kept = []
+        for one in starts(self._snapshot, set(by_type)):
+            fact = by_type[one.type or ""]
+            if one.iri not in has:
+                name = (fact.name or "").removeprefix("~/")
+                kept.append(SetParameter(name, f"{one.name}/{name}", fact.default, None, None, one.system, one, None))
+        return kept
+
+    def values(self, found: Iterable[SetParameter]) -> list[dict[str, Any]]:
+        """Return one row for each thing, with all the launch files that have it; without rows of no launch file."""
+        kept: dict[str, dict[str, Any]] = {}
+        for one in found:
+            system = self._systems.get(one.system)
+            if system is None or (self._chosen is not None and one.system not in self._chosen):
+                continue
+            source = system.repository
+            row = {
+                "instance": one.start.name if one.start else None,
+                "parameter": one.absolute,
+                "value": one.value,
+                "reason": one.reason,
+                "set_at": self._where.evidence(source, one.location) if one.location else None,
+                "launched": self._where.evidence(source, one.start.location) if one.start else None,
+            }
+            folded = kept.setdefault(repr(row), {**row, "systems": []})
+            folded["systems"] = sorted({*folded["systems"], system.name})
+        return sorted(kept.values(), key=lambda one: (one["parameter"], one["set_at"] is None, -len(one["systems"])))
+
+    def node(self, owner: NodeReference) -> str:
+        """Return the IRI of a node type."""
+        return self._iris.node(owner.repository, owner.package, owner.node)

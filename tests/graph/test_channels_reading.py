@@ -1,0 +1,110 @@
+"""Tests of reading one name: the same ends as those of whole systems and of whole node types."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import pytest
+from workspaces import example
+
+from kg.graph.channels_reading import CLASSES, ends_in_code, names, names_written, systems_at
+from kg.graph.iris import DEFAULT_BASE
+from kg.graph.parameters_reading import set_parameters
+from kg.graph.reading import node_records
+from kg.graph.systems_reading import system_names, systems
+from kg.holes import is_known
+from kg.settings import load
+from kg.store.opening import reading
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kg.facts import InstanceInterface, System
+    from kg.store.snapshot import EmbeddedSnapshot
+
+
+@pytest.fixture(scope="module")
+def snapshot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[EmbeddedSnapshot]:
+    """What the store of the example workspace holds."""
+    with reading(load({"store": str(example(tmp_path_factory) / ".kg")}, environment={})) as found:
+        yield found
+
+
+def _ends(found: list[System]) -> dict[tuple[str, str, str], set[InstanceInterface]]:
+    """Return the ends of systems by system, instance and launch line; the order of their causes does not count."""
+    return {
+        (system.configuration.name, one.name, str(one.started.location)): set(one.interfaces)
+        for system in found
+        for one in system.instances
+        if one.interfaces
+    }
+
+
+@pytest.mark.parametrize("kind", CLASSES)
+def test_one_name_gives_the_ends_of_whole_systems(snapshot: EmbeddedSnapshot, kind: str) -> None:
+    """For each name the instances, and of these the ends at it, are those that reading all systems gives."""
+    whole = systems(snapshot, system_names(snapshot), DEFAULT_BASE)
+    every = {end.resolved for one in whole for each in one.instances for end in each.interfaces}
+    of_kind = [name for name in names(snapshot, kind, implicit=True) if name in every]
+    assert len(of_kind) > 1
+    for name in of_kind:
+        expected = [
+            replace(
+                system,
+                instances=tuple(
+                    replace(
+                        one,
+                        interfaces=tuple(
+                            end for end in one.interfaces if end.resolved == name and end.declared.role.channel == kind
+                        ),
+                    )
+                    for one in system.instances
+                ),
+            )
+            for system in whole
+        ]
+        assert _ends(systems_at(snapshot, kind, name, DEFAULT_BASE)) == _ends(expected)
+
+
+@pytest.mark.parametrize("kind", CLASSES)
+def test_one_name_gives_the_ends_of_all_code(snapshot: EmbeddedSnapshot, kind: str) -> None:
+    """For each name of a node started alone the interfaces are those of the node types."""
+    expected: dict[str, set[object]] = {}
+    for record in node_records(snapshot):
+        for end in record.node.interfaces:
+            if end.role.channel == kind and end.resolved and is_known(end.resolved):
+                expected.setdefault(end.resolved, set()).add((record.reference, end))
+    assert expected
+    for name, ends in expected.items():
+        assert set(ends_in_code(snapshot, kind, name, DEFAULT_BASE)) == ends
+
+
+def test_names_in_the_code_lead_to_those_in_systems(snapshot: EmbeddedSnapshot) -> None:
+    """A name as written leads to what it becomes by namespaces, remappings and when its node is started alone."""
+    assert names_written(snapshot, "topic", "cmd_vel") == ["/cmd_vel", "/rover1/mux/cmd_vel"]
+    assert names_written(snapshot, "service", "cmd_vel") == []
+
+
+def test_names_of_frameworks_are_there_on_request(snapshot: EmbeddedSnapshot) -> None:
+    """Services that each node of ROS 2 has are left out, unless they are asked for."""
+    assert "/drone1/gimbal/get_parameters" not in names(snapshot, "service")
+    assert "/drone1/gimbal/get_parameters" in names(snapshot, "service", implicit=True)
+
+
+def test_parameters_of_one_name_are_those_of_whole_systems(snapshot: EmbeddedSnapshot) -> None:
+    """What files set is the same, with place and start, as reading all systems gives."""
+    found = {
+        (one.absolute, one.value, str(one.location), one.start.name if one.start else None)
+        for one in set_parameters(snapshot, "")
+    }
+    whole = systems(snapshot, system_names(snapshot), DEFAULT_BASE)
+    own = {
+        (p.name, p.set.value, str(p.set.location), one.name)
+        for s in whole
+        for one in s.instances
+        for p in one.parameters
+    }
+    shared = {(p.name, p.value, str(p.location), None) for s in whole for p in s.shared_parameters}
+    assert own
+    assert found == own | shared
