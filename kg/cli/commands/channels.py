@@ -15,6 +15,8 @@ from kg.store.opening import reading
 
 __all__ = ["All", "Via", "action", "service", "topic"]
 
+_MOST = 5
+"""So many names are listed in a note."""
 _HELP = "Its name in a system, `/{0}`; in the code, `{0}` or `~/{0}`; or a part of one."
 Topic = Annotated[
     str, typer.Argument(metavar="NAME", help=_HELP.format("scan"), autocompletion=topics, show_default=False)
@@ -116,4 +118,5 @@ def _show(  # noqa: PLR0913 - the options of a command
         return
     show(*endpoint_view(found, links, line_width(), every=every, via=via))
     if others:
-        note(f"`{name}` in the code is also {', '.join(others[:5])}{' ...' if len(others) > 5 else ''}")  # noqa: PLR2004
+        more = f" and {len(others) - _MOST} more" if len(others) > _MOST else ""
+        note(f"`{name}` in the code is also {', '.join(others[:_MOST])}{more}")
