@@ -7,6 +7,7 @@ given, the files that it read, and which line an include stands in.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import NamedNode
@@ -61,11 +62,12 @@ _RUNNING: Final = """
 SELECT ?name ?path ?ros WHERE {
   ?configuration a rnkg:RunningSystem ; rnkg:name ?name ; rnkg:path ?path ; rnkg:rosVersion ?ros .
 }"""
-_INCLUDED: Final = "SELECT DISTINCT ?name WHERE { ?other rnkg:includes/rnkg:name ?name }"
+_INCLUDED: Final = "SELECT DISTINCT ?one ?name WHERE { ?other rnkg:includes ?one . ?one rnkg:name ?name }"
 _STARTED: Final = """
 SELECT DISTINCT ?name ?system WHERE {
   ?configuration rnkg:hasInstance/rnkg:name ?name ; rnkg:name ?system .
 }"""
+_NO_LABELS: Final[Mapping[str, str]] = MappingProxyType({})
 _GRAPH: Final = "SELECT ?s ?p ?o WHERE { GRAPH <%s> { ?s ?p ?o } }"
 _PARTS: Final = (
     "SELECT DISTINCT ?graph ?configuration ?instance ?end WHERE { %s ?configuration rnkg:hasInstance ?instance }"
@@ -105,9 +107,10 @@ def system_names(graph: Queryable) -> list[SystemName]:
     )
 
 
-def included(graph: Queryable) -> frozenset[str]:
-    """Return the names of the configurations that others include."""
-    return frozenset(row["name"].value for row in graph.query(_INCLUDED, prefixes=_PREFIXES))
+def included(graph: Queryable, labels: Mapping[str, str] = _NO_LABELS) -> frozenset[str]:
+    """Return the names of the configurations that others include; `labels` has other names for some of their IRIs."""
+    rows = graph.query(_INCLUDED, prefixes=_PREFIXES)
+    return frozenset(labels.get(row["one"].value, row["name"].value) for row in rows)
 
 
 def started_names(graph: Queryable) -> dict[str, list[str]]:

@@ -63,7 +63,8 @@ class Finding:
     @property
     def in_own_file(self) -> bool:
         """Whether its line stands in the launch file that the system is named by."""
-        rest = self.system.partition("/")[2]
+        _, source, path = self.system.rpartition(":")
+        rest = path if source else path.partition("/")[2]
         return self.place is not None and bool(rest) and f"/{self.place.path}".endswith(f"/{rest}")
 
     @property

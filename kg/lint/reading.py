@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import NamedNode
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = ["read_findings"]
 
+_NO_LABELS: Final[Mapping[str, str]] = MappingProxyType({})
 _PREFIXES: Final = {"rnkg": v.RNKG, "rdf": v.RDF}
 _FINDINGS: Final = "SELECT ?s ?p ?o WHERE { GRAPH ?g { %s ?s ?p ?o } }"
 _ANY: Final = "?s a rnkg:Finding ."
@@ -50,14 +52,17 @@ _AT: Final = v.RNKG + "at"
 _EVIDENCE: Final = v.RNKG + "evidence"
 
 
-def read_findings(graph: Queryable, base: str, configuration: str | None = None) -> list[Finding]:
+def read_findings(
+    graph: Queryable, base: str, configuration: str | None = None, labels: Mapping[str, str] = _NO_LABELS
+) -> list[Finding]:
     """Return the findings of a store, sorted; `base` is that of its IRIs.
 
-    With `configuration`, the IRI of a launch configuration, only those about it.
+    With `configuration`, the IRI of a launch configuration, only those about it. `labels` has other names for the
+    configurations with these IRIs.
     """
     which = _OF % NamedNode(configuration) if configuration else _ANY
     findings = grouped(graph.query(_FINDINGS % which, prefixes=_PREFIXES))
-    return sorted(_Reading(graph, base, findings).findings(), key=lambda one: one.order)
+    return sorted(_Reading(graph, base, findings).findings(labels), key=lambda one: one.order)
 
 
 class _Reading:
@@ -76,12 +81,12 @@ class _Reading:
         listing = " ".join(str(NamedNode(iri)) for iri in sorted(things))
         return grouped(self._graph.query(_THINGS % listing, prefixes=_PREFIXES)) if things else {}
 
-    def findings(self) -> Iterator[Finding]:
+    def findings(self, labels: Mapping[str, str]) -> Iterator[Finding]:
         """Yield those that have a code, a message and a system with a name."""
         for iri, own in self._findings.items():
             code, message = one(own, v.rnkg("code")), one(own, v.rnkg("message"))
             configuration = one(own, v.rnkg("inConfiguration"))
-            system = one(self._things.get(configuration or "", {}), v.NAME)
+            system = labels.get(configuration or "") or one(self._things.get(configuration or "", {}), v.NAME)
             if code and message and system:
                 yield self._finding(iri, own, code, message, system)
 

@@ -13,13 +13,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import StoreError
+from kg.graph.iris import Iris
 from kg.graph.source_states import SourceState, sources
 from kg.graph.systems_reading import included, system_names
 from kg.lint import baseline as baselines
 from kg.lint.allowing import Comments, allowances
 from kg.lint.reading import read_findings
 from kg.lint.report import Choice, Report, report
-from kg.pipeline.launch_names import find
+from kg.pipeline.launch_names import find, shared_names
 from kg.settings import Settings, table
 from kg.store.layout import user_cache
 from kg.store.opening import existing, writable
@@ -129,22 +130,29 @@ def check(graph: Queryable, question: Question, settings: Settings, folder: Path
     states = tuple(sources(graph))
     roots = {one.name: one.root for one in states if one.root}
     names = system_names(graph)
-    findings = read_findings(graph, settings.base)
-    chosen = _systems(question, names, roots)
+    own = shared_names(names)
+    iris = Iris(settings.base)
+    labels = {iris.configuration(one.repository, one.path): text for one, text in own.items()}
+    findings = read_findings(graph, settings.base, labels=labels)
+    chosen = _systems(question, names, roots, own)
     choice = Choice(chosen, question.codes, question.level, every=question.every)
     entries = allowances(table("lint", folder), {one.code for one in findings})
     known = baselines.read(question.baseline) if question.baseline else None
     comments = Comments(roots)
-    found = report(findings, choice, included=included(graph), entries=entries, comments=comments, baseline=known)
+    inner = included(graph, labels)
+    found = report(findings, choice, included=inner, entries=entries, comments=comments, baseline=known)
     return Checked(found, states, len(names) if chosen is None else len(chosen))
 
 
-def _systems(question: Question, names: Sequence[SystemName], roots: Mapping[str, str]) -> frozenset[str] | None:
-    """Return the names of the configurations that are asked about; None for all."""
+def _systems(
+    question: Question, names: Sequence[SystemName], roots: Mapping[str, str], own: Mapping[SystemName, str]
+) -> frozenset[str] | None:
+    """Return the names of the configurations that are asked about, as findings have them; None for all."""
     if question.launch is not None:
-        return frozenset({find(names, question.launch, roots).name})
+        wanted = find(names, question.launch, roots)
+        return frozenset({own.get(wanted, wanted.name)})
     if question.package is not None:
         source, _, package = question.package.rpartition(":")
         mine = [one for one in names if source in {"", one.repository}]
-        return frozenset(one.name for one in mine if one.name.partition("/")[0] == package)
+        return frozenset(own.get(one, one.name) for one in mine if one.name.partition("/")[0] == package)
     return None

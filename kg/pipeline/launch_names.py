@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -13,7 +14,7 @@ if TYPE_CHECKING:
 
     from kg.graph.systems_reading import SystemName
 
-__all__ = ["assignments", "check_given", "find", "matching", "several_launches", "unknown_launch"]
+__all__ = ["assignments", "check_given", "find", "matching", "several_launches", "shared_names", "unknown_launch"]
 
 _SHOWN: Final = 8
 
@@ -43,6 +44,12 @@ def several_launches(
     if len(found) > _SHOWN:
         ways.append(f"... and {len(found) - _SHOWN} more")
     return UsageError("KG003", f"{len(found)} launch files are called `{text}`; say which", hint="\n".join(ways))
+
+
+def shared_names(names: Sequence[SystemName]) -> dict[SystemName, str]:
+    """Return a text for each launch file whose name others have, too; as a name, it means that file alone."""
+    count = Counter(one.name for one in names)
+    return {one: _shortest(names, one) for one in names if count[one.name] > 1}
 
 
 def _shortest(names: Sequence[SystemName], one: SystemName) -> str:

@@ -94,3 +94,19 @@ def test_a_hook_runs_a_command_that_there_is() -> None:
     hooks = (Path(kg.__file__).parents[1] / ".pre-commit-hooks.yaml").read_text(encoding="utf-8")
     assert "entry: kg lint .\n" in hooks
     assert "pass_filenames: false\n" in hooks
+
+
+def test_launch_files_of_one_name_are_told_apart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Findings name the launch file by a text that means it alone, and that `--launch` takes."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    folders = [tmp_path / name for name in ("old", "new")]
+    for folder in folders:
+        shutil.copytree(HERE / "cases" / "systems" / "undeclared_argument" / "zones", folder / "zones")
+    found = kg.findings(folders)
+    assert len({one["system"] for one in found}) == len(found) == 2
+    settings, _ = read_folders(folders, load())
+    for one in found:
+        checked = check_store(settings, Question(launch=one["system"]), tmp_path)
+        assert [(other.system, other.place and other.place.repository) for other in checked.report.findings] == [
+            (one["system"], one["repository"])
+        ]

@@ -24,6 +24,8 @@ __all__ = ["read_configuration", "read_launches"]
 
 _NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
 _ROS2: Final = 2
+_TEMPLATES: Final = frozenset({"template", "templates"})
+"""Folders of files that become launch files when something is filled in."""
 _COMMENT: Final = re.compile(rb"<!--.*?-->", re.DOTALL)
 _OF_ROS1: Final = re.compile(rb"""<(node|test)\b[^>]*\stype\s*=|\$\((find|arg)\s|<(rosparam|test|machine)\b""")
 _OF_ROS2: Final = re.compile(
@@ -36,9 +38,10 @@ _OF_ROS2: Final = re.compile(
 def read_launches(reader: Reader, package: PackageFolder, ros: int) -> tuple[LaunchConfiguration, ...]:
     """Return each launch file of `package`, evaluated with its default arguments; `ros` is the package's version.
 
-    What is malformed in files of the package is a problem KG415 of the `reader` too.
+    Templates are left out. What is malformed in files of the package is a problem KG415 of the `reader` too.
     """
-    paths = sorted(entry.path for entry in package.files if entry.kind is FileKind.LAUNCH)
+    launches = (entry.path for entry in package.files if entry.kind is FileKind.LAUNCH)
+    paths = sorted(path for path in launches if not _TEMPLATES & set(path.split("/")))
     found = [one for path in paths if (one := read_configuration(reader, path, ros)) is not None]
     own = {entry.path for entry in package.files}
     for problem in (problem for one in found for problem in one.problems):
