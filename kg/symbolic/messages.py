@@ -74,7 +74,9 @@ def _type_of_argument(argument: Value | None) -> str | None:
 
 def message_type(language: Language, effect: Effect, call: Invocation) -> str | None:
     """Return the type of an interface, from the first source of its description that has one."""
-    found = next((one for one in (_from(language, source, call) for source in effect.types) if one is not None), None)
+    found = next(
+        (one for one in (_from(language, source, call, effect) for source in effect.types) if one is not None), None
+    )
     if found is not None and effect.role in (Role.ACTION_SERVERS, Role.ACTION_CLIENTS):
         return found if found.endswith("/Action") else found.removesuffix("Action")
     if found is not None and effect.role in (Role.SERVICES, Role.CLIENTS) and effect.ros == 1:
@@ -83,7 +85,7 @@ def message_type(language: Language, effect: Effect, call: Invocation) -> str | 
     return found
 
 
-def _from(language: Language, source: str, call: Invocation) -> str | None:
+def _from(language: Language, source: str, call: Invocation, effect: Effect) -> str | None:
     what, _, index = source.partition(":")
     if "/" in source:
         return source
@@ -96,7 +98,7 @@ def _from(language: Language, source: str, call: Invocation) -> str | None:
     if argument is None:
         return None
     if what == "callback":
-        found = _callback_type(language, argument)
+        found = _callback_type(language, argument, 2 if effect.role is Role.SERVICES and effect.ros == 1 else 1)
         return found if found is not None else _first_parameter(language, call, int(index))
     if what == "text":
         return _of_names(argument.known.split("/")) if isinstance(argument, Text) and argument.known else None
@@ -120,10 +122,10 @@ def _first_parameter(language: Language, call: Invocation, index: int) -> str | 
     return type_name(language.message(first.kind, call.arguments.frame)) if isinstance(first, TypeValue) else None
 
 
-def _callback_type(language: Language, callback: Value) -> str | None:
-    """Return the type of the first parameter of a callback."""
+def _callback_type(language: Language, callback: Value, least: int) -> str | None:
+    """Return the type of the first parameter of a callback; of overloads, of one with `least` parameters."""
     for one in alternatives(callback):
-        function, bound, skip = _callee(language, one)
+        function, bound, skip = _callee(language, one, least)
         parameters = function.parameters[skip:] if function is not None else ()
         if function is None or not parameters or parameters[0].type is None:
             continue
@@ -134,7 +136,7 @@ def _callback_type(language: Language, callback: Value) -> str | None:
     return None
 
 
-def _callee(language: Language, callback: Value) -> tuple[Function | None, dict[str, Value], int]:
+def _callee(language: Language, callback: Value, least: int) -> tuple[Function | None, dict[str, Value], int]:
     """Return the function that a callback runs, its template arguments, and the number of bound parameters."""
     if isinstance(callback, Closure):
         return callback.function, {}, len(callback.bound)
@@ -150,5 +152,6 @@ def _callee(language: Language, callback: Value) -> tuple[Function | None, dict[
         listed = [(function, {}) for function in callback.functions]
     if not listed:
         return None, {}, 0
-    function, bound = listed[0]
+    fitting = (pair for pair in listed if len(pair[0].parameters) - callback.skip >= least)
+    function, bound = next(fitting, listed[0])
     return function, {**bound, **dict(zip(function.template, callback.template, strict=False))}, callback.skip

@@ -48,6 +48,9 @@ def named(declared: Interface, node: NodeType, setting: LaunchParameter | None) 
     if setting is None:
         return Named(declared.name, declared.resolution, None, declared.reason)
     before, after, sure = _around(declared, _defaults(node, declared.parameter))
+    rooted = declared.name is not None and declared.name.startswith("/") and node.language == "cpp"
+    if rooted and before + after == "":
+        sure = False  # an absolute default hides the namespace of the handle
     value = shown(setting.value)
     if value is None:
         unknown = setting.reason or f"the value of the parameter {setting.name} is not known before run time"

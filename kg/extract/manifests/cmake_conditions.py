@@ -139,9 +139,14 @@ class _Parser:
 
     def _value(self, token: Token) -> str | None:
         """Return the text of an operand: the value of the variable it names, else itself; None when uncertain."""
-        if not token.certain or token.text in self.scope.uncertain:
+        if not token.certain or token.text in self.scope.uncertain or self._is_found(token):
             return None
         return token.text if token.quoted else self.scope.variables.get(token.text, token.text)
+
+    def _is_found(self, token: Token) -> bool:
+        """Tell whether an operand is a list of libraries that packages which are looked for export."""
+        found = self.scope.variables.get("catkin_LIBRARIES")
+        return bool(found) and token.text in (found, "catkin_LIBRARIES")
 
 
 def _in_list(element: str | None, scope: Scope, name: str) -> bool | None:

@@ -1,0 +1,18 @@
+#include <ros/ros.h>
+#include <std_msgs/String.h>
+#include <std_srvs/Empty.h>
+
+void update(const std_msgs::String::ConstPtr& message) {}
+
+bool update(std_srvs::Empty::Request& request, std_srvs::Empty::Response& response)
+{
+  return true;
+}
+
+int main(int argc, char** argv)
+{
+  ros::init(argc, argv, "server");
+  ros::NodeHandle node;
+  ros::ServiceServer service = node.advertiseService("update", update);
+  ros::spin();
+}
