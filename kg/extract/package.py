@@ -71,17 +71,21 @@ def extract_package(
         # Last, as reading adds to both.
         problems=tuple(sorted(reader.problems, key=lambda found: (found.path, found.line or 0, found.code))),
         inputs=reader.inputs,
-        programs=_programs(package, build),
+        programs=_programs(package, build, nodes),
     )
 
 
-def _programs(package: PackageFolder, build: BuildModel) -> tuple[str, ...]:
-    """Return what can be started by name: what is built or installed, and files that may be executed where they are."""
+def _programs(package: PackageFolder, build: BuildModel, nodes: tuple[NodeType, ...]) -> tuple[str, ...]:
+    """Return what can be started by name: what is built or installed, and files that may be executed where they are.
+
+    The classes that are registered, and in which no node was found, are among them.
+    """
+    classes = {one.name for one in build.plugins} - {one.plugin for one in nodes}
     built = (one.output_name or one.name for one in build.targets if one.kind is not TargetKind.LIBRARY)
     alone = (one.executable for one in build.plugins if one.executable)
     installed = [*(one.name for one in build.scripts), *(one.name for one in build.entry_points)]
     files = (PurePosixPath(entry.path).name for entry in package.files if entry.executable)
-    return tuple(sorted({*built, *alone, *installed, *build.programs, *files}))
+    return tuple(sorted({*built, *alone, *installed, *build.programs, *files, *classes}))
 
 
 def _nodes(reader: Reader, package: PackageFolder, build: BuildModel, calls: tuple[str, ...]) -> tuple[NodeType, ...]:

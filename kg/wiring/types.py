@@ -132,6 +132,8 @@ class NodeTypes:
         if package is None:
             package = started.package or at_front or plugin
             return None, MissingType.UNKNOWN_PACKAGE, f"package {package} is not in the build"
+        if plugin in self._programs.get(package, set()):
+            return None, MissingType.NO_NODE, f"no node was found in {plugin} of package {package}"
         return None, MissingType.UNKNOWN_NODE, f"package {package} has no class {plugin} to load"
 
     def plugin(self, name: str, repository: str, package: str | None = None) -> Typed | None:

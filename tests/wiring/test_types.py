@@ -2,7 +2,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from kg.facts import Location, NodeKind, NodeReference, NodeType, StartedNode, StartKind
+from wiring.systems_of import started
+
+from kg.facts import Location, MissingType, NodeKind, NodeReference, NodeType, StartedNode, StartKind
 from kg.wiring.types import NodeTypes
 
 
@@ -30,3 +32,12 @@ def test_each_way_to_start_a_node_leads_to_its_type() -> None:
         assert missing is None
         assert found is not None
         assert found[1] is node
+
+
+def test_a_registered_class_without_a_node_is_not_missing() -> None:
+    """It is there, and what it does is not known."""
+    types = NodeTypes((), programs={"filters": ["filters/Median"]})
+    loaded = replace(started({"package": "nodelet", "kind": "nodelet"}), plugin="filters/Median")
+    found, missing, reason = types.of(loaded, "local/here")
+    assert (found, missing) == (None, MissingType.NO_NODE)
+    assert reason == "no node was found in filters/Median of package filters"
