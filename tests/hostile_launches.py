@@ -45,7 +45,7 @@ class Watch:
 
 def main(packages: Path, installed: Path) -> None:
     """Read the launch file of each package."""
-    import_module("kg.extract.launch.ros2.python.read")  # which is loaded late, before anything is watched
+    import_module("kg.extract.launch.ros2.python.reading")  # which is loaded late, before anything is watched
     watch, found = Watch(), {}
     sys.addaudithook(watch.see)
     for folder in sorted(packages.iterdir()):

@@ -22,7 +22,7 @@ from kg.evaluate.references import (
     short_name,
     text_of,
 )
-from kg.extract.texts.wiki import is_wiki, wiki_nodes
+from kg.extract.texts.pages import is_wiki, wiki_nodes
 from kg.graph.source_states import sources
 from kg.query.core import run
 from kg.query.result import Solutions
@@ -31,7 +31,7 @@ from kg.similar import did_you_mean
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kg.extract.texts.wiki import WikiNode
+    from kg.extract.texts.pages import WikiNode
     from kg.store.interface import Snapshot
 
 __all__ = ["PAGES", "Packages", "Spot", "pages_below", "read_page"]

@@ -15,7 +15,7 @@ import re
 from dataclasses import dataclass, field
 from typing import Final
 
-from kg.extract.texts.wiki import WikiEntry, WikiNode
+from kg.extract.texts.pages import WikiEntry, WikiNode
 
 __all__ = ["readme_nodes"]
 

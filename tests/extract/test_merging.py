@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kg.extract.marks import Extracted, Mark
-from kg.extract.merging import merge, own_name, settled
+from kg.extract.package import merge, own_name, settled
 from kg.facts import Access, Interface, Location, NodeKind, NodeType, Parameter, Resolution, Role
 
 SCAN = Interface(Role.SUBSCRIBES, "scan", "sensor_msgs/LaserScan", Resolution.LITERAL, Location("a.cpp", 3))

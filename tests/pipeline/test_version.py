@@ -28,7 +28,7 @@ NOT_RESULTS = ("codes", "errors", "pipeline.report", "resources", "store")
 """What reading a package loads besides: words of errors, where things are, how files are written."""
 IMPORTS = """
 import json, sys
-import kg.pipeline.work, kg.extract.launch.ros2.python.read, kg.language.shipping, kg.language.lemmas
+import kg.pipeline.work, kg.extract.launch.ros2.python.reading, kg.language.shipping, kg.language.lemmas
 print(json.dumps([module.__file__ for name, module in sys.modules.items() if name.startswith("kg.")]))
 """
 

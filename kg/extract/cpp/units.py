@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias, cast
 
 from kg.extract.cpp import syntax
 from kg.extract.cpp.expressions import PREPROCESSED, Expressions, line_of
-from kg.extract.cpp.includes import included
 from kg.extract.cpp.statements import Statements
 from kg.symbolic.form import Block, Class, Field, Function, Initialiser, Parameter, Type, Unit
 
@@ -22,6 +21,23 @@ if TYPE_CHECKING:
     from kg.symbolic.form import Declare
 
 __all__ = ["CppClass", "CppUnit", "Macro"]
+
+
+def included(source: bytes) -> list[str]:
+    """Return the paths of the `#include` lines of a file, in order."""
+    found = []
+    position = source.find(b"#")
+    while position >= 0:
+        end = source.find(b"\n", position)
+        line = source[position + 1 : end if end >= 0 else len(source)].strip()
+        if line.startswith(b"include"):
+            path = line.removeprefix(b"include").strip()
+            closing = path.find(b">" if path.startswith(b"<") else b'"', 1)
+            if path[:1] in (b"<", b'"') and closing > 0:
+                found.append(path[1:closing].decode("utf-8", "replace"))
+        position = source.find(b"#", max(end, position + 1)) if end >= 0 else -1
+    return found
+
 
 _Scope: TypeAlias = tuple[str, ...]
 _CONTAINERS: Final = PREPROCESSED | {"translation_unit", "linkage_specification", "declaration_list"}

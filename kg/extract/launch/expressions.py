@@ -34,7 +34,6 @@ from kg.extract.launch.python_operations import (
     called,
     refuse_over,
 )
-from kg.extract.python.expressions import expression_of
 from kg.symbolic import form
 
 if TYPE_CHECKING:
@@ -151,6 +150,8 @@ def evaluate_text(source: str, dialect: Dialect) -> object:
 
 @lru_cache(maxsize=1024)
 def _lowered(source: str) -> Expression:
+    from kg.extract.python.expressions import expression_of  # noqa: PLC0415 - few launch files need the parser
+
     return expression_of(source)
 
 

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Final
 from kg.corpus.files import FilePath
 from kg.extract.launch.files import Files
 from kg.extract.launch.ros1.evaluate import evaluate as evaluate_roslaunch
-from kg.extract.launch.ros2.evaluate import evaluate as evaluate_ros2
-from kg.extract.launch.ros2.read import dialect_by_ending
+from kg.extract.launch.ros2.execute import dialect_by_ending
+from kg.extract.launch.ros2.execute import evaluate as evaluate_ros2
 from kg.facts import FileKind, LaunchConfiguration, LaunchDialect, LaunchProblem, LaunchProblemKind, Location
 
 if TYPE_CHECKING:

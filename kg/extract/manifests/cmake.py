@@ -3,20 +3,291 @@
 from __future__ import annotations
 
 import posixpath
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
+from kg.extract.buildmodel import PluginClass, Registration, Target, TargetKind
 from kg.extract.manifests.cmake_builtins import HANDLERS
 from kg.extract.manifests.cmake_files import CMakeFiles
 from kg.extract.manifests.cmake_run import BINARY, SOURCE, Run
-from kg.extract.manifests.cmake_scope import Scope
-from kg.extract.manifests.cmake_targets import Collected, target_handlers
+from kg.extract.manifests.cmake_scope import Scope, strip_generators
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
     from kg.corpus.files import PackageFolder
     from kg.corpus.reading import Reader
-    from kg.facts import Package
+    from kg.facts import Location, Package
 
 __all__ = ["read_cmake"]
+
+_TARGET_WORDS: Final = frozenset(
+    {"WIN32", "MACOSX_BUNDLE", "EXCLUDE_FROM_ALL", "STATIC", "SHARED", "MODULE", "OBJECT", "INTERFACE", "UNKNOWN"}
+    | {"PUBLIC", "PRIVATE", "LINK_PUBLIC", "LINK_PRIVATE", "LINK_INTERFACE_LIBRARIES", "SYSTEM"}
+    | {"debug", "optimized", "general", "GLOBAL", "BEFORE", "FILE_SET", "TYPE", "HEADERS", "BASE_DIRS", "FILES"}
+)
+_INSTALL_WORDS: Final = frozenset(
+    {"DESTINATION", "PERMISSIONS", "CONFIGURATIONS", "COMPONENT", "RENAME", "OPTIONAL", "EXCLUDE_FROM_ALL", "TYPE"}
+    | {"USE_SOURCE_PERMISSIONS", "FILE_PERMISSIONS", "DIRECTORY_PERMISSIONS", "FILES_MATCHING", "PATTERN", "REGEX"}
+)
+_ENDINGS: Final = "cpp cc cxx c c++ C cu h hpp hh hxx h++ ipp tpp inl cuh"
+_CODE_ENDINGS: Final = tuple(f".{ending}" for ending in _ENDINGS.split())
+
+
+@dataclass(slots=True)
+class _Target:
+    kind: TargetKind
+    location: Location
+    sources: dict[str, None] = field(default_factory=dict)
+    links: dict[str, None] = field(default_factory=dict)
+    output_name: str | None = None
+    generated: list[str] = field(default_factory=list)
+    """The texts of sources that are made while building."""
+
+
+@dataclass(slots=True)
+class Collected:
+    """What a run over CMake files has declared so far; `programs` pairs names and paths of installed programs."""
+
+    targets: dict[str, _Target] = field(default_factory=dict)
+    aliases: dict[str, str] = field(default_factory=dict)
+    plugins: list[PluginClass] = field(default_factory=list)
+    programs: dict[tuple[str, str], Location] = field(default_factory=dict)
+    program_names: dict[str, None] = field(default_factory=dict)
+    """Under which names files are installed as programs, whatever they are and whether the source has them."""
+    parameter_libraries: dict[tuple[str, str], None] = field(default_factory=dict)
+    reconfigure_files: dict[str, None] = field(default_factory=dict)
+    plugin_executables: dict[str, str] = field(default_factory=dict)
+    """Names of plugins and of the executables that run them alone."""
+    plugin_files: dict[str, tuple[str | None, Location]] = field(default_factory=dict)
+
+    def run_alone(self, plugins: Iterable[PluginClass]) -> list[PluginClass]:
+        """Return the plugins with the executables that run them; those are then no targets of their own.
+
+        An executable runs a plugin when its only sources are generated and name the plugin in a string.
+        """
+        known = []
+        for plugin in plugins:
+            for name, target in list(self.targets.items()):
+                alone = target.generated and len(target.generated) == len(target.sources)
+                if alone and any(f'"{plugin.name}"' in text for text in target.generated):
+                    self.plugin_executables.setdefault(plugin.name, target.output_name or name)
+                    del self.targets[name]
+            executable = plugin.executable or self.plugin_executables.get(plugin.name)
+            known.append(replace(plugin, executable=executable))
+        for plugin in known:
+            made = self.targets.get(plugin.executable or "")
+            if made and not made.sources:
+                del self.targets[plugin.executable or ""]
+        return known
+
+    def finished(self) -> tuple[Target, ...]:
+        """Return the targets, the names of aliases in their links replaced."""
+        return tuple(
+            Target(
+                name,
+                target.kind,
+                tuple(target.sources),
+                tuple(dict.fromkeys(self.aliases.get(link, link) for link in target.links if link != name)),
+                target.location,
+                target.output_name,
+            )
+            for name, target in self.targets.items()
+        )
+
+
+class _Targets:
+    """Handlers that fill a `Collected`."""
+
+    def __init__(self, model: Collected) -> None:
+        self.model = model
+
+    def add_executable(self, run: Run, words: list[str]) -> None:
+        self._add(run, words, TargetKind.EXECUTABLE)
+
+    def add_library(self, run: Run, words: list[str]) -> None:
+        self._add(run, words, TargetKind.LIBRARY)
+
+    def add_test_target(self, run: Run, words: list[str]) -> None:
+        self._add(run, words, TargetKind.TEST)
+
+    def _add(self, run: Run, words: list[str], kind: TargetKind) -> None:
+        name = strip_generators(words[0]) if words else ""
+        if not name or "IMPORTED" in words[1:4]:
+            return
+        if words[1:2] == ["ALIAS"]:
+            self.model.aliases[name] = words[2] if words[2:] else name
+            return
+        target = self.model.targets.setdefault(name, _Target(kind, run.location))
+        self._take(run, target, words[1:])
+
+    def _take(self, run: Run, target: _Target, words: list[str]) -> None:
+        """Add sources; what is generated or missing stays out, objects of another library are linked."""
+        for word in words:
+            if word in _TARGET_WORDS:
+                continue
+            if word.startswith("$<TARGET_OBJECTS:"):
+                target.links[word[len("$<TARGET_OBJECTS:") :].rstrip(">")] = None
+                continue
+            for part in strip_generators(word).split(";"):
+                path = run.files.source_file(part, run.folder) if part else None
+                if path and path.endswith(_CODE_ENDINGS):
+                    target.sources[path] = None
+                elif part:
+                    self._take_generated(run, target, part)
+
+    def _take_generated(self, run: Run, target: _Target, written: str) -> None:
+        """Take a source that configure_file makes: what it is made of is read in its place."""
+        binary = run.scope.variables.get("CMAKE_CURRENT_BINARY_DIR", "")
+        found = run.files.generated.get(posixpath.normpath(posixpath.join(binary, written)))
+        if found:
+            template, text = found
+            target.sources[template] = None
+            target.generated.append(text)
+
+    def target_sources(self, run: Run, words: list[str]) -> None:
+        target = self._known(words)
+        if target:
+            self._take(run, target, words[1:])
+
+    def target_link_libraries(self, _: Run, words: list[str]) -> None:
+        target = self._known(words)
+        if target is None:
+            return
+        for word in words[1:]:
+            for part in strip_generators(word).split(";"):
+                if part and part not in _TARGET_WORDS and not part.startswith("-"):
+                    target.links[part] = None
+
+    def _known(self, words: list[str]) -> _Target | None:
+        name = strip_generators(words[0]) if words else ""
+        return self.model.targets.get(self.model.aliases.get(name, name))
+
+    def set_target_properties(self, _: Run, words: list[str]) -> None:
+        if "PROPERTIES" not in words:
+            return
+        middle = words.index("PROPERTIES")
+        pairs = dict(zip(words[middle + 1 :: 2], words[middle + 2 :: 2], strict=False))
+        self._rename(words[:middle], pairs.get("OUTPUT_NAME"))
+
+    def set_property(self, _: Run, words: list[str]) -> None:
+        if words[:1] == ["TARGET"] and "PROPERTY" in words:
+            middle = words.index("PROPERTY")
+            if words[middle + 1 : middle + 2] == ["OUTPUT_NAME"]:
+                self._rename(words[1:middle], "".join(words[middle + 2 :]))
+
+    def _rename(self, names: list[str], output: str | None) -> None:
+        for name in names if output else ():
+            target = self._known([name])
+            if target:
+                target.output_name = output
+
+    def register_node(self, run: Run, words: list[str]) -> None:
+        """rclcpp_components_register_node(target PLUGIN class EXECUTABLE name)."""
+        target = self._known(words)
+        values = dict(zip(words[1::2], words[2::2], strict=False))
+        plugin = values.get("PLUGIN")
+        if plugin:
+            self._component(run, words[0], plugin, values.get("EXECUTABLE"), target)
+
+    def register_nodes(self, run: Run, words: list[str]) -> None:
+        """rclcpp_components_register_nodes(target class...)."""
+        for plugin in words[1:]:
+            if plugin != "RESOURCE_INDEX":
+                self._component(run, words[0], plugin, None, self._known(words))
+
+    def _component(self, run: Run, name: str, plugin: str, executable: str | None, target: _Target | None) -> None:
+        library = (target.output_name if target else None) or name
+        found = PluginClass(
+            name=plugin,
+            type=plugin,
+            registration=Registration.COMPONENT,
+            location=run.location,
+            library=library,
+            executable=executable or None,
+        )
+        if found not in self.model.plugins:
+            self.model.plugins.append(found)
+
+    def plugin_executable(self, _: Run, words: list[str]) -> None:
+        """kg_plugin_executable(executable plugin): the build makes a program that runs the plugin alone."""
+        if len(words) > 1:
+            self.model.plugin_executables[words[1]] = words[0]
+
+    def export_plugins(self, run: Run, words: list[str]) -> None:
+        """pluginlib_export_plugin_description_file(category path)."""
+        path = run.files.locate(words[1], run.folder) if len(words) > 1 else None
+        if path:
+            self.model.plugin_files.setdefault(path, (words[0], run.location))
+
+    def install(self, run: Run, words: list[str]) -> None:
+        if words[:1] in (["PROGRAMS"], ["FILES"]):
+            self.install_programs(run, words)
+        elif words[:1] == ["DIRECTORY"] and words[1:]:
+            self._install_folders(run, words[1:])
+
+    def install_programs(self, run: Run, words: list[str]) -> None:
+        """install(PROGRAMS file... RENAME name) and catkin_install_python(PROGRAMS file...)."""
+        files = _until_keyword(words[1:])
+        rename = words[words.index("RENAME") + 1] if "RENAME" in words[:-1] else None
+        for written in files:
+            path = run.files.locate(strip_generators(written), run.folder)
+            name = rename or posixpath.basename(written)
+            if words[0] == "PROGRAMS" and name and "$" not in name:
+                self.model.program_names.setdefault(name)
+            if path and run.files.exists(path):
+                self.model.programs.setdefault((name, path), run.location)
+
+    def _install_folders(self, run: Run, words: list[str]) -> None:
+        destination = words[words.index("DESTINATION") + 1] if "DESTINATION" in words[:-1] else ""
+        if not destination.startswith(("lib/", "@bin")):
+            return
+        for written in _until_keyword(words):
+            for path in run.files.glob(f"{written.rstrip('/')}/*", run.folder, recurse=True):
+                self.model.programs.setdefault((posixpath.basename(path), path), run.location)
+
+    def parameter_library(self, run: Run, words: list[str]) -> None:
+        """generate_parameter_library(target file.yaml) and generate_parameter_module(module file.yaml)."""
+        path = run.files.locate(words[1], run.folder) if len(words) > 1 else None
+        if path:
+            self.model.parameter_libraries[(words[0], path)] = None
+
+    def reconfigure_options(self, run: Run, words: list[str]) -> None:
+        """generate_dynamic_reconfigure_options(file...)."""
+        for word in words:
+            path = run.files.locate(word, run.folder)
+            if path and run.files.exists(path):
+                self.model.reconfigure_files[path] = None
+
+
+def _until_keyword(words: list[str]) -> list[str]:
+    end = next((index for index, word in enumerate(words) if word in _INSTALL_WORDS), len(words))
+    return words[:end]
+
+
+def target_handlers(model: Collected) -> dict[str, Callable[[Run, list[str]], None]]:
+    """Return the handlers that fill `model`, by command in lower case."""
+    targets = _Targets(model)
+    return {
+        "add_executable": targets.add_executable,
+        "add_library": targets.add_library,
+        "kg_plugin_executable": targets.plugin_executable,
+        "kg_add_test": targets.add_test_target,
+        "target_sources": targets.target_sources,
+        "target_link_libraries": targets.target_link_libraries,
+        "ament_target_dependencies": targets.target_link_libraries,
+        "set_target_properties": targets.set_target_properties,
+        "set_property": targets.set_property,
+        "rclcpp_components_register_node": targets.register_node,
+        "rclcpp_components_register_nodes": targets.register_nodes,
+        "pluginlib_export_plugin_description_file": targets.export_plugins,
+        "install": targets.install,
+        "catkin_install_python": targets.install_programs,
+        "generate_parameter_library": targets.parameter_library,
+        "generate_parameter_module": targets.parameter_library,
+        "generate_dynamic_reconfigure_options": targets.reconfigure_options,
+    }
+
 
 _PLATFORM: Final = {
     **dict.fromkeys(("UNIX", "LINUX", "CMAKE_COMPILER_IS_GNUCXX"), "1"),

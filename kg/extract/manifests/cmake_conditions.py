@@ -6,8 +6,7 @@ import operator
 import re
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.manifests.cmake_patterns import matches
-from kg.extract.manifests.cmake_scope import split_list
+from kg.extract.manifests.cmake_scope import matches, split_list
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -1,7 +1,6 @@
 """Parameters declared outside of code: `generate_parameter_library` (ROS 2) and dynamic_reconfigure (ROS 1)."""
 
-from kg.extract.parameters.attaching import attach
-from kg.extract.parameters.generated import read_generated
+from kg.extract.parameters.attaching import attach, read_generated
 from kg.extract.parameters.listener import listener
 from kg.extract.parameters.reconfigure import Configuration, read_configuration
 

@@ -13,7 +13,7 @@ from typing import Any, Final
 
 import yaml
 
-from kg.extract.parameters.generated import parse_generated
+from kg.extract.parameters.attaching import parse_generated
 from kg.holes import Hole, parse
 
 __all__ = ["listener"]

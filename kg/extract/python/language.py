@@ -36,8 +36,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping as Names
 
     from kg.corpus.files import FilePath
-    from kg.extract.python.modules import Modules
-    from kg.extract.python.units import PythonUnit
+    from kg.extract.python.modules import Modules, PythonUnit
     from kg.symbolic.form import Class, Expression, Function, Type
     from kg.symbolic.machine import Machine
     from kg.symbolic.state import Variables

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from kg.corpus.files import PackageFolder
     from kg.corpus.reading import Reader
     from kg.extract.buildmodel import BuildModel, PluginClass
-    from kg.extract.python.units import PythonUnit
+    from kg.extract.python.modules import PythonUnit
     from kg.symbolic.descriptions import Descriptions
     from kg.symbolic.form import Class
 

@@ -6,13 +6,11 @@ import posixpath
 import re
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.texts.dox import markdown
 from kg.extract.texts.naming import Names
-from kg.extract.texts.pages import read_page
+from kg.extract.texts.pages import is_wiki, moin_markdown, read_page, wiki_nodes
 from kg.extract.texts.paragraphs import plain
 from kg.extract.texts.prose import is_prose, shortened
 from kg.extract.texts.readme import About, find
-from kg.extract.texts.wiki import is_wiki, moin_markdown, wiki_nodes
 from kg.facts import Description, DescriptionKind, Location
 from kg.names import key
 
@@ -23,7 +21,38 @@ if TYPE_CHECKING:
     from kg.corpus.reading import Reader
     from kg.facts import NodeType
 
-__all__ = ["of_documents"]
+__all__ = ["markdown", "of_documents"]
+
+_SIGNS: Final = re.compile(r"^\s*(?:/\*\*?!?|///?|\*/|\*+(?=\s|$))?")
+_COMMAND: Final = re.compile(r"^\s*[@\\](\w+)\s*(.*)$")
+_LEVELS: Final = {"mainpage": 1, "page": 1, "section": 2, "subsection": 3, "subsubsection": 4, "par": 5}
+_LABELLED: Final = frozenset({"page", "section", "subsection", "subsubsection"})
+_FENCES: Final = frozenset({"verbatim", "endverbatim", "code", "endcode", "dot", "enddot"})
+_SAID: Final = frozenset({"brief", "details", "b", "c", "e", "p", "a", "em", "ref", "note", "li", "i"})
+
+
+def markdown(text: str) -> str:
+    """Return a page of Doxygen as Markdown with the same lines; commands that say nothing leave empty lines."""
+    return "\n".join(_lines(text))
+
+
+def _lines(text: str) -> Iterator[str]:
+    for written in text.split("\n"):
+        line = _SIGNS.sub("", written.rstrip().removesuffix("*/"), count=1)
+        found = _COMMAND.match(line)
+        if found is None:
+            yield line.strip() if not line.lstrip().startswith(("-", "*")) else line
+            continue
+        word, rest = found[1].lower(), found[2].strip()
+        if word in _LEVELS:
+            title = rest.partition(" ")[2] or rest if word in _LABELLED else rest
+            yield f"{'#' * _LEVELS[word]} {title}" if title and not title.startswith(("\\", "@")) else ""
+        elif word in _FENCES:
+            closed = any(f"{sign}end{word}" in rest for sign in "\\@")
+            yield "" if closed else "```"
+        else:
+            yield line.strip() if word in _SAID else ""
+
 
 _MOST_PAGES: Final = 300
 """Pages that are read for one package, the nearest first; no repository known has more around one."""

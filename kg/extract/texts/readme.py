@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.texts.pages import Block, BlockKind
 from kg.extract.texts.paragraphs import plain
 from kg.extract.texts.prose import is_prose, shortened
-from kg.extract.texts.sections import is_about, is_interface, is_never, is_telling
 from kg.names import key
 
 if TYPE_CHECKING:
@@ -22,7 +22,64 @@ if TYPE_CHECKING:
 
     from kg.extract.texts.naming import Names
 
-__all__ = ["About", "Found", "find"]
+__all__ = ["About", "find"]
+
+_REMEMBERED: Final = 2048
+"""Headings whose meaning is kept, for many pages have the same."""
+
+_NEVER: Final = (
+    "install|licen[sc]e|citation|citing|cite|bibtex|contribut|changelog|change log|release|credit|acknowledg|author",
+    "maintainer|to-?do|roadmap|prerequisite|requirement|dependenc|docker|publication|copyright|table of contents",
+    "troubleshoot|known issue|build|compil|download|ci$|continuous integration|status|testing|tests?$|migrat|upgrad",
+    "node_name|code api|contact|faq|supported (?:devices|hardware|platform)",
+)
+_INTERFACE: Final = (
+    "parameter|argument|param|subscri|publish|topic|service|action|input|output|config|usage|launch|run(?:ning)?$",
+    "run(?:ning)? |ros(?:run|launch)|ros2 |~|example|api$|tf$|transform|command line|option",
+    "messages|how to|tutorial|quick|demo|sample",
+)
+_OTHER: Final = (
+    "reference|support|bug|getting|set-?up|paper|develop|disclaimer|links|related|video|note|coding|debug|news|update",
+    "history|issues|help|simulat|calibrat|performance|benchmark|evaluation|result|todo|workspace|file|folder|plugin$",
+)
+_ABOUT: Final = (
+    "overview|description|introduc|about|feature|summary|what|purpose|synopsis|abstract|concept|functional",
+)
+
+
+def _any(words: tuple[str, ...]) -> re.Pattern[str]:
+    return re.compile(rf"(?:\b|^)(?:{'|'.join(words)})", re.IGNORECASE)
+
+
+_NEVER_PATTERN: Final = _any(_NEVER)
+_INTERFACE_PATTERN: Final = _any(_INTERFACE)
+_OTHER_PATTERN: Final = _any(_OTHER)
+_ABOUT_PATTERN: Final = _any(_ABOUT)
+
+
+@lru_cache(_REMEMBERED)
+def is_never(heading: str) -> bool:
+    """Tell whether nothing below a heading is a description, whatever it names."""
+    return _NEVER_PATTERN.search(heading) is not None and not is_about(heading)
+
+
+@lru_cache(_REMEMBERED)
+def is_interface(heading: str) -> bool:
+    """Tell whether a section lists topics, parameters or ways to start something."""
+    return _INTERFACE_PATTERN.search(heading) is not None
+
+
+@lru_cache(_REMEMBERED)
+def is_about(heading: str) -> bool:
+    """Tell whether a section says what the thing is that the section around it is about."""
+    return _ABOUT_PATTERN.search(heading) is not None
+
+
+@lru_cache(_REMEMBERED)
+def is_telling(heading: str) -> bool:
+    """Tell whether the section below the title of a README describes the package."""
+    return not (is_never(heading) or is_interface(heading) or _OTHER_PATTERN.search(heading))
+
 
 _SPAN: Final = re.compile(
     r"``?([^`]{1,120})``?|\*\*([^*]{1,120})\*\*|__([^_].{0,120}?)__|<(?:b|code|tt|strong)>([^<]{1,120})</",
@@ -32,7 +89,7 @@ _LEAD: Final = re.compile(
     r"^[\s*`_\[]*(?:<\w+>)?([\w./:\-]{2,80}?(?: (?:node|nodelet|component))?)[\s*`_\]]*(?:</\w+>)?"
     r"(?:\([^)]{0,200}\))?\**\s*[:\-\u2013\u2014]+\**\s+(\S.*)$"
 )
-_INTERFACE: Final = re.compile(
+_TOPIC_LIKE: Final = re.compile(
     r"^(?:~|/)\w|^[\w/~.]+\s?[(\[](?:\w+_msgs|(?:string|int|float|double|bool|list)\b)", re.IGNORECASE
 )
 """A topic or parameter of a node, in a list of them."""
@@ -129,7 +186,7 @@ def _described(block: Block, section: _Section, about: About) -> Iterator[Found]
         if is_prose(plain(lead[2])):
             yield from (Found(shortened(text), block.line, node, heading) for node in nodes)
         return
-    if not is_prose(text) or _INTERFACE.match(text):
+    if not is_prose(text) or _TOPIC_LIKE.match(text):
         return
     if lead and not about.own and key(plain(lead[1])) == key(about.package):
         yield Found(shortened(text), block.line, None, heading)

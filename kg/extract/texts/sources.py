@@ -11,11 +11,11 @@ import posixpath
 import re
 from collections import Counter
 from dataclasses import dataclass, field
+from itertools import islice
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.texts.cpp import Comments, read_comments
 from kg.extract.texts.naming import last_part
-from kg.extract.texts.python import Docstrings, read_docstrings
+from kg.extract.texts.paragraphs import Paragraph, joined, prose
 from kg.facts import Description, DescriptionKind, FileKind, Location
 from kg.names import key
 
@@ -28,7 +28,191 @@ if TYPE_CHECKING:
     from kg.extract.texts.paragraphs import Paragraph
     from kg.facts import NodeType
 
-__all__ = ["of_sources"]
+__all__ = ["Comments", "of_sources", "read_comments", "read_docstrings"]
+
+_TOKENS: Final = re.compile(
+    r"""//[^\n]*|/\*.*?(?:\*/|\Z)|"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])*'""",
+    re.DOTALL,
+)
+_GAP: Final = re.compile(r"[ \t]*\n(?:[ \t]*\n)?[ \t]*")
+_CLASS: Final = re.compile(
+    r"(?:template\s*<[^{};]{0,200}>\s*)?(class|struct)\s+(?:\[\[[^\]]{0,60}\]\]\s*)?"
+    r"(?:[A-Z][A-Z0-9_]+(?:\([^()]{0,60}\))?\s+)?(?:\w+::)*(\w+)(?:\s+final)?\s*(?=[:{])"
+)
+_MAIN: Final = re.compile(r"(?:int|void)\s+main\s*\(")
+_NAMED: Final = re.compile(r"[@\\](?:class|struct)\s+(?:\w+::)*(\w+)")
+_FILE: Final = re.compile(r"[@\\]file\b")
+_BEFORE_CODE: Final = re.compile(r"(?:\s+|#\s*(?:ifndef|define|pragma|ifdef|if|endif)\b[^\n]*\n)*")
+_LOOK_AHEAD: Final = 400
+_DEEPEST_INDENTATION: Final = 300
+_LONGEST_HEADER: Final = 40
+"""Paragraphs of a header after which no more are looked for."""
+_MOST_COMMENTS: Final = 4000
+"""Comments of a file that are looked at, more than files of people have."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Block:
+    """A comment, or lines of `//` in a row: where it begins and ends in the text."""
+
+    start: int
+    end: int
+    line: int
+
+
+class Comments:
+    """The comments of a file that are worth reading: its header, those of classes, and that of `main`."""
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+        self.header: list[Paragraph] = []
+        self.classes: dict[str, list[Paragraph]] = {}
+        self.structs: set[str] = set()
+        self.main: list[Paragraph] = []
+        self._read()
+
+    def _read(self) -> None:
+        text, top = self._text, True
+        at = 0
+        for block in self._blocks():
+            between = _BEFORE_CODE.match(text, at)
+            top = top and between is not None and between.end() >= block.start
+            at = block.end
+            self._place(block, top=top)
+
+    def _place(self, block: _Block, *, top: bool) -> None:
+        text = self._text
+        gap = _GAP.match(text, block.end)
+        following = gap.end() if gap else block.end
+        ahead = text[following : following + _LOOK_AHEAD]
+        named = _NAMED.search(text, block.start, min(block.end, block.start + 4000))
+        above = _CLASS.match(ahead)
+        name = above[2] if above else named[1] if named else None
+        if name is not None:
+            if above and above[1] == "struct":
+                self.structs.add(name)
+            self.classes.setdefault(name, []).extend(self._paragraphs(block))
+        elif _MAIN.match(ahead):
+            self.main.extend(self._paragraphs(block))
+        elif len(self.header) < _LONGEST_HEADER and (
+            top or _FILE.search(text, block.start, min(block.end, block.start + 1000))
+        ):
+            self.header.extend(self._paragraphs(block))
+
+    def _blocks(self) -> list[_Block]:
+        """Return the comments that stand alone on their lines; neighbouring line comments are one."""
+        text = self._text
+        found: list[_Block] = []
+        line, counted = 1, 0
+        for match in _TOKENS.finditer(text):
+            start, end = match.span()
+            if text[start] != "/" or not _begins_line(text, start):
+                continue
+            last = found[-1] if found else None
+            lines = text.startswith("//", start)
+            if lines and last and text.startswith("//", last.start) and _adjacent(text, last.end, start):
+                found[-1] = _Block(last.start, end, last.line)
+            elif len(found) >= _MOST_COMMENTS:
+                break
+            else:
+                line += text.count("\n", counted, start)
+                counted = start
+                found.append(_Block(start, end, line))
+        return found
+
+    def _paragraphs(self, block: _Block) -> list[Paragraph]:
+        lines = self._text[block.start : block.end].split("\n")
+        return list(prose(joined((block.line + n, _bare(line)) for n, line in enumerate(lines))))
+
+
+def read_comments(text: str) -> Comments:
+    """Return the comments of a C++ file that can describe something."""
+    return Comments(text)
+
+
+def _begins_line(text: str, start: int) -> bool:
+    """Tell whether only white space stands before a place in its line, of which so much is looked at."""
+    nearest = max(0, start - _DEEPEST_INDENTATION)
+    before = text.rfind("\n", nearest, start)
+    return (before >= 0 or nearest == 0) and not text[before + 1 : start].strip()
+
+
+def _adjacent(text: str, end: int, start: int) -> bool:
+    between = text[end:start]
+    return between.count("\n") == 1 and not between.strip()
+
+
+_SIGNS: Final = re.compile(r"^\s*(?:/\*+[!<]?|//[/!]*<?|\*+(?!\w*\*)/?)?[ \t]?")
+
+
+def _bare(line: str) -> str:
+    """Return a line of a comment without comment signs."""
+    return _SIGNS.sub("", line.rstrip().removesuffix("*/"), count=1)
+
+
+_DOCSTRING: Final = re.compile(r'[rRuU]?("""|\'\'\'|"(?!")|\'(?!\'))(.*?)(?<!\\)\1', re.DOTALL)
+_HEAD: Final = re.compile(r"(?:[ \t]*(?:#[^\n]*)?\n|from __future__ import[^\n]*\n)*")
+_DEFINED: Final = re.compile(r"^[ \t]*(class|def)[ \t]+(\w+)[^\n]{0,400}", re.MULTILINE)
+_BODY: Final = re.compile(r"(?:[^\n:]|:(?![ \t]*(?:#[^\n]*)?\n))*:[ \t]*(?:#[^\n]*)?\n(?:[ \t]*(?:#[^\n]*)?\n)*[ \t]*")
+_LONGEST_HEAD: Final = 1500
+"""Characters that the line of a class or function may take up to its body."""
+_LONGEST_DOCSTRING: Final = 40_000
+_MOST_DEFINED: Final = 1000
+"""Classes and functions of a file that are looked at, more than files of people have."""
+
+
+class Docstrings:
+    """What a Python file says of itself: comments (`header`), and docstrings by the names of what they document."""
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+        head = _HEAD.match(text)
+        self._end = head.end() if head else 0
+        self.header = list(prose(joined(self._comments(0, self._end))))
+        self.module = self._docstring(self._end)
+        self.classes: dict[str, list[Paragraph]] = {}
+        self.functions: dict[str, list[Paragraph]] = {}
+        for match in islice(_DEFINED.finditer(text), _MOST_DEFINED):
+            self._defined(match)
+
+    def _defined(self, match: re.Match[str]) -> None:
+        inside = match[0][0] in " \t"
+        if match[1] == "def" and inside:
+            return
+        body = _BODY.match(self._text, match.start(), match.start() + _LONGEST_HEAD)
+        paragraphs = self._docstring(body.end()) if body else []
+        above = self._above(match.start())
+        found = self.classes if match[1] == "class" else self.functions
+        found.setdefault(match[2], []).extend([*above, *paragraphs])
+
+    def _above(self, start: int) -> list[Paragraph]:
+        """Return the paragraphs of the comment lines directly above a place, unless they are the file's header."""
+        first = start
+        while first > self._end:
+            before = self._text.rfind("\n", 0, first - 1) + 1
+            if not self._text[before:first].lstrip().startswith("#"):
+                break
+            first = before
+        return list(prose(joined(self._comments(first, start)))) if first < start and first > self._end else []
+
+    def _comments(self, start: int, end: int) -> Iterator[tuple[int, str]]:
+        line = self._text.count("\n", 0, start) + 1
+        for number, written in enumerate(self._text[start:end].split("\n"), line):
+            text = written.strip()
+            yield number, "" if text.startswith("#!") or not text.startswith("#") else text.lstrip("#")
+
+    def _docstring(self, start: int) -> list[Paragraph]:
+        found = _DOCSTRING.match(self._text, start, start + _LONGEST_DOCSTRING)
+        if not found or (len(found[1]) == 1 and "\n" in found[2]):
+            return []
+        line = self._text.count("\n", 0, found.start(2)) + 1
+        return list(prose(joined(enumerate(found[2].split("\n"), line))))
+
+
+def read_docstrings(text: str) -> Docstrings:
+    """Return what a Python file says of itself, of its classes and of its functions."""
+    return Docstrings(text)
+
 
 _MOST_NODES: Final = 3
 """A file that is a source of more nodes than these is about none of them."""

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kg.extract.manifests.arithmetic import compute
+from kg.extract.manifests.cmake_builtins import compute
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import time
 
 import pytest
 
-from kg.extract.manifests.cmake_patterns import keep_matching, matches, replace_all
+from kg.extract.manifests.cmake_scope import keep_matching, matches, replace_all
 
 
 @pytest.mark.parametrize(

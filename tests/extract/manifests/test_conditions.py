@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kg.extract.manifests.conditions import holds
+from kg.extract.manifests.package_xml import holds
 
 
 @pytest.mark.parametrize(

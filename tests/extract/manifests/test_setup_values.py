@@ -4,7 +4,7 @@ import pytest
 import tree_sitter_python
 from tree_sitter import Language, Parser
 
-from kg.extract.manifests.setup_values import Piece, Values
+from kg.extract.manifests.setup_py import Piece, Values
 
 
 def plain(value: object) -> object:

@@ -13,8 +13,7 @@ from kg.corpus.workspace import Workspace
 from kg.extract import manifests
 from kg.extract.python import read_nodes
 from kg.extract.python.language import Python
-from kg.extract.python.modules import Modules
-from kg.extract.python.units import PythonUnit
+from kg.extract.python.modules import Modules, PythonUnit
 from kg.facts import Repository
 from kg.symbolic.descriptions import shipped
 from kg.symbolic.effects import Framework

@@ -11,11 +11,9 @@ from hypothesis import strategies as st
 
 from kg.corpus.workspace import Workspace, scan
 from kg.extract.package import extract_package
-from kg.extract.texts.cpp import read_comments
-from kg.extract.texts.describing import MOST_OF_ONE
-from kg.extract.texts.launching import of_launch_files
+from kg.extract.texts.describing import MOST_OF_ONE, of_launch_files
 from kg.extract.texts.prose import LONGEST_TEXT
-from kg.extract.texts.python import read_docstrings
+from kg.extract.texts.sources import read_comments, read_docstrings
 from kg.facts import Description, Location, NodeKind, NodeType, Repository
 
 if TYPE_CHECKING:

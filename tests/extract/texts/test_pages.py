@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kg.extract.texts.dox import markdown
+from kg.extract.texts.documents import markdown
 from kg.extract.texts.pages import read_page
 
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kg.extract.texts.wiki import WikiEntry, WikiNode, is_wiki, moin_markdown, wiki_nodes
+from kg.extract.texts.pages import WikiEntry, WikiNode, is_wiki, moin_markdown, wiki_nodes
 
 HEAD = "{{{\n#!clearsilver CS/NodeAPI\n"
 

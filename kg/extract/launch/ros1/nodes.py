@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.extract.launch.ros1.parameterfile import leaf_of, read_scalar
 from kg.extract.launch.ros1.parameters import read_param, read_rosparam
-from kg.extract.launch.ros1.texts import HOLE, join, shown
+from kg.extract.launch.ros1.values import HOLE, join, shown
 from kg.facts import LaunchParameter, Remap, StartedNode, StartKind
 from kg.holes import ANONYMOUS, is_partial
 from kg.names import normalise, resolve
@@ -21,8 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from kg.extract.launch.ros1.document import Element
-    from kg.extract.launch.ros1.scope import Scope
-    from kg.extract.launch.ros1.state import State
+    from kg.extract.launch.ros1.state import Scope, State
     from kg.facts import Location
 
 __all__ = ["read_environment", "read_node", "read_remap"]

@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias
 import yaml
 
 from kg.extract.launch.expressions import Dialect, ExpressionError, UnsupportedError, evaluate_text
-from kg.extract.launch.ros1.texts import HOLE, shown
-from kg.extract.launch.ros1.values import one_line, type_of
+from kg.extract.launch.ros1.values import HOLE, one_line, shown, type_of
 from kg.yamltext import compose_yaml
 
 if TYPE_CHECKING:

@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING, Final
 
 from kg.extract.launch.files import SCHEME
 from kg.extract.launch.ros1.parameterfile import MOST_TEXT, Leaf, leaf_of, read_tree
-from kg.extract.launch.ros1.scope import Private
-from kg.extract.launch.ros1.texts import HOLE, join, shown
-from kg.extract.launch.ros1.values import converted
+from kg.extract.launch.ros1.state import Private
+from kg.extract.launch.ros1.values import HOLE, converted, join, shown
 from kg.extract.launch.xacro.plugins import named_description, started
 from kg.facts import LaunchProblemKind
 
@@ -23,8 +22,7 @@ if TYPE_CHECKING:
 
     from kg.corpus.files import FilePath
     from kg.extract.launch.ros1.document import Element
-    from kg.extract.launch.ros1.scope import Scope
-    from kg.extract.launch.ros1.state import State
+    from kg.extract.launch.ros1.state import Scope, State
     from kg.facts import LaunchPlugin
 
 __all__ = ["read_param", "read_rosparam"]

@@ -20,8 +20,7 @@ from kg.extract.launch.expressions import (
     is_builtin,
 )
 from kg.extract.launch.files import SCHEME
-from kg.extract.launch.ros1.texts import HOLE, MOST_CHARACTERS
-from kg.extract.launch.ros1.values import automatic
+from kg.extract.launch.ros1.values import HOLE, MOST_CHARACTERS, automatic
 from kg.facts import LaunchProblemKind
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""Values of parameters: what a text means by its type, and how a value is written as YAML in one line.
+"""Values and names as roslaunch builds them: what a text means by its type, and a value as YAML in one line.
 
 Source: wiki.ros.org/roslaunch/XML/param, and for what `auto` means roslaunch's loader.
 """
@@ -12,7 +12,53 @@ from typing import Final
 
 import yaml
 
-__all__ = ["automatic", "converted", "one_line", "truth", "type_of"]
+from kg.extract.launch.expressions import HOLE
+from kg.holes import ANONYMOUS
+
+__all__ = [
+    "HOLE",
+    "MOST_CHARACTERS",
+    "automatic",
+    "canonical",
+    "converted",
+    "global_namespace",
+    "join",
+    "one_line",
+    "shown",
+    "truth",
+    "type_of",
+]
+
+MOST_CHARACTERS: Final = 1 << 16
+"""Of one text after substitution; arguments that repeat each other double with each line."""
+
+_ROSLAUNCH: Final = "/roslaunch/"
+"""The node that sets parameters; a private name that reaches the server is private to it."""
+
+
+def shown(text: str) -> str:
+    """Return the text as facts have it, with `{}` for what is not known."""
+    return text.replace(HOLE, ANONYMOUS)
+
+
+def join(namespace: str, name: str) -> str:
+    """Return `name` in a namespace (with or without a slash at its end); private and global names keep their own."""
+    if name.startswith(("~", "/")) or not namespace:
+        return name
+    return f"~{name}" if namespace == "~" else f"{namespace.rstrip('/')}/{name}"
+
+
+def canonical(name: str) -> str:
+    """Return an absolute name with single slashes and none at its end, as the parameter server has it."""
+    rooted = f"{_ROSLAUNCH}{name[1:]}" if name.startswith("~") else name
+    return "/" + "/".join(part for part in rooted.split("/") if part)
+
+
+def global_namespace(name: str) -> str:
+    """Return a namespace as an absolute one with a slash at its end."""
+    inner = canonical(name)
+    return inner if inner == "/" else f"{inner}/"
+
 
 _PLAIN: Final = re.compile(r"[A-Za-z_/][\w./-]*(?: [\w./-]+)*", re.ASCII)
 _RESOLVER: Final = yaml.resolver.Resolver()

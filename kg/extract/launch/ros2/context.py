@@ -10,20 +10,21 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
+from kg.corpus.files import FilePath
+from kg.extract.launch.files import SCHEME
 from kg.facts import LaunchProblem, LaunchProblemKind, Location
 from kg.holes import ANONYMOUS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from kg.corpus.files import FilePath
     from kg.extract.launch.files import Files
-    from kg.extract.launch.ros2.generated import Generated
-    from kg.extract.launch.ros2.parameter_files import Entry
+    from kg.extract.launch.ros2.parameters import Entry
+    from kg.extract.launch.ros2.substitute import Generated
     from kg.extract.launch.ros2.texts import Text
     from kg.facts import LaunchArgument, LaunchInclude, LaunchParameter, LaunchPlugin, Remap, StartedNode
 
-__all__ = ["HOLE", "Context", "Found", "GlobalFile", "Scope", "place"]
+__all__ = ["HOLE", "Context", "Found", "GlobalFile", "Scope", "find", "place", "read", "unreadable"]
 
 _MOST_PLACES: Final = 2_000_000
 _PLACES_OF_A_REMAP: Final = 20
@@ -188,3 +189,58 @@ def place(files: Files, file: FilePath, line: int) -> Location:
     """Return a line of a file as a location: without repository in the configuration's own source."""
     own = file.repository == files.reader.repository
     return Location(file.path, line, None if own else file.repository)
+
+
+def read(context: Context, text: str) -> tuple[FilePath, bytes] | None:
+    """Return the file that a text names, and its content; None, and a problem, where it cannot be read."""
+    made = context.found.generated.get(text)
+    if made is not None:
+        return made.file, made.content
+    file = find(context, text)
+    if file is None:
+        return None
+    content = context.files.read(file)
+    if content is None:
+        unreadable(context, file)
+        return None
+    context.found.files.setdefault(file)
+    return file, content
+
+
+def unreadable(context: Context, file: FilePath) -> None:
+    """Note that a file is there and cannot be read."""
+    context.problem(LaunchProblemKind.LIMIT, f"`{file.path}` is too large, or no text", file.path)
+
+
+def find(context: Context, text: str) -> FilePath | None:
+    """Return the file that a text names; None, and a problem, where there is none or it cannot be known.
+
+    Where a package installs its files in other folders than its source has, the one file of the package counts whose
+    path ends as the one that is named.
+    """
+    if HOLE in text:
+        return None
+    file = context.files.at(text)
+    if file is None:
+        if not text.startswith(SCHEME):
+            context.problem(LaunchProblemKind.UNRESOLVED, f"`{text}` is no file of a package", text)
+        return None
+    found = file if context.files.exists(file) else _installed_elsewhere(context.files, text)
+    if found is None:
+        context.problem(LaunchProblemKind.MISSING_FILE, f"there is no file `{text}`", text)
+    return found
+
+
+def _installed_elsewhere(files: Files, text: str) -> FilePath | None:
+    package, _, rest = text.removeprefix(SCHEME).partition("/")
+    known = files.reader.workspace.package(package, files.reader.repository)
+    if known is None or not text.startswith(SCHEME):
+        return None
+    parts = [part for part in rest.split("/") if part not in ("", ".", "..")]
+    paths = [entry.path for entry in files.reader.workspace.folder(known)[1].files]
+    for length in range(len(parts), 0, -1):
+        tail = "/" + "/".join(parts[-length:])
+        ending = [path for path in paths if f"/{path}".endswith(tail)]
+        if ending:
+            return FilePath(known.repository, ending[0]) if len(ending) == 1 else None
+    return None

@@ -1,31 +1,196 @@
-"""The actions of ROS 2 launch, executed in order without running anything.
+"""A ROS 2 launch file executed as the one that is started, with everything that it includes.
 
-Source: `launch.actions` and `launch_ros.actions`. An action whose condition cannot be known is executed; what it starts
-keeps the condition, and what it sets is unknown behind it wherever that differs from what was set before.
+Source: the packages `launch` and `launch_ros` of ROS 2. What an included file sets stays set behind the include, unless
+a scoped group is around it.
 """
 
 from __future__ import annotations
 
 from contextlib import contextmanager
 from dataclasses import replace
+from hashlib import blake2b
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.extract.launch.ros2 import actions as kinds
-from kg.extract.launch.ros2.context import HOLE, GlobalFile, Scope
-from kg.extract.launch.ros2.include import include
+from kg.extract.launch.ros2.actions import DeclareArgument
+from kg.extract.launch.ros2.context import HOLE, Context, GlobalFile, Scope, find, unreadable
+from kg.extract.launch.ros2.frontend import read_xml, read_yaml
 from kg.extract.launch.ros2.nodes import execute_process, load_components, start_node
-from kg.extract.launch.ros2.parameters import given_parameter
-from kg.extract.launch.ros2.substitute import holds, perform
-from kg.facts import LaunchArgument, LaunchParameter, LaunchProblemKind, Remap
+from kg.extract.launch.ros2.parameters import given_parameter, without_others
+from kg.extract.launch.ros2.substitute import described, holds, perform
+from kg.facts import (
+    LaunchArgument,
+    LaunchConfiguration,
+    LaunchDialect,
+    LaunchInclude,
+    LaunchParameter,
+    LaunchProblemKind,
+    Remap,
+)
 from kg.names import join, normalise
+from kg.wiring.similar import alike, alike_when_short
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
-    from kg.extract.launch.ros2.actions import Action
-    from kg.extract.launch.ros2.context import Context
+    from kg.corpus.files import FilePath
+    from kg.extract.launch.files import Files
+    from kg.extract.launch.ros2.actions import Action, Include
+    from kg.facts import LaunchProblem
 
-__all__ = ["run"]
+__all__ = ["dialect_by_ending", "evaluate", "include"]
+
+Tree = tuple["Sequence[Action]", "tuple[LaunchProblem, ...]"]
+
+_MOST_TREES: Final = 4_000
+_MOST_BYTES: Final = 64 << 20
+"""Read of launch files for one configuration, each time that one is included."""
+
+_MARKUP: Final[dict[tuple[str, FilePath, LaunchDialect, bytes], Tree]] = {}
+"""Files of XML and YAML by all that their trees depend on: the source that they are read for, their name, language
+and the digest of their text."""
+
+_PYTHON: Final[dict[Files, dict[FilePath, Tree]]] = {}
+"""Files of Python, for the reader of files that was used last: what is read of them depends on others that they import.
+
+The trees hold on to that reader, so no other is kept.
+"""
+
+
+def dialect_by_ending(file: FilePath) -> LaunchDialect:
+    """Return the language of a file by its ending, as `AnyLaunchDescriptionSource` tells them apart."""
+    ending = file.path.rpartition(".")[2]
+    if ending == "py":
+        return LaunchDialect.ROS2_PYTHON
+    return LaunchDialect.ROS2_YAML if ending in ("yaml", "yml") else LaunchDialect.ROS2_XML
+
+
+def read_actions(context: Context, file: FilePath, dialect: LaunchDialect) -> Sequence[Action]:
+    """Return the actions of a launch file; none, and problems, for a file that cannot be read or does not parse."""
+    content = context.files.read(file)
+    if content is None:
+        unreadable(context, file)
+        return ()
+    context.found.files.setdefault(file)
+    context.found.bytes += len(content)
+    if context.found.bytes > _MOST_BYTES:
+        context.problem(LaunchProblemKind.LIMIT, f"more than {_MOST_BYTES} bytes of launch files are read")
+        return ()
+    actions, problems = (
+        _python(context, file, content)
+        if dialect is LaunchDialect.ROS2_PYTHON
+        else _markup(context, file, content, dialect)
+    )
+    for problem in problems:
+        context.problem(problem.kind, problem.message, problem.subject, problem.location)
+    return actions
+
+
+def _markup(context: Context, file: FilePath, content: bytes, dialect: LaunchDialect) -> Tree:
+    key = context.files.reader.repository, file, dialect, blake2b(content, digest_size=16).digest()
+    if key not in _MARKUP:
+        problems: list[LaunchProblem] = []
+        reader = read_yaml if dialect is LaunchDialect.ROS2_YAML else read_xml
+        if len(_MARKUP) >= _MOST_TREES:
+            _MARKUP.clear()
+        _MARKUP[key] = reader(context.files, file, content, problems), tuple(problems)
+    return _MARKUP[key]
+
+
+def _python(context: Context, file: FilePath, content: bytes) -> Tree:
+    from kg.extract.launch.ros2.python.reading import read_python  # noqa: PLC0415  (only files of Python need it)
+
+    if context.files not in _PYTHON:
+        _PYTHON.clear()
+    trees = _PYTHON.setdefault(context.files, {})
+    if file not in trees:
+        problems: list[LaunchProblem] = []
+        trees[file] = read_python(context.files, file, content, problems), tuple(problems)
+    return trees[file]
+
+
+_DEEPEST_FILE: Final = 100
+_MOST_INCLUDES: Final = 5_000
+
+
+def include(context: Context, action: Include, run: Callable[[Sequence[Action]], None]) -> None:
+    """Execute the file of an include with `run`; note it as an include whether there is such a file or not."""
+    if len(context.found.includes) >= _MOST_INCLUDES:
+        context.problem(LaunchProblemKind.LIMIT, f"more than {_MOST_INCLUDES} files are included")
+        return
+    written = HOLE if action.path is None else context.perform(action.path)
+    reason = action.reason if action.path is None else None
+    if HOLE in written:
+        context.unresolved(f"which file is included is not known: {reason or f'`{written}`'}", written)
+    file = find(context, written)
+    context.found.includes.append(
+        LaunchInclude(
+            written,
+            context.location,
+            context.chain,
+            file.repository if file else None,
+            file.path if file else None,
+            " and ".join(context.conditions) or None,
+            None if file else reason or "there is no such file, or it cannot be known which",
+        )
+    )
+    if file is not None and _may_enter(context, file):
+        _enter(context, action, file, run)
+
+
+def _may_enter(context: Context, file: FilePath) -> bool:
+    if file in context.stack:
+        context.problem(LaunchProblemKind.CYCLE, f"`{file.path}` includes itself", file.path)
+        return False
+    if len(context.stack) > _DEEPEST_FILE:
+        context.problem(
+            LaunchProblemKind.LIMIT, f"files include each other deeper than {_DEEPEST_FILE} levels", file.path
+        )
+        return False
+    return True
+
+
+def _enter(context: Context, action: Include, file: FilePath, run: Callable[[Sequence[Action]], None]) -> None:
+    arguments = _arguments(context, action, file)
+    actions = read_actions(context, file, dialect_by_ending(file))
+    given = {name for name, _ in arguments}
+    context.scope.configurations.update(arguments)
+    for inner in actions:
+        if isinstance(inner, DeclareArgument) and inner.condition is None and inner.default is None:
+            _require(context, inner.name, given, file)
+    _misspelt(context, given, {one.name for one in actions if isinstance(one, DeclareArgument)}, file)
+    with context.inside(file):
+        run(actions)
+
+
+def _arguments(context: Context, action: Include, file: FilePath) -> list[tuple[str, str]]:
+    """Return the arguments of an include; launch performs them when the file included is already the current one."""
+    own, context.file = context.file, file
+    try:
+        return [(context.perform(name), context.perform(value)) for name, value in action.arguments]
+    finally:
+        context.file = own
+
+
+def _misspelt(context: Context, given: set[str], declared: set[str], file: FilePath) -> None:
+    """Note an argument that the file does not declare, where it declares one of a like name that is not passed.
+
+    Launch takes arguments that nothing declares.
+    """
+    for name in sorted(given - declared):
+        like = next((one for one in sorted(declared - given) if alike(name, one) or alike_when_short(name, one)), None)
+        if like is not None and HOLE not in name:
+            message = f"`{file.path}` declares no argument `{name}`, but `{like}`, which the include does not pass"
+            context.problem(LaunchProblemKind.UNDECLARED_ARGUMENT, message, name)
+
+
+def _require(context: Context, name: str, given: set[str], file: FilePath) -> None:
+    """Note an argument without default that the include itself does not pass; launch asks for that."""
+    if name not in given:
+        message = f"`{file.path}` needs the argument `{name}`, which the include does not pass"
+        context.problem(LaunchProblemKind.MISSING_ARGUMENT, message, name)
+        context.scope.configurations.setdefault(name, HOLE)
+
 
 _MOST_ACTIONS: Final = 50_000
 _ACTIONS_OF_A_FUNCTION: Final = 25
@@ -201,3 +366,34 @@ _HANDLERS: Final[Mapping[type[Action], Callable[[Context, Any], None]]] = {
     kinds.LoadComponents: load_components,
     kinds.Executable: execute_process,
 }
+
+
+def evaluate(
+    files: Files, file: FilePath, dialect: LaunchDialect, given: Mapping[str, str], environment: Mapping[str, str]
+) -> LaunchConfiguration:
+    """Return the configuration of a launch file with the arguments `given` and what is known of the environment.
+
+    Nothing is run. What is wrong or cannot be known is among its problems; no file makes this raise.
+    """
+    context = Context(files, file, given, environment)
+    try:
+        run(context, read_actions(context, file, dialect))
+    except RecursionError:
+        context.problem(LaunchProblemKind.LIMIT, "something is nested too deep to be read")
+    owner = files.reader.workspace.owner(file)
+    found = context.found
+    nodes = without_others(found.nodes)
+    return LaunchConfiguration(
+        repository=file.repository,
+        package=owner.name if owner else "",
+        path=file.path,
+        ros=2,
+        dialect=dialect,
+        given=tuple(sorted(given.items())),
+        arguments=tuple(found.arguments.values()),
+        nodes=nodes,
+        includes=tuple(found.includes),
+        problems=tuple(found.problems),
+        files=tuple((one.repository, one.path) for one in found.files),
+        plugins=tuple(described(found, nodes)),
+    )

@@ -1,8 +1,8 @@
-"""Nodes, containers, components and processes as they are started.
+"""Nodes, containers, components and processes as they are started, with the command lines that they get.
 
-Source: `launch_ros.actions.Node`, `ComposableNodeContainer`, `LoadComposableNodes`, and `rcl` for the remappings: the
-first rule that fits a name counts, and those of the command line come before those that are set for all nodes, these
-before those of the node itself.
+Source: `launch_ros.actions.Node`, `ComposableNodeContainer`, `LoadComposableNodes`, design.ros2.org on ROS command line
+arguments, and `rcl` for the remappings: the first rule that fits a name counts, and those of the command line come
+before those that are set for all nodes, these before those of the node itself.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ import posixpath
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.ros2.command_line import CommandLine, parse_command_line
 from kg.extract.launch.ros2.context import HOLE, GlobalFile
 from kg.extract.launch.ros2.parameters import Asked, node_parameters
 from kg.extract.launch.ros2.substitute import holds
@@ -20,13 +19,78 @@ from kg.facts import LaunchParameter, LaunchProblemKind, Remap, StartedNode, Sta
 from kg.names import join, normalise
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from kg.extract.launch.ros2.actions import Executable, LoadComponents, NodeAction
     from kg.extract.launch.ros2.context import Context
     from kg.extract.launch.ros2.texts import Text
 
 __all__ = ["execute_process", "load_components", "start_node"]
+
+_REMAP: Final = {"-r", "--remap"}
+_PARAMETER: Final = {"-p", "--param"}
+_FILE: Final = {"--params-file", "--param-file"}
+_WITH_OPERAND: Final = {"--log-level", "--log-config-file", "--log-file-name", "-e", "--enclave"}
+
+
+@dataclass(slots=True)
+class CommandLine:
+    """The parts of a command line; `rest` are the arguments that are not for ROS."""
+
+    remaps: list[tuple[str, str]] = field(default_factory=list)
+    parameters: list[tuple[str, str | None]] = field(default_factory=list)
+    """Names and values as YAML, or the path of a file and None, in order."""
+    name: str | None = None
+    namespace: str | None = None
+    rest: list[str] = field(default_factory=list)
+
+
+def parse_command_line(words: Sequence[str]) -> CommandLine:
+    """Return what `words` say; rules outside of `--ros-args` count as well, as they did before ROS 2 Eloquent."""
+    line = CommandLine()
+    inside = False
+    remaining = iter(words)
+    for word in remaining:
+        if word == "--ros-args":
+            inside = True
+        elif inside and word == "--":
+            inside = False
+        elif inside:
+            _option(line, word, remaining)
+        elif ":=" in word:
+            _rule(line, word)
+        else:
+            line.rest.append(word)
+    return line
+
+
+def _option(line: CommandLine, word: str, remaining: Iterator[str]) -> None:
+    if word in _REMAP:
+        _rule(line, next(remaining, ""))
+    elif word in _PARAMETER:
+        name, colon, value = next(remaining, "").partition(":=")
+        if colon:
+            line.parameters.append((name, value))
+    elif word in _FILE:
+        line.parameters.append((next(remaining, ""), None))
+    elif word in _WITH_OPERAND:
+        next(remaining, None)
+    elif ":=" in word:
+        _rule(line, word)
+
+
+def _rule(line: CommandLine, rule: str) -> None:
+    """Take a rule of remapping; of several for one thing the first counts."""
+    source, colon, target = rule.partition(":=")
+    if not colon:
+        return
+    if source in ("__node", "__name"):
+        line.name = line.name or target
+    elif source == "__ns":
+        line.namespace = line.namespace or target
+    else:
+        line.remaps.append((source, target))
+
 
 _MOST_NODES: Final = 20_000
 _KINDS: Final = {

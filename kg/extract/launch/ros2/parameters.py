@@ -10,23 +10,212 @@ process may have nodes that launch knows nothing of.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import TYPE_CHECKING, Final, TypeAlias
 
+import yaml
+
 from kg.extract.launch.ros2.actions import ParameterFile, ParameterValue
-from kg.extract.launch.ros2.context import HOLE, GlobalFile, place
-from kg.extract.launch.ros2.parameter_files import read_parameters
-from kg.extract.launch.ros2.values import Performed, of_object, of_text
+from kg.extract.launch.ros2.context import HOLE, GlobalFile, place, read
+from kg.extract.launch.ros2.template import TemplateError, parse_template
+from kg.extract.launch.ros2.values import LOADER, Performed, of_object, of_text, of_yaml
 from kg.facts import LaunchParameter, LaunchProblemKind, Location
 from kg.names import is_for_node
+from kg.yamltext import compose_yaml
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
+    from kg.corpus.files import FilePath
     from kg.extract.launch.ros2.actions import ParameterSource
     from kg.extract.launch.ros2.context import Context
     from kg.facts import StartedNode
 
-__all__ = ["Asked", "given_parameter", "node_parameters", "without_others"]
+__all__ = ["Asked", "Entry", "Rewriting", "given_parameter", "node_parameters", "read_parameters", "without_others"]
+
+_PARAMETERS: Final = "ros__parameters"
+_MOST_DEPTH: Final = 60
+_MOST_ENTRIES: Final = 50_000
+_MOST_CHARACTERS: Final = 5_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A parameter of a file: the name of the node it is for, its own name in parts, its value as YAML, and its line.
+
+    `node` is None in a file that names no nodes at all. `location` is that of what set the value, where it is not the
+    file.
+    """
+
+    node: str | None
+    names: tuple[str, ...]
+    value: str
+    type: str | None
+    line: int
+    location: Location | None = None
+
+
+def read_parameters(
+    context: Context, path: str, *, substitutions: bool = False
+) -> tuple[FilePath, Sequence[Entry]] | None:
+    """Return the file that a text names with its parameters; None, and a problem, where it cannot be read.
+
+    With `substitutions` those in the file are performed.
+    """
+    found = read(context, path)
+    if found is None:
+        return None
+    file, content = found
+    made = context.found.generated.get(path)
+    if made is not None and made.entries is not None:
+        return file, [_performed(context, entry) for entry in made.entries] if substitutions else made.entries
+    try:
+        return file, _entries(_substituted(context, content) if substitutions else content)
+    except ValueError as error:
+        message, line = error.args
+        where = place(context.files, file, line)
+        context.problem(LaunchProblemKind.MALFORMED, f"`{file.path}` {message}", file.path, where)
+        return None
+
+
+def _performed(context: Context, entry: Entry) -> Entry:
+    """Return a parameter with the substitutions in its value performed."""
+    if "$(" not in entry.value:
+        return entry
+    value, kind = of_text(_substituted(context, entry.value.encode()).decode())
+    return replace(entry, value=HOLE if value is None else value, type=kind)
+
+
+def _substituted(context: Context, content: bytes) -> bytes:
+    try:
+        return context.perform(parse_template(content.decode())).encode("utf-8", "replace")
+    except TemplateError as error:
+        context.problem(LaunchProblemKind.MALFORMED, str(error))
+        return content
+
+
+@lru_cache(maxsize=256)
+def _entries(content: bytes) -> tuple[Entry, ...]:
+    """Return the parameters of a file in its order; raises `ValueError` with what is wrong and the line."""
+    try:
+        root = compose_yaml(content.decode(), LOADER)
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        problem = getattr(error, "problem", None) or "cannot be parsed"
+        raise ValueError(f"is no YAML: {problem}", mark.line + 1 if mark else 1) from error
+    except RecursionError as error:
+        raise ValueError("is nested too deep", 1) from error
+    walk = _Walk()
+    return tuple(walk.nodes(root, (), 0)) or tuple(walk.leaves(root, None, (), 0))
+
+
+class _Walk:
+    """One walk over a document, which bounds what its aliases can make of it."""
+
+    def __init__(self) -> None:
+        self._count = 0
+        self._characters = 0
+
+    def nodes(self, node: yaml.Node | None, names: tuple[str, ...], depth: int) -> Iterator[Entry]:
+        """Yield the parameters of all nodes below a mapping."""
+        for key, value in self._pairs(node, depth):
+            if key.value == _PARAMETERS:
+                yield from self.leaves(value, _joined(names), (), depth + 1)
+            elif isinstance(value, yaml.MappingNode):
+                yield from self.nodes(value, (*names, key.value), depth + 1)
+
+    def leaves(self, node: yaml.Node | None, owner: str | None, names: tuple[str, ...], depth: int) -> Iterator[Entry]:
+        """Yield the parameters of a mapping of names, with the line of each."""
+        for key, value in self._pairs(node, depth):
+            below = (*names, key.value)
+            if isinstance(value, yaml.MappingNode):
+                yield from self.leaves(value, owner, below, depth + 1)
+            else:
+                written, kind = self._written(value, key.start_mark.line + 1)
+                yield Entry(owner, below, written, kind, key.start_mark.line + 1)
+
+    def _written(self, node: yaml.Node, line: int) -> tuple[str, str | None]:
+        try:
+            written, kind = of_yaml(node)
+        except ValueError as error:
+            raise ValueError(f"has a value {error}", line) from error
+        self._characters += len(written)
+        if self._characters > _MOST_CHARACTERS:
+            raise ValueError(f"means more than {_MOST_CHARACTERS} characters", line)
+        return written, kind
+
+    def _pairs(self, node: yaml.Node | None, depth: int) -> Iterator[tuple[yaml.ScalarNode, yaml.Node]]:
+        if depth > _MOST_DEPTH:
+            raise ValueError(f"is nested deeper than {_MOST_DEPTH} levels", node.start_mark.line + 1 if node else 1)
+        for key, value in node.value if isinstance(node, yaml.MappingNode) else ():
+            self._count += 1
+            if self._count > _MOST_ENTRIES:
+                raise ValueError(f"means more than {_MOST_ENTRIES} values", key.start_mark.line + 1)
+            if isinstance(key, yaml.ScalarNode) and key.tag != "tag:yaml.org,2002:merge":
+                yield key, value
+            elif isinstance(key, yaml.ScalarNode):
+                yield from self._merged(value, depth)
+
+    def _merged(self, node: yaml.Node, depth: int) -> Iterator[tuple[yaml.ScalarNode, yaml.Node]]:
+        for part in node.value if isinstance(node, yaml.SequenceNode) else [node]:
+            yield from self._pairs(part, depth + 1)
+
+
+def _joined(names: Sequence[str]) -> str:
+    """Return the name of a node from the keys above its parameters."""
+    absolute = "/" if names and names[0].startswith("/") else ""
+    return absolute + "/".join(part.strip("/") for part in names if part.strip("/"))
+
+
+@dataclass(frozen=True, slots=True)
+class Rewriting:
+    """What is put into a copy of a file: new names of `keys`, new `values`, and a `root` above all nodes.
+
+    A value is named by its key alone, or by the whole path to it, which is added where the file does not have it;
+    `instead` has what takes the place of a value, whatever its key.
+    """
+
+    keys: Mapping[str, str]
+    values: Mapping[str, str]
+    instead: Mapping[str, str]
+    root: str
+    location: Location
+
+    def applied(self, listed: Sequence[Entry]) -> tuple[Entry, ...]:
+        """Return the parameters of the copy."""
+        known = {_path(entry) for entry in listed}
+        fresh = [self._added(path) for path in self.values if path not in known and f".{_PARAMETERS}." in path]
+        return tuple(self._rewritten(entry) for entry in (*listed, *fresh))
+
+    def _added(self, path: str) -> Entry:
+        node, _, names = path.partition(f".{_PARAMETERS}.")
+        return Entry(node.replace(".", "/"), tuple(names.split(".")), "", None, self.location.line)
+
+    def _rewritten(self, entry: Entry) -> Entry:
+        path, keys, node = _path(entry), self.keys, entry.node
+        wanted = self.values.get(path, self.values.get(path.lstrip("."), self.values.get(entry.names[-1])))
+        wanted = self.instead.get(entry.value) if wanted is None else wanted
+        names = tuple(keys.get(name, name) for name in entry.names)
+        if node is not None:
+            node = "/".join(keys.get(part, part) for part in node.split("/"))
+            node = _joined((self.root, node)) if self.root.strip("/") else node
+        if wanted is None:
+            return Entry(node, names, entry.value, entry.type, entry.line, entry.location)
+        value, kind = _converted(wanted)
+        value = HOLE if value is None else value
+        return replace(entry, names=names, node=node, value=value, type=kind, location=self.location)
+
+
+def _path(entry: Entry) -> str:
+    above = () if entry.node is None else (*entry.node.split("/"), _PARAMETERS)
+    return ".".join((*above, *entry.names))
+
+
+def _converted(text: str) -> tuple[str | None, str | None]:
+    """Return the value and type of a text put into a file: a number or a truth value, else a text."""
+    value, kind = of_text(text)
+    return (value, kind) if kind in ("int", "double", "bool") else of_text(text, "string")
+
 
 _ALL: Final = "/**"
 _MOST: Final = 200_000

@@ -12,13 +12,9 @@ from typing import TYPE_CHECKING, Final
 
 from kg.extract.launch.expressions import NotKnownError
 from kg.extract.launch.ros1.substitute import Substituter
-from kg.extract.launch.ros1.texts import HOLE, shown
-from kg.extract.launch.xacro.document import DESCRIPTION, Element
-from kg.extract.launch.xacro.early import collect
-from kg.extract.launch.xacro.loading import Loading
-from kg.extract.launch.xacro.macros import called, grab_macro
-from kg.extract.launch.xacro.table import Block, Macro, Table, truth
-from kg.extract.launch.xacro.texts import Around, Texts
+from kg.extract.launch.ros1.values import HOLE, shown
+from kg.extract.launch.xacro.table import DESCRIPTION, Block, Element, Macro, Table, called, grab_macro, truth
+from kg.extract.launch.xacro.texts import Around, Loading, Texts
 from kg.facts import LaunchProblemKind
 from kg.holes import ANONYMOUS
 
@@ -30,9 +26,59 @@ if TYPE_CHECKING:
 
 __all__ = ["Description", "Made", "Trouble", "evaluate_description"]
 
+_MOST_FILES: Final = 500
+_MOST_ELEMENTS: Final = 100_000
+
+
+def collect(file: FilePath, files: Files, loading: Loading, texts: Texts) -> Table:
+    """Return a scope with every macro and property of a file and what it includes."""
+    table = Table(texts.value)
+    waiting, seen, count = [file], {file}, 0
+    while waiting:
+        current = waiting.pop(0)
+        data = loading.data(current)
+        root = DESCRIPTION.read(data).root if data is not None else None
+        for element in _commands(root) if root is not None else ():
+            count += 1
+            if count > _MOST_ELEMENTS:
+                return table
+            found = _define(table, element, current)
+            if found is None:
+                continue
+            included = loading.find(texts.text(found, table), files.folder(current)).file
+            if included is not None and included not in seen and len(seen) < _MOST_FILES:
+                seen.add(included)
+                waiting.append(included)
+    return table
+
+
+def _define(table: Table, element: Element, file: FilePath) -> str | None:
+    """Keep a macro or property; return what an include names."""
+    attributes = element.attributes
+    if element.command == "macro":
+        macro = grab_macro(element, file)
+        table.macros[macro.name] = macro
+    elif element.command == "property" and "value" in attributes:
+        table.set(attributes.get("name", ""), attributes["value"], lazy=True)
+    elif element.command == "property":
+        table.blocks[attributes.get("name", "")] = Block(tuple(element.children), None, file)
+    elif element.command == "include" and "ns" not in attributes:
+        return attributes.get("filename")
+    return None
+
+
+def _commands(root: Element) -> Iterator[Element]:
+    """Yield the elements that are not part of a macro, in the order of the file."""
+    waiting = [root]
+    while waiting:
+        element = waiting.pop()
+        yield element
+        if element.command != "macro":
+            waiting.extend(reversed(list(element.elements())))
+
+
 _MOST_LEVELS: Final = 120
 """Of elements, macros and includes in one another, each of which takes frames of the interpreter's stack."""
-_MOST_ELEMENTS: Final = 100_000
 _PLUGIN: Final = "plugin"
 _AROUND: Final = frozenset({"sensor", "camera", "topic"})
 """Elements whose attributes and texts say something of the plugins near them."""

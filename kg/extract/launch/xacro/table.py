@@ -1,24 +1,70 @@
-"""Properties in force at a place of a description, by the rules of xacro: evaluated when first used, in their scope.
+"""The scopes of a description: properties, blocks and macros in force at a place, by the rules of xacro.
 
-Source: wiki.ros.org/xacro, "Properties and Property Blocks", "Macros"; the scope of a macro stands within that of its
-caller, and that of an included file with a namespace within that of the file that includes it.
+Properties are evaluated when first used, in their scope. The scope of a macro is within that of its caller, and that of
+an included file with a namespace within that of the file that includes it.
+Source: wiki.ros.org/xacro, "Properties and Property Blocks", "Macros", "Default parameter values".
 """
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.launch.expressions import NotKnownError
-from kg.extract.launch.ros1.texts import HOLE
+from kg.extract.launch.markup import Markup
+from kg.extract.launch.ros1.values import HOLE
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator, Sequence
 
     from kg.corpus.files import FilePath
-    from kg.extract.launch.xacro.document import Element
+    from kg.extract.launch.xacro.texts import Texts
 
-__all__ = ["Block", "Macro", "Table", "literal", "truth"]
+__all__ = ["DESCRIPTION", "Block", "Element", "Macro", "Table", "called", "grab_macro", "truth"]
+
+_PREFIX: Final = "xacro:"
+_OLD_STYLE: Final = {
+    "property": {"name"},
+    "macro": {"name"},
+    "include": {"filename"},
+    "insert_block": {"name"},
+    "if": {"value"},
+    "unless": {"value"},
+}
+"""Commands that may stand without prefix, with the attributes that tell them from elements of the description."""
+
+
+@dataclass(slots=True)
+class Element:
+    """An element; `line` is that of its start tag, `children` are elements and pieces of text in their order."""
+
+    tag: str
+    attributes: dict[str, str]
+    line: int
+    children: list[Element | str] = field(default_factory=list)
+
+    @property
+    def command(self) -> str | None:
+        """The name of the command of xacro that it is, or of the macro that it calls; None for any other element."""
+        if self.tag.startswith(_PREFIX):
+            return self.tag.removeprefix(_PREFIX)
+        needed = _OLD_STYLE.get(self.tag)
+        return self.tag if needed is not None and needed <= self.attributes.keys() else None
+
+    def elements(self) -> Iterator[Element]:
+        """Yield the elements directly in it."""
+        return (child for child in self.children if isinstance(child, Element))
+
+
+def _text(parent: Element, text: str, _line: int) -> None:
+    if not text.isspace():
+        parent.children.append(text)
+
+
+DESCRIPTION: Final = Markup(Element, _text, whole_texts=True, kept=512)
+"""The language of robot descriptions."""
+
 
 _WORDS: Final = {"true": True, "True": True, "false": False, "False": False}
 _MOST_DIGITS: Final = 30
@@ -161,3 +207,57 @@ def truth(value: object) -> bool:
             raise NotKnownError
         return _WORDS[value] if value in _WORDS else bool(int(value))
     return bool(value)
+
+
+_PARAMETER: Final = re.compile(
+    r"""\s*(?P<name>[^\s:=]+)"""
+    r"""(?P<given>\s*:?=\s*(?P<forward>\^\|?)?"""
+    r"""(?P<default>\$\{[^}]*\}|\$\([^)]*\)|(?:'[^']*'|"[^"]*"|[^\s'"])*))?(?=\s|$)"""
+)
+_MOST_PARAMETERS: Final = 1000
+
+
+def grab_macro(element: Element, file: FilePath) -> Macro:
+    """Return the macro that an element defines."""
+    parameters: dict[str, tuple[bool, str | None] | None] = {}
+    for found in _PARAMETER.finditer(element.attributes.get("params", "")):
+        if len(parameters) >= _MOST_PARAMETERS:
+            break
+        default = (found["forward"] is not None, found["default"] or None) if found["given"] else None
+        parameters[found["name"]] = default
+    return Macro(element.attributes.get("name", "").removeprefix("xacro:"), element, parameters, file)
+
+
+def called(macro: Macro, around: Table, call: tuple[Element, Table], blocks: Sequence[Block], texts: Texts) -> Table:
+    """Return the scope of a macro's body: what the `call` gives, an element and its scope, else the defaults."""
+    element, caller = call
+    scope = Table(texts.value, around)
+    waiting = iter(blocks)
+    for name, default in macro.parameters.items():
+        if name.startswith("*"):
+            block = next(waiting, None)
+            if block is not None:
+                scope.blocks[name.lstrip("*")] = _content(block) if name.startswith("**") else block
+        elif name in element.attributes:
+            scope.set(name, texts.value(element.attributes[name], caller))
+        elif default is not None:
+            scope.set(name, _default(name, default, around, texts))
+        else:
+            scope.set(name, HOLE)
+    return scope
+
+
+def _default(name: str, default: tuple[bool, str | None], caller: Table, texts: Texts) -> object:
+    forward, written = default
+    if forward and name in caller:
+        try:
+            return caller[name]
+        except NotKnownError:
+            return HOLE
+    return HOLE if written is None and forward else texts.value(written or "", caller)
+
+
+def _content(block: Block) -> Block:
+    """Return what stands in the one element of a block."""
+    inner = (child for element in block.elements if not isinstance(element, str) for child in element.children)
+    return Block(tuple(inner), block.scope, block.file)

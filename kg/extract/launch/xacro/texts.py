@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from kg.extract.launch.expressions import (
     MISSING,
@@ -20,16 +20,63 @@ from kg.extract.launch.expressions import (
     failure,
     is_builtin,
 )
-from kg.extract.launch.ros1.texts import HOLE, MOST_CHARACTERS
+from kg.extract.launch.files import SCHEME, Found
+from kg.extract.launch.ros1.parameterfile import read_tree
+from kg.extract.launch.ros1.values import HOLE, MOST_CHARACTERS, automatic, shown
 from kg.extract.launch.xacro.table import Table
 from kg.facts import LaunchProblemKind
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from kg.corpus.files import FilePath
+    from kg.extract.launch.files import Files
     from kg.extract.launch.ros1.substitute import Note, Substituter
 
-__all__ = ["Around", "Texts", "shown_value"]
+__all__ = ["Around", "Loading", "Texts"]
+
+_MOST_TEXT: Final = 1 << 20
+
+
+class Loading:
+    """Finds and reads files; `read` are those that were read, in their order."""
+
+    def __init__(self, files: Files) -> None:
+        self.read: dict[FilePath, None] = {}
+        self._files = files
+
+    def data(self, file: FilePath) -> bytes | None:
+        """Return the text of a file as UTF-8; None when there is none, or it is too large or binary."""
+        data = self._files.read(file)
+        if data is not None:
+            self.read[file] = None
+        return data
+
+    def find(self, written: str, folder: str) -> Found:
+        """Return the file that a text names from a folder."""
+        text = written if written.startswith(("/", SCHEME)) or "://" in written else f"{folder}/{written}"
+        if HOLE in text or any(mark in text for mark in "*?["):
+            return Found(None, reason=f"which file {shown(text)} is, is not known", subject=text)
+        return self._files.find(text)
+
+    def yaml(self, written: str, folder: str) -> object:
+        """Return a file of YAML as dictionaries; `NotKnownError` where there is none that can be read."""
+        file = self.find(written, folder).file
+        data = self.data(file) if file is not None else None
+        if data is None or len(data) > _MOST_TEXT:
+            raise NotKnownError
+        tree = read_tree(data.decode())
+        if not tree.is_mapping or tree.problems:
+            raise NotKnownError
+        whole: dict[str, Any] = {}
+        for leaf in tree.leaves:
+            inner = whole
+            for key in leaf.keys[:-1]:
+                inner = inner.setdefault(key, {})
+            value = leaf.value
+            inner[leaf.keys[-1]] = HOLE if value is None else automatic(value.strip("'\"") if leaf.type else value)
+        return whole
+
 
 _TOKEN: Final = re.compile(r"\$\$+(?=[{(])|\$\{[^}]*\}|\$\([^)]*\)|[^$]+|\$")
 _NAME: Final = re.compile(r"[^\W\d]\w*")

@@ -11,8 +11,7 @@ from kg.corpus.reading import Reader
 from kg.corpus.workspace import Workspace, scan
 from kg.extract.launch.files import Files
 from kg.extract.launch.ros2 import execute, nodes, parameters
-from kg.extract.launch.ros2.evaluate import evaluate
-from kg.extract.launch.ros2.read import dialect_by_ending
+from kg.extract.launch.ros2.execute import dialect_by_ending, evaluate
 from kg.facts import LaunchProblemKind, Repository
 
 if TYPE_CHECKING:

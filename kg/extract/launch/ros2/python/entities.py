@@ -12,10 +12,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.extract.launch.ros2 import actions as kinds
 from kg.extract.launch.ros2.actions import Group, NodeAction
-from kg.extract.launch.ros2.python.conditions import condition_on
-from kg.extract.launch.ros2.python.nodes import NODES
-from kg.extract.launch.ros2.python.parameters import value_of
-from kg.extract.launch.ros2.python.substitutions import file_of, is_substitution, pairs_of
+from kg.extract.launch.ros2.python.nodes import NODES, value_of
+from kg.extract.launch.ros2.python.substitutions import condition_on, file_of, is_substitution, pairs_of
 from kg.extract.launch.ros2.python.values import (
     Made,
     entries_of,

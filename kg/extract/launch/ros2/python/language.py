@@ -5,18 +5,20 @@ A class or function outside of the build is known by its name (`kg.extract.launc
 
 from __future__ import annotations
 
+import ast
 import posixpath
-from dataclasses import replace
+import warnings
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
 from kg.corpus.files import FilePath
 from kg.extract.launch.ros2.context import HOLE
 from kg.extract.launch.ros2.python import library
-from kg.extract.launch.ros2.python.source import Broken, parse
 from kg.extract.launch.ros2.python.values import Made, later, launch_text, reason_of, text_of
 from kg.extract.python.calls import Calls
 from kg.extract.python.language import Python
-from kg.extract.python.modules import BUILTINS
+from kg.extract.python.modules import BUILTINS, PythonUnit
 from kg.extract.python.paths import METHODS
 from kg.symbolic.operators import plain
 from kg.symbolic.values import (
@@ -41,12 +43,41 @@ if TYPE_CHECKING:
     from kg.extract.launch.ros2.python.machine import LaunchMachine
     from kg.extract.launch.ros2.python.reading import Reading
     from kg.extract.launch.ros2.texts import Substitution
-    from kg.extract.python.units import PythonUnit
     from kg.symbolic import form
     from kg.symbolic.form import Expression
     from kg.symbolic.state import Arguments, Frame
 
-__all__ = ["LaunchModules", "LaunchPython"]
+__all__ = ["Broken", "LaunchPython", "parse"]
+
+_MAX_BYTES = 2_000_000
+_REMEMBERED = 256
+
+
+@dataclass(frozen=True, slots=True)
+class Broken:
+    """A text that is no Python, the line and what is wrong there."""
+
+    line: int
+    message: str
+
+
+@lru_cache(maxsize=_REMEMBERED)
+def parse(file: FilePath, text: bytes) -> PythonUnit | Broken:
+    """Return the form of a Python file, or where it is broken."""
+    if len(text) > _MAX_BYTES:
+        return Broken(1, "the file is too large to be read")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            ast.parse(text)
+    except SyntaxError as error:
+        return Broken(max(error.lineno or 1, 1), f"it is no valid Python: {error.msg}")
+    except ValueError as error:  # null bytes, texts that cannot be decoded, numbers beyond the limit
+        return Broken(1, f"it is no valid Python: {error}")
+    except (RecursionError, MemoryError):
+        return Broken(1, "it is nested too deeply to be read")
+    return PythonUnit(file, text, {})
+
 
 _OUTSIDE: Final = frozenset(
     {

@@ -1,6 +1,6 @@
-"""The substitutions of launch and launch_ros: objects of their classes become parts of texts.
+"""The substitutions and conditions of launch and launch_ros: objects of their classes become parts of texts.
 
-Sources: `launch.substitutions`, `launch_ros.substitutions`, `nav2_common.launch`.
+Sources: `launch.substitutions`, `launch.conditions`, `launch_ros.substitutions`, `nav2_common.launch`.
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.launch.ros2.actions import ParameterFile
-from kg.extract.launch.ros2.python.conditions import condition_on
 from kg.extract.launch.ros2.python.values import (
     Made,
     entries_of,
@@ -17,19 +16,60 @@ from kg.extract.launch.ros2.python.values import (
     launch_text,
     reason_of,
 )
-from kg.extract.launch.ros2.texts import Substitution, join, unknown_text
-from kg.symbolic.values import Mapping, Sequence, Text, Truth, Value
+from kg.extract.launch.ros2.texts import Condition, Substitution, join, unknown_text
+from kg.symbolic.values import Either, Mapping, Sequence, Text, Truth, Unknown, Value
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from collections.abc import Mapping as Names
 
     from kg.extract.launch.ros2.texts import Text as LaunchText
     from kg.facts import Location
 
-__all__ = ["PLAIN", "SUBSTITUTIONS", "file_of", "is_substitution", "pairs_of", "substituted"]
+__all__ = [
+    "CONDITIONS",
+    "PLAIN",
+    "SUBSTITUTIONS",
+    "condition",
+    "condition_on",
+    "file_of",
+    "is_substitution",
+    "pairs_of",
+    "substituted",
+]
 
-PLAIN: Final[Names[str, tuple[str, ...]]] = {
+CONDITIONS: Final[dict[str, tuple[str, ...]]] = {
+    "IfCondition": ("predicate_expression",),
+    "UnlessCondition": ("predicate_expression",),
+    "LaunchConfigurationEquals": ("launch_configuration_name", "expected_value"),
+    "LaunchConfigurationNotEquals": ("launch_configuration_name", "expected_value"),
+}
+"""The names of the parameters of each condition, in order."""
+
+
+def condition_on(made: Made) -> Condition | None:
+    """Return the condition of an action; one that is not known is kept in the words of the file."""
+    value = made.value("condition")
+    if value is None:
+        return None
+    if isinstance(value, Made) and value.name in CONDITIONS:
+        return condition(value)
+    return Condition(None, written=made.words("condition"))
+
+
+def condition(made: Made) -> Condition:
+    """Return what an object of a condition stands for."""
+    negated = made.name.startswith(("Unless", "LaunchConfigurationNot"))
+    name, *expected = CONDITIONS[made.name]
+    held = made.value(name)
+    if isinstance(held, Unknown | Either):
+        return Condition(None, negated=negated, written=made.words(name))
+    if not expected:
+        return Condition(made.text(name) or (), negated=negated, written=made.words(name))
+    operands = (Substitution("var", (made.text(name) or (), ())),), made.text(expected[0]) or ()
+    return Condition((Substitution("equals", operands),), negated=negated, written=made.words(""))
+
+
+PLAIN: Final[dict[str, tuple[str, ...]]] = {
     "Command": ("command", "command"),
     "FindExecutable": ("find-exec", "name"),
     "ExecutableInPackage": ("exec-in-pkg", "executable", "package"),
@@ -52,7 +92,7 @@ PLAIN: Final[Names[str, tuple[str, ...]]] = {
     "EnvironmentVariable": ("env", "name", "default_value"),
 }
 """Substitutions whose operands are their arguments, by class: the kind, and the arguments in order."""
-_UNKNOWN: Final[Names[str, str]] = {
+_UNKNOWN: Final[dict[str, str]] = {
     "LaunchLogDir": "the folder of the log files",
     "LaunchConfigurationContext": "a configuration of another file",
     "HasNodeParams": "whether a parameter file has a section for a node",
@@ -175,7 +215,7 @@ def _file(made: Made) -> LaunchText:
     return file_of(made, made.location).read
 
 
-SUBSTITUTIONS: Final[Names[str, tuple[tuple[str, ...], Callable[[Made], LaunchText]]]] = {
+SUBSTITUTIONS: Final[dict[str, tuple[tuple[str, ...], Callable[[Made], LaunchText]]]] = {
     "TextSubstitution": (("text",), _text),
     "BooleanSubstitution": (("text",), _text),
     "PathJoinSubstitution": (("substitutions",), _path),

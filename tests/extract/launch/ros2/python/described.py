@@ -10,7 +10,7 @@ from extract.workspaces import reader_of
 from kg.extract.launch.files import Files
 from kg.extract.launch.ros2.actions import Action, DeclareArgument, Group, Opaque
 from kg.extract.launch.ros2.context import Context
-from kg.extract.launch.ros2.python.read import read_python
+from kg.extract.launch.ros2.python.reading import read_python
 from kg.extract.launch.ros2.texts import Condition, Substitution
 from kg.facts import Location
 

@@ -11,8 +11,8 @@ from kg.corpus.files import FilePath
 from kg.extract.launch.files import Files
 from kg.extract.launch.ros2.actions import Opaque
 from kg.extract.launch.ros2.context import Context
-from kg.extract.launch.ros2.python.read import read_python
-from kg.extract.launch.ros2.python.source import parse
+from kg.extract.launch.ros2.python.language import parse
+from kg.extract.launch.ros2.python.reading import read_python
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -1,1 +1,0 @@
-"""Readers of ROS 2 launch files in XML and YAML."""
