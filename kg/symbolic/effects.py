@@ -98,6 +98,10 @@ class Framework:
 
     def progress(self) -> tuple[int, ...]:
         """Return the number of results so far: if it changes while a function runs, the function has effects."""
+        return (*self.results(), len(self.machine.queued))
+
+    def results(self) -> tuple[int, ...]:
+        """Return the number of results so far, without functions that are still to run."""
         return (
             len(self.declared),
             len(self.marks),
@@ -105,7 +109,6 @@ class Framework:
             len(self.loaded),
             len(self.loadings),
             len(self.node_names),
-            len(self.machine.queued),
         )
 
     # Classes

@@ -23,6 +23,7 @@ from kg.extract.marks import Extracted, Mark
 from kg.extract.slots import slots_of
 from kg.facts import Location, NodeKind, NodeType
 from kg.names import normalise
+from kg.symbolic import form
 from kg.symbolic.containers import COMMAND_LINE
 from kg.symbolic.effects import Framework
 from kg.symbolic.machine import Machine
@@ -39,7 +40,7 @@ if TYPE_CHECKING:
     from kg.extract.cpp.units import CppUnit
     from kg.facts import Interface, Parameter
     from kg.symbolic.descriptions import Descriptions
-    from kg.symbolic.form import Class
+    from kg.symbolic.form import Class, Function
 
 __all__ = ["read_nodes"]
 
@@ -61,6 +62,8 @@ _ROS2: Final = 2
 _COMMON: Final = 6
 """The length of names of calls that occur in most sources."""
 _RECURSION: Final = 20_000
+_STARTING: Final = (("rclcpp", "init"), ("rclcpp", "spin"), ("rclcpp", "shutdown"))
+"""Functions that declare nothing, of which programs consist that only start a node."""
 
 
 def read_nodes(reader: Reader, package: PackageFolder, build: BuildModel, calls: Descriptions) -> list[Extracted]:
@@ -80,6 +83,9 @@ class _Nodes:
         self._calls = calls
         self._project = Project(reader, package, build)
         self._package = package
+        self._plugins_read: dict[PluginClass, list[Extracted]] = {}
+        self._alone: dict[Class, Extracted] = {}
+        """The components that declare everything while they are constructed without arguments."""
         self.build = build
 
     def read(self) -> list[Extracted]:
@@ -89,7 +95,7 @@ class _Nodes:
         made = {plugin.executable for plugin in plugins if plugin.executable}
         for target in self.build.targets:
             if target.kind is TargetKind.EXECUTABLE and (target.output_name or target.name) not in made:
-                found += self._executable(target)
+                found += self._executable(target, plugins)
         for plugin in plugins:
             found += self.plugin(plugin)
         if not found and self._package.name not in FRAMEWORKS:
@@ -114,7 +120,7 @@ class _Nodes:
                 sources = [cast("CppUnit", one).source for one in units]
                 if not any(word in source for source in sources for word in words):
                     continue
-                root = self._started(machine, language, framework, cls)
+                root, _ = self._started(machine, language, framework, cls)
                 node = NodeType(cls.name, NodeKind.CLASS, "cpp", 0, Location(file.path, cls.line), sources=(file.path,))
                 extracted = self._extracted(framework, node, root)
                 found += [one for one in extracted if any(i.name or i.parameter for i in one.node.interfaces)]
@@ -141,7 +147,7 @@ class _Nodes:
         language.machine = framework.machine = machine
         return machine, language, framework
 
-    def _executable(self, target: Target) -> list[Extracted]:
+    def _executable(self, target: Target, plugins: list[PluginClass]) -> list[Extracted]:
         machine, language, framework = self._machine(self._files(target))
         own = [unit for unit in (language.linker.load(self._project.own(path)) for path in target.sources) if unit]
         units = own + [unit for unit in language.linker.units.values() if unit not in own]
@@ -149,14 +155,28 @@ class _Nodes:
         if not mains:
             return []
         main = mains[0]
+        name = target.output_name or target.name
+        place = Location(main.unit.path, main.line)
+        node = NodeType(name, NodeKind.EXECUTABLE, "cpp", 0, place, executable=name, sources=target.sources)
+        component = self._component(main, language, plugins)
+        if component is not None:  # running the program would run all of the component again
+            return [replace(component, node=_as_executable(component.node, node))]
         machine.stack.append(Site(main.unit, main.line))
         arguments: list[Value] = [Unknown("it is the number of arguments", "argc"), COMMAND_LINE]
         machine.invoke(main, Frame(main.unit, ()), arguments[: len(main.parameters)])
         machine.drain()
-        name = target.output_name or target.name
-        place = Location(main.unit.path, main.line)
-        node = NodeType(name, NodeKind.EXECUTABLE, "cpp", 0, place, executable=name, sources=target.sources)
         return self._extracted(framework, node, None)
+
+    def _component(self, main: Function, language: Cpp, plugins: list[PluginClass]) -> Extracted | None:
+        """Return the component that declares all that a program declares; None if there is none."""
+        started = _started_by(main)
+        meant = language.kind(started, Frame(main.unit, ())) if started is not None else None
+        if not isinstance(meant, Kind) or meant.cls is None:
+            return None
+        for plugin in plugins:
+            if _last(plugin.type) == meant.name:
+                self.plugin(plugin)
+        return self._alone.get(meant.cls)
 
     def _plugins(self) -> Iterator[PluginClass]:
         """Yield the classes registered in the build files, then those registered in code only."""
@@ -188,12 +208,17 @@ class _Nodes:
 
     def plugin(self, plugin: PluginClass) -> list[Extracted]:
         """Return the node of a registered class; none if the class is not found."""
+        if plugin not in self._plugins_read:
+            self._plugins_read[plugin] = self._read_plugin(plugin)
+        return self._plugins_read[plugin]
+
+    def _read_plugin(self, plugin: PluginClass) -> list[Extracted]:
         for files in self._libraries(plugin):
             machine, language, framework = self._machine(files)
             cls = self._class(language.linker, plugin.type)
             if cls is None:
                 continue
-            root = self._started(machine, language, framework, cls, plugin.registration)
+            root, complete = self._started(machine, language, framework, cls, plugin.registration)
             name = plugin.executable or _last(plugin.name)
             place = Location(cls.unit.path, cls.line)
             methods = language.linker.methods(cls).values()
@@ -210,7 +235,10 @@ class _Nodes:
                 sources=tuple(sources),
                 exported=plugin.location,
             )
-            return self._extracted(framework, node, root)
+            found = self._extracted(framework, node, root)
+            if found and complete and found[0].node.node_name is not None:
+                self._alone[cls] = found[0]
+            return found
         return []
 
     def _started(
@@ -220,9 +248,10 @@ class _Nodes:
         framework: Framework,
         cls: Class,
         registration: Registration | None = None,
-    ) -> Object:
+    ) -> tuple[Object, bool]:
         """Create an object of a class, and run the methods that its loader may call.
 
+        Return the object, and whether it declared everything while it was created without arguments.
         A registered class gets its default arguments; a class of a library gets unknown ones. The loader of a nodelet
         calls virtual methods only, as that of a node.
         """
@@ -243,11 +272,12 @@ class _Nodes:
         language.initialise(root, kind, given)
         framework.constructed(root)
         machine.drain()
+        before = (framework.results(), list(framework.declared))
         for name in _called_from_outside(language, kind, node=nodelet or framework.host is root):
             if not all(id(function) in machine.executed for function, _ in language.methods(kind, name)[:1]):
                 language.escape([Bound(name, root)])
                 machine.drain()
-        return root
+        return root, not given and before == (framework.results(), framework.declared)
 
     def _libraries(self, plugin: PluginClass) -> Iterator[list[FilePath]]:
         """Yield sets of files that may define a plugin: its library, the file that registers it, all of the package."""
@@ -329,6 +359,46 @@ class _Nodes:
         if any(one.name == "rclcpp_lifecycle::LifecycleNode" for one in described):
             marks.append(Mark("ros2.lifecycle", node.location))
         return [Extracted(whole, tuple(dict.fromkeys(marks)))]
+
+
+def _started_by(main: Function) -> form.Type | None:
+    """Return the class of the only object that a program creates, without arguments, to spin it and to end."""
+    found: list[form.Type] = []
+    pending: list[object] = [main.body]
+    while pending:
+        one = pending.pop()
+        if isinstance(one, form.Block):
+            pending += one.body
+        elif isinstance(one, form.Declare) and (one.type is None or one.type.names != ("auto",)):
+            return None  # its type may be a class that the value is converted to
+        elif isinstance(one, form.Step | form.Return | form.Declare) and one.value is not None:
+            pending.append(one.value)
+        elif isinstance(one, form.Call) and isinstance(one.function, form.Name):
+            names, template = one.function.names, one.function.template
+            if names == ("std", "make_shared") and not one.arguments:
+                found += [given for given in template if isinstance(given, form.Type)]
+            elif names not in _STARTING:
+                return None
+            pending += one.arguments
+        elif isinstance(one, form.Call) and isinstance(one.function, form.Member):
+            if one.function.name != "get_node_base_interface" or not isinstance(one.function.of, form.Name):
+                return None
+        elif not isinstance(one, form.Name | form.Literal):
+            return None
+    return found[0] if len(found) == 1 else None
+
+
+def _as_executable(loaded: NodeType, executable: NodeType) -> NodeType:
+    """Return the node that a program starts, whose class was read as a component."""
+    return replace(
+        executable,
+        ros=loaded.ros,
+        node_name=loaded.node_name,
+        interfaces=loaded.interfaces,
+        parameters=loaded.parameters,
+        bounds=loaded.bounds,
+        slots=loaded.slots,
+    )
 
 
 def _version(framework: Framework) -> int:
