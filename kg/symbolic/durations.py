@@ -73,8 +73,10 @@ def _of_parts(seconds: Value, nanoseconds: Value) -> float | None:
 
 def scaled(sign: str, row: tuple[Value, ...]) -> Object | None:
     """Return the duration that `2 * 100ms`, `1s / 4` or `1s + 5ms` computes; None if no operand is a duration."""
+    if sign not in ("+", "-", "*", "/"):
+        return None
     first = next((value for value in row if isinstance(value, Object) and "seconds" in value.native), None)
-    if first is None or sign not in ("+", "-", "*", "/"):
+    if first is None:
         return None
     values = [value.value if isinstance(value, Number) else seconds_of(value) for value in row]
     durations = sum(1 for value in row if isinstance(value, Object))

@@ -54,16 +54,16 @@ class Kinds:
         self._linker = language.linker
         self._meanings: dict[tuple[object, ...], Kind | Value] = {}
         """Types by names, template arguments, file, scope and depth of the search."""
-        self._plain: dict[tuple[int, Unit, tuple[str, ...]], tuple[Type, Kind | Value]] = {}
+        self._plain: dict[tuple[int, Unit, tuple[str, ...], int], tuple[Type, Kind | Value]] = {}
         """The types that mean the same in all frames of a file and scope, by the identity of what is written."""
         self._chains: dict[object, tuple[list[tuple[Class, dict[str, Value]]], list[Kind]]] = {}
         self._methods: dict[object, dict[str, list[tuple[Function, dict[str, Value]]]]] = {}
 
     def kind(self, kind: Type, frame: Frame, depth: int = 0) -> Kind | Value:
         """Return what a type means in a frame: a `Kind`, or the value of a template parameter."""
-        if depth or frame.templated:
+        if frame.templated:
             return self._meant(kind, frame, depth)
-        key = (id(kind), frame.unit, frame.scope)
+        key = (id(kind), frame.unit, frame.scope, depth)
         known = self._plain.get(key)
         if known is None:
             found = self._meant(kind, frame, depth)
