@@ -12,10 +12,9 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from kg.cli.links import Links
-    from kg.compare import Finding, Side, Sources
+    from kg.compare import Side, Sources
     from kg.graph.source_states import SourceState
     from kg.graph.systems_reading import SystemName
-    from kg.lint.finding import Finding as Found
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
 
@@ -92,12 +91,13 @@ def known(store: EmbeddedStore, settings: Settings, launch: str | None) -> Known
     from kg.graph.systems_reading import system_names, systems  # noqa: PLC0415 - start-up time
     from kg.lint.reading import read_findings  # noqa: PLC0415 - start-up time
     from kg.pipeline.launch_names import matching  # noqa: PLC0415 - start-up time
+    from kg.views.impact_changes import compared_finding  # noqa: PLC0415 - start-up time
 
     with store.read() as snapshot:
         every = system_names(snapshot)
         names = every if launch is None else matching(every, launch)
         chosen = {one.name for one in names}
-        findings = [_finding(one) for one in read_findings(snapshot, settings.base) if one.system in chosen]
+        findings = [compared_finding(one) for one in read_findings(snapshot, settings.base) if one.system in chosen]
         nodes = node_records(snapshot) if launch is None else []
         found = Sources(nodes, systems(snapshot, names, settings.base), findings)
         return Known(found, {one.name: one for one in sources(snapshot)}, every)
@@ -109,13 +109,3 @@ def address(links: tuple[Links, Links], side: Side, *, is_after: bool) -> str | 
         return None
     found = links[is_after].to(side.repository, side.location)
     return found if found and found.startswith("https://") else None
-
-
-def _finding(found: Found) -> Finding:
-    from kg.compare import Finding  # noqa: PLC0415 - start-up time
-    from kg.facts import Location  # noqa: PLC0415 - start-up time
-
-    place = found.place
-    location = Location(place.path, place.line) if place and place.line is not None else None
-    subject = found.subjects[0] if found.subjects else ""
-    return Finding(found.system, found.code, subject, found.message, location, place.repository if place else "")

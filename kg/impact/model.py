@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "CHANNELS",
+    "GIVING",
     "VERBS",
     "Area",
     "DefinitionRecord",
@@ -56,6 +57,8 @@ VERBS: Final = {
     Role.ACTION_CLIENTS: "calls",
 }
 """What a node does with a channel, in words."""
+GIVING: Final = frozenset({Role.PUBLISHES, Role.SERVICES, Role.ACTION_SERVERS})
+"""What goes on without anybody at the other side."""
 
 
 @dataclass(frozen=True, slots=True, order=True)

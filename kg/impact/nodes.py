@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections import defaultdict
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import Location, NodeReference, Role
+from kg.facts import Location, NodeReference
 from kg.holes import is_known
-from kg.impact.model import VERBS, Area, Effect, Grade
+from kg.impact.model import GIVING, VERBS, Area, Effect, Grade
 from kg.impact.started import ends_of, partners
 from kg.impact.values import area_of, elements
 from kg.render.text import count
@@ -23,8 +23,6 @@ __all__ = ["node_about", "node_effects", "node_records_of"]
 
 _LISTS: Final = "node_names"
 """The parameter in which a lifecycle manager lists the nodes that it manages."""
-_GIVING: Final = frozenset({Role.PUBLISHES, Role.SERVICES, Role.ACTION_SERVERS})
-"""What goes on without anybody at the other side."""
 
 
 def node_records_of(subject: Subject, world: World) -> list[Record]:
@@ -149,7 +147,7 @@ def _partner(
     system: System, instance: NodeInstance, other: NodeInstance, end: InstanceInterface, left: list[str]
 ) -> Effect:
     condition = instance.started.condition or other.started.condition
-    if end.declared.role in _GIVING:
+    if end.declared.role in GIVING:
         grade, reason = (
             Grade.MAY,
             f"loses {instance.name}; nobody else uses it" if not left else f"loses {instance.name}",

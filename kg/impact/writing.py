@@ -12,9 +12,20 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from kg.facts import Location
+    from kg.impact.changes import Broken
     from kg.impact.model import Effect, Impact
 
-__all__ = ["Link", "impact_lines", "impact_markdown", "impact_object", "summary"]
+__all__ = [
+    "Link",
+    "broken_lines",
+    "broken_markdown",
+    "broken_objects",
+    "broken_summary",
+    "impact_lines",
+    "impact_markdown",
+    "impact_object",
+    "summary",
+]
 
 Link: TypeAlias = "Callable[[str, Location], str | None]"
 """Gives the address of a line of a source."""
@@ -113,3 +124,49 @@ def _code(text: str) -> str:
     """Return text as code in a cell: nothing in it is Markdown, HTML or the name of a user."""
     safe = printable(text).replace("`", "'").replace("|", "\\|")
     return f"`{safe}`"
+
+
+def broken_summary(found: Sequence[Broken]) -> str:
+    """Return how many changes break something elsewhere, in one sentence."""
+    if not found:
+        return "no differences"
+    certain = sum(one.count(Grade.BREAKS) > 0 for one in found)
+    possible = sum(bool(one.effects) for one in found) - certain
+    verb = "breaks" if certain == 1 else "break"
+    return f"{count(len(found), 'change')}: {certain} {verb} something elsewhere, {possible} may"
+
+
+def broken_lines(found: Sequence[Broken]) -> list[str]:
+    """Return lines for people: each change that breaks something, with what it breaks."""
+    lines = []
+    for one in found:
+        if one.effects:
+            where = f"  {one.location}" if one.location else ""
+            lines += [printable(f"{one.words}{where}"), *_effect_lines(one.effects), ""]
+    return [*lines, broken_summary(found)]
+
+
+def broken_markdown(found: Sequence[Broken], title: str, link: Link | None = None, *, most: int = 200) -> str:
+    """Return Markdown: the numbers, then a table for each change that breaks something."""
+    parts = [f"### {_code(title)}", "", f"**{broken_summary(found)}**", ""]
+    for one in found:
+        if one.effects:
+            parts += [f"#### {_code(one.words)}", "", "|   | what | why | where |", "|---|---|---|---|"]
+            parts += [_row(each, link) for each in one.effects[:most]]
+            more = len(one.effects) - most
+            parts += ["", *([f"{count(more, 'more row')} left out.", ""] if more > 0 else [])]
+    return "\n".join(parts)
+
+
+def broken_objects(found: Sequence[Broken]) -> Iterator[dict[str, Any]]:
+    """Yield each change as plain values, ready for JSON; the fields of docs/formats.md."""
+    for one in found:
+        yield {
+            "change": one.words,
+            "file": one.location.path if one.location else None,
+            "line": (one.location.line or None) if one.location else None,
+            "repository": one.repository or None,
+            "breaks": one.count(Grade.BREAKS),
+            "may": one.count(Grade.MAY),
+            "effects": [_effect_object(each) for each in one.effects],
+        }

@@ -7,8 +7,10 @@ fetched.
 
 from __future__ import annotations
 
+import os
 import shutil
 import subprocess
+from contextlib import contextmanager
 from dataclasses import replace
 from hashlib import blake2b
 from pathlib import Path
@@ -16,19 +18,24 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from kg.corpus.git import describe, run_git
+from kg.corpus.sources import is_address
 from kg.errors import Place, SourceError
 from kg.pipeline.build import build
 from kg.pipeline.inferring import digest
 from kg.pipeline.plan import version
+from kg.pipeline.state import load
+from kg.store.backups import back_up
 from kg.store.embedded import EmbeddedStore
 from kg.store.failure import translated
 from kg.store.layout import Layout, user_cache
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from kg.pipeline.report import Report
     from kg.settings import Settings
 
-__all__ = ["Revision", "merge_base", "resolve", "revision_store"]
+__all__ = ["Revision", "beside", "merge_base", "resolve", "revision_store"]
 
 _CHECKOUT_SECONDS: Final = 600.0
 
@@ -86,6 +93,67 @@ def revision_store(folder: Path, revision: Revision, settings: Settings, report:
         build([str(tree)], store, replace(settings, store=made), report, f"kg diff, at {revision[:12]}")
         _keep(made, root)
     return EmbeddedStore(Layout(root))
+
+
+@contextmanager
+def beside(
+    folder: Path, revision: Revision, store: EmbeddedStore | None, settings: Settings, report: Report | None = None
+) -> Iterator[tuple[EmbeddedStore, EmbeddedStore]]:
+    """Yield the stores of a commit and of the work tree of the repository of `folder`, both with all other sources.
+
+    Both begin as copies of `store`, so only what differs from it is read; `store` stays as it is. They are removed at
+    the end. Nothing is fetched.
+
+    Raises:
+        SourceError: KG103 where the commit cannot be checked out.
+        StoreError: as a build.
+    """
+    top = _top(folder)
+    parent = store.layout.root if store else user_cache()
+    with translated(str(parent)):
+        parent.mkdir(parents=True, exist_ok=True)
+    with TemporaryDirectory(prefix="impact-", dir=parent) as scratch:
+        after = _copied(store, Path(scratch) / "after")
+        tree = Path(scratch) / (top.name or "root")
+        _read_again(after, top, top, settings, report)
+        before = _copied(after, Path(scratch) / "before")
+        _check_out(top, revision, tree)
+        _read_again(before, top, tree, settings, report)
+        yield before, after
+
+
+def _copied(store: EmbeddedStore | None, root: Path) -> EmbeddedStore:
+    """Return a copy of a store that shares its files, which are replaced and never edited; an empty one of None."""
+    if store is None or store.layout.current() is None:
+        return EmbeddedStore.create(root)
+    back_up(store.layout, root)
+    for name in ("cache", "changes"):
+        source = store.layout.root / name
+        if source.is_dir():
+            shutil.copytree(source, root / name, copy_function=_share, ignore=shutil.ignore_patterns("*.tmp"))
+    return EmbeddedStore.create(root)
+
+
+def _share(source: str, target: str) -> None:
+    try:
+        os.link(source, target)
+    except OSError:
+        shutil.copyfile(source, target)
+
+
+def _read_again(store: EmbeddedStore, top: Path, tree: Path, settings: Settings, report: Report | None) -> None:
+    """Build the sources of a store again, with `tree` in the place of the checkout `top`."""
+    roots: dict[str, None] = {}
+    state = load(store.layout.cache)
+    for root in state.roots:
+        path = Path(root)
+        if not is_address(root) and path.is_dir() and path.resolve().is_relative_to(top):
+            roots[str(tree / path.resolve().relative_to(top))] = None
+            continue
+        for source in state.sources.values():
+            own = Path(source.repository.root).resolve()
+            roots[str(tree if own == top else own)] = None
+    build([*(roots or {str(tree): None})], store, replace(settings, store=store.layout.root), report, "kg impact")
 
 
 def _keep(made: Path, root: Path) -> None:

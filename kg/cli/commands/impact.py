@@ -1,5 +1,6 @@
 """`kg impact`: what breaks if a name is renamed, removed or changed."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -8,16 +9,17 @@ from kg.cli.drawing import Output, deliver, form_of
 from kg.cli.options import Json, Store
 from kg.cli.output import json_line
 from kg.cli.session import session
-from kg.errors import Exit
+from kg.errors import Exit, StoreError, UsageError
 
 if TYPE_CHECKING:
     from kg.impact import Impact
+    from kg.settings import Settings
     from kg.views.evidence import Places
 
 __all__ = ["impact"]
 
 Name = Annotated[
-    str,
+    str | None,
     typer.Argument(
         metavar="NAME",
         help="A topic, service, action, `package/Type`, `package/Type.field`, `node.parameter`, node, launch argument "
@@ -27,14 +29,24 @@ Name = Annotated[
 KindOf = Annotated[
     str | None, typer.Option("--kind", "-k", metavar="KIND", help="What NAME is, where it means several things.")
 ]
+Diff = Annotated[
+    str | None,
+    typer.Option("--diff", "-d", metavar="COMMIT", help="What the work tree breaks elsewhere, compared with COMMIT."),
+]
+Repository = Annotated[
+    str | None,
+    typer.Option("--repository", "-C", metavar="FOLDER", help="The checkout of --diff; by default this folder."),
+]
 Markdown = Annotated[bool, typer.Option("--markdown", help="Write Markdown for a pull request.")]
 ExitCode = Annotated[bool, typer.Option("--exit-code", help="End with 1 if something breaks.")]
 
 
 def impact(  # noqa: PLR0913 - the options of a command
     context: typer.Context,
-    name: Name,
+    name: Name = None,
     *,
+    diff: Diff = None,
+    repository: Repository = None,
     kind: KindOf = None,
     markdown: Markdown = False,
     json: Json = False,
@@ -51,19 +63,56 @@ def impact(  # noqa: PLR0913 - the options of a command
         kg impact geometry_msgs/Twist.linear
         kg impact amcl.base_frame_id
         kg impact bringup.launch:use_sim_time --json
+        kg impact --diff origin/main --markdown
+
+    With --diff, each difference between COMMIT and the files as they are now is shown with what it breaks in places
+    that did not change. The store is not changed.
     """
+    form = form_of({"markdown": markdown, "json": json}, output)
+    settings = session(context).settings(store=store)
+    if (name is None) == (diff is None):
+        raise UsageError("KG003", "name one thing, or give --diff COMMIT", hint="`kg impact /cmd_vel`, for example.")
+    if diff is not None:
+        is_breaking, text = _of_commit(settings, diff, Path(repository or "."), form)
+    else:
+        is_breaking, text = _of_name(settings, name or "", kind or "", form)
+    deliver(text, form, output, "impact")
+    if exit_code and is_breaking:
+        raise typer.Exit(Exit.FOUND)
+
+
+def _of_name(settings: "Settings", name: str, kind: str, form: str) -> tuple[bool, str]:
     from kg.store.opening import reading  # noqa: PLC0415 - start-up time
     from kg.views.evidence import places  # noqa: PLC0415 - start-up time
     from kg.views.impact import impact_of  # noqa: PLC0415 - start-up time
 
-    form = form_of({"markdown": markdown, "json": json}, output)
-    settings = session(context).settings(store=store)
     with reading(settings) as snapshot:
-        found = impact_of(snapshot, settings, name, kind or "")
-        where = places(snapshot)
-    deliver(_written(found, form, where), form, output, "impact")
-    if exit_code and found.is_breaking:
-        raise typer.Exit(Exit.FOUND)
+        found = impact_of(snapshot, settings, name, kind)
+        return found.is_breaking, _written(found, form, places(snapshot))
+
+
+def _of_commit(settings: "Settings", commit: str, folder: Path, form: str) -> tuple[bool, str]:
+    from kg.cli.progress import for_people  # noqa: PLC0415 - start-up time
+    from kg.impact.writing import broken_lines, broken_markdown, broken_objects  # noqa: PLC0415 - start-up time
+    from kg.pipeline.revisions import beside, resolve  # noqa: PLC0415 - start-up time
+    from kg.store.opening import existing  # noqa: PLC0415 - start-up time
+    from kg.views.impact_changes import broken_between  # noqa: PLC0415 - start-up time
+
+    try:
+        store = existing(settings)
+    except StoreError:
+        if settings.store is not None:
+            raise
+        store = None
+    revision = resolve(folder, commit)
+    with for_people() as progress, beside(folder, revision, store, settings, progress) as (before, after):
+        found = broken_between(before, after, settings)
+    is_breaking = any(one.is_breaking for one in found)
+    if form == "json":
+        return is_breaking, "".join(map(json_line, broken_objects(found)))
+    if form == "markdown":
+        return is_breaking, broken_markdown(found, f"{commit}..work tree")
+    return is_breaking, "".join(f"{line}\n" for line in broken_lines(found))
 
 
 def _written(found: "Impact", form: str, where: "Places") -> str:

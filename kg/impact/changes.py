@@ -1,0 +1,316 @@
+"""What the changes between two states of the sources break in places that did not change with them.
+
+A place is left behind if its line is the same in both states. Who loses whom in a launch file is taken from the ends
+of both states, so a name that changed at both ends breaks nothing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
+
+from kg.compare import Kind as Became
+from kg.compare import Level
+from kg.compare.wording import change_words, sign
+from kg.facts import NodeReference
+from kg.holes import is_known
+from kg.impact.assessing import impact
+from kg.impact.files import file_effects, file_mentions
+from kg.impact.model import GIVING, VERBS, Area, Effect, Grade, Kind, Subject, merged
+from kg.impact.parameters import same_parameter
+from kg.impact.started import ends_of, partners
+from kg.impact.values import area_of
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+
+    from kg.compare import Change, Difference
+    from kg.facts import InstanceInterface, Location, NodeInstance, System
+    from kg.impact.model import DefinitionRecord, World
+    from kg.impact.started import End
+
+__all__ = ["Broken", "broken", "definition_changes"]
+
+_AWAY: Final = frozenset({Became.GONE, Became.RENAMED})
+_LEFT: Final = {
+    Kind.NODE: frozenset({Area.LAUNCH, Area.PARAMETERS, Area.PACKAGES, Area.CODE}),
+    Kind.PARAMETER: frozenset({Area.CODE}),
+}
+"""Where effects of a node or parameter are looked for; others are found from what is started in both states."""
+
+
+@dataclass(frozen=True, slots=True)
+class Broken:
+    """A change in `words` at a line, with what it breaks elsewhere."""
+
+    words: str
+    location: Location | None
+    repository: str
+    effects: tuple[Effect, ...] = ()
+
+    @property
+    def is_breaking(self) -> bool:
+        """Whether something breaks for certain."""
+        return self.count(Grade.BREAKS) > 0
+
+    def count(self, grade: Grade) -> int:
+        """Return the number of effects of a grade."""
+        return sum(one.grade is grade for one in self.effects)
+
+
+def broken(
+    difference: Difference,
+    worlds: tuple[World, World],
+    systems: Sequence[tuple[System, System]],
+    gone: Iterable[Subject] = (),
+) -> list[Broken]:
+    """Return the changes with what they break; those that break nothing have no effects.
+
+    `worlds` are the states before and after, `systems` those that differ. `gone` are types, fields and files that the
+    state after does not have.
+    """
+    found: dict[Broken, list[Effect]] = {}
+    partly_known = {
+        NodeReference(one.repository, one.package, one.node.name)
+        for one in worlds[1].nodes
+        if one.node.bounds or not all(is_known(parameter.name) for parameter in one.node.parameters)
+    }
+    lost = [one for pair in systems for one in (*_lost(*pair), *_unset(*pair, partly_known), *_unmatched(*pair))]
+    caused: set[int] = set()
+    for change in difference.at(*_SHOWN):
+        side = change.after or change.before
+        item = Broken(_words(change), side.location if side else None, side.repository if side else "")
+        effects = found.setdefault(item, [])
+        caused.update(number for number, (loss, _) in enumerate(lost) if loss.is_due_to(change))
+        effects += [effect for loss, effect in lost if loss.is_due_to(change)]
+        effects += [effect for subject in _subjects(change) for effect in left_behind(subject, *worlds)]
+    for number, (loss, effect) in enumerate(lost):
+        if number not in caused:
+            found.setdefault(Broken(loss.words, loss.location, loss.repository), []).append(effect)
+    for subject in gone:
+        found[Broken(f"- {subject.kind} {subject.text}", None, "")] = left_behind(subject, *worlds)
+    return [replace(item, effects=merged(effects)) for item, effects in found.items()]
+
+
+_SHOWN: Final = frozenset(
+    {Level.NODE, Level.INTERFACE, Level.PARAMETER, Level.SYSTEM, Level.ARGUMENT, Level.INSTANCE, Level.END, Level.REMAP}
+)
+
+
+def _words(change: Change) -> str:
+    where = f" of {change.owner}" if change.level in {Level.INTERFACE, Level.PARAMETER, Level.END} else ""
+    where = f" in {change.owner}" if change.level is Level.ARGUMENT else where
+    return f"{sign(change)} {change_words(change)}{where}"
+
+
+def _subjects(change: Change) -> Iterator[Subject]:
+    """Yield what had a name before that it does not have any more."""
+    if change.before is None or change.kind not in _AWAY:
+        return
+    name = change.before.name
+    if change.level is Level.NODE:
+        yield Subject(Kind.NODE, change.owner)
+    elif change.level is Level.PARAMETER:
+        yield Subject(Kind.PARAMETER, name, change.owner)
+    elif change.level is Level.ARGUMENT:
+        yield Subject(Kind.ARGUMENT, name, change.owner)
+    elif change.level is Level.INSTANCE:
+        yield Subject(Kind.NODE, change.owner_before or name)
+
+
+def left_behind(subject: Subject, before: World, after: World) -> list[Effect]:
+    """Return the effects of a change to a subject whose lines are still there, with the lines that they have now."""
+    found = []
+    if subject.kind is Kind.FILE:
+        effects: Iterable[Effect] = merged([*file_effects(subject, before), *file_mentions(subject, before)])
+    else:
+        effects = impact(subject, before).effects
+    for effect in effects:
+        if effect.area not in _LEFT.get(subject.kind, frozenset(Area)) or effect.location is None:
+            continue
+        location = _now(effect, before, after)
+        if location is not None:
+            found.append(replace(effect, location=location))
+    return found
+
+
+def _now(effect: Effect, before: World, after: World) -> Location | None:
+    """Return where the line of an effect is now, None if it changed or is gone."""
+    location = effect.location
+    if location is None:
+        return None
+    now = after.lines(effect.repository, location.path)
+    if not location.line:
+        return location if now else None
+    lines = before.lines(effect.repository, location.path)
+    if location.line > len(lines):
+        return None
+    text = lines[location.line - 1].strip()
+    same = [number for number, line in enumerate(now, 1) if line.strip() == text]
+    near = min(same, key=lambda number: abs(number - location.line), default=None)
+    return None if near is None else replace(location, line=near)
+
+
+@dataclass(frozen=True, slots=True)
+class _Loss:
+    """A name of a node that is gone: an end, or a parameter of its code, as it was before in one launch file."""
+
+    system: str
+    instance: NodeInstance
+    owner: NodeReference | None
+    words: str
+    location: Location | None
+    repository: str
+    end: InstanceInterface | None = None
+    parameter: str = ""
+
+    def is_due_to(self, change: Change) -> bool:
+        """Check whether a change is why the name is gone."""
+        names = {side.name for side in (change.before, change.after) if side}
+        if change.level in {Level.INTERFACE, Level.PARAMETER}:
+            is_owner = self.owner is not None and change.owner == f"{self.owner.package}/{self.owner.node}"
+            if change.level is Level.PARAMETER:
+                return is_owner and any(same_parameter(self.parameter, name) for name in names)
+            end = self.end.declared if self.end else None
+            return is_owner and end is not None and change.role == str(end.role) and end.name in names
+        before, name = change.before, change.owner_before or change.owner
+        if before is None or change.system != self.system or self.end is None:
+            return False
+        if change.level is Level.INSTANCE:
+            return (change.owner_before or before.name) == self.instance.name and change.kind in _AWAY
+        return change.level is Level.END and name == self.instance.name and before.name == self.end.resolved
+
+
+def _lost(before: System, after: System) -> Iterator[tuple[_Loss, Effect]]:
+    """Yield the ends of a system that lost a partner without a change of their own, and the end that they lost."""
+    now: Mapping[str, NodeInstance] = {one.name: one for one in after.instances}
+    for instance, end, kept in _kept(before, now):
+        kind, name = end.declared.role.channel, end.resolved or ""
+        had, has = (
+            partners(ends_of(side, kind, name), one) for side, one in ((before, (instance, end)), (after, kept))
+        )
+        left = sorted({one.name for one, _ in has})
+        for other, opposite in had:
+            if other.name not in left:
+                yield _loss(before, (other, opposite)), _losing(after, kept, (other, opposite), now, left)
+        agreed = {one.declared.type for _, one in had} <= {end.declared.type}
+        for other, opposite in has if agreed else ():
+            types = kept[1].declared.type, opposite.declared.type
+            if all(types) and types[0] != types[1] and kept[1].declared.type == end.declared.type:
+                reason = f"{other.name} has type {types[1]} now, and it has {types[0]}"
+                yield _loss(before, (other, opposite)), _effect(after, kept, Grade.BREAKS, reason)
+
+
+def _kept(before: System, now: Mapping[str, NodeInstance]) -> Iterator[tuple[NodeInstance, InstanceInterface, End]]:
+    """Yield the ends with a known name of a system, each with the end that it is now."""
+    for instance in before.instances:
+        same = now.get(instance.name)
+        for end in instance.interfaces:
+            if same is None or end.resolved is None or end.declared.implicit:
+                continue
+            role = end.declared.role
+            for one in same.interfaces:
+                if one.declared.role is role and one.resolved == end.resolved:
+                    yield instance, end, (same, one)
+                    break
+
+
+def _loss(system: System, lost: End) -> _Loss:
+    instance, end = lost
+    words = f"- {instance.name} {VERBS[end.declared.role]} {end.resolved}"
+    repository = instance.started.location.repository or system.configuration.repository
+    return _Loss(system.configuration.name, instance, end.owner, words, instance.started.location, repository, end=end)
+
+
+def _unset(before: System, after: System, partly_known: Collection[NodeReference]) -> Iterator[tuple[_Loss, Effect]]:
+    """Yield the settings whose parameter the code does not have any more.
+
+    Of node types that are `partly_known` a parameter may have a name that is not known.
+    """
+    now = {one.name: one for one in after.instances}
+    for instance in before.instances:
+        declared = {one.name: one for one in instance.parameters if one.declared is not None}
+        for one in now[instance.name].parameters if instance.name in now else ():
+            known = declared.get(one.name)
+            if one.declared is not None or known is None or known.declared is None:
+                continue
+            location, launch = one.set.location, after.configuration
+            what = f"sets {one.name.removeprefix(f'{instance.name}/')} of {instance.name.rpartition('/')[2]}"
+            repository = location.repository or launch.repository
+            reason = "the code does not have the parameter any more"
+            name, grade = known.declared.name or "", Grade.BREAKS
+            if now[instance.name].type is None or known.owner in partly_known:
+                grade, reason = Grade.MAY, "the code is not known to have the parameter any more"
+            effect = Effect(grade, area_of(location), what, reason, location, repository, (launch.name,))
+            words = f"- parameter {name} of {instance.name}"
+            yield _Loss(launch.name, instance, known.owner, words, None, "", parameter=name), effect
+
+
+def _unmatched(before: System, after: System) -> Iterator[tuple[_Loss, Effect]]:
+    """Yield the remappings that renamed something before, and rename nothing now."""
+    now = {one.name: one for one in after.instances}
+    for instance in before.instances:
+        used = {one.source: one for one in instance.remaps if one.used}
+        for one in now[instance.name].remaps if instance.name in now else ():
+            if one.used or one.source not in used:
+                continue
+            end = next((end for end in instance.interfaces if end.remap == used[one.source].remap), None)
+            location, launch = one.remap.location, after.configuration
+            what = f"{instance.name} remaps {one.source} to {one.target}"
+            repository = location.repository or launch.repository
+            reason = "no name of the node matches it any more"
+            effect = Effect(Grade.BREAKS, Area.LAUNCH, what, reason, location, repository, (launch.name,))
+            owner = end.owner if end else instance.type
+            words = f"- {instance.name} has no {one.source}"
+            yield _Loss(launch.name, instance, owner, words, None, "", end=end), effect
+
+
+def _losing(system: System, end: End, lost: End, now: Mapping[str, NodeInstance], left: list[str]) -> Effect:
+    other, opposite = lost
+    still = now.get(other.name)
+    reason, condition = f"loses {other.name}", end[0].started.condition or other.started.condition
+    unknown = still is not None and (
+        still.type is None
+        or any(one.declared.role is opposite.declared.role and not is_known(one.resolved) for one in still.interfaces)
+    )
+    if left:
+        return _effect(system, end, Grade.MAY, f"{reason}; {', '.join(left[:3])} remain{'s' if len(left) == 1 else ''}")
+    if condition is not None:
+        return _effect(system, end, Grade.MAY, f"{reason}, if {condition}")
+    if unknown:
+        return _effect(system, end, Grade.MAY, f"{reason}, unless a name of it that is not known is this one")
+    if still is None and end[1].declared.role in GIVING:
+        return _effect(system, end, Grade.MAY, f"{reason}; nobody else uses it")
+    return _effect(system, end, Grade.BREAKS, f"{reason} and has nobody else at the other side")
+
+
+def _effect(system: System, end: End, grade: Grade, reason: str) -> Effect:
+    instance, one = end
+    return Effect(
+        grade,
+        Area.SYSTEMS,
+        f"{instance.name} {VERBS[one.declared.role]} {one.resolved}",
+        reason,
+        one.declared.location,
+        one.declared.location.repository or one.owner.repository,
+        (system.configuration.name,),
+        instance.started.location,
+    )
+
+
+def definition_changes(before: Sequence[DefinitionRecord], after: Sequence[DefinitionRecord]) -> list[Subject]:
+    """Return the types that are gone, and the fields that are gone or have another type."""
+    now = {(one.repository, one.definition.kind, one.name): one for one in after}
+    found = []
+    for one in before:
+        other = now.get((one.repository, one.definition.kind, one.name))
+        if other is None:
+            found.append(Subject(Kind.TYPE, one.name))
+            continue
+        fields = {(each.section, each.name, each.type) for each in other.definition.fields}
+        found += [
+            Subject(Kind.FIELD, each.name, one.name)
+            for each in one.definition.fields
+            if (each.section, each.name, each.type) not in fields
+        ]
+    return found

@@ -1,0 +1,95 @@
+"""What a state of the sources breaks against an earlier one: two stores are read where they differ."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kg.compare import Finding, Sources, compare
+from kg.facts import Location
+from kg.graph.reading import node_records
+from kg.graph.systems_reading import systems
+from kg.impact import Kind, Subject
+from kg.impact.changes import broken, definition_changes
+from kg.lint.reading import read_findings
+from kg.pipeline.state import load
+from kg.views.impact_world import StoredWorld
+from kg.views.systems import known_names
+
+if TYPE_CHECKING:
+    from kg.impact.changes import Broken
+    from kg.lint.finding import Finding as Found
+    from kg.pipeline.state import State
+    from kg.settings import Settings
+    from kg.store.embedded import EmbeddedStore
+    from kg.store.snapshot import EmbeddedSnapshot
+
+__all__ = ["broken_between", "compared_finding"]
+
+
+def broken_between(before: EmbeddedStore, after: EmbeddedStore, settings: Settings) -> list[Broken]:
+    """Return the changes from one store to another with what they break; both were built from the same sources."""
+    states = load(before.layout.cache), load(after.layout.cache)
+    packages, launches = _packages(*states), _launches(*states)
+    with before.read() as old, after.read() as new:
+        sides = _side(old, settings, packages, launches), _side(new, settings, packages, launches)
+        pairs = {(one.configuration.repository, one.configuration.path): one for one in sides[0].systems}
+        both = [
+            (pairs[key], one)
+            for one in sides[1].systems
+            if (key := (one.configuration.repository, one.configuration.path)) in pairs
+        ]
+        worlds = StoredWorld(old, settings), StoredWorld(new, settings)
+        kept = {(one.repository, one.path) for one in worlds[1].files}
+        files = [
+            Subject(Kind.FILE, one.path, one.repository)
+            for one in worlds[0].files
+            if one.repository and (one.repository, one.path) not in kept
+        ]
+        gone = [*definition_changes(worlds[0].definitions, worlds[1].definitions), *files]
+        return broken(compare(*sides), worlds, both, gone)
+
+
+def _side(
+    snapshot: EmbeddedSnapshot, settings: Settings, packages: set[str], launches: set[tuple[str, str]]
+) -> Sources:
+    names = [one for one in known_names(snapshot) if (one.repository, one.path) in launches]
+    chosen = {one.name for one in names}
+    findings = [compared_finding(one) for one in read_findings(snapshot, settings.base) if one.system in chosen]
+    nodes = node_records(snapshot, packages=packages) if packages else []
+    return Sources(nodes, systems(snapshot, names, settings.base), findings)
+
+
+def compared_finding(found: Found) -> Finding:
+    """Return a finding of `kg lint` as `kg.compare` takes it."""
+    place = found.place
+    location = Location(place.path, place.line) if place and place.line is not None else None
+    subject = found.subjects[0] if found.subjects else ""
+    return Finding(found.system, found.code, subject, found.message, location, place.repository if place else "")
+
+
+def _packages(before: State, after: State) -> set[str]:
+    """Return the names of the packages whose facts differ."""
+    both = [
+        {(name, path): package for name, source in state.sources.items() for path, package in source.packages.items()}
+        for state in (before, after)
+    ]
+    return {
+        package.name
+        for one, other in (both, both[::-1])
+        for key, package in one.items()
+        if key not in other or other[key].result != package.result
+    }
+
+
+def _launches(before: State, after: State) -> set[tuple[str, str]]:
+    """Return the sources and paths of the launch files whose systems differ."""
+    both = [
+        {
+            (name, path): system.graph
+            for name, packages in state.systems.packages.items()
+            for package in packages.values()
+            for path, system in package.graphs.items()
+        }
+        for state in (before, after)
+    ]
+    return {key for key in {*both[0], *both[1]} if both[0].get(key) != both[1].get(key)}
