@@ -17,7 +17,7 @@ from kg.settings import load
 from kg.store.embedded import EmbeddedStore
 
 if TYPE_CHECKING:
-    from click.testing import Result
+    from typer.testing import Result
 
 HERE = Path(__file__).parent
 HOIST = "crane/crane/hoist.py"
