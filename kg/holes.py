@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ANONYMOUS",
+    "PARENT",
     "SUBSTITUTIONS",
     "Hole",
     "anonymous",
@@ -36,7 +37,9 @@ __all__ = [
 
 ANONYMOUS: Final = "{}"
 """An unknown part without label."""
-SUBSTITUTIONS: Final = frozenset({"node", "ns", "namespace"})
+PARENT: Final = "parent_namespace"
+"""The label of what is above the namespace of the node: `/robot` for a node in `/robot/local_costmap`."""
+SUBSTITUTIONS: Final = frozenset({"node", "ns", "namespace", PARENT})
 """Labels that mean the name and the namespace of the node, as in names of ROS 2; no variable has them as its label."""
 _LONGEST: Final = 40
 _LABEL: Final = r"[A-Za-z]\w*(?:\[\d+\])?"
@@ -168,6 +171,8 @@ def label_of(source: str) -> str:
     """
     if "--" in source:  # the spellings of an option: `argv[--topic|-t]`
         source = source.partition("[")[2].removesuffix("]").partition("|")[0]
+    if source.startswith("port["):  # a port of a node of behavior trees
+        source = source.removeprefix("port[").removesuffix("]")
     source = source.replace("[]", "")  # each element of a list
     index = re.search(r"\w(\[\d+\])$", source)
     end = index[1] if index is not None else ""

@@ -16,7 +16,19 @@ if TYPE_CHECKING:
     from kg.facts import System
     from kg.settings import Settings
 
-__all__ = ["Arguments", "Environment", "File", "Launch", "chosen_systems", "given", "named", "tell_malformed"]
+__all__ = [
+    "Arguments",
+    "Environment",
+    "File",
+    "Launch",
+    "Variants",
+    "chosen_systems",
+    "given",
+    "named",
+    "tell_left_out",
+    "tell_malformed",
+    "with_variants",
+]
 
 Launch = Annotated[
     str | None,
@@ -40,6 +52,13 @@ Arguments = Annotated[
     list[str] | None,
     typer.Option(
         "--arg", metavar="NAME:=VALUE", help="Evaluate the launch file anew with an argument; may be repeated."
+    ),
+]
+Variants = Annotated[
+    bool,
+    typer.Option(
+        "--variants",
+        help="Also each boolean argument the other way, and branches that environment variables turn on.",
     ),
 ]
 Environment = Annotated[
@@ -87,6 +106,27 @@ def chosen_systems(
     if values[1]:
         tell_unread(settings, found, values[1])
     return found
+
+
+def with_variants(
+    settings: Settings, launch: str | None, arguments: Sequence[str] | None, environment: Sequence[str] | None
+) -> System:
+    """Return the system of a launch file with what only its variants have; raises as `chosen_systems`."""
+    if launch is None:
+        raise UsageError("KG003", "--variants needs a launch file", hint="Name it: `--launch FILE`.")
+    values = given(launch, arguments, environment)
+    from kg.pipeline.variants import united, variants  # noqa: PLC0415 - start-up time
+    from kg.store.opening import existing  # noqa: PLC0415 - start-up time
+
+    found = variants(settings, existing(settings), launch, *values)
+    tell_left_out(found.left_out)
+    return united(found)
+
+
+def tell_left_out(labels: Sequence[str]) -> None:
+    """Say which variants of a launch file were not evaluated."""
+    if labels:
+        note(f"{len(labels)} variants were left out: {', '.join(labels)}; give them with --arg or --env")
 
 
 def tell_unread(settings: Settings, systems: Sequence[System], environment: Mapping[str, str]) -> None:

@@ -14,9 +14,9 @@ from typing import Final
 
 from kg.corpus.files import FileEntry, PackageFolder, Source, sort_file
 from kg.corpus.git import describe
-from kg.corpus.xml import parse_xml
 from kg.errors import SourceError
 from kg.facts import FileKind, Problem, Repository
+from kg.xmltext import parse_xml
 
 __all__ = ["scan", "scan_tree"]
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final, Protocol
 
 from kg.extract.marks import Mark
 from kg.facts import Access, Bound, Interface, Location, Parameter, Resolution
-from kg.holes import is_known
+from kg.holes import PARENT, is_known
 from kg.names import normalise, resolve
 from kg.symbolic.form import Literal
 from kg.symbolic.names import namespace_of
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 __all__ = ["Home", "bounds_of", "evidence", "facts_of", "mark_of"]
 
 _ROS2: Final = 2
+_PARENT: Final = f"{{{PARENT}}}/"
 _OF_NODE: Final = "the name or namespace of the node is part of it"
 _COUNT: Final = re.compile(r"argc(==|!=|>=|<=|>|<)(\d+)")
 
@@ -67,8 +68,28 @@ def facts_of(
             elif _better(parameter, held):  # the first access stays its place
                 parameters[key] = replace(parameter, location=held.location, via=held.via)
     typed = {(i.role, i.name, i.parameter) for i in interfaces.values() if i.type is not None}
-    kept = (i for i in interfaces.values() if i.type is not None or (i.role, i.name, i.parameter) not in typed)
+    names: dict[tuple[object, ...], set[str | None]] = {}
+    for found in interfaces.values():
+        names.setdefault((found.role, found.type, found.parameter, found.location), set()).add(found.name)
+    kept = (
+        i
+        for i in interfaces.values()
+        if i.type is not None or (i.role, i.name, i.parameter) not in typed
+        if i.parameter is None or not _covered(i.name, names[i.role, i.type, i.parameter, i.location])
+    )
     return tuple(kept), tuple(parameters.values())
+
+
+def _covered(name: str | None, names: set[str | None]) -> bool:
+    """Check whether another name of an interface that a parameter names says all that one says.
+
+    It has the default, or the namespace that code puts in front of a name that is not absolute, and puts there once.
+    """
+    if name is None:
+        return names != {None}
+    if name.startswith(_PARENT):
+        return name.removeprefix(_PARENT).startswith(_PARENT) and name.removeprefix(_PARENT) in names
+    return _PARENT + name in names
 
 
 def _better(one: Parameter, other: Parameter) -> bool:

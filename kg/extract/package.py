@@ -202,6 +202,7 @@ def _node_order(node: NodeType) -> tuple[object, ...]:
 
 _Result = TypeVar("_Result")
 _ROS_UNKNOWN: Final = 0
+_TREE: Final = b"<BehaviorTree "
 
 
 @dataclass(frozen=True, slots=True)
@@ -304,4 +305,6 @@ def _files(reader: Reader, package: PackageFolder) -> Iterator[SourceFile]:
     readable = [entry for entry in ordered if reader.read(entry.path) is not None]
     digests = dict(reader.inputs)
     for entry in readable:
-        yield SourceFile(entry.path, entry.kind, entry.bytes, digests[f"{reader.repository}:{entry.path}"])
+        text = reader.read(entry.path) if entry.path.endswith(".xml") else None
+        tree = text.decode("utf-8", "replace") if text is not None and _TREE in text else None
+        yield SourceFile(entry.path, entry.kind, entry.bytes, digests[f"{reader.repository}:{entry.path}"], tree)

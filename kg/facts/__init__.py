@@ -11,8 +11,10 @@ the names that namespaces, remappings and parameters give it.
 from __future__ import annotations
 
 from kg.facts.code import (
+    TREE_NODE,
     Access,
     Bound,
+    DataFile,
     Dependency,
     Field,
     FileKind,
@@ -63,8 +65,10 @@ from kg.facts.systems import (
 from kg.facts.texts import Description, DescriptionKind, Phrase
 
 __all__ = [
+    "TREE_NODE",
     "Access",
     "Bound",
+    "DataFile",
     "Dependency",
     "Description",
     "DescriptionKind",

@@ -12,7 +12,9 @@ from kg.facts.places import Location  # noqa: TC001 - see above
 from kg.facts.texts import Description  # noqa: TC001 - see above
 
 __all__ = [
+    "TREE_NODE",
     "Access",
+    "DataFile",
     "Dependency",
     "Field",
     "FileKind",
@@ -33,6 +35,10 @@ __all__ = [
     "Role",
     "SourceFile",
 ]
+
+
+TREE_NODE: Final = "BT::TreeNode"
+"""The class as which nodes of behavior trees are loaded (BehaviorTree.CPP)."""
 
 
 class Resolution(StrEnum):
@@ -146,8 +152,9 @@ class Interface:
     for a node started alone, under its own name, in the root namespace and without remapping.
     `written` is the expression in the code. `type` is `package/Type`. `parameter` names the parameter
     whose value the name is (its default is then in `name`); `argv[1]` is the first argument of the command line,
-    `argv[--topic|-t]` what an option gives; `~/imu{}` stands for as many parameters as are set whose names fit it, one
-    interface for each, `~/topics[].name` for members of the elements of one, `~/topics[key]` for a dictionary's keys.
+    `argv[--topic|-t]` what an option gives, `port[topic]` a port of a behavior tree node; `~/imu{}` stands for as many
+    parameters as are set whose names fit it, one interface for each, `~/topics[].name` for members of the elements of
+    one, `~/topics[key]` for a dictionary's keys.
     `origin` says through which framework or table the fact came when it is `implicit`. `reason` tells why something
     stayed unresolved.
     """
@@ -336,6 +343,18 @@ class SourceFile:
     kind: FileKind
     bytes: int
     digest: str
+    text: str | None = None
+    """Its content, if nodes read it when they run: a behavior tree."""
+
+
+@dataclass(frozen=True, slots=True)
+class DataFile:
+    """A file of a package that nodes read when they run; `path` is relative to the root of its source."""
+
+    repository: str
+    package: str
+    path: str
+    text: str
 
 
 @dataclass(frozen=True, slots=True)

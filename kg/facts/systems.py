@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from kg.facts.launch import StartKind
 
 if TYPE_CHECKING:
-    from kg.facts.code import Interface, NodeKind, Parameter, Qos, Resolution
+    from kg.facts.code import DataFile, Interface, NodeKind, Parameter, Qos, Resolution
     from kg.facts.launch import LaunchConfiguration, LaunchParameter, Remap, StartedNode
 
 __all__ = [
@@ -65,10 +65,14 @@ class NodeName:
 
 @dataclass(frozen=True, slots=True)
 class Known:
-    """What can be started of a package: its node types, in the order of its cached result, and other programs."""
+    """What can be started of a package: its node types, in the order of its cached result, and other programs.
+
+    `data` are the files that nodes read when they run.
+    """
 
     nodes: tuple[NodeName, ...] = ()
     programs: tuple[str, ...] = ()
+    data: tuple[DataFile, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,6 +160,8 @@ class NodeInstance:
             return f"{self.type.package}/{self.type.node}"
         if self.started.kind is StartKind.RUNNING:
             return "(not known)"
+        if self.started.kind is StartKind.INNER and self.started.executable is None:
+            return self.started.package or "?"
         return f"{self.started.package or '?'}/{self.started.plugin or self.started.executable or '?'}"
 
 

@@ -105,6 +105,7 @@ def _file(scope: Scope, package: str, fact: SourceFile) -> None:
     writer.add(iri, v.FILE_KIND, literal(fact.kind))
     writer.add(iri, v.BYTES, integer(fact.bytes))
     writer.add(iri, v.DIGEST, literal(fact.digest))
+    writer.text(iri, v.CONTENT, fact.text)
 
 
 def problem(scope: Scope, owner: str, fact: Problem) -> None:

@@ -14,6 +14,7 @@ from pyoxigraph import NamedNode
 from kg.facts import (
     Access,
     Bound,
+    DataFile,
     Interface,
     Location,
     NodeKind,
@@ -40,6 +41,7 @@ __all__ = [
     "NodeRecord",
     "Properties",
     "Queryable",
+    "data_files",
     "end_of",
     "facts",
     "grouped",
@@ -252,6 +254,17 @@ def programs(graph: Queryable) -> dict[str, set[str]]:
     for row in _rows(graph, f"SELECT ?package ?program WHERE {{ {pattern} }}"):
         found[row["package"].value].update({row["program"].value} if row["program"] else ())
     return dict(found)
+
+
+def data_files(graph: Queryable) -> list[DataFile]:
+    """Return the files of the store that nodes read when they run, sorted."""
+    pattern = (
+        "?r rnkg:contains ?p ; rnkg:name ?repository . ?p rnkg:contains ?file ; rnkg:name ?package . "
+        "?file rnkg:content ?text ; rnkg:path ?path"
+    )
+    rows = _rows(graph, f"SELECT ?repository ?package ?path ?text WHERE {{ {pattern} }}")
+    found = (DataFile(*(_text(row[name]) for name in ("repository", "package", "path", "text"))) for row in rows)
+    return sorted(found, key=lambda one: (one.repository, one.package, one.path))
 
 
 def node_names(graph: Queryable) -> list[str]:

@@ -98,7 +98,7 @@ class _Writing:
     def run(self) -> bytes:
         self._configuration(self._system.configuration)
         for order, parameter in enumerate(self._system.shared_parameters):
-            self._setting(self._iri, parameter.name, parameter, order)
+            self._writer.add(self._subject, v.HAS_SETTING, self._setting(self._iri, parameter.name, parameter, order))
         names: dict[str, str] = {}
         iris = self.instances()
         for iri, instance in zip(iris, self._system.instances, strict=True):
@@ -232,6 +232,7 @@ class _Writing:
 
     def _parameter(self, owner: str, fact: InstanceParameter, order: int) -> None:
         part = self._setting(owner, fact.name, fact.set, order)
+        self._writer.add(f"<{owner}>", v.HAS_SETTING, part)
         record = self._records.get(fact.owner) if fact.owner else None
         if record is not None and fact.declared is not None and fact.declared in record.settable:
             self._writer.add(part, v.SETS, f"<{record.settable[fact.declared]}>")
@@ -241,7 +242,6 @@ class _Writing:
     def _setting(self, owner: str, name: str, fact: LaunchParameter, order: int) -> str:
         part, writer = self._scope.part(owner, "setting", name.lstrip("/")), self._writer
         self._settings.setdefault((owner, fact), part)
-        writer.add(f"<{owner}>", v.HAS_SETTING, part)
         writer.add(part, v.TYPE, v.SETTING)
         writer.add(part, v.NAME, literal(name))
         writer.add(part, v.ORDER, integer(order))
@@ -303,6 +303,8 @@ class _Writing:
             self._writer.add(part, v.REMAPPED_BY, remap)
         settings = ((place, fact.parameter) for place in (owner, self._iri)) if fact.parameter else ()
         found = next((self._settings[key] for key in settings if key in self._settings), None)
+        if found is None and fact.parameter is not None:
+            found = self._setting(owner, fact.parameter.name, fact.parameter, 0)
         if found:
             self._writer.add(part, v.NAMED_BY, found)
 

@@ -12,7 +12,7 @@ from hashlib import blake2b
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from kg.errors import StoreError
+from kg.errors import StoreError, UsageError
 from kg.graph.iris import Iris
 from kg.graph.source_states import SourceState, sources
 from kg.graph.systems_reading import included, system_names
@@ -30,8 +30,10 @@ if TYPE_CHECKING:
 
     from kg.graph.reading import Queryable
     from kg.graph.systems_reading import SystemName
+    from kg.lint.finding import Finding
     from kg.pipeline.report import BuildReport
     from kg.pipeline.report import Report as Progress
+    from kg.store.embedded import EmbeddedStore
 
 __all__ = ["Checked", "Question", "check", "check_store", "own_store", "read_folders"]
 
@@ -56,6 +58,8 @@ class Question:
     baseline: Path | None = None
     arguments: Mapping[str, str] = field(default_factory=dict)
     environment: Mapping[str, str] = field(default_factory=dict)
+    variants: bool = False
+    """Whether also what only variants of the launch file have is asked for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +69,8 @@ class Checked:
     report: Report
     sources: tuple[SourceState, ...]
     systems: int
+    left_out: tuple[str, ...] = ()
+    """Variants of the launch file that were not looked at."""
 
     @property
     def roots(self) -> dict[str, str]:
@@ -115,6 +121,8 @@ def check_store(settings: Settings, question: Question, folder: Path) -> Checked
         UsageError: KG002 and KG421 for kg.toml, KG420 for the baseline, KG422 and KG003 for the launch file.
     """
     store = existing(settings)
+    if question.variants:
+        return _check_variants(settings, store, question, folder)
     if not question.arguments and not question.environment:
         with store.read() as snapshot:
             return check(snapshot, question, settings, folder)
@@ -123,6 +131,29 @@ def check_store(settings: Settings, question: Question, folder: Path) -> Checked
     (system,) = chosen(settings, store, question.launch, question.arguments, question.environment)
     with trial(settings, store, system) as transaction:
         return check(transaction, question, settings, folder)
+
+
+def _check_variants(settings: Settings, store: EmbeddedStore, question: Question, folder: Path) -> Checked:
+    """Return the report about a launch file, with the findings that only its variants have."""
+    from kg.pipeline.launching import trial  # noqa: PLC0415 - as above
+    from kg.pipeline.variants import variants  # noqa: PLC0415 - as above
+
+    if question.launch is None:
+        raise UsageError("KG003", "--variants needs a launch file", hint="Name it: `--launch FILE`.")
+    found = variants(settings, store, question.launch, question.arguments, question.environment)
+    with trial(settings, store, found.system) as transaction:
+        checked = check(transaction, question, settings, folder)
+    known = {one.fingerprint for one in (*checked.report.raw, *checked.report.allowed, *checked.report.known)}
+    only: dict[str, tuple[Finding, list[str]]] = {}
+    for label, system in found.others:
+        with trial(settings, store, system) as transaction:
+            for one in check(transaction, question, settings, folder).report.findings:
+                if one.fingerprint not in known:
+                    only.setdefault(one.fingerprint, (one, []))[1].append(label)
+    added = [replace(one, message=f"{one.message} (only with {' or '.join(labels)})") for one, labels in only.values()]
+    findings = tuple(sorted((*checked.report.findings, *added), key=lambda one: one.order))
+    whole = replace(checked.report, findings=findings, raw=(*checked.report.raw, *added))
+    return replace(checked, report=whole, left_out=found.left_out)
 
 
 def check(graph: Queryable, question: Question, settings: Settings, folder: Path) -> Checked:

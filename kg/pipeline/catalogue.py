@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
     from pathlib import Path
 
-    from kg.facts import System
+    from kg.facts import DataFile, System
     from kg.pipeline.plan import Key
     from kg.pipeline.state import PackageState, Question
     from kg.wiring.types import Typed
@@ -31,7 +31,8 @@ __all__ = ["Catalogue"]
 class Catalogue(NodeTypes):
     """The node types of `packages`, whose results are in the cache `folder`, and those of other sources of the store.
 
-    `programs` are what packages of other sources install. `asked` are the questions since it was emptied.
+    `programs` are what packages of other sources install, `data` their files that nodes read. `asked` are the questions
+    since it was emptied.
     """
 
     def __init__(
@@ -40,6 +41,7 @@ class Catalogue(NodeTypes):
         packages: Mapping[Key, PackageState],
         others: Iterable[NodeRecord] = (),
         programs: Mapping[str, Iterable[str]] | None = None,
+        data: Iterable[DataFile] = (),
     ) -> None:
         self.asked: dict[Question, None] = {}
         self._folder = folder
@@ -58,9 +60,12 @@ class Catalogue(NodeTypes):
             key = (repository, f"{package}/")
             self._decoded[key] = [whole[one.iri] for one in ordered]
             found[repository, package, key] = known
+        files = list(data)
         for (repository, package, key), known in sorted(found.items(), key=lambda item: item[0]):
+            files += known.data
             for at, one in enumerate(known.nodes):
                 self._places.append((key, NodeReference(repository, package, one.name), one, at))
+        self._add_data(files)
         self._by_reference = {reference: at for at, (_, reference, _, _) in enumerate(self._places)}
         self._index((reference.package, one) for _, reference, one, _ in self._places)
         self._packages.update((package for _, package, _ in found), programs or ())
@@ -94,6 +99,11 @@ class Catalogue(NodeTypes):
         """Return what is loaded by the name of a class."""
         self.asked["loaded", name] = None
         return super().loaded(name)
+
+    def data(self, package: str) -> list[DataFile]:
+        """Return the files of a package that nodes read when they run."""
+        self.asked["data", package] = None
+        return super().data(package)
 
     def like(self, package: str) -> tuple[str, ...]:
         """Return the packages that the name of one which is not there is likely meant to be."""

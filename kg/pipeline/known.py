@@ -14,6 +14,7 @@ from kg.facts import Known, NodeName
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
+    from kg.facts import DataFile
     from kg.graph.nodes import Stated
 
 __all__ = ["digest", "known_as"]
@@ -21,7 +22,9 @@ __all__ = ["digest", "known_as"]
 _BYTES: Final = 16
 
 
-def known_as(stated: Iterable[Stated], programs: Iterable[str] = ()) -> tuple[tuple[Stated, ...], Known]:
+def known_as(
+    stated: Iterable[Stated], programs: Iterable[str] = (), data: Iterable[DataFile] = ()
+) -> tuple[tuple[Stated, ...], Known]:
     """Return the node types of a package in the order that results have, and what others know of them."""
     ordered = sorted(stated, key=lambda one: (one.node.name, str(one.node.location)))
     names: list[NodeName] = []
@@ -32,7 +35,7 @@ def known_as(stated: Iterable[Stated], programs: Iterable[str] = ()) -> tuple[tu
         for at, one in enumerate(same):
             node, mark = one.node, digest(f"{at} {marks}".encode())
             names.append(NodeName(node.name, node.kind, node.executable, node.plugin, node.aliases, mark))
-    return tuple(ordered), Known(tuple(names), tuple(programs))
+    return tuple(ordered), Known(tuple(names), tuple(programs), tuple(data))
 
 
 def _mark(stated: Stated) -> str:

@@ -37,8 +37,9 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
     from kg.store.transaction import EmbeddedTransaction
+    from kg.wiring.types import NodeTypes
 
-__all__ = ["chosen", "evaluate", "trial", "unread"]
+__all__ = ["LaunchFile", "chosen", "trial", "unread"]
 
 
 def chosen(
@@ -50,7 +51,7 @@ def chosen(
 ) -> list[System]:
     """Return the systems of the store, or that of `launch`, evaluated anew where anything is given.
 
-    Raises as `find` and `check_given` of `kg.pipeline.launch_names`, and as `evaluate`.
+    Raises as `find` and `check_given` of `kg.pipeline.launch_names`, and as `LaunchFile`.
     """
     check_given(launch, arguments, environment)
     if launch is None:
@@ -62,50 +63,59 @@ def chosen(
         name = find(system_names(snapshot), launch, roots)
         if not arguments and not environment:
             return systems(snapshot, [name], settings.base)
-        return [evaluate(settings, snapshot, state, name, arguments, environment)]
+        return [LaunchFile(settings, snapshot, state, name).system(arguments, environment)]
 
 
-def evaluate(  # noqa: PLR0913, PLR0917 - what a configuration depends on
-    settings: Settings,
-    graph: Queryable,
-    state: State,
-    name: SystemName,
-    arguments: Mapping[str, str],
-    environment: Mapping[str, str],
-) -> System:
-    """Return the system of a launch file, read anew from its source.
+class LaunchFile:
+    """A launch file at its source, to be evaluated with several arguments and environments.
 
     Raises:
         SourceError: KG101 when its source is not where it was built from.
-        UsageError: KG003 for an argument that the file does not declare.
     """
-    from kg.extract.launch import read_configuration  # noqa: PLC0415 - the readers of code take long to load
 
-    sources = tuple(
-        source
-        for one in state.sources.values()
-        if Path(one.repository.root).is_dir()
-        for source in scan_tree(Path(one.repository.root))
-    )
-    source, package = _owner(sources, name)
-    workspace = Workspace(sources, installed_folders(settings))
-    reader = Reader(workspace, source, package, settings.max_file_bytes)
-    configuration = read_configuration(reader, name.path, name.ros, arguments, environment)
-    if configuration is None:
-        raise SourceError("KG101", "the launch file cannot be read", place=Place(str(source.root / name.path)))
-    declared = {one.name for one in configuration.arguments}
-    for argument in arguments:
-        if argument not in declared:
-            hint = did_you_mean(argument, declared) or f"Its arguments are {', '.join(sorted(declared)) or 'none'}."
-            raise UsageError("KG003", f"{name.name} has no argument `{argument}`", hint=hint)
-    loadable = {
-        package.name
-        for found in state.sources.values()
-        for package in found.packages.values()
-        if any(one.plugin is not None for one in package.known.nodes)
-    }
-    types, _ = node_types(graph, loadable | used_packages([configuration]))
-    return wire(configuration, types)
+    def __init__(self, settings: Settings, graph: Queryable, state: State, name: SystemName) -> None:
+        sources = tuple(
+            source
+            for one in state.sources.values()
+            if Path(one.repository.root).is_dir()
+            for source in scan_tree(Path(one.repository.root))
+        )
+        source, package = _owner(sources, name)
+        workspace = Workspace(sources, installed_folders(settings))
+        self.reader = Reader(workspace, source, package, settings.max_file_bytes)
+        self._name, self._graph = name, graph
+        self._place = Place(str(source.root / name.path))
+        self._packages = {
+            package.name
+            for found in state.sources.values()
+            for package in found.packages.values()
+            if any(one.plugin is not None for one in package.known.nodes)
+        }
+        self._types: NodeTypes | None = None
+
+    def system(self, arguments: Mapping[str, str], environment: Mapping[str, str]) -> System:
+        """Return what it starts.
+
+        Raises:
+            SourceError: KG101 when it cannot be read.
+            UsageError: KG003 for an argument that it does not declare.
+        """
+        from kg.extract.launch import read_configuration  # noqa: PLC0415 - the readers of code take long to load
+
+        name = self._name
+        configuration = read_configuration(self.reader, name.path, name.ros, arguments, environment)
+        if configuration is None:
+            raise SourceError("KG101", "the launch file cannot be read", place=self._place)
+        declared = {one.name for one in configuration.arguments}
+        for argument in arguments:
+            if argument not in declared:
+                hint = did_you_mean(argument, declared) or f"Its arguments are {', '.join(sorted(declared)) or 'none'}."
+                raise UsageError("KG003", f"{name.name} has no argument `{argument}`", hint=hint)
+        used = used_packages([configuration])
+        if self._types is None or not used <= self._packages:
+            self._packages |= used
+            self._types, _ = node_types(self._graph, self._packages)
+        return wire(configuration, self._types)
 
 
 def unread(settings: Settings, systems: Iterable[System], environment: Iterable[str]) -> list[str]:

@@ -10,7 +10,7 @@ import json
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
-from kg.facts import Known, NodeKind, NodeName, Problem, Repository
+from kg.facts import DataFile, Known, NodeKind, NodeName, Problem, Repository
 from kg.pipeline.report import PackageResult
 from kg.store.layout import write_atomically
 
@@ -192,5 +192,6 @@ def _package(content: dict[str, Any]) -> PackageState:
     problems = tuple(Problem(**problem) for problem in content["problems"])
     outside = tuple((tuple(lookup), answer) for lookup, answer in content["outside"])
     named = tuple(_named(one) for one in content["known"]["nodes"])
-    known = Known(named, tuple(content["known"]["programs"]))
+    data = tuple(DataFile(**one) for one in content["known"]["data"])
+    known = Known(named, tuple(content["known"]["programs"]), data)
     return PackageState(**{**content, "problems": problems, "outside": outside, "known": known})

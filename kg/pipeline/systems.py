@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 import msgspec
 from pyoxigraph import NamedNode
 
-from kg.graph.reading import node_records, programs
+from kg.graph.reading import data_files, node_records, programs
 from kg.graph.systems import system_triples
 from kg.pipeline import cache
 from kg.pipeline.catalogue import Catalogue
@@ -86,7 +86,8 @@ def _catalogue(
         return Catalogue(folder, packages)
     known = {source for source, _ in packages}
     others = [record for record in node_records(transaction) if record.repository not in known]
-    return Catalogue(folder, packages, others, programs(transaction))
+    data = [file for file in data_files(transaction) if file.repository not in known]
+    return Catalogue(folder, packages, others, programs(transaction), data)
 
 
 def _write(transaction: EmbeddedTransaction, contents: Mapping[str, bytes], intact: set[str]) -> None:
@@ -119,7 +120,8 @@ def node_types(graph: Queryable, packages: Iterable[str]) -> tuple[NodeTypes, di
     """Return the node types of some packages, with their records by reference, and what else all packages install."""
     records = node_records(graph, packages=packages)
     pairs = [(record.reference, record.node) for record in records]
-    return NodeTypes(pairs, programs=programs(graph)), {record.reference: record for record in reversed(records)}
+    found = NodeTypes(pairs, programs=programs(graph), data=data_files(graph))
+    return found, {record.reference: record for record in reversed(records)}
 
 
 class _Work:

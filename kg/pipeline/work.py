@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.package import ExtractSettings, extract_package
-from kg.facts import Known, Problem, Resolution
+from kg.facts import DataFile, Known, Problem, Resolution
 from kg.graph import Iris, count
 from kg.graph.packages import package_parts
 from kg.graph.shared import split
@@ -78,7 +78,8 @@ def work(job: Job, source: str, path: str, earlier: str = "") -> Outcome:
     iris = Iris(job.base)
     triples, stated = package_parts(facts, iris)
     own, shared = split(triples, iris)
-    stated, known = known_as(stated, facts.programs)
+    data = (DataFile(facts.repository, package.name, one.path, one.text) for one in facts.files if one.text is not None)
+    stated, known = known_as(stated, facts.programs, data)
     counts = asdict(count([facts], triples=len(own) + len(shared)))
     result = PackageResult(
         source=source,

@@ -24,6 +24,7 @@ from kg.symbolic.columns import (
     LANGUAGES,
     MOST_ARGUMENTS,
     PARAMETER,
+    PORT,
     RESULTS,
     SECONDS,
     SLOT,
@@ -260,7 +261,20 @@ def _marks() -> tuple[str, ...]:
     return tuple(dict.fromkeys(use["mark"] for use in content["use"]))
 
 
+def _port_errors(row: _Row) -> Iterator[SourceError]:
+    port = row.content.get("port", {})
+    wrong = list(_form_errors(row, port, PORT, "port"))
+    yield from wrong
+    if not wrong and "port" in row.content and "name" not in port:
+        yield _error(row.place("port"), "`port` has no name", "Add `name`, the number of the argument with the name.")
+    for key, value in port.items() if not wrong else ():
+        yield from _number_errors(row, value, row.place("port", key))
+
+
 def _call_errors(row: _Row, classes: Mapping[str, str | None]) -> Iterator[SourceError]:
+    yield from _port_errors(row)
+    if isinstance(row.content.get("registers"), int):
+        yield from _number_errors(row, row.content["registers"], row.place("registers"), least=True)
     if "on" not in row.content and "in" not in row.content:
         hint = 'Add `on = ["acme::Class"]` for methods, or `in = ["acme"]` for functions of a namespace.'
         yield _error(row.place(), "the row matches no call: it has neither `on` nor `in`", hint)

@@ -21,6 +21,7 @@ __all__ = [
     "LANGUAGES",
     "MOST_ARGUMENTS",
     "PARAMETER",
+    "PORT",
     "RESULTS",
     "SECONDS",
     "SLOT",
@@ -115,6 +116,8 @@ CALL: Final[Mapping[str, Form]] = {
     "options": _FLAG,
     "loads": _FLAG,
     "creates": _INDEX,
+    "registers": _INDEX,
+    "port": Form("a table: { name = 0, output = 1 }", lambda value: isinstance(value, dict)),
 }
 """The columns of `[[call]]`."""
 CLASS: Final[Mapping[str, Form]] = {
@@ -147,6 +150,8 @@ SLOT: Final[Mapping[str, Form]] = {
     "reason": _TEXT,
 }
 """The keys of `slot`."""
+PORT: Final[Mapping[str, Form]] = {"name": _INDEX, "default": _INDEX, "output": _INDEX}
+"""The keys of `port`."""
 _EFFECT: Final[Mapping[str, Form]] = {"name": _INDEX, "fixed": _TEXT}
 INTERFACE: Final[Mapping[str, Form]] = {
     **_EFFECT,
@@ -183,7 +188,8 @@ KINDS: Final[Mapping[str, str]] = {
 RESULTS: Final[Mapping[str, str]] = {
     **dict.fromkeys(("parameter", "is set", "path", "namespace", "own namespace", "own prefix"), ""),
     **dict.fromkeys(("node name", "host", "self"), ""),
-    **dict.fromkeys(("is declared", "argument", "private", "resolved", "sub node", "camera info", "format"), INDEX),
+    **dict.fromkeys(("is declared", "argument", "private", "resolved", "sub node", "camera info"), INDEX),
+    **dict.fromkeys(("format", "package"), INDEX),
     "handle": "NAMESPACE",
     "duration": SECONDS,
 }

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final, TypeGuard
 from kg.facts import Resolution
 from kg.holes import Hole, label_of
 from kg.symbolic import form
+from kg.symbolic.names import OWN_NAMESPACE, PARENT_NAMESPACE
 from kg.symbolic.parameters import with_parameter
 from kg.symbolic.values import (
     Enumerator,
@@ -40,6 +41,8 @@ __all__ = [
     "with_element",
 ]
 
+_NAMESPACES: Final = (OWN_NAMESPACE, PARENT_NAMESPACE)
+"""What begins with a slash."""
 COMMAND_LINE: Final = Sequence((), open=True, parameter="argv")
 """The arguments of the program, the program itself first."""
 
@@ -123,6 +126,8 @@ def element(of: Value, key: Value) -> Value:
             choice = (tuple(own for own, _ in of.items), key) if getattr(key, "parameter", None) else object()
             return options(found, choice) if found else Unknown("the map is empty")
         return join(*found) if found else Unknown("the map has no such key")
+    if isinstance(of, Text) and of.parts[0] in _NAMESPACES and isinstance(key, Number) and key.value == 0:
+        return Text.of("/")
     if is_unknown_parameter(of):
         part = f".{key.known}" if isinstance(key, Text) and key.known is not None else "[]"
         return part_of(f"{of.parameter}{part}")

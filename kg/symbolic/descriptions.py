@@ -20,6 +20,7 @@ __all__ = [
     "ClassDescription",
     "Descriptions",
     "Effect",
+    "PortDescription",
     "SlotDescription",
     "agree",
     "merged",
@@ -81,6 +82,17 @@ class SlotDescription:
 
 
 @dataclass(frozen=True, slots=True)
+class PortDescription:
+    """A port of a node of behavior trees that a call reads or declares, by the indexes of its arguments."""
+
+    name: int
+    default: int | None = None
+    """The argument with the value that the port has by default."""
+    output: int | None = None
+    """The argument that receives the value."""
+
+
+@dataclass(frozen=True, slots=True)
 class CallDescription:
     """A function or method of a framework."""
 
@@ -104,6 +116,9 @@ class CallDescription:
     creates: int | None = None
     """The argument with a class of which it creates an object."""
     slot: SlotDescription | None = None
+    registers: int | None = None
+    """The argument with the name under which it registers a node of behavior trees."""
+    port: PortDescription | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -210,6 +225,8 @@ def _call(row: dict[str, Any], ros: int) -> CallDescription:
         tuple(row.get("parameters", ())),
         row.get("creates"),
         _slot(row),
+        row.get("registers"),
+        PortDescription(**row["port"]) if "port" in row else None,
     )
 
 

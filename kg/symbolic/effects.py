@@ -22,6 +22,7 @@ from kg.symbolic.plugins import Loading, loading
 from kg.symbolic.results import result
 from kg.symbolic.spelling import spelled
 from kg.symbolic.state import Arguments, Invocation
+from kg.symbolic.trees import Registered, port_value
 from kg.symbolic.values import (
     ABSENT,
     Bound,
@@ -90,6 +91,10 @@ class Framework:
         self.nodes: list[Object] = []
         self.loaded: list[tuple[Value, ...]] = []
         self.loadings: list[Loading] = []
+        self.registered: list[Registered] = []
+        """The nodes of behavior trees that calls register."""
+        self.ports: dict[str, Value] = {}
+        """The values that ports have by default."""
         self._option_sites: dict[int, tuple[Site, ...]] = {}
         """The calls that gave an options object the name of its interface."""
         self._described: dict[object, list[ClassDescription]] = {}
@@ -108,6 +113,7 @@ class Framework:
             len(self.nodes),
             len(self.loaded),
             len(self.loadings),
+            len(self.registered),
             len(self.node_names),
         )
 
@@ -356,6 +362,14 @@ class Framework:
             self.loaded.append(tuple(given.values))
         if described.slot is not None:
             self._loads(described.slot, call)
+        if described.registers is not None:
+            self.registered.append(Registered.of(described.registers, call, tuple(self.machine.stack)))
+            return Unknown("it returns nothing")
+        if described.port is not None:
+            value = port_value(described.port, call, self.ports)
+            if described.port.output is not None and given.frame is not None:
+                self.machine.put(given.written[described.port.output], value, given.frame)
+            return value
         created = call.argument(described.creates)
         if created is not None:
             self.machine.language.create(created)
@@ -366,18 +380,18 @@ class Framework:
             owner = call.node if isinstance(call.node, Object) else None
             detail = below(namespace_of(owner), topic) if topic is not None else None
             self.marks.append((described.mark, owner, tuple(self.machine.stack), detail))
-        value: Value | None = None
+        read: Value | None = None
         for effect in described.effects:
             nodes: tuple[Value | None, ...] = alternatives(call.node) if call.node is not None else (None,)
             rows = [replace(given, values=list(row)) for row in combinations(given.values)]
             results = [self._apply(effect, replace(call, node=one, arguments=row)) for one in nodes for row in rows]
             values = [one for one in results if one is not None]
-            value = join(*values) if values else None
+            read = join(*values) if values else None
         self.machine.language.escape([*given.values, *given.named.values()])
         if described.copies is not None and given.frame is not None and described.copies[1] < len(given.written):
             source, target = described.copies
             self.machine.put(given.written[target], given.values[source], given.frame)
-        return result(self, described.returns, call, value)
+        return result(self, described.returns, call, read)
 
     def _loads(self, slot: SlotDescription, call: Invocation) -> None:
         """Record that a call loads plugins, or creates an object whose methods do."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Final
 
-from kg.holes import Hole
+from kg.holes import PARENT, Hole
 from kg.symbolic.values import (
     Either,
     Mapping,
@@ -25,6 +25,7 @@ __all__ = [
     "EMPTY",
     "NODE_NAME",
     "OWN_NAMESPACE",
+    "PARENT_NAMESPACE",
     "below",
     "camera_info",
     "handle_namespace",
@@ -36,6 +37,8 @@ __all__ = [
 EMPTY: Final = Text.of("")
 OWN_NAMESPACE: Final = Hole("namespace")
 """The namespace of the node itself, as a part of a text."""
+PARENT_NAMESPACE: Final = Hole(PARENT)
+"""What is above the namespace of the node, as a part of a text."""
 NODE_NAME: Final = Hole("node")
 """The name of the node itself, as a part of a text."""
 
@@ -54,7 +57,7 @@ def below(namespace: Value, name: Value) -> Value:
     if first == OWN_NAMESPACE:
         inner = name.parts[1:] or ("",)
         return replace(name, parts=(inner[0].lstrip("/"), *inner[1:]) if isinstance(inner[0], str) else inner)
-    if isinstance(first, str) and first.startswith("/"):
+    if first == PARENT_NAMESPACE or (isinstance(first, str) and first.startswith("/")):
         return name
     if isinstance(first, str) and first.startswith("~"):
         rest = first[1:].lstrip("/")

@@ -70,6 +70,8 @@ def _of_argument(framework: Framework, what: str, argument: Value, node: Value |
     if what == "is declared":
         known = argument.known if isinstance(argument, Text) else None
         return Truth(framework.parameters.declares(node, known)) if known is not None else _DEPENDS
+    if what == "package":
+        return concatenate(Text.of("package://"), argument)
     if what == "resolved":
         handles = alternatives(node) if node is not None else ()
         return join(*(below(namespace_of(one), argument) for one in handles)) if handles else argument

@@ -13,7 +13,7 @@ from itertools import islice, product, repeat
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from kg.facts import Resolution
-from kg.holes import SUBSTITUTIONS, Hole, label_of, written
+from kg.holes import PARENT, SUBSTITUTIONS, Hole, label_of, written
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -107,9 +107,9 @@ class Text:
     @property
     def nothing_known(self) -> bool:
         """Whether no letter of it is known."""
-        return not any(isinstance(part, str) and part.strip("/~._") for part in self.parts) and any(
-            isinstance(part, Hole) for part in self.parts
-        )
+        return not any(
+            part.label == PARENT if isinstance(part, Hole) else part.strip("/~._") for part in self.parts
+        ) and any(isinstance(part, Hole) for part in self.parts)
 
 
 @dataclass(unsafe_hash=True, slots=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
@@ -11,6 +12,7 @@ from kg.names import join
 from kg.wiring.families import meant, members
 from kg.wiring.naming import Named, named
 from kg.wiring.plugins import below_id
+from kg.wiring.switches import switched_on
 from kg.wiring.values import parsed, shown
 
 if TYPE_CHECKING:
@@ -22,11 +24,14 @@ if TYPE_CHECKING:
     from kg.wiring.plugins import Framework, Loaded
     from kg.wiring.qos import Overrides
     from kg.wiring.remapping import Remapping
+    from kg.wiring.trees import TreeNode
     from kg.wiring.values import Settings
 
 __all__ = ["Ends"]
 
 _CAMERA_INFO: Final = "camera_info"
+_PORT: Final = re.compile(r"port\[(\w+)\]")
+"""What stands for a parameter where a name is a port of a node of behavior trees."""
 _OF_NODES: Final = ("ros1.node", "ros2.node")
 """What every node has, and a plugin has not: it stands in a node."""
 
@@ -96,7 +101,8 @@ class Ends:
                 continue
             if self.spelling is not None and declared.name in self.spelling.row.outside:
                 continue
-            element = plugin.of_element(declared.parameter) if declared.name is None else None
+            open_name = declared.name is None or hole_of(declared.parameter or "") in declared.name
+            element = plugin.of_element(declared.parameter) if open_name else None
             if framework.each is not None and element is not None:
                 yield from self._for_each(declared, element, plugin, place)
                 continue
@@ -108,6 +114,21 @@ class Ends:
             if name.parameter is None and node.ros != 1 and not is_known(name.name):
                 name = self._by_default(declared, parameter) or name
             yield self._placed(declared, owner, name, own)
+
+    def of_tree_node(self, used: TreeNode) -> Iterator[InstanceInterface]:
+        """Yield what a node of a behavior tree declares; the element of the tree has the ports that name interfaces."""
+        owner, node = used.typed
+        node = switched_on(node, self.settings, self.place)
+        for declared in node.interfaces:
+            if declared.implicit and (declared.origin or "").startswith(_OF_NODES):
+                continue
+            port = _PORT.fullmatch(declared.parameter or "")
+            given = used.ports.get(port[1]) if port is not None else None
+            if port is not None:
+                name = named(declared, node, given)
+            else:
+                name = self._named(declared, node, declared.parameter, self.place)
+            yield self._placed(declared, owner, replace(name, parameter=name.parameter or used.element), self.place)
 
     def _by_default(self, declared: Interface, parameter: str | None) -> Named | None:
         """Return the name that a parameter of the node gives to an interface of a plugin where nothing sets it."""
@@ -130,7 +151,8 @@ class Ends:
                     continue
             name = self._named(declared, node, f"{below}/{element}", place)
             if name.parameter is None:
-                name = Named(identifier, Resolution.PARAMETER_DEFAULT)
+                before, _, after = partition(declared.name or ANONYMOUS, hole_of(declared.parameter or ""))
+                name = Named(before + identifier + after, Resolution.PARAMETER_DEFAULT)
             elif name.resolution is Resolution.PARTIAL and is_known(name.name):
                 name = Named(name.name, Resolution.LAUNCH_ARGUMENT, name.parameter)
             yield self._placed(declared, owner, name, place)
@@ -154,7 +176,9 @@ class Ends:
             resolved, remap = self.remapping.apply(resolved, declared.role, above)
         partial = is_partial(resolved)
         if is_partial(name.name) and not partial:  # the name and namespace of the node were all that was open
-            name = replace(name, resolution=Resolution.CONSTANT, reason=None)
+            how = Resolution.CONSTANT if declared.parameter is None else Resolution.PARAMETER_DEFAULT
+            how = how if name.parameter is None else Resolution.LAUNCH_ARGUMENT
+            name = replace(name, resolution=how, reason=None)
         return InstanceInterface(
             declared=declared,
             owner=owner,

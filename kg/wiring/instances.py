@@ -23,10 +23,11 @@ from kg.wiring.types import own_name
 from kg.wiring.values import Server, Settings, parsed
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from kg.facts import InstanceInterface, LaunchParameter, NodeType, Remap, StartedNode
     from kg.wiring.inner import Inner
+    from kg.wiring.trees import TreeNode
     from kg.wiring.types import NodeTypes, Typed
 
 __all__ = ["Draft", "draft_of", "finished", "loads"]
@@ -70,6 +71,8 @@ class Draft:
     """The source of the configuration."""
     simulated: list[Simulated] = field(default_factory=list)
     """Plugins of robot descriptions that run in it."""
+    tree_nodes: list[TreeNode] = field(default_factory=list)
+    """The nodes of the behavior trees that it runs."""
     similar: tuple[str, ...] = ()
     """Packages that the unknown one it is started from may mean."""
 
@@ -112,9 +115,10 @@ def loads(draft: Draft, types: NodeTypes, repository: str) -> None:
     values: dict[str, str | None] = dict(draft.defaults)
     below = f"{draft.place.full}/"
     values.update({name.removeprefix(below): given.value for name, given in draft.set_here})
-    if values:
+    slots = draft.typed[1].slots if draft.typed is not None else ()
+    if values or slots:
         package = draft.started.package
-        found = loaded_plugins(values, types, repository, draft.ros, package)
+        found = loaded_plugins(values, types, repository, draft.ros, package, slots)
         draft.plugins += (_outside(plugin, draft.makes) for plugin in found)
 
 
@@ -148,7 +152,7 @@ def finished(draft: Draft, server: Server | None, host: Draft | None) -> NodeIns
     if draft.typed is not None:
         owner, node = draft.typed
         asked.add_node(owner, node)
-        asked.add_of_framework((plugin.parameter for plugin in draft.plugins), node, owner, "plugins")
+        asked.add_of_framework((one.parameter for one in draft.plugins if one.parameter), node, owner, "plugins")
         asked.add_of_framework(overrides.names, node, owner, "qos_overrides")
     for plugin in draft.plugins:
         asked.add_plugin(plugin)
@@ -163,7 +167,7 @@ def finished(draft: Draft, server: Server | None, host: Draft | None) -> NodeIns
         started=draft.written or draft.started,
         type=draft.typed[0] if draft.typed is not None else None,
         reason=None if tool else draft.reason,
-        plugins=tuple(dict.fromkeys(plugin.found[0] for plugin in draft.plugins if plugin.found is not None)),
+        plugins=tuple(dict.fromkeys(one[0] for one in _loaded(draft))),
         host=draft.started.host,
         interfaces=interfaces,
         parameters=parameters,
@@ -172,6 +176,11 @@ def finished(draft: Draft, server: Server | None, host: Draft | None) -> NodeIns
         missing=None if tool else draft.missing,
         similar=draft.similar,
     )
+
+
+def _loaded(draft: Draft) -> Iterator[Typed]:
+    yield from (plugin.found for plugin in draft.plugins if plugin.found is not None)
+    yield from (node.typed for node in draft.tree_nodes)
 
 
 def _spelling(draft: Draft) -> Spelling | None:
@@ -193,6 +202,11 @@ def _interfaces(draft: Draft, ends: Ends) -> tuple[InstanceInterface, ...]:
             owner, node = plugin.found
             node = switched_on(node, ends.settings, plugin.place(draft.place))
             found += ends.of_plugin(replace(plugin, found=(owner, node)))
+    of_trees: dict[object, InstanceInterface] = {}
+    for tree_node in draft.tree_nodes:
+        for end in ends.of_tree_node(tree_node):
+            of_trees.setdefault((end.declared, end.resolved), end)
+    found += of_trees.values()
     if draft.typed is None:
         found += own_ends(draft.started, draft.place, ends.remapping, draft.ros, draft.repository)
         found += tool_ends(draft.started, ends, draft.repository)
@@ -231,11 +245,11 @@ def _unmapped(interfaces: Iterable[InstanceInterface]) -> set[str]:
 def _complete(draft: Draft, interfaces: Iterable[InstanceInterface], *, tool: bool) -> bool:
     if draft.started.kind in _HOSTS and draft.started.package in _HOST_PACKAGES:
         return True
-    if draft.typed is None and not tool:
+    if draft.typed is None and not tool and not draft.tree_nodes:
         return False
     if any(plugin.found is None for plugin in draft.plugins):
         return False
-    if all(end.declared.implicit for end in interfaces):
+    if (draft.typed is not None and draft.reason is not None) or all(end.declared.implicit for end in interfaces):
         return False  # a node that talks to nobody: more likely nothing of it was found
     if any(given.name == ANONYMOUS or _names_plugins(name, given) for name, given in draft.set_here):
         return False

@@ -8,11 +8,11 @@ parameter's.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import Resolution
-from kg.holes import hole_of, is_partial, partition
+from kg.holes import PARENT, hole_of, is_partial, partition
 from kg.names import join, normalise
 from kg.wiring.values import shown
 
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 __all__ = ["Named", "named"]
 
 _MEMBER: Final = re.compile(r"\[(['\"])\w+\1\]|\.get\([^()]*\)")
+_PARENT: Final = f"{{{PARENT}}}/"
 _HANDLE_UNKNOWN: Final = "the namespace of the node handle is not known"
 
 
@@ -80,6 +81,9 @@ def _around(declared: Interface, defaults: Iterable[str]) -> tuple[str, str, boo
     name = declared.name
     if name is None:
         return "", "", not (declared.written or "").strip() or _plain(declared.written)
+    if name.startswith(_PARENT):
+        before, after, sure = _around(replace(declared, name=name.removeprefix(_PARENT)), defaults)
+        return _PARENT + before, after, sure
     own = hole_of(declared.parameter or "")
     before, hole, after = partition(name, own)
     if hole and (hole == own or (declared.parameter or "") in (declared.reason or "")):

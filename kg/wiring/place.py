@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from kg.holes import ANONYMOUS, substitute
+from kg.holes import ANONYMOUS, PARENT, substitute
 from kg.names import join, normalise
 from kg.wiring.types import own_name
 
@@ -41,11 +41,16 @@ class Place:
         return _resolved(name, self.namespace, self.private or self.full)
 
     def expand(self, name: str, ros: int) -> str:
-        """Return what `resolve` does of a name in which `{node}`, `{ns}` and `{namespace}` are those of the node.
+        """Return what `resolve` does of a name with labels that mean the name and namespace of the node.
 
         In ROS 1 the name of a node is its absolute one.
         """
-        own = {"node": self.full if ros == 1 else self.name, "ns": self.namespace, "namespace": self.namespace}
+        own = {
+            "node": self.full if ros == 1 else self.name,
+            "ns": self.namespace,
+            "namespace": self.namespace,
+            PARENT: self.namespace.rpartition("/")[0],
+        }
         return self.resolve(substitute(name, own.get))
 
 

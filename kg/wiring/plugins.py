@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import TYPE_CHECKING, Any, Final
 
-from kg.facts import NodeKind, Resolution
+from kg.facts import TREE_NODE, NodeKind, Resolution
 from kg.holes import Hole, hole_of, is_partial, parse, partition, substitute
 from kg.names import normalise
 from kg.wiring.place import Place
@@ -19,9 +19,9 @@ from kg.wiring.types import class_name
 from kg.wiring.values import parsed
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Collection, Iterable, Iterator, Mapping
 
-    from kg.facts import Interface
+    from kg.facts import Interface, PluginSlot
     from kg.wiring.types import NodeTypes, Typed
 
 __all__ = ["Framework", "Loaded", "below_id", "framework_of", "loaded_plugins", "table"]
@@ -40,7 +40,6 @@ class Framework:
     source: str
     private: str = "~/{id}"
     relative: str | None = None
-    by: tuple[str, ...] = ()
     shared: tuple[str, ...] = ()
     foreign: tuple[str, ...] = ()
     handed: Mapping[str, str] = field(default_factory=dict)
@@ -50,6 +49,7 @@ class Framework:
     otherwise: str | None = None
     loader: tuple[str, ...] = ()
     starter: tuple[str, ...] = ()
+    node: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,15 +114,57 @@ def framework_of(base: str | None, ros: int) -> Framework:
     return table().get((base or "", ros)) or Framework(base or "", ros, "")
 
 
-def loaded_plugins(
-    values: Mapping[str, str | None], types: NodeTypes, repository: str, ros: int, package: str | None
+def loaded_plugins(  # noqa: PLR0913, PLR0917 - what the plugins of a node depend on
+    values: Mapping[str, str | None],
+    types: NodeTypes,
+    repository: str,
+    ros: int,
+    package: str | None,
+    slots: Iterable[PluginSlot] = (),
 ) -> Iterator[Loaded]:
-    """Yield what a node with these parameters loads; their names are relative to the node, the values YAML.
+    """Yield what a node with these parameters and slots loads; names are relative to the node, the values YAML.
 
-    Each plugin comes once for each name under which it is loaded, in the order of the parameters.
+    Each plugin comes once for each name under which it is loaded, in the order of the parameters, then those that code
+    loads where no parameter says otherwise.
     """
-    separator = "/" if ros == 1 else "."
+    slots = [one for one in slots if one.base_class != TREE_NODE]
     known: set[tuple[str, str]] = set()
+    of_slots = {_bare(one.parameter) for one in slots if one.parameter is not None}
+    for plugin in _by_parameters(values, types, repository, ros, package, of_slots):
+        if (plugin.scope, plugin.id) not in known and not plugin.framework.node:
+            known.add((plugin.scope, plugin.id))
+            yield plugin
+    for slot in slots:
+        for name, kind, parameter in _defaults(slot, values):
+            if ("", name) not in known:
+                known.add(("", name))
+                yield _loaded(name, kind, "", types.plugin(kind, repository, package), ros, parameter)
+
+
+def _defaults(slot: PluginSlot, values: Mapping[str, str | None]) -> Iterator[tuple[str, str, str]]:
+    """Yield name, class and parameter of the plugins of a slot whose class no parameter gives."""
+    names = parsed(values.get(_bare(slot.names))) if slot.names is not None else None
+    for one in slot.defaults:
+        parameter = _bare(slot.parameter or "").replace("{id}", one.name or "")
+        listed = not isinstance(names, list) or one.name in names
+        if listed and "[" not in parameter and values.get(parameter) is None:
+            yield one.name or _last(one.class_name), one.class_name, parameter
+
+
+def _bare(name: str) -> str:
+    return name.removeprefix("~/")
+
+
+def _by_parameters(  # noqa: PLR0913, PLR0917 - as above
+    values: Mapping[str, str | None],
+    types: NodeTypes,
+    repository: str,
+    ros: int,
+    package: str | None,
+    of_slots: Collection[str],
+) -> Iterator[Loaded]:
+    """Yield what the values of parameters name; `of_slots` are parameters that give the class of a plugin."""
+    separator = "/" if ros == 1 else "."
     listed = _listed(values) if ros != 1 else None
     for name, value in values.items():
         if value is None or not _may_hold_classes(value):
@@ -139,13 +181,11 @@ def loaded_plugins(
                 if found is None and last != "plugin":  # many things have a type
                     continue
                 plugin = _loaded(identifier, kind, outer, found, ros, name)
-            elif found is None and told is None and last not in _loading_parameters(ros):
+            elif found is None and told is None and name not in of_slots:
                 continue
             else:
                 plugin = _loaded(told or _last(kind), kind, scope, found, ros, name)
-            if (plugin.scope, plugin.id) not in known:
-                known.add((plugin.scope, plugin.id))
-                yield plugin
+            yield plugin
 
 
 def _loaded(  # noqa: PLR0913, PLR0917 - what is known of one plugin
@@ -153,11 +193,6 @@ def _loaded(  # noqa: PLR0913, PLR0917 - what is known of one plugin
 ) -> Loaded:
     framework = framework_of(found[1].base_class if found is not None else None, ros)
     return Loaded(identifier, kind, scope, found, framework, parameter)
-
-
-@cache
-def _loading_parameters(ros: int) -> frozenset[str]:
-    return frozenset(name for row in table().values() if row.ros == ros for name in row.by)
 
 
 def _may_hold_classes(value: str) -> bool:

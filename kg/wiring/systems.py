@@ -6,11 +6,12 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from kg.facts import System
-from kg.wiring.controllers import attach
+from kg.wiring.controllers import attach, with_controllers
 from kg.wiring.inner import started_inner
 from kg.wiring.instances import draft_of, finished, loads
 from kg.wiring.near import near_misses
 from kg.wiring.simulation import simulate
+from kg.wiring.tree_runners import run_trees
 from kg.wiring.values import Server
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ def wire(configuration: LaunchConfiguration, types: NodeTypes) -> System:
     repository, ros = configuration.repository, configuration.ros
     drafts = [draft_of(started, types, repository, ros) for started in configuration.nodes]
     if ros != 1:
-        drafts = _with_inner(drafts, configuration.nodes, types, repository)
+        drafts = list(with_controllers(_with_inner(drafts, configuration.nodes, types, repository), types, repository))
     server = Server(configuration.parameters) if ros == 1 else None
     shared: list[str] = []
     if server is not None:
@@ -43,6 +44,7 @@ def wire(configuration: LaunchConfiguration, types: NodeTypes) -> System:
         loads(draft, types, repository)
     if server is not None:
         attach(drafts, server, types, repository)
+    drafts = list(run_trees(drafts, types))
     simulate(drafts, configuration)
     by_name = {draft.place.full: draft for draft in reversed(drafts)}
     made: dict[int, NodeInstance] = {}

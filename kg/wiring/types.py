@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from typing import TYPE_CHECKING, Final, TypeAlias
 
-from kg.facts import MissingType, NodeKind
+from kg.facts import TREE_NODE, MissingType, NodeKind
 from kg.holes import is_partial
 from kg.names import normalise
 from kg.wiring.similar import Alike
@@ -13,7 +13,7 @@ from kg.wiring.similar import Alike
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from kg.facts import NodeName, NodeReference, NodeType, StartedNode
+    from kg.facts import DataFile, NodeName, NodeReference, NodeType, StartedNode
 
 __all__ = ["NodeTypes", "Typed", "class_name", "own_name"]
 
@@ -23,16 +23,17 @@ _SCRIPT_ENDS: Final = (".py", ".sh", ".pl", ".rb")
 _LOADED: Final = (NodeKind.NODELET, NodeKind.COMPONENT, NodeKind.PLUGIN)
 _STARTED: Final = (NodeKind.EXECUTABLE, NodeKind.SCRIPT)
 _SHOWN: Final = 12
+_SCHEME: Final = "package://"
 
 
 class NodeTypes:
-    """The node types of a build, found by what launch files say.
+    """The node types of a build, found by what launch files say, and the files that nodes read when they run.
 
     `pairs` are all node types with their references. `packages` names further packages of the build, which have no node
-    types; `programs` what else packages install to be started, in which no node was found.
+    types; `programs` what else packages install to be started, in which no node was found; `data` are the files.
 
-    Whatever wiring learns of other packages it asks by one of `has`, `installed`, `executables`, `started`, `loaded`
-    and `like`, so that a build knows which answers a system depends on.
+    Whatever wiring learns of other packages it asks by one of `has`, `installed`, `executables`, `started`, `loaded`,
+    `data` and `like`, so that a build knows which answers a system depends on.
     """
 
     def __init__(
@@ -41,11 +42,18 @@ class NodeTypes:
         *,
         packages: Iterable[str] = (),
         programs: Mapping[str, Iterable[str]] | None = None,
+        data: Iterable[DataFile] = (),
     ) -> None:
         self._pairs = list(pairs)
         self._index((reference.package, node) for reference, node in self._pairs)
         self._packages.update(packages, programs or ())
         self._programs.update((package, set(names)) for package, names in (programs or {}).items())
+        self._add_data(data)
+
+    def _add_data(self, files: Iterable[DataFile]) -> None:
+        self._data: defaultdict[str, list[DataFile]] = defaultdict(list)
+        for file in files:
+            self._data[file.package].append(file)
 
     def _index(self, nodes: Iterable[tuple[str, NodeType | NodeName]]) -> None:
         """Note where among the node types, given with their packages, each stands by its names."""
@@ -138,10 +146,30 @@ class NodeTypes:
 
     def plugin(self, name: str, repository: str, package: str | None = None) -> Typed | None:
         """Return what is loaded by the name of a class (`pkg/Class`, `ns::Class`); of several that of `package`."""
-        known = self.loaded(class_name(name))
+        known = [pair for pair in self.loaded(class_name(name)) if pair[1].base_class != TREE_NODE]
         exact = [pair for pair in known if name in (pair[1].plugin, pair[1].name)] or known
         own = [pair for pair in exact if pair[0].package == package] or exact
         return _nearest(own, repository)
+
+    def tree_node(self, name: str, repository: str) -> Typed | None:
+        """Return the node of behavior trees that is registered under a name."""
+        known = [pair for pair in self.loaded(class_name(name)) if pair[1].base_class == TREE_NODE]
+        return _nearest(known, repository)
+
+    def data(self, package: str) -> list[DataFile]:
+        """Return the files of a package that nodes read when they run."""
+        return self._data.get(package, [])
+
+    def data_file(self, path: str) -> DataFile | None:
+        """Return the file that a path `package://NAME/...` names where the package is installed."""
+        if not path.startswith(_SCHEME):
+            return None
+        package, _, inner = path.removeprefix(_SCHEME).partition("/")
+        files = self.data(package)
+        whole = [one for one in files if f"/{one.path}".endswith(f"/{inner}")]
+        named = [one for one in files if one.path.rpartition("/")[2] == inner.rpartition("/")[2]]
+        found = whole or (named if len(named) == 1 else [])
+        return min(found, key=lambda one: len(one.path), default=None)
 
     def _other_names(self, package: str, executable: str) -> str:
         names = self.executables(package)

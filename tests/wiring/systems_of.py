@@ -9,6 +9,7 @@ import yaml
 
 from kg.facts import (
     Access,
+    DataFile,
     Interface,
     LaunchConfiguration,
     LaunchDialect,
@@ -18,6 +19,8 @@ from kg.facts import (
     NodeReference,
     NodeType,
     Parameter,
+    PluginDefault,
+    PluginSlot,
     Qos,
     Remap,
     Resolution,
@@ -59,7 +62,14 @@ def node_type(row: Mapping[str, Any], ros: int) -> NodeType:
         aliases=tuple(row.get("aliases", ())),
         interfaces=tuple(interfaces),
         parameters=tuple(_parameter(one) for one in row.get("parameters", ())),
+        slots=tuple(_slot(one) for one in row.get("slots", ())),
     )
+
+
+def _slot(one: str | Mapping[str, Any]) -> PluginSlot:
+    row: dict[str, Any] = {"base": one} if isinstance(one, str) else dict(one)
+    defaults = tuple(PluginDefault(kind, name) for name, kind in row.get("defaults", {}).items())
+    return PluginSlot(row["base"], Location("src/x.cpp", 3), row.get("names"), row.get("parameter"), defaults)
 
 
 def _interface(role: Role, one: str | Mapping[str, Any]) -> Interface:
@@ -82,6 +92,7 @@ def _interface(role: Role, one: str | Mapping[str, Any]) -> Interface:
         reason=row.get("reason"),
         arguments=row.get("arguments", 0),
         switches=tuple(row.get("switches", ())),
+        via=tuple(Location(path, 1) for path in row.get("via", ())),
     )
 
 
@@ -136,7 +147,8 @@ def configuration(
 def read_case(path: Path) -> tuple[System, dict[str, Any]]:
     """Return the system of a case, wired, and what its file expects of it."""
     case = tomllib.loads(path.read_text("utf-8"))
-    types = NodeTypes([(reference(row), node_type(row, case["ros"])) for row in case.get("type", ())])
+    data = [DataFile(HERE, row["package"], row["path"], row["text"]) for row in case.get("data", ())]
+    types = NodeTypes([(reference(row), node_type(row, case["ros"])) for row in case.get("type", ())], data=data)
     nodes = [started(row) for row in case["node"]]
     return wire(configuration(nodes, case["ros"], case.get("parameters")), types), case["expected"]
 

@@ -8,11 +8,11 @@ import pytest
 
 from kg.errors import UsageError
 from kg.facts import Location as Where
-from kg.facts import NodeKind, NodeReference, NodeType
+from kg.facts import NodeKind, NodeReference, NodeType, PluginDefault, PluginSlot
 from kg.wiring import NodeTypes
 from kg.wiring.inner import Inner
 from kg.wiring.place import Place
-from kg.wiring.plugins import Framework, loaded_plugins, table
+from kg.wiring.plugins import Framework, Loaded, loaded_plugins, table
 from kg.wiring.table import load_rows, rows
 
 if TYPE_CHECKING:
@@ -30,9 +30,9 @@ LAYER = NodeType(
 TYPES = NodeTypes([(NodeReference("local/here", "costmap_2d", "StaticLayer"), LAYER)])
 
 
-def found(name: str, value: str, ros: int = 1) -> list[tuple[str, str, bool]]:
+def found(name: str, value: str, ros: int = 1, slots: tuple[PluginSlot, ...] = ()) -> list[tuple[str, str, bool]]:
     """Return id, private namespace in the node `/n`, and whether the build has the class."""
-    plugins = loaded_plugins({name: value}, TYPES, "local/here", ros, None)
+    plugins = loaded_plugins({name: value}, TYPES, "local/here", ros, None, slots)
     return [(one.id, one.place(Place("/", "n")).private or "", one.found is not None) for one in plugins]
 
 
@@ -71,8 +71,33 @@ def test_other_values_load_nothing() -> None:
     assert list(loaded_plugins({"plugins": None}, TYPES, "local/here", 1, None)) == []
 
 
+def test_slots_give_what_code_loads_by_default() -> None:
+    """A class that the code gives, and those of the names in a list whose parameters are not set."""
+    place = Where("x.cpp", 1)
+    fixed = PluginSlot("costmap_2d::Layer", place, defaults=(PluginDefault("costmap_2d::StaticLayer"),), fixed=True)
+    assert [(one.id, one.found is not None) for one in of_slot(fixed, {})] == [("StaticLayer", True)]
+    named = PluginSlot(
+        "costmap_2d::Layer",
+        place,
+        names="plugins",
+        parameter="{id}.plugin",
+        defaults=(PluginDefault("costmap_2d::StaticLayer", "one"), PluginDefault("costmap_2d::StaticLayer", "two")),
+    )
+    assert [one.id for one in of_slot(named, {})] == ["one", "two"]
+    assert [one.id for one in of_slot(named, {"plugins": "[two]"})] == ["two"]
+    assert [one.class_name for one in of_slot(named, {"plugins": "[two]", "two.plugin": "x::Y"})] == ["x::Y"]
+    assert of_slot(PluginSlot("BT::TreeNode", place, defaults=(PluginDefault("x.xml"),)), {}) == []
+
+
+def of_slot(slot: PluginSlot, values: dict[str, str | None]) -> list[Loaded]:
+    """Return what a node with a slot loads in ROS 2."""
+    return list(loaded_plugins(values, TYPES, "local/here", 2, None, (slot,)))
+
+
 def test_a_class_that_the_build_lacks_is_told_where_only_a_plugin_can_stand() -> None:
-    """Lists with names, and parameters that the table knows."""
+    """Lists with names, and parameters of slots."""
     assert found("a/plugins", "[{name: s, type: 'x::Y'}]") == [("s", "/n/s", False)]
-    assert found("base_local_planner", "x/Y") == [("Y", "/n/Y", False)]
+    assert found("base_local_planner", "x/Y") == []
+    slot = PluginSlot("nav_core::BaseLocalPlanner", Where("x.cpp", 1), parameter="~/base_local_planner")
+    assert found("base_local_planner", "x/Y", slots=(slot,)) == [("Y", "/n/Y", False)]
     assert found("FollowPath.plugin", "x::Y", 2) == [("FollowPath", "/n/FollowPath", False)]

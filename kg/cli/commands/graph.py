@@ -10,7 +10,17 @@ from kg.cli.drawing import Dot, Mermaid, Output, Svg, deliver, form_of
 from kg.cli.options import Json, Store
 from kg.cli.output import Column, json_line, listing, terminal
 from kg.cli.session import session
-from kg.cli.systems import Arguments, Environment, File, Launch, chosen_systems, named, tell_malformed
+from kg.cli.systems import (
+    Arguments,
+    Environment,
+    File,
+    Launch,
+    Variants,
+    chosen_systems,
+    named,
+    tell_malformed,
+    with_variants,
+)
 from kg.errors import Exit, UnknownNameError, UsageError
 from kg.store.opening import reading
 from kg.views.names import unknown
@@ -47,6 +57,7 @@ def graph(  # noqa: PLR0913 - the options of a command
     launch: Launch = None,
     arg: Arguments = None,
     env: Environment = None,
+    variants: Variants = False,
     focus: Focus = None,
     depth: Depth = None,
     expand: Expand = None,
@@ -78,7 +89,8 @@ def graph(  # noqa: PLR0913 - the options of a command
         raise UsageError("KG003", "--depth is counted from a node", hint="Name it with `--focus NODE`.")
     settings = session(context).settings(store=store)
     launch, arg = named(file, launch, arg)
-    (system,) = chosen_systems(settings, launch or _only(settings), arg, env)
+    launch = launch or _only(settings)
+    (system,) = [with_variants(settings, launch, arg, env)] if variants else chosen_systems(settings, launch, arg, env)
     found = system_graph(system, every=every)
     if focus is not None:
         found = around(found, _focused(found, focus), 1 if depth is None else depth)

@@ -9,7 +9,7 @@ from kg.cli.diagnostics import note
 from kg.cli.options import Json, Store
 from kg.cli.output import Column, listing, terminal
 from kg.cli.session import session
-from kg.cli.systems import Arguments, Environment, File, Launch, chosen_systems, named
+from kg.cli.systems import Arguments, Environment, File, Launch, Variants, chosen_systems, named, with_variants
 from kg.render.text import count
 
 if TYPE_CHECKING:
@@ -47,6 +47,7 @@ def instances(  # noqa: PLR0913 - the options of a command
     launch: Launch = None,
     arg: Arguments = None,
     env: Environment = None,
+    variants: Variants = False,
     json: Json = False,
     store: Store = None,
 ) -> None:
@@ -65,7 +66,7 @@ def instances(  # noqa: PLR0913 - the options of a command
 
     settings = session(context).settings(store=store)
     launch, arg = named(file, launch, arg)
-    found = chosen_systems(settings, launch, arg, env)
+    found = [with_variants(settings, launch, arg, env)] if variants else chosen_systems(settings, launch, arg, env)
     objects = (instance_object(system, one) for system in found for one in system.instances)
     rows = [
         _row(one) if launch else (system.configuration.name, *_row(one)) for system in found for one in system.instances
@@ -92,16 +93,20 @@ def _row(instance: "NodeInstance") -> tuple[object, ...]:
             number or ("" if title in _UNTOLD else 0) for title, number in zip(_COUNTS, numbers, strict=True)
         )
         remark = _UNTYPED
-    elif not instance.type:
+    elif not instance.type and not instance.interfaces:
         numbers = ("",) * len(_COUNTS)
+    remark = ", ".join(filter(None, (remark, f"if {started.condition}" if started.condition else "")))
     return instance.name, instance.started_type, str(started.kind), *numbers, remark, str(started.location)
 
 
 def _notes(found: "Sequence[System]", rows: int, *, one: bool) -> None:
-    missing = Counter(instance.reason for system in found for instance in system.instances if instance.reason)
+    listed = [instance for system in found for instance in system.instances]
+    missing = Counter(one.reason for one in listed if one.reason and not one.type and not one.interfaces)
     for reason, number in missing.most_common(5) if one else ():
         lacks = "node type" if any(system.sighting for system in found) else "counts"
         note(f"{count(number, 'instance')} without {lacks}: {reason}")
+    for instance in [one for one in listed if one.reason and (one.type or one.interfaces)][:5] if one else ():
+        note(f"{instance.name}: {instance.reason}")
     for problem in [problem for system in found for problem in system.configuration.problems][:5] if one else ():
         note(f"{problem.location}: {problem.message}")
     files = f" of {count(len(found), 'launch file')}" if not one else ""

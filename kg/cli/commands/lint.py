@@ -12,7 +12,7 @@ from kg.cli.options import Families, Jobs, Json, PackageName, Rules, Store
 from kg.cli.output import json_lines, write
 from kg.cli.remarks import Form, Level, require_known
 from kg.cli.session import session
-from kg.cli.systems import Arguments, Environment, Launch, given
+from kg.cli.systems import Arguments, Environment, Launch, Variants, given, tell_left_out
 from kg.errors import Exit, UsageError
 from kg.store.opening import reading
 
@@ -55,6 +55,7 @@ def lint(  # noqa: PLR0913 - the options of a command
     launch: Launch = None,
     arg: Arguments = None,
     env: Environment = None,
+    variants: Variants = False,
     package: PackageName = None,
     form: Form = "text",
     level: Level = "note",
@@ -86,20 +87,12 @@ def lint(  # noqa: PLR0913 - the options of a command
     require_known(form, level, _OTHER_FORMATS)
     arguments, environment = given(launch, arg, env)
     if why:
-        _require_provable(stored=not (arg or env), form=form)
+        _require_provable(stored=not (arg or env or variants), form=form)
     from kg.lint.running import Question  # noqa: PLC0415 - start-up time
 
     chosen = frozenset(code.upper() for code in codes or ())
-    question = Question(
-        launch,
-        package,
-        chosen,
-        level,
-        every,
-        Path(baseline) if baseline else None,
-        arguments,
-        environment,
-    )
+    known = Path(baseline) if baseline else None
+    question = Question(launch, package, chosen, level, every, known, arguments, environment, variants)
     settings = session(context).settings(store=store, rules=rules, rule_families=rule_families, jobs=jobs)
     folders = [Path(path) for path in paths or ()]
     if folders:
@@ -108,6 +101,7 @@ def lint(  # noqa: PLR0913 - the options of a command
     if not write_baseline:
         _write(checked, form)
     _say(checked)
+    tell_left_out(checked.left_out)
     if why:
         _prove(context, checked, settings)
     if xunit_file:
@@ -120,7 +114,7 @@ def lint(  # noqa: PLR0913 - the options of a command
 
 def _require_provable(*, stored: bool, form: str) -> None:
     if not stored or form != "text":
-        hint = "Leave out --arg and --env, whose systems are not kept, and other formats than text."
+        hint = "Leave out --arg, --env and --variants, whose systems are not kept, and other formats than text."
         raise UsageError("KG003", "only what the store holds can be proven, and only as text", hint=hint)
 
 

@@ -9,7 +9,7 @@ from kg.extract.cpp import library
 from kg.extract.cpp.callbacks import closure_frame
 from kg.extract.cpp.kinds import frame_of, inside, this_of
 from kg.symbolic import form
-from kg.symbolic.kinds import POINTERS
+from kg.symbolic.kinds import POINTERS, pointee
 from kg.symbolic.state import Arguments
 from kg.symbolic.values import (
     Bound,
@@ -17,6 +17,7 @@ from kg.symbolic.values import (
     Either,
     Kind,
     Object,
+    TypeValue,
     Unknown,
     Value,
     alternatives,
@@ -199,12 +200,23 @@ class Calls:
     def method(self, of: Value, name: str, given: Arguments, written: Expression | None = None) -> Value:
         """Call a method of a value; `written` is the expression of the value."""
         known = self._of_object(of, name, given) if isinstance(of, Object) else None
+        if isinstance(of, Unknown) and given.template:
+            known = self._node_of(given)
         if known is None:
             known = library.method(self._language, of, name, given, written)
         if known is not None:
             return known
         self._language.escape(given.values)
         return outside(name, given.values, of.reason if isinstance(of, Unknown) else None)
+
+    def _node_of(self, given: Arguments) -> Object | None:
+        """Return the node that a method of an unknown object gives, if its template argument is a class of nodes."""
+        first = given.template[0]
+        made = Object(pointee(first.kind), made=False) if isinstance(first, TypeValue) else None
+        framework = self._language.machine.framework
+        if made is None or not framework.is_node(made):
+            return None
+        return framework.host_node() if made.kind.cls is None else made
 
     def _of_object(self, of: Object, name: str, given: Arguments) -> Value | None:
         """Call a method of an object; return None for methods unknown to the sources and the frameworks."""

@@ -13,7 +13,7 @@ from kg.facts import Resolution
 from kg.holes import label_of
 from kg.symbolic import form
 from kg.symbolic.containers import COMMAND_LINE, element, elements, is_unset, with_element
-from kg.symbolic.names import NODE_NAME, OWN_NAMESPACE
+from kg.symbolic.names import NODE_NAME, OWN_NAMESPACE, PARENT_NAMESPACE
 from kg.symbolic.state import Arguments
 from kg.symbolic.values import (
     Bound,
@@ -63,6 +63,8 @@ __all__ = [
 
 TEXTS: Final = frozenset({"string", "basic_string", "string_view", "path", "String", "QString"})
 _CUT: Final = "it is cut when the program runs"
+_LAST_SLASH: Final = Unknown("it is the place of the last slash")
+"""The place of the last slash in the namespace of the node."""
 LISTS: Final = frozenset(
     {
         "V_string",
@@ -442,6 +444,8 @@ def method(language: Cpp, of: Value, name: str, given: Arguments, written: Expre
         )
     if name == "substr" and isinstance(of, Text):
         return _slice(of, values)
+    if name in ("rfind", "find_last_of") and values == [Text.of("/")] and _is_namespace(of):
+        return _LAST_SLASH
     if name in ("begin", "cbegin") and isinstance(of, Sequence | Mapping):
         return of
     if name == "value_or" and values:
@@ -542,7 +546,13 @@ def _of_node(text: Text) -> bool:
     return text.parts[0] in (NODE_NAME, OWN_NAMESPACE)
 
 
+def _is_namespace(of: Value) -> bool:
+    return isinstance(of, Text) and of.parts == (OWN_NAMESPACE,)
+
+
 def _slice(text: Text, bounds: list[Value]) -> Value:
+    if bounds == [number(0), _LAST_SLASH] and _is_namespace(text):
+        return Text((PARENT_NAMESPACE,))
     numbers = [int(bound.value) for bound in bounds if isinstance(bound, Number)]
     if numbers == [1] and _of_node(text):
         return text

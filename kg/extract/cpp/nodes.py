@@ -21,14 +21,15 @@ from kg.extract.declared import bounds_of, facts_of, mark_of
 from kg.extract.manifests import read_build
 from kg.extract.marks import Extracted, Mark
 from kg.extract.slots import slots_of
-from kg.facts import Location, NodeKind, NodeType
+from kg.facts import TREE_NODE, Location, NodeKind, NodeType
 from kg.names import normalise
 from kg.symbolic import form
 from kg.symbolic.containers import COMMAND_LINE
 from kg.symbolic.effects import Framework
 from kg.symbolic.machine import Machine
 from kg.symbolic.names import NODE_NAME
-from kg.symbolic.state import Frame, Site
+from kg.symbolic.state import Arguments, Frame, Site
+from kg.symbolic.trees import FACTORY
 from kg.symbolic.values import Bound, Kind, Mapping, Object, Text, Unknown, Value
 
 if TYPE_CHECKING:
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
     from kg.facts import Interface, Parameter
     from kg.symbolic.descriptions import Descriptions
     from kg.symbolic.form import Class, Function
+    from kg.symbolic.trees import Registered
 
 __all__ = ["read_nodes"]
 
@@ -57,6 +59,8 @@ _EXPORTS: Final = {
     "CLASS_LOADER_REGISTER_CLASS": 0,
 }
 """Macros that register a class, with the index of the class among their arguments."""
+_TREE_NODES: Final = "BT_REGISTER_NODES"
+"""The macro whose body registers nodes of behavior trees with a factory."""
 _BASES: Final = {"Nodelet": Registration.NODELET}
 _ROS2: Final = 2
 _COMMON: Final = 6
@@ -98,6 +102,9 @@ class _Nodes:
                 found += self._executable(target, plugins)
         for plugin in plugins:
             found += self.plugin(plugin)
+        for file in self._project.sources():
+            if self._project.contains(file, _TREE_NODES.encode()):
+                found += self._tree_nodes(file)
         if not found and self._package.name not in FRAMEWORKS:
             found += self._classes()
         return found
@@ -221,8 +228,6 @@ class _Nodes:
             root, complete = self._started(machine, language, framework, cls, plugin.registration)
             name = plugin.executable or _last(plugin.name)
             place = Location(cls.unit.path, cls.line)
-            methods = language.linker.methods(cls).values()
-            sources = sorted({f.unit.path for listed in methods for f in listed} | {cls.unit.path})
             node = NodeType(
                 name,
                 _KINDS[plugin.registration],
@@ -232,7 +237,7 @@ class _Nodes:
                 executable=plugin.executable,
                 plugin=plugin.name,
                 base_class=plugin.base_type,
-                sources=tuple(sources),
+                sources=_sources_of(language, cls),
                 exported=plugin.location,
             )
             found = self._extracted(framework, node, root)
@@ -240,6 +245,55 @@ class _Nodes:
                 self._alone[cls] = found[0]
             return found
         return []
+
+    def _tree_nodes(self, file: FilePath) -> Iterator[Extracted]:
+        """Yield the nodes of behavior trees that a file registers and that have interfaces."""
+        target = next((one for one in self.build.targets if file.path in one.sources), None)
+        files = self._files(target) if target is not None else [file]
+        machine, language, framework = self._machine([file, *(one for one in files if one != file)])
+        unit = language.linker.load(file)
+        for function in unit.functions.get(_TREE_NODES, ()) if unit is not None else ():
+            frame = Frame(function.unit, function.scope)
+            kind = function.parameters[0].type if function.parameters else None
+            frame.variables[kind.names[-1] if kind is not None else "factory"] = Object(FACTORY)
+            machine.stack.append(Site(function.unit, function.line))
+            machine.invoke(function, frame, [])
+            machine.stack.pop()
+        for one in framework.registered:
+            if isinstance(one.name, Text) and one.name.known:
+                yield from self._tree_node(one, one.name.known, files)
+
+    def _tree_node(self, registered: Registered, name: str, files: list[FilePath]) -> list[Extracted]:
+        """Return a node of behavior trees, created as its factory does."""
+        machine, language, framework = self._machine(files)
+        site = registered.stack[-1]
+        machine.stack.append(site)
+        given: list[Value] = [Text.of(name), Unknown("it is the configuration of the node")]
+        if registered.kind is not None:
+            language.calls.value(Bound("providedPorts", registered.kind), Arguments([]))
+        if registered.builder is not None:
+            root = language.calls.value(registered.builder, Arguments(given))
+        elif registered.kind is not None:
+            frame = Frame(site.unit, ())
+            root = language.construct(registered.kind, [*given, *registered.given], frame, site.line)
+        else:
+            return []
+        cls = root.kind.cls if isinstance(root, Object) else None
+        if not isinstance(root, Object) or cls is None:
+            return []
+        self._run_from_outside(machine, language, root, node=False)
+        node = NodeType(
+            name,
+            NodeKind.PLUGIN,
+            "cpp",
+            0,
+            Location(cls.unit.path, cls.line),
+            plugin=name,
+            base_class=TREE_NODE,
+            sources=_sources_of(language, cls),
+            exported=Location(site.unit.path, site.line),
+        )
+        return [one for one in self._extracted(framework, node, root) if one.node.interfaces]
 
     def _started(
         self,
@@ -273,11 +327,17 @@ class _Nodes:
         framework.constructed(root)
         machine.drain()
         before = (framework.results(), list(framework.declared))
-        for name in _called_from_outside(language, kind, node=nodelet or framework.host is root):
-            if not all(id(function) in machine.executed for function, _ in language.methods(kind, name)[:1]):
+        self._run_from_outside(machine, language, root, node=nodelet or framework.host is root)
+        return root, not given and before == (framework.results(), framework.declared)
+
+    @staticmethod
+    def _run_from_outside(machine: Machine, language: Cpp, root: Object, *, node: bool) -> None:
+        """Run the methods of an object that its loader may call."""
+        machine.drain()
+        for name in _called_from_outside(language, root.kind, node=node):
+            if not all(id(function) in machine.executed for function, _ in language.methods(root.kind, name)[:1]):
                 language.escape([Bound(name, root)])
                 machine.drain()
-        return root, not given and before == (framework.results(), framework.declared)
 
     def _libraries(self, plugin: PluginClass) -> Iterator[list[FilePath]]:
         """Yield sets of files that may define a plugin: its library, the file that registers it, all of the package."""
@@ -401,6 +461,12 @@ def _as_executable(loaded: NodeType, executable: NodeType) -> NodeType:
     )
 
 
+def _sources_of(language: Cpp, cls: Class) -> tuple[str, ...]:
+    """Return the files with a class and its methods."""
+    methods = language.linker.methods(cls).values()
+    return tuple(sorted({f.unit.path for listed in methods for f in listed} | {cls.unit.path}))
+
+
 def _version(framework: Framework) -> int:
     """Return the version of ROS that a node uses."""
     versions = {one.effect.ros for one in framework.declared} - {0}
@@ -429,12 +495,13 @@ def _remappings(value: Value) -> Iterator[tuple[str, str]]:
 def _called_from_outside(language: Cpp, kind: Kind, *, node: bool) -> list[str]:
     """Return the methods that the loader of a class may call: those of its bases, then those that override.
 
+    Methods of outer bases come first: they call those that classes between add.
     The loader of a `node` calls virtual methods only; the others of its bases are for the class itself.
     """
     chain = language.chain(kind)[0]
     inherited: dict[str, None] = {}
     overriding: dict[str, None] = {}
-    for cls, _ in chain:
+    for cls, _ in reversed(chain):
         methods = language.linker.methods(cls)
         for name, listed in (*cls.declared.items(), *methods.items()):
             if name.startswith("~") or name == cls.name or not language.methods(kind, name):

@@ -7,8 +7,8 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, TypeVar
 
-from kg.corpus.xml import line_of, parse_xml
 from kg.facts import Dependency, FileKind, Location, Package, Person
+from kg.xmltext import line_of, parse_xml
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping

@@ -6,9 +6,9 @@ import posixpath
 import re
 from typing import TYPE_CHECKING, Final
 
-from kg.corpus.xml import line_of, parse_xml
 from kg.extract.buildmodel import PluginClass, Registration
 from kg.facts import FileKind, Location
+from kg.xmltext import line_of, parse_xml
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Final, TypedDict
 
 import yaml
 
-from kg.corpus.xml import line_of, parse_xml
 from kg.extract.launch.ros2 import actions as kinds
 from kg.extract.launch.ros2.context import HOLE, place
 from kg.extract.launch.ros2.template import TemplateError, parse_template
@@ -19,6 +18,7 @@ from kg.extract.launch.ros2.texts import Condition, Substitution
 from kg.extract.launch.ros2.values import LOADER, of_yaml, truth
 from kg.facts import LaunchProblem, LaunchProblemKind
 from kg.holes import ANONYMOUS
+from kg.xmltext import line_of, parse_xml
 from kg.yamltext import compose_yaml
 
 if TYPE_CHECKING:

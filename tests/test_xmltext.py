@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kg.corpus.xml import line_of, parse_xml
+from kg.xmltext import line_of, parse_xml
 
 
 def test_well_formed() -> None:
