@@ -13,9 +13,9 @@ from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Final, TypeVar
 
 from kg.corpus.reading import DEFAULT_LIMIT_BYTES, Reader
-from kg.extract import cpp, definitions, implicit, launch, manifests, parameters, python, texts
+from kg.extract import cpp, definitions, implicit, manifests, parameters, python, texts
 from kg.extract.buildmodel import BuildModel, TargetKind
-from kg.facts import Interface, Location, NodeKind, Package, PackageFacts, Parameter, Role, SourceFile
+from kg.facts import FileKind, Interface, Location, NodeKind, Package, PackageFacts, Parameter, Role, SourceFile
 from kg.holes import is_partial
 from kg.names import resolve
 from kg.symbolic.descriptions import merged
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from kg.corpus.files import PackageFolder, Source
     from kg.corpus.workspace import Workspace
     from kg.extract.marks import Extracted
-    from kg.facts import InterfaceDefinition, NodeType, PluginSlot
+    from kg.facts import InterfaceDefinition, LaunchConfiguration, NodeType, PluginSlot
 
 __all__ = ["ExtractSettings", "extract_package", "merge", "own_name", "settled"]
 
@@ -238,7 +238,7 @@ def extract_package(
             )
         ),
         files=tuple(_files(reader, package)),
-        launches=_guard(reader, launch.read_launches, (), reader, package, described.ros),
+        launches=_launches(reader, package, described.ros),
         descriptions=_guard(reader, texts.read_descriptions, (), reader, package, build, nodes),
         # Last, as reading adds to both.
         problems=tuple(sorted(reader.problems, key=lambda found: (found.path, found.line or 0, found.code))),
@@ -292,6 +292,14 @@ def _guard(reader: Reader, read: Callable[..., _Result], instead: _Result, *argu
         message = f"{name}: {type(error).__name__}: {error} ({place})"
         reader.problem("KG121", message, reader.package.manifest or reader.package.path)
         return instead
+
+
+def _launches(reader: Reader, package: PackageFolder, ros: int) -> tuple[LaunchConfiguration, ...]:
+    if not any(entry.kind is FileKind.LAUNCH for entry in package.files):
+        return ()
+    from kg.extract import launch  # noqa: PLC0415 - a quarter of what there is to load, and few packages need it
+
+    return _guard(reader, launch.read_launches, (), reader, package, ros)
 
 
 def _undescribed(package: PackageFolder) -> Package:

@@ -22,6 +22,7 @@ from kg.corpus.sources import is_address
 from kg.errors import SourceError
 from kg.facts import FileKind
 from kg.graph.iris import Iris
+from kg.graph.shared import SHARED
 from kg.language import prepare
 from kg.pipeline import cache
 from kg.pipeline.calls import checked_calls
@@ -229,6 +230,10 @@ class _Build:
         graphs = since(self._store.layout, self._state.generation, current).graphs
         return None if graphs is None else frozenset(graphs)
 
+    def _shared_holds(self) -> bool:
+        """Tell whether the graph of what sources share is as the last build left it."""
+        return self._touched is not None and Iris(self._settings.base).graph(SHARED) not in self._touched
+
     def _systems_hold(self) -> bool:
         """Tell whether nobody else wrote the graphs of launch files."""
         beginning = f"{self._settings.base}graph/launch/"
@@ -249,7 +254,15 @@ class _Build:
             from kg.pipeline.writing import Writing  # noqa: PLC0415 - see above
 
             trusted = self._trusted(workspace.sources, plan)
-            writing = Writing(self._transaction, self._cache, self._state, plan, self._settings.base, trusted)
+            writing = Writing(
+                self._transaction,
+                self._cache,
+                self._state,
+                plan,
+                self._settings.base,
+                trusted,
+                shared_intact=self._shared_holds(),
+            )
             writing.begin(changed)
             writing.drop(gone)
             entries = entries_by_name(workspace.sources)

@@ -195,7 +195,7 @@ class Inference:
         from kg.pipeline.reasoning import rules_over  # noqa: PLC0415 - numbers are loaded here
 
         with self._store.read() as snapshot:
-            rules = rules_over(self._settings, snapshot, [])
+            rules = rules_over(self._settings, snapshot, [], cache=self._store.layout.cache)
         self._runner = self._new_runner()
         self._runner.prepare(rules)
 
@@ -231,7 +231,9 @@ class Inference:
         runner = self._runner or self._new_runner()
         self._runner = None
         try:
-            found = runner.run_within(transaction, rules_over(self._settings, transaction, problems, own=own))
+            cache = self._store.layout.cache
+            rules = rules_over(self._settings, transaction, problems, own=own, cache=cache)
+            found = runner.run_within(transaction, rules)
         except RuleError as error:
             problems.append(error)
             return None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import pyoxigraph
@@ -15,17 +16,17 @@ from kg.graph.ontology_files import ontology_triples
 from kg.graph.vocabulary import RNKG
 from kg.pipeline.inferring import digest
 from kg.query.prefixes import PREFIXES
+from kg.rules import compiled
 from kg.rules.explain.proof import Evidence
 from kg.rules.files import RuleSet
 from kg.rules.folders import families_in_force, user_folders
 from kg.rules.reading import discover, packs
 from kg.rules.recording import Names
 from kg.rules.specialise import schema_pattern, schema_query, specialised
+from kg.store.failure import translated
 from kg.store.terms import cells
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from pyoxigraph import Triple
 
     from kg.rules.checks.finding import Context
@@ -137,11 +138,17 @@ def schema_of(graph: Any) -> tuple[Triple, ...]:
 
 
 def rules_over(
-    settings: Settings, source: Tables, broken: list[RuleError] | None = None, *, own: bool = True
+    settings: Settings,
+    source: Tables,
+    broken: list[RuleError] | None = None,
+    *,
+    own: bool = True,
+    cache: Path | None = None,
 ) -> RuleSet:
     """Return the rules in force, cut to the axioms of a snapshot or of a transaction; `broken` as `rules_in_force`.
 
-    Without `own` they are those that `kg` and installed packs bring. Raises as `rules_in_force`.
+    Without `own` they are those that `kg` and installed packs bring. With a folder `cache` they are what evaluation
+    needs of them, kept there for the next process. Raises as `rules_in_force`.
     """
     names = Names.of(settings.base, RNKG)
     named = f"GRAPH ?graph {schema_pattern()} FILTER(?graph NOT IN ({names.inferred}, {names.builds}))"
@@ -150,7 +157,37 @@ def rules_over(
     lines = {b"%s %s %s .\n" % row for row in zip(found[::3], found[1::3], found[2::3], strict=True)}
     folders = rule_folders(settings) if own else rule_folders(settings)[:1]
     axioms = b"".join(sorted(lines))
-    return _sound(_cut(folders, packs(), families_in_force(settings), digest(settings), axioms), broken)
+    made_of = (folders, packs(), families_in_force(settings), digest(settings), axioms)
+    return _sound(_cut(*made_of) if cache is None else _kept(cache, *made_of), broken)
+
+
+@lru_cache(maxsize=2)
+def _kept(  # noqa: PLR0913, PLR0917 - what rules are made of
+    cache: Path,
+    folders: tuple[Path, ...],
+    installed: tuple[Pack, ...],
+    families: tuple[str, ...],
+    mark: str,
+    axioms: bytes,
+) -> _Found:
+    """Return what evaluation needs of rules as `_cut` has them, from the folder `cache` where they are kept there."""
+    whole = f"{_code()} {folders} {installed} {families} {mark} {axioms!r}"
+    kept = compiled.load(cache, whole)
+    if kept is not None:
+        return kept, ()
+    found, broken = _cut(folders, installed, families, mark, axioms)
+    if broken:
+        return found, broken
+    with translated(str(cache)):
+        return compiled.save(cache, whole, found), ()
+
+
+@lru_cache(maxsize=1)
+def _code() -> str:
+    """Return what stands for the code that reads rules."""
+    own = Path(__file__).resolve().parent.parent / "rules"
+    parts = ("decompose", "form.py", "notations", "reading.py", "specialise.py", "syntax")
+    return f"{resources.digest(own / name for name in parts)} {pyoxigraph.__version__}"
 
 
 @lru_cache(maxsize=2)

@@ -14,10 +14,28 @@ if TYPE_CHECKING:
     from kg.graph.iris import Iris
     from kg.store.transaction import EmbeddedTransaction
 
-__all__ = ["keep_shared"]
+__all__ = ["keep_shared", "patch_shared"]
 
 _FEW: Final = 20
 """Triples are taken out one by one when they are less than one in so many; else the graph is written anew."""
+
+
+def patch_shared(
+    transaction: EmbeddedTransaction, iris: Iris, gone: Iterable[bytes], came: Iterable[bytes], kept: Iterable[bytes]
+) -> None:
+    """Change the graph, which holds just the triples of `gone` and `kept`, into one of those of `came` and `kept`.
+
+    `kept` is taken only where something changes.
+    """
+    before = {line for content in gone for line in content.splitlines(keepends=True)}
+    after = {line for content in came for line in content.splitlines(keepends=True)}
+    removed, added = before - after, after - before
+    for content in kept if removed or added else ():
+        there = content.splitlines(keepends=True)
+        removed.difference_update(there)
+        added.difference_update(there)
+    if removed or added:
+        transaction.patch_graph(NamedNode(iris.graph(SHARED)), b"".join(sorted(removed)), b"".join(sorted(added)))
 
 
 def keep_shared(

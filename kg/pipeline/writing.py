@@ -7,6 +7,8 @@ what is ready.
 
 from __future__ import annotations
 
+import re
+from collections import Counter
 from datetime import UTC, datetime
 from importlib.metadata import version as installed_version
 from typing import TYPE_CHECKING, Final, NamedTuple
@@ -15,9 +17,10 @@ from pyoxigraph import NamedNode
 
 from kg.errors import Place, StoreError
 from kg.graph import BuildRecord, Counts, Iris, build_triples, repository_triples
+from kg.graph import vocabulary as v
 from kg.graph.ontology_files import ontology_triples
 from kg.pipeline import cache
-from kg.pipeline.sharing import keep_shared
+from kg.pipeline.sharing import keep_shared, patch_shared
 from kg.pipeline.state import discard
 
 if TYPE_CHECKING:
@@ -33,6 +36,8 @@ if TYPE_CHECKING:
 __all__ = ["Writing", "Written", "shared_of", "untouched"]
 
 _FLUSH_BYTES: Final = 16 << 20
+_OWN: Final = re.compile(f" (?:{re.escape(v.BYTES)}|{re.escape(v.DIGEST)}) ".encode())
+"""What is said of a file only by the package that it is of."""
 _SMALL: Final = 10
 """A source is patched when less than one in so many of its packages and of its triples change."""
 
@@ -55,6 +60,8 @@ class Writing:
         plan: Plan,
         base: str,
         trusted: set[str],
+        *,
+        shared_intact: bool = False,
     ) -> None:
         self._transaction = transaction
         self._folder = folder
@@ -62,6 +69,7 @@ class Writing:
         self._plan = plan
         self._iris = Iris(base)
         self._trusted = trusted
+        self._shared_intact = shared_intact
         self._patched: set[str] = set()
         self._dropped: set[str] = set()
         self._waiting: dict[str, list[bytes]] = {}
@@ -108,11 +116,12 @@ class Writing:
             name = source.repository.name
             head = repository_triples(source.repository, self._iris, source.problems)
             if name in self._patched:
-                self._patch(source, head, results)
+                quads = self._state.sources[name].quads + self._patch(source, head, results)
             else:
                 self._take(name, head)
                 self._flush(name)
-            written[name] = Written(head.decode(), self._transaction.count(self._graph(name)))
+                quads = self._transaction.count(self._graph(name))
+            written[name] = Written(head.decode(), quads)
             packages = [results[name, package.path] for package in source.packages]
             self._record(source, packages, written[name].quads, started)
         self._share(changed, results)
@@ -124,8 +133,16 @@ class Writing:
         earlier = self._state.sources if self._state.version == self._plan.version else {}
         others = {name: one for name, one in earlier.items() if name not in built and name not in self._dropped}
         packages = [*results.values(), *(package for one in others.values() for package in one.packages.values())]
-        contents = (shared_of(self._folder, package) for package in packages)
-        keep_shared(self._transaction, self._iris, contents, {*built, *others})
+        before = {package.result: package for one in earlier.values() for package in one.packages.values()}
+        after = {package.result: package for package in packages}
+        if self._shared_intact and len(self._patched) == len(changed):
+            gone = [shared_of(self._folder, one) for result, one in before.items() if result not in after]
+            came = [shared_of(self._folder, one) for result, one in after.items() if result not in before]
+            kept = (shared_of(self._folder, one) for result, one in after.items() if result in before)
+            patch_shared(self._transaction, self._iris, gone, came, kept)
+        else:
+            contents = (shared_of(self._folder, package) for package in packages)
+            keep_shared(self._transaction, self._iris, contents, {*built, *others})
 
     def _is_small(self, source: Source) -> bool:
         """Tell whether so little of a source changed that its graph is patched."""
@@ -143,8 +160,8 @@ class Writing:
         name = source.repository.name
         return [package for path, package in earlier.packages.items() if (name, path) not in self._plan.reused]
 
-    def _patch(self, source: Source, head: bytes, results: Mapping[Key, PackageState]) -> None:
-        """Change the graph of a source by the triples that differ; other packages may state the same ones."""
+    def _patch(self, source: Source, head: bytes, results: Mapping[Key, PackageState]) -> int:
+        """Change the graph of a source by the triples that differ; return by how many it grows."""
         name = source.repository.name
         earlier = self._state.sources[name]
         before = set(earlier.head.encode().splitlines(keepends=True))
@@ -157,12 +174,23 @@ class Writing:
                 kept.append(self._plan.reused[name, package.path])
             else:
                 after.update(self._content(results[name, package.path]).splitlines(keepends=True))
-        removed = before - after
-        for one in kept if removed else ():
-            removed.difference_update(self._content(one).splitlines(keepends=True))
-        added = after - before
+        removed, added = before - after, after - before
+        doubtful = {line for line in removed if not line.startswith(self._own(source)) and not _OWN.search(line)}
+        for one in kept if doubtful else ():
+            removed -= doubtful.intersection(self._content(one).splitlines(keepends=True))
         self.triples += len(removed) + len(added)
         self._transaction.patch_graph(self._graph(name), b"".join(sorted(removed)), b"".join(sorted(added)))
+        return len(added) - len(removed)
+
+    def _own(self, source: Source) -> tuple[bytes, ...]:
+        """Return what triples of the packages that are read begin with and those of no other package do."""
+        repository, names = source.repository.name, Counter(package.name for package in source.packages)
+        starts: list[str] = []
+        for _, package in self._plan.read:
+            if names[package.name] == 1:
+                whole = self._iris.package(repository, package.name)
+                starts += [f"<{whole}>", f"<{whole}#", f"<{self._iris.node(repository, package.name, 'x')[:-1]}"]
+        return tuple(map(str.encode, starts))
 
     def _take(self, name: str, content: bytes) -> None:
         waiting = self._waiting.setdefault(name, [])

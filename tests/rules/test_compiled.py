@@ -1,0 +1,63 @@
+"""Tests of rules kept for the next process."""
+
+from __future__ import annotations
+
+import pickle
+from hashlib import blake2b
+from typing import TYPE_CHECKING
+
+import pytest
+
+from kg import resources
+from kg.rules import compiled
+from kg.rules.reading import discover
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from kg.rules.files import RuleSet
+
+
+@pytest.fixture(scope="module")
+def shipped() -> RuleSet:
+    """The rules that `kg` ships, of every notation."""
+    return discover([resources.folder("rules")])
+
+
+def test_rules_come_back_equal(tmp_path: Path, shipped: RuleSet) -> None:
+    """What is loaded are the rules and the data that were saved, in their order."""
+    saved = compiled.save(tmp_path, "mark", shipped)
+    loaded = compiled.load(tmp_path, "mark")
+    assert loaded == saved
+    assert (loaded.rules, loaded.data) == (shipped.rules, shipped.data)
+
+
+def test_rules_of_something_else_are_none(tmp_path: Path, shipped: RuleSet) -> None:
+    """Rules that were made of other files, and a file that is damaged or not there, give none."""
+    assert compiled.load(tmp_path, "mark") is None
+    compiled.save(tmp_path, "mark", shipped)
+    assert compiled.load(tmp_path, "another mark") is None
+    path = next(tmp_path.iterdir())
+    path.write_bytes(path.read_bytes()[:-1])
+    assert compiled.load(tmp_path, "mark") is None
+
+
+class _Harmful:
+    """What runs code of its own when it is read without care."""
+
+    def __init__(self, target: Path) -> None:
+        self.target = target
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return exec, (f"open({str(self.target)!r}, 'w').close()",)
+
+
+def test_nothing_but_rules_is_made(tmp_path: Path, shipped: RuleSet) -> None:
+    """A file with the right digests that names other code is refused, and the code does not run."""
+    compiled.save(tmp_path, "mark", shipped)
+    path, target = next(tmp_path.iterdir()), tmp_path / "made"
+    packed = pickle.dumps((_Harmful(target), ()))
+    digests = (blake2b(content, digest_size=16).digest() for content in (b"mark", packed))
+    path.write_bytes(b"".join(digests) + packed)
+    assert compiled.load(tmp_path, "mark") is None
+    assert not target.exists()
