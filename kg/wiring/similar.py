@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 from kg.holes import is_partial
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable
 
 __all__ = ["Alike", "Words", "alike", "alike_when_short", "words_of"]
 
@@ -70,24 +70,24 @@ class Alike:
 
     def find(self, name: str) -> list[str]:
         """Return the names that `name` is likely meant to be, sorted; never itself."""
-        index = self._indexed()
-        found: set[str] = set()
-        for key in _asked_keys(name):
-            candidates = index.get(key, ())
-            if len(candidates) <= _COMMON:
-                found.update(candidates)
-        for key, letters in _word_keys(name):
-            longest = 2 if letters >= _LONG else 1
-            for other in range(letters - longest, letters + longest + 1):
-                found.update(index.get((key, other), ()))
+        index, whole = self._indexed(), _whole(name)
+        ends = index.get(("end", whole.rpartition("/")[2]), ())
+        kinds = (
+            index.get(("form", _form(name)), ()),
+            [other for other in ends if f"/{_whole(other)}".endswith(f"/{whole}")],
+            [other for other in ends if f"/{whole}".endswith(f"/{_whole(other)}")],
+        )
+        found = {other for others in kinds if len(others) <= _COMMON for other in others}
+        found.update(index.get(("initials", _initials(name)), ()))
         return sorted(candidate for candidate in found if alike(name, candidate))
 
     def _indexed(self) -> defaultdict[object, list[str]]:
         if self._index is None:
             self._index = defaultdict(list)
             for name in self._all:
-                for key in (*_own_keys(name), *_word_keys(name)):
-                    self._index[key].append(name)
+                self._index["form", _form(name)].append(name)
+                self._index["end", _whole(name).rpartition("/")[2]].append(name)
+                self._index["initials", _initials(name)].append(name)
         return self._index
 
 
@@ -150,31 +150,11 @@ def _distance(one: str, other: str) -> int:
     return row[-1]
 
 
-def _own_keys(name: str) -> Iterator[object]:
-    yield "form", _form(name)
-    tails = _tails(name)
-    yield "whole", tails[0]
-    for tail in tails[1:]:
-        yield "tail", tail
+def _whole(name: str) -> str:
+    return name.removeprefix("~").strip("/")
 
 
-def _asked_keys(name: str) -> Iterator[object]:
-    yield "form", _form(name)
-    tails = _tails(name)
-    yield "tail", tails[0]
-    for tail in tails:
-        yield "whole", tail
-
-
-def _tails(name: str) -> list[str]:
-    parts = name.removeprefix("~").strip("/").split("/")
-    return ["/".join(parts[start:]) for start in range(len(parts))]
-
-
-def _word_keys(name: str) -> Iterator[tuple[object, int]]:
-    """Yield for each word that can be misspelt its first letter with all the other words, and how long it is."""
-    words = words_of(name)
-    for i, segment in enumerate(words):
-        for j, word in enumerate(segment):
-            if len(word) >= _SHORT and word.isalpha():
-                yield (i, j, word[0], words[:i], segment[:j], segment[j + 1 :], words[i + 1 :]), len(word)
+@lru_cache(maxsize=65_536)
+def _initials(name: str) -> str:
+    """Return the first letters of all words, which a misspelt name shares."""
+    return "/".join("".join([word[0] for word in segment]) for segment in words_of(name))
