@@ -43,6 +43,9 @@ __all__ = ["Names", "RunReport", "Runner", "run", "run_files"]
 _FEW: Final = 2500
 """So many triples are added one by one; a bulk load costs as much before it begins."""
 
+_AHEAD: Final = 16
+"""The store may be so many generations ahead of what is saved."""
+
 _REMOVAL: Final = 3
 """Where more than one in so many inferred triples goes, the graph is written anew."""
 
@@ -74,6 +77,8 @@ class Runner:
         self._names = names
         self._cache = cache
         self._reasoner = Reasoner(names, cache)
+        self._saved: int | None = None
+        """The generation of what was saved, if the same is inferred since; None where it is to be saved again."""
 
     def run(  # noqa: PLR0913 - each is a decision of the caller
         self,
@@ -106,26 +111,37 @@ class Runner:
         incremental: bool = True,
     ) -> RunReport:
         """Run the rules over what a transaction has written by now, and write into it; `remember` after its end."""
-        self._reasoner.take(rule_set)
+        self.prepare(rule_set)
         changed = Changes.unknown()
-        memory = self._reasoner.memory
-        if incremental and memory is not None and memory.generation is not None and transaction.base is not None:
-            changed = changes.since(transaction.layout, memory.generation, transaction.base)
+        memory, base = self._reasoner.memory, transaction.base
+        if incremental and memory is not None and memory.generation is not None and base is not None:
+            changed = changes.since(transaction.layout, memory.generation, base)
             changed.follow(transaction.changes)
         outcome = self._reasoner.infer(transaction, changed, rule_set, limits or Limits())
-        return self._write(transaction, outcome)
+        report = self._write(transaction, outcome)
+        same = outcome.mode == "incremental" and not report.added and not report.removed
+        if not same or base is None or self._saved is None or base - self._saved >= _AHEAD:
+            self._saved = None
+        return report
 
     def prepare(self, rule_set: RuleSet) -> None:
         """Load what the last run of the same rules left, so that the next one need not."""
+        before = self._reasoner.memory
         self._reasoner.take(rule_set)
+        memory = self._reasoner.memory
+        if memory is not None and memory is not before:
+            self._saved = memory.generation
 
     def remember(self, generation: int | None, *, save: bool = True) -> None:
-        """Keep what the last run read and inferred for the next one: it is of this generation of the store."""
+        """Keep what the last run read and inferred for the next one: it is of this generation of the store.
+
+        Where little happened since it was saved and the same is inferred, the next process does that again.
+        """
         memory = self._reasoner.memory
         if memory is None or generation is None:
             return
         memory.generation = generation
-        if save:
+        if save and self._saved is None:
             self.save()
 
     def save(self) -> None:
@@ -134,6 +150,7 @@ class Runner:
         if self._cache is not None and memory is not None and memory.generation is not None:
             with translated(str(self._cache)):
                 memories.save(self._cache, memory)
+            self._saved = memory.generation
 
     def _infer(
         self, store: EmbeddedStore, rule_set: RuleSet, limits: Limits | None, *, incremental: bool

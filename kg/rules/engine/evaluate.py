@@ -26,7 +26,7 @@ from kg.rules.form import AUXILIARY, Atom
 from kg.rules.stratify import Stratum, stratify
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from kg.rules.engine.facts import Keys
     from kg.rules.engine.plan import RulePlan
@@ -76,8 +76,8 @@ class Program:
         if any(stratum.recursive and any(map(mints, stratum.rules)) for stratum in self.strata):
             stratify(self.rules)  # tells which one, and through which others
 
-    def plans(self, dictionary: Dictionary) -> dict[Rule, RulePlan]:
-        """Return the plan of each rule over a dictionary."""
+    def plans(self, dictionary: Dictionary) -> Mapping[Rule, RulePlan]:
+        """Return the plan of each rule over a dictionary, made when it is asked for."""
         return self._over(dictionary).plans
 
     def workshop(self, dictionary: Dictionary, limits: Limits | None = None) -> Workshop:
@@ -92,11 +92,23 @@ class Program:
         return found
 
 
+class _Plans(dict["Rule", "RulePlan"]):
+    """The plans of rules over a dictionary: a small change needs few."""
+
+    def __init__(self, dictionary: Dictionary) -> None:
+        super().__init__()
+        self._dictionary = dictionary
+
+    def __missing__(self, rule: Rule) -> RulePlan:
+        self[rule] = found = plan(rule, self._dictionary)
+        return found
+
+
 class _Bound:
     """A program over one dictionary."""
 
     def __init__(self, rules: Sequence[Rule], dictionary: Dictionary) -> None:
-        self.plans = {rule: plan(rule, dictionary) for rule in rules}
+        self.plans = _Plans(dictionary)
         self.expressions = Expressions(dictionary)
         self.blocks = Blocks(dictionary)
         predicates = {atom.predicate for rule in rules for atom in rule.head}

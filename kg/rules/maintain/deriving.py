@@ -3,22 +3,28 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
+
+from pyoxigraph import BlankNode, NamedNode
 
 from kg.rules.engine.facts import Facts, unpack
 from kg.rules.engine.heads import Collector
 from kg.rules.engine.plan import Match
 from kg.rules.engine.solve import Solver, View
 from kg.rules.engine.tables import UNIT, Table, concatenate, distinct_rows
+from kg.rules.form import Aggregate, Atom, EngineBlock, Exists, TripleTerm, Variable
 from kg.rules.maintain.patterns import pattern
 from kg.rules.maintain.pivots import pivots
 from kg.rules.maintain.sets import absorb
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from kg.rules.engine.plan import Head, RulePlan
     from kg.rules.engine.solve import Workshop
+    from kg.rules.engine.terms import Dictionary
+    from kg.rules.form import Element, Rule
     from kg.rules.maintain.pivots import Pivot, Reading
 
 __all__ = ["Delta", "MaintainedRule", "World"]
@@ -46,23 +52,45 @@ class Delta:
 
 
 class MaintainedRule:
-    """A rule with its pivots; `before` and `after` are the worlds that it is solved in."""
+    """A rule with its pivots; `before` and `after` are the worlds that it is solved in.
 
-    def __init__(self, plan: RulePlan, shop: Workshop) -> None:
-        self.plan = plan
-        self.name = str(plan.rule)
-        self._shop = shop
-        written = {head.predicate for head in plan.heads}
-        known = frozenset(predicate for predicate in written if isinstance(predicate, int))
-        self.writes = known if len(known) == len(written) else None
-        """The predicates that it derives, None for any."""
-        self._pivots = pivots(plan, shop.dictionary)
-        self.reads = frozenset[int]().union(*(pivot.patterns for pivot in self._pivots))
+    What a change does not reach is never planned.
+    """
+
+    def __init__(self, rule: Rule, plans: Mapping[Rule, RulePlan], shop: Workshop) -> None:
+        self.name = str(rule)
+        self.reads = frozenset(_patterns(rule.body, shop.dictionary))
         """The patterns of what it reads."""
-        self.derives = frozenset(pattern(head.predicate, head.object) for head in plan.heads)
+        self.derives = frozenset(_patterns(rule.head, shop.dictionary, head=True))
         """The patterns of what it derives."""
-        self._asserted = tuple(source.asserted for source in plan.sources)
-        self._needed = [step for step in plan.body.steps if isinstance(step, Match) and isinstance(step.predicate, int)]
+        self._rule = rule
+        self._plans = plans
+        self._shop = shop
+
+    @cached_property
+    def plan(self) -> RulePlan:
+        """How it is evaluated."""
+        return self._plans[self._rule]
+
+    @cached_property
+    def writes(self) -> frozenset[int] | None:
+        """The predicates that it derives, None for any."""
+        written = {head.predicate for head in self.plan.heads}
+        known = frozenset(predicate for predicate in written if isinstance(predicate, int))
+        return known if len(known) == len(written) else None
+
+    @cached_property
+    def _pivots(self) -> tuple[Pivot, ...]:
+        return pivots(self.plan, self._shop.dictionary)
+
+    @cached_property
+    def _asserted(self) -> tuple[bool, ...]:
+        return tuple(source.asserted for source in self.plan.sources)
+
+    @cached_property
+    def _needed(self) -> list[Match]:
+        steps = self.plan.body.steps
+        return [step for step in steps if isinstance(step, Match) and isinstance(step.predicate, int)]
 
     def everything(self, world: World) -> Facts:
         """Return what the rule derives."""
@@ -146,6 +174,24 @@ class MaintainedRule:
                 self._needed.insert(0, self._needed.pop(place))
                 return False
         return True
+
+
+def _patterns(elements: Iterable[Element], dictionary: Dictionary, *, head: bool = False) -> Iterator[int]:
+    """Yield the patterns of the triples that elements of a body, or the atoms of a `head`, have."""
+    for element in elements:
+        if isinstance(element, Atom):
+            predicate, value = element.predicate, element.object
+            # A blank node of a body is a term of the data, one of a head is made anew.
+            made = head and isinstance(value, BlankNode)
+            yield pattern(
+                dictionary.intern_term(predicate) if isinstance(predicate, NamedNode) else None,
+                None if made or isinstance(value, Variable | TripleTerm) else dictionary.intern_term(value),
+            )
+        elif isinstance(element, EngineBlock):
+            for read in element.reads or (None,):
+                yield pattern(dictionary.intern_term(read) if read is not None else None, None)
+        elif isinstance(element, Exists | Aggregate):
+            yield from _patterns(element.body, dictionary)
 
 
 def _seeds(head: Head, candidates: Facts, hidden: frozenset[int]) -> Iterator[Table]:

@@ -51,7 +51,7 @@ class Maintained:
         self._shop = shop
         plans = program.plans(dictionary)
         self._strata = Strata(
-            (stratum, [MaintainedRule(plans[rule], shop) for rule in stratum.rules]) for stratum in program.strata
+            (stratum, [MaintainedRule(rule, plans, shop) for rule in stratum.rules]) for stratum in program.strata
         )
 
     def apply(self, inserted: Facts, deleted: Facts, *, limits: Limits | None = None) -> Change:
