@@ -144,8 +144,9 @@ def _print(system: str, truth: dict[str, Any], ends: list[End], *, misses: bool)
 
 
 def _all(ends: list[End]) -> set[Connection]:
-    """Return all connections but those of the names that every node of ROS 2 has."""
-    return {row for row in _connections(ends, framework=True) if row[3] in ("/tf", "/bond") or row[2] != "topic"}
+    """Return all connections but those of frameworks alone by the topics that every node of ROS 2 has."""
+    every = _connections(ends, framework=True)
+    return _connections(ends, framework=False) | {r for r in every if r[3] in ("/tf", "/bond") or r[2] != "topic"}
 
 
 def _share(part: int, whole: set[Any]) -> str:
