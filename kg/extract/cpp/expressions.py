@@ -50,20 +50,11 @@ _DURATIONS: Final = frozenset({"h", "min", "s", "ms", "us", "ns"})
 """Suffixes of the durations of std::chrono."""
 _TYPES: Final = frozenset(
     {
-        "type_identifier",
-        "primitive_type",
-        "sized_type_specifier",
-        "template_type",
-        "qualified_identifier",
-        "dependent_type",
-        "type_descriptor",
-        "placeholder_type_specifier",
-        "struct_specifier",
-        "class_specifier",
-        "enum_specifier",
-        "decltype",
+        "type_identifier", "primitive_type", "sized_type_specifier", "template_type", "qualified_identifier",
+        "dependent_type", "type_descriptor", "placeholder_type_specifier", "struct_specifier", "class_specifier",
+        "enum_specifier", "decltype",
     }
-)
+)  # fmt: skip
 PREPROCESSED: Final = frozenset({"preproc_if", "preproc_ifdef", "preproc_else", "preproc_elif", "preproc_elifdef"})
 
 

@@ -67,101 +67,39 @@ _LAST_SLASH: Final = Unknown("it is the place of the last slash")
 """The place of the last slash in the namespace of the node."""
 LISTS: Final = frozenset(
     {
-        "V_string",
-        "vector",
-        "array",
-        "list",
-        "set",
-        "deque",
-        "initializer_list",
-        "unordered_set",
-        "tuple",
-        "pair",
+        "V_string", "vector", "array", "list", "set", "deque", "initializer_list", "unordered_set", "tuple", "pair",
         "queue",
     }
-)
+)  # fmt: skip
 MAPS: Final = frozenset({"M_string", "map", "unordered_map", "multimap"})
 NUMBERS: Final = frozenset(
     {
-        "int",
-        "double",
-        "float",
-        "size_t",
-        "unsigned",
-        "long",
-        "short",
-        "uint8_t",
-        "uint16_t",
-        "uint32_t",
-        "uint64_t",
-        "int8_t",
-        "int16_t",
-        "int32_t",
-        "int64_t",
+        "int", "double", "float", "size_t", "unsigned", "long", "short", "uint8_t", "uint16_t", "uint32_t",
+        "uint64_t", "int8_t", "int16_t", "int32_t", "int64_t",
     }
-)
+)  # fmt: skip
 TYPES: Final = TEXTS | STREAMS | LISTS | MAPS | NUMBERS
 _MOST_COPIES: Final = 64
 _MAKERS: Final = frozenset({"make_shared", "make_unique", "allocate_shared", "make_optional"})
 _SAME: Final = frozenset(
     {
-        "move",
-        "forward",
-        "ref",
-        "cref",
-        "as_const",
-        "static_pointer_cast",
-        "dynamic_pointer_cast",
-        "const_pointer_cast",
-        "boost_shared_ptr",
-        "to_string_view",
-        "shared_from_this",
-        "decltype",
+        "move", "forward", "ref", "cref", "as_const", "static_pointer_cast", "dynamic_pointer_cast",
+        "const_pointer_cast", "boost_shared_ptr", "to_string_view", "shared_from_this", "decltype",
     }
-)
+)  # fmt: skip
 _OWN: Final = frozenset(
     {
-        "c_str",
-        "str",
-        "data",
-        "get",
-        "string",
-        "native",
-        "generic_string",
-        "value",
-        "lock",
-        "load",
-        "as_string",
-        "as_int",
-        "as_double",
-        "as_bool",
-        "as_string_array",
-        "as_integer_array",
-        "as_double_array",
-        "as_bool_array",
-        "get_value",
-        "toStdString",
-        "clone",
-        "front",
-        "readFromRT",
-        "get_parameter_value",
-        "shared_from_this",
+        "c_str", "str", "data", "get", "string", "native", "generic_string", "value", "lock", "load", "as_string",
+        "as_int", "as_double", "as_bool", "as_string_array", "as_integer_array", "as_double_array", "as_bool_array",
+        "get_value", "toStdString", "clone", "front", "readFromRT", "get_parameter_value", "shared_from_this",
     }
-)
+)  # fmt: skip
 _ADDERS: Final = frozenset(
     {
-        "push_back",
-        "emplace_back",
-        "push",
-        "emplace",
-        "insert",
-        "add",
-        "push_front",
-        "insert_or_assign",
-        "try_emplace",
-        "emplace_front",
+        "push_back", "emplace_back", "push", "emplace", "insert", "add", "push_front", "insert_or_assign",
+        "try_emplace", "emplace_front",
     }
-)
+)  # fmt: skip
 _ENDS: Final = {"front": 0, "back": -1, "top": -1}
 _PAIR: Final = 2
 _RANGE: Final = 3

@@ -36,15 +36,10 @@ LANGUAGE: Final = Language(tree_sitter_cpp.language())
 _ESCAPES: Final = {"n": "\n", "t": "\t", "r": "\r", "0": "\0", "a": "\a", "b": "\b", "f": "\f", "v": "\v"}
 _DECLARATORS: Final = frozenset(
     {
-        "pointer_declarator",
-        "reference_declarator",
-        "array_declarator",
-        "function_declarator",
-        "init_declarator",
-        "parenthesized_declarator",
-        "attributed_declarator",
+        "pointer_declarator", "reference_declarator", "array_declarator", "function_declarator", "init_declarator",
+        "parenthesized_declarator", "attributed_declarator",
     }
-)
+)  # fmt: skip
 PLAIN: Final = frozenset({"identifier", "field_identifier", "type_identifier", "primitive_type"})
 """Names that have no parts."""
 _NO_ARGUMENTS: Final = frozenset({"comment", "preproc_if", "preproc_ifdef", "ERROR"})

@@ -93,18 +93,10 @@ _Any = TypeVar("_Any")
 
 _DEPENDENCIES: Final = frozenset(
     {
-        "depend",
-        "build_depend",
-        "build_export_depend",
-        "buildtool_depend",
-        "buildtool_export_depend",
-        "exec_depend",
-        "run_depend",
-        "test_depend",
-        "doc_depend",
-        "group_depend",
+        "depend", "build_depend", "build_export_depend", "buildtool_depend", "buildtool_export_depend",
+        "exec_depend", "run_depend", "test_depend", "doc_depend", "group_depend",
     }
-)
+)  # fmt: skip
 _TOOLS: Final = {
     1: ("catkin", "rosbuild"),
     2: ("ament_cmake", "ament_python", "ament_cmake_auto", "ament_cmake_python", "ament_cmake_ros"),

@@ -418,18 +418,10 @@ def _globals(body: Node | None) -> set[str]:
 
 _HOLDERS: Final = frozenset(
     {
-        "block",
-        "if_statement",
-        "elif_clause",
-        "else_clause",
-        "for_statement",
-        "while_statement",
-        "try_statement",
-        "except_clause",
-        "finally_clause",
-        "with_statement",
+        "block", "if_statement", "elif_clause", "else_clause", "for_statement", "while_statement", "try_statement",
+        "except_clause", "finally_clause", "with_statement",
     }
-)
+)  # fmt: skip
 
 
 def _yields(node: Node) -> bool:

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Final
 
 from kg.extract.launch.ros1.document import read_document
 from kg.extract.launch.ros1.nodes import enter, read_environment, read_node, read_remap
+from kg.extract.launch.ros1.parameterfile import HOLE, shown
 from kg.extract.launch.ros1.parameters import read_param, read_rosparam
 from kg.extract.launch.ros1.state import Given, Place, Scope, State
-from kg.extract.launch.ros1.values import HOLE, shown
 from kg.facts import LaunchArgument, LaunchConfiguration, LaunchInclude, LaunchProblemKind
 
 if TYPE_CHECKING:

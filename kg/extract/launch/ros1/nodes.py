@@ -10,9 +10,8 @@ import shlex
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.ros1.parameterfile import leaf_of, read_scalar
+from kg.extract.launch.ros1.parameterfile import HOLE, join, leaf_of, read_scalar, shown
 from kg.extract.launch.ros1.parameters import read_param, read_rosparam
-from kg.extract.launch.ros1.values import HOLE, join, shown
 from kg.facts import LaunchParameter, Remap, StartedNode, StartKind
 from kg.holes import ANONYMOUS, is_partial
 from kg.names import normalise, resolve

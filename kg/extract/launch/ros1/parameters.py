@@ -11,9 +11,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.launch.files import SCHEME
-from kg.extract.launch.ros1.parameterfile import MOST_TEXT, Leaf, leaf_of, read_tree
+from kg.extract.launch.ros1.parameterfile import HOLE, MOST_TEXT, Leaf, converted, join, leaf_of, read_tree, shown
 from kg.extract.launch.ros1.state import Private
-from kg.extract.launch.ros1.values import HOLE, converted, join, shown
 from kg.extract.launch.xacro.plugins import named_description, started
 from kg.facts import LaunchProblemKind
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.launch.files import Found
+from kg.extract.launch.ros1.parameterfile import HOLE, canonical, global_namespace, join, shown, truth
 from kg.extract.launch.ros1.substitute import Substituter
-from kg.extract.launch.ros1.values import HOLE, canonical, global_namespace, join, shown, truth
 from kg.extract.launch.xacro.plugins import Descriptions
 from kg.facts import LaunchInclude, LaunchParameter, LaunchProblem, LaunchProblemKind, Location, Remap, StartedNode
 

@@ -20,7 +20,7 @@ from kg.extract.launch.expressions import (
     is_builtin,
 )
 from kg.extract.launch.files import SCHEME
-from kg.extract.launch.ros1.values import HOLE, MOST_CHARACTERS, automatic
+from kg.extract.launch.ros1.parameterfile import HOLE, MOST_CHARACTERS, automatic
 from kg.facts import LaunchProblemKind
 
 if TYPE_CHECKING:

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from kg.extract.launch.files import Files
+    from kg.extract.launch.ros2.actions import Text
     from kg.extract.launch.ros2.parameters import Entry
     from kg.extract.launch.ros2.substitute import Generated
-    from kg.extract.launch.ros2.texts import Text
     from kg.facts import LaunchArgument, LaunchInclude, LaunchParameter, LaunchPlugin, Remap, StartedNode
 
 __all__ = ["HOLE", "Context", "Found", "GlobalFile", "Scope", "find", "place", "read", "unreadable"]

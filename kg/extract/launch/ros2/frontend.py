@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Final, TypedDict
 import yaml
 
 from kg.extract.launch.ros2 import actions as kinds
+from kg.extract.launch.ros2.actions import Condition, Substitution
 from kg.extract.launch.ros2.context import HOLE, place
 from kg.extract.launch.ros2.template import TemplateError, parse_template
-from kg.extract.launch.ros2.texts import Condition, Substitution
 from kg.extract.launch.ros2.values import LOADER, of_yaml, truth
 from kg.facts import LaunchProblem, LaunchProblemKind
 from kg.holes import ANONYMOUS
@@ -28,8 +28,7 @@ if TYPE_CHECKING:
 
     from kg.corpus.files import FilePath
     from kg.extract.launch.files import Files
-    from kg.extract.launch.ros2.actions import Action
-    from kg.extract.launch.ros2.texts import Part, Text
+    from kg.extract.launch.ros2.actions import Action, Part, Text
     from kg.facts import Location
 
 __all__ = ["read_xml", "read_yaml"]

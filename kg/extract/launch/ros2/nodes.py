@@ -21,9 +21,8 @@ from kg.names import join, normalise
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kg.extract.launch.ros2.actions import Executable, LoadComponents, NodeAction
+    from kg.extract.launch.ros2.actions import Executable, LoadComponents, NodeAction, Text
     from kg.extract.launch.ros2.context import Context
-    from kg.extract.launch.ros2.texts import Text
 
 __all__ = ["execute_process", "load_components", "start_node"]
 

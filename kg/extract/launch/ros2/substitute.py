@@ -26,9 +26,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from kg.corpus.files import FilePath
+    from kg.extract.launch.ros2.actions import Condition, Substitution, Text
     from kg.extract.launch.ros2.context import Context, Found
     from kg.extract.launch.ros2.parameters import Entry
-    from kg.extract.launch.ros2.texts import Condition, Substitution, Text
     from kg.facts import LaunchPlugin, StartedNode
 
 __all__ = ["Generated", "described", "holds", "perform"]

@@ -10,10 +10,10 @@ import re
 from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.launch.ros2.texts import Substitution
+from kg.extract.launch.ros2.actions import Substitution
 
 if TYPE_CHECKING:
-    from kg.extract.launch.ros2.texts import Part, Text
+    from kg.extract.launch.ros2.actions import Part, Text
 
 __all__ = ["TemplateError", "parse_template"]
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.launch.expressions import NotKnownError
+from kg.extract.launch.ros1.parameterfile import HOLE, shown
 from kg.extract.launch.ros1.substitute import Substituter
-from kg.extract.launch.ros1.values import HOLE, shown
 from kg.extract.launch.xacro.table import DESCRIPTION, Block, Element, Macro, Table, called, grab_macro, truth
 from kg.extract.launch.xacro.texts import Around, Loading, Texts
 from kg.facts import LaunchProblemKind

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 from weakref import WeakKeyDictionary
 
-from kg.extract.launch.ros1.values import shown
+from kg.extract.launch.ros1.parameterfile import shown
 from kg.extract.launch.xacro.evaluate import Description, Made, Trouble, evaluate_description
 from kg.facts import LaunchPlugin, LaunchProblem, LaunchProblemKind, Location, PluginValue
 from kg.holes import ANONYMOUS

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.extract.launch.expressions import NotKnownError
 from kg.extract.launch.markup import Markup
-from kg.extract.launch.ros1.values import HOLE
+from kg.extract.launch.ros1.parameterfile import HOLE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence

@@ -21,8 +21,7 @@ from kg.extract.launch.expressions import (
     is_builtin,
 )
 from kg.extract.launch.files import SCHEME, Found
-from kg.extract.launch.ros1.parameterfile import read_tree
-from kg.extract.launch.ros1.values import HOLE, MOST_CHARACTERS, automatic, shown
+from kg.extract.launch.ros1.parameterfile import HOLE, MOST_CHARACTERS, automatic, read_tree, shown
 from kg.extract.launch.xacro.table import Table
 from kg.facts import LaunchProblemKind
 

@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from kg.extract.launch.ros2.actions import Substitution, Text
 from kg.extract.launch.ros2.template import TemplateError, parse_template
-from kg.extract.launch.ros2.texts import Substitution, Text
 
 NAMES = st.from_regex(r"[a-z][a-z-]{0,8}", fullmatch=True)
 WORDS = st.text("abc/._ '\"$()\\\n:", min_size=1, max_size=8)

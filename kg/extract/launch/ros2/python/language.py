@@ -40,9 +40,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from kg.extract.launch.files import Files
+    from kg.extract.launch.ros2.actions import Substitution
     from kg.extract.launch.ros2.python.machine import LaunchMachine
     from kg.extract.launch.ros2.python.reading import Reading
-    from kg.extract.launch.ros2.texts import Substitution
     from kg.symbolic import form
     from kg.symbolic.form import Expression
     from kg.symbolic.state import Arguments, Frame

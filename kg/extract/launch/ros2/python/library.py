@@ -13,11 +13,15 @@ import yaml
 
 from kg.extract.launch.ros2.context import HOLE
 from kg.extract.launch.ros2.python.entities import ENTITIES
-from kg.extract.launch.ros2.python.substitutions import CONDITIONS, PLAIN, SUBSTITUTIONS, condition, is_substitution
 from kg.extract.launch.ros2.python.values import (
+    CONDITIONS,
+    PLAIN,
+    SUBSTITUTIONS,
     Later,
     Made,
+    condition,
     guarded,
+    is_substitution,
     later,
     launch_text,
     reason_of,

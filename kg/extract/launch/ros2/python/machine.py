@@ -13,13 +13,13 @@ from functools import partial
 from itertools import count
 from typing import TYPE_CHECKING, Final, TypeVar
 
-from kg.extract.launch.ros2.python.substitutions import is_substitution
 from kg.extract.launch.ros2.python.values import (
     MARK,
     Fork,
     Later,
     Made,
     guarded,
+    is_substitution,
     reason_of,
     terms_of_way,
     text_of,
@@ -51,8 +51,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
     from kg.corpus.files import FilePath
+    from kg.extract.launch.ros2.actions import Substitution
     from kg.extract.launch.ros2.python.language import LaunchPython
-    from kg.extract.launch.ros2.texts import Substitution
     from kg.symbolic.form import Expression, Function
     from kg.symbolic.state import Frame, Slot, Written
     from kg.symbolic.values import Way

@@ -12,10 +12,9 @@ from typing import TYPE_CHECKING, Final
 from kg.extract.launch.ros2.actions import Action, Group
 from kg.extract.launch.ros2.context import HOLE, place
 from kg.extract.launch.ros2.python import library
-from kg.extract.launch.ros2.python.entities import ENTITIES
+from kg.extract.launch.ros2.python.entities import ENTITIES, NODES
 from kg.extract.launch.ros2.python.language import Broken, LaunchPython, parse
 from kg.extract.launch.ros2.python.machine import Halt, LaunchMachine
-from kg.extract.launch.ros2.python.nodes import NODES
 from kg.extract.launch.ros2.python.values import (
     Made,
     condition_of,
@@ -38,9 +37,8 @@ if TYPE_CHECKING:
 
     from kg.corpus.files import FilePath
     from kg.extract.launch.files import Files
-    from kg.extract.launch.ros2.actions import Action
+    from kg.extract.launch.ros2.actions import Action, Condition
     from kg.extract.launch.ros2.context import Context
-    from kg.extract.launch.ros2.texts import Condition
     from kg.extract.python.modules import PythonUnit
     from kg.facts import Location
     from kg.symbolic.values import Value, Way

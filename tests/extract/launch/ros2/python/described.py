@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 from extract.workspaces import reader_of
 
 from kg.extract.launch.files import Files
-from kg.extract.launch.ros2.actions import Action, DeclareArgument, Group, Opaque
+from kg.extract.launch.ros2.actions import Action, Condition, DeclareArgument, Group, Opaque, Substitution
 from kg.extract.launch.ros2.context import Context
 from kg.extract.launch.ros2.python.reading import read_python
-from kg.extract.launch.ros2.texts import Condition, Substitution
 from kg.facts import Location
 
 if TYPE_CHECKING:
