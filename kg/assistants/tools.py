@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
 from mcp.server.mcpserver.exceptions import ToolError
 from pydantic import Field
@@ -45,7 +45,7 @@ class Tools:
     @property
     def all(self) -> tuple[Callable[..., Coroutine[Any, Any, Any]], ...]:
         """The tools in the order that they are listed."""
-        return (self.find_nodes, self.describe_node, self.wiring, self.lint, self.query, self.explain)
+        return (self.find_nodes, self.describe_node, self.wiring, self.ends_of, self.lint, self.query, self.explain)
 
     async def find_nodes(  # noqa: PLR0913 - what may be asked for, each by its name
         self,
@@ -98,6 +98,23 @@ class Tools:
         found = await self._view("system", name=system)
         found.pop("picture", None)  # the same again, to be drawn
         return found
+
+    async def ends_of(
+        self,
+        name: Annotated[str, Field(description="/cmd_vel, a name in the code (cmd_vel, ~/plan), or a part of a name.")],
+        kind: Annotated[
+            Literal["topic", "service", "action", "parameter"], Field(description="What it names.")
+        ] = "topic",
+        system: System = "",
+    ) -> dict[str, Any]:
+        """Show who uses a topic, service or action, or what sets a parameter, in all launch files and in code.
+
+        Each end has its node, launch line, line of code, type and QoS; `mismatches` says where ends do not fit.
+        Where several names are meant, they are listed.
+        """
+        if kind == "parameter":
+            return await self._view("parameter", name=name, system=system)
+        return await self._view("channel", kind=kind, name=name, system=system)
 
     async def lint(
         self, system: System = "", package: Annotated[str, Field(description="Only launch files of this package.")] = ""

@@ -33,12 +33,12 @@ _MISMATCHES: Final = frozenset({"KG403", "KG405", "KG410"})
 
 
 def channel(
-    snapshot: EmbeddedSnapshot, settings: Settings, *, kind: str, name: str, system: str = ""
+    snapshot: EmbeddedSnapshot, settings: Settings, *, name: str, kind: str = "topic", system: str = ""
 ) -> dict[str, Any]:
     """Return what a `kind` (topic, service or action) called `name` is in launched systems and in code.
 
-    `name` is absolute, a name in the code (`cmd_vel`, `~/plan`) or a part of a name; `system` names launch files to
-    look at alone. The keys:
+    `name` is absolute, a name in the code (`cmd_vel`, `~/plan`), a part of a name, or an IRI, which has a kind of its
+    own; `system` names launch files to look at alone. The keys:
 
     * `kind`, `name` (the absolute name that is shown, None if several are meant), `iri`, `types`, `systems` (names of
       the launch files that have it);
@@ -57,6 +57,9 @@ def channel(
         UsageError: KG003 for another kind.
     """
     systems = chosen_systems(snapshot, system, settings.base)
+    thing = Iris(settings.base).parse(name) if name.startswith(settings.base) else None
+    if thing is not None and thing.kind in _KINDS:
+        kind, name = thing.kind, thing.parts[0]
     chosen, others = channels_meant(snapshot, kind, name, systems)
     summaries = (
         {one.name: asdict(one) for one in channels(snapshot, kind, implicit=True, named=others)} if others else {}

@@ -22,6 +22,8 @@ __all__ = ["picture"]
 _TRANSFORMS: Final = frozenset({"/tf", "/tf_static"})
 _NAMED: Final = 12
 """So many channels of a bundle are named."""
+_MISMATCHES: Final = frozenset({"KG403", "KG405", "KG410"})
+"""Findings about types or QoS of two ends that do not fit."""
 
 
 def picture(
@@ -29,11 +31,13 @@ def picture(
 ) -> dict[str, Any]:
     """Return `{"nodes", "edges", "groups"}` for a graph of all ends, and the instances of its members by key.
 
-    A node has `id`, `label`, `kind` (node, topic, service, action), `group` (the innermost namespace that it lies in,
-    None for the root), `detail` (words), `iri` (of the node type, None without one), `findings` (places in the list of
-    findings that are about it), `debug` (frameworks make it, or nearly every node has it), `transforms` (tf) and
-    `loose` (a channel with one side only). Channels of one kind between the same nodes are one node, whose `names` they
-    are. An edge has `source`, `target`, `kind`; a group `id`, `label` and `group`.
+    A node has `id`, `label`, `kind` (node, topic, service, action, unknown), `group` (the innermost namespace that it
+    lies in, None for the root), `package` (of the node type, None where none is known), `detail` (words), `iri` (of the
+    node type, None without one), `findings` (places in the list of findings that are about it), `debug` (frameworks
+    make it, or nearly every node has it), `transforms` (tf) and `loose` (a channel with one side only). Channels of one
+    kind between the same nodes are one node, whose `names` they are. Ends of a node whose names are not known are one
+    node together, of the kind unknown. An edge has `source`, `target`, `kind` and `marked` (types or QoS of this end do
+    not fit another); a group `id`, `label` and `group`.
 
     Edges lead from who publishes or calls over the channel to who subscribes or offers.
     """
@@ -44,15 +48,30 @@ def picture(
     spaces = _namespaces(graph.members)
     types = {key: one.type for key, one in keys.items()}
     nodes: list[dict[str, Any]] = []
-    edges: list[dict[str, str]] = []
+    edges: list[dict[str, Any]] = []
+    unknown: defaultdict[str, list[Bundle]] = defaultdict(list)
     for member in graph.members:
         kind = types.get(member.key)
         iri = iris.node(kind.repository, kind.package, kind.node) if kind else None
-        nodes.append(_member(member, iri, _within(member.name, spaces), about))
+        drawn = _member(member, iri, _within(member.name, spaces), about)
+        nodes.append({**drawn, "package": kind.package if kind else None})
     ordinary = _ordinary(keys)
+    unfit = {
+        (name, node)
+        for one in findings
+        if one.code in _MISMATCHES
+        for name in one.subjects[:1]
+        for node in one.subjects
+    }
     for bundle in _parted(graph, ordinary, about):
+        if bundle.channels[0].open:
+            unknown[(*bundle.sources, *bundle.targets)[0]].append(bundle)
+            continue
         nodes.append(_channels(bundle, spaces, ordinary, about))
-        edges += _edges(bundle)
+        edges += _edges(bundle, unfit)
+    for key, bundles_of_one in unknown.items():
+        nodes.append(_unknown(key, bundles_of_one, _within(key, spaces)))
+        edges.append({"source": key, "target": f"unknown {key}", "kind": "unknown", "marked": False})
     groups = [{"id": space, "label": space.rpartition("/")[2], "group": _within(space, spaces)} for space in spaces]
     return {"nodes": nodes, "edges": edges, "groups": groups}
 
@@ -123,6 +142,7 @@ def _channels(
         "label": f"{label} and {count(more, f'other {bundle.kind}')}" if more else label,
         "kind": bundle.kind,
         "group": group,
+        "package": None,
         "detail": "; ".join(filter(None, told)),
         "iri": None,
         "names": names,
@@ -149,9 +169,30 @@ def _common(one: str | None, other: str | None, spaces: Collection[str]) -> str 
     return one
 
 
-def _edges(bundle: Bundle) -> Iterable[dict[str, str]]:
-    channel = f"{bundle.key} ({len(bundle.channels)})"
-    for member in bundle.sources:
-        yield {"source": member, "target": channel, "kind": bundle.kind}
-    for member in bundle.targets:
-        yield {"source": channel, "target": member, "kind": bundle.kind}
+def _unknown(member: str, those: Sequence[Bundle], group: str | None) -> dict[str, Any]:
+    """Return what stands for all ends of a member whose names are not known."""
+    names = [channel.name for bundle in those for channel in bundle.channels]
+    more = f", and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
+    return {
+        "id": f"unknown {member}",
+        "label": count(len(names), "unknown name"),
+        "kind": "unknown",
+        "group": group,
+        "package": None,
+        "detail": ", ".join(names[:_NAMED]) + more,
+        "iri": None,
+        "names": names,
+        "findings": [],
+        "debug": False,
+        "transforms": False,
+        "loose": False,
+        "unknown": True,
+    }
+
+
+def _edges(bundle: Bundle, unfit: Collection[tuple[str, str]]) -> Iterable[dict[str, Any]]:
+    channel, names = f"{bundle.key} ({len(bundle.channels)})", [one.name for one in bundle.channels]
+    ends = [(one, one, channel) for one in bundle.sources] + [(one, channel, one) for one in bundle.targets]
+    for member, source, target in ends:
+        marked = any((name, member) in unfit for name in names)
+        yield {"source": source, "target": target, "kind": bundle.kind, "marked": marked}

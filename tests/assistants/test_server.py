@@ -30,14 +30,16 @@ def asked(connected: Connected, tool: str, **arguments: Any) -> tuple[bool, Any]
 
 
 def test_the_tools_are_listed_as_reading_only(connected: Connected) -> None:
-    """There are six tools, each with a description, and each says that it changes nothing."""
+    """There are seven tools, each with a description, and each says that it changes nothing."""
 
     async def run() -> list[Any]:
         async with connected() as client:
             return list((await client.list_tools()).tools)
 
     tools = asyncio.run(run())
-    assert [tool.name for tool in tools] == ["find_nodes", "describe_node", "wiring", "lint", "query", "explain"]
+    assert [tool.name for tool in tools] == [
+        *("find_nodes", "describe_node", "wiring", "ends_of", "lint", "query", "explain")
+    ]
     assert all(tool.description and tool.annotations.read_only_hint for tool in tools)
 
 
@@ -132,3 +134,13 @@ def test_the_command_speaks_on_standard_streams(store: Path) -> None:
             return await client.call_tool("query", {"sparql": "ASK { ?node a rnkg:NodeType }"})
 
     assert json.loads(asyncio.run(run()).content[0].text)["answer"] is True
+
+
+def test_ends_of_a_name_in_a_system(connected: Connected) -> None:
+    """A name after remapping has its node, the launch line and the line of code; a parameter its values."""
+    failed, found = asked(connected, "ends_of", name="/rover1/mux/cmd_vel")
+    assert not failed
+    assert found["endpoints"][0]["instance"] == "/rover1/base_controller"
+    assert ":7" in found["endpoints"][0]["launched"]
+    failed, found = asked(connected, "ends_of", name="/trace_logger/rate", kind="parameter")
+    assert (failed, found["values"][0]["value"]) == (False, "5")

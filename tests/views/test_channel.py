@@ -14,6 +14,7 @@ from kg.store.embedded import EmbeddedStore
 from kg.store.opening import reading
 from kg.views.channel import channel, channels_meant
 from kg.views.parameter import parameter
+from kg.views.system import system
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -120,9 +121,9 @@ def test_launch_files_narrow(snapshot: EmbeddedSnapshot, settings: Settings) -> 
     assert found["systems"] == ["drone_control/launch/drone.launch.py"]
     assert found["endpoints"][0]["systems"] == found["systems"]
     assert channel(snapshot, settings, kind="topic", name="angles", system="drone.launch.py") == found
-    for name, system, code in (("/odom", "drone.launch.py", "KG001"), ("/odom", "dron.launch", "KG422")):
+    for name, launch, code in (("/odom", "drone.launch.py", "KG001"), ("/odom", "dron.launch", "KG422")):
         with pytest.raises(UnknownNameError) as caught:
-            channel(snapshot, settings, kind="topic", name=name, system=system)
+            channel(snapshot, settings, kind="topic", name=name, system=launch)
         assert caught.value.code == code
 
 
@@ -136,11 +137,14 @@ def test_ends_that_do_not_fit_are_marked(tmp_path: Path) -> None:
     build([str(folder)], EmbeddedStore.create(tmp_path / ".kg"), settings)
     with reading(settings) as snapshot:
         scan, tilt = (channel(snapshot, settings, kind="topic", name=name) for name in ("/scan", "/tilt"))
+        edges = system(snapshot, settings, name="both.launch.xml")["picture"]["edges"]
     (finding,) = scan["findings"]
     assert (finding["code"], finding["systems"]) == ("KG410", ["lidar/launch/both.launch.xml"])
     marked = {one["instance"]: one["mismatches"] for one in scan["endpoints"]}
     assert marked == {"/driver": [finding["message"]], "/filter": [finding["message"]]}
     assert (tilt["findings"], [one["mismatches"] for one in tilt["endpoints"]]) == ([], [[]])
+    drawn = {(one["source"], one["target"]) for one in edges if one["marked"]}
+    assert {one for pair in drawn for one in pair} == {"/driver", "/filter", "topic /scan (1)"}
 
 
 def test_names_that_nothing_has(snapshot: EmbeddedSnapshot, settings: Settings) -> None:

@@ -70,6 +70,19 @@ def test_a_system_as_a_graph(snapshot: EmbeddedSnapshot, settings: Settings) -> 
     assert len(named) == len(set(named))
 
 
+def test_names_that_are_not_known_are_one_node_for_each_instance(
+    snapshot: EmbeddedSnapshot, settings: Settings
+) -> None:
+    """All ends of an instance whose names are not known are drawn once, with what is known of the names."""
+    for name in ("arm.launch", "mission.launch.xml", "rover.launch"):
+        found = system(snapshot, settings, name=name)
+        nodes = {one["id"]: one for one in found["picture"]["nodes"] if one["kind"] == "unknown"}
+        assert sum(len(one["names"]) for one in nodes.values()) <= found["counts"]["unresolved"]
+        edges = [(one["source"], one["target"]) for one in found["picture"]["edges"] if one["kind"] == "unknown"]
+        assert sorted(edges) == [(key.removeprefix("unknown "), key) for key in sorted(nodes)]
+        assert bool(nodes) == bool(found["counts"]["unresolved"])
+
+
 def test_findings_are_in_the_system_and_mark_what_they_are_about(
     snapshot: EmbeddedSnapshot, settings: Settings
 ) -> None:

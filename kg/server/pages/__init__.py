@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from kg.server.pages import node, query, resource, robot, rule_blocks, rules, search, start, system, why
+from kg.server.pages import channel, node, query, resource, robot, rule_blocks, rules, search, start, system, why
 
 if TYPE_CHECKING:
     from starlette.routing import BaseRoute
@@ -16,6 +16,7 @@ ROUTES: Final[list[BaseRoute]] = [
     *search.ROUTES,
     *node.ROUTES,
     *system.ROUTES,
+    *channel.ROUTES,
     *resource.ROUTES,
     *rules.ROUTES,
     *rule_blocks.ROUTES,

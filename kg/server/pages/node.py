@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.responses import Response
 
-__all__ = ["ROUTES"]
+__all__ = ["ROUTES", "TAGS"]
 
-_TAGS: Final = {
+TAGS: Final = {
     "publishes": "publisher",
     "subscribes": "subscriber",
     "services": "service",
@@ -57,7 +57,7 @@ async def _node(request: Request) -> Response:
         implicit=[one for one in found["interfaces"] if one["implicit"]],
         parameters=[one for one in found["parameters"] if not one["implicit"]],
         more_parameters=[one for one in found["parameters"] if one["implicit"]],
-        tags=_TAGS,
+        tags=TAGS,
         picture=_picture(found, explicit),
     )
 

@@ -19,6 +19,7 @@ __all__ = ["ROUTES"]
 _PAGES: Final = {
     "node": ("/node", "iri", "All of this node on one page"),
     "configuration": ("/system", "name", "The nodes that it starts, as a graph"),
+    **dict.fromkeys(("topic", "service", "action"), ("/channel", "name", "Who uses it, in every launch file")),
 }
 """Kinds of things that have a page of their own: its path, its parameter, the words of the link to it."""
 _LIMIT: Final = "25"

@@ -10,6 +10,7 @@ from starlette.routing import Route
 from kg.errors import KgError
 from kg.render.text import count
 from kg.server.pages.missing import ABSENT, SEVERAL, missing
+from kg.server.pages.node import TAGS
 from kg.server.rendering import page, url, view
 
 if TYPE_CHECKING:
@@ -24,14 +25,6 @@ _SEE_OTHER: Final = 303
 _PAGE: Final = 100
 _LONG: Final = 100
 """A table of more rows has a page of its own, which that of the system loads where somebody opens it."""
-_TAGS: Final = {
-    "publishes": "publisher",
-    "subscribes": "subscriber",
-    "services": "service",
-    "clients": "client",
-    "action_servers": "action",
-    "action_clients": "action",
-}
 
 
 async def _systems(request: Request) -> Response:
@@ -61,7 +54,7 @@ async def _system(request: Request) -> Response:
         if error.code not in {*ABSENT, SEVERAL}:
             raise
         return missing(request, error, "No such system", name, lambda other: url("/system", name=other))
-    shared = {"twin": url("/api/system", **asked), "system": found, "tags": _TAGS}
+    shared = {"twin": url("/api/system", **asked), "system": found, "tags": TAGS}
     parts = _parts(found)
     if part := next((one for one in parts if one["name"] == chosen), None):
         title = f"{part['title']} of {found['name']}"

@@ -6,7 +6,7 @@ const COLORS = ["back", "surface", "raised", "line", "line-strong", "text", "qui
 const SHAPES = {
   node: ["round-rectangle", "subscriber"], topic: ["rectangle", "publisher"], service: ["cut-rectangle", "service"],
   action: ["cut-rectangle", "action"], parameter: ["round-rectangle", "parameter"], package: ["rectangle", "note"],
-  namespace: ["round-rectangle", "quiet"], hardware: ["barrel", "warning"], rule: ["round-rectangle", "subscriber"],
+  unknown: ["round-rectangle", "quiet"], namespace: ["round-rectangle", "quiet"], hardware: ["barrel", "warning"], rule: ["round-rectangle", "subscriber"],
   predicate: ["rectangle", "publisher"], literal: ["rectangle", "quiet"], resource: ["round-rectangle", "note"],
 };
 
@@ -53,22 +53,26 @@ export function styled(colors) {
         label: "data(text)", width: "data(width)", height: "data(height)", shape: "round-rectangle",
         "font-size": 12, "font-family": colors.sans, color: colors.text, "text-valign": "center", "text-halign": "center",
         "background-color": colors.note, "background-opacity": 0.13, "border-width": 1.25, "border-color": colors.note,
+        "z-index-compare": "manual", "z-index": 2, "text-background-color": colors.surface, "text-background-opacity": 0.85,
+        "text-background-padding": 1,
       },
     },
     ...kinds,
     { selector: "node.literal", style: { "background-opacity": 0, "border-width": 0 } },
+    { selector: "node.unknown", style: { "border-style": "dashed" } },
     { selector: "node.closed", style: { "border-width": 3, "border-style": "double", "font-weight": "bold" } },
     {
       selector: "node.group",
       style: {
         label: "data(label)", shape: "round-rectangle", width: 10, height: 10, padding: 12, "text-valign": "top", color: colors.quiet,
         "font-size": 11, "background-color": colors.quiet, "background-opacity": 0.06, "border-color": colors.line,
-        "border-width": 1, "text-margin-y": -3,
+        "border-width": 1, "text-margin-y": -3, "z-index": 0,
       },
     },
     {
       selector: "edge",
       style: {
+        "z-index-compare": "manual", "z-index": 1,
         width: 1.25, "line-color": colors["line-strong"], "target-arrow-color": colors["line-strong"], "target-arrow-shape": "triangle",
         "arrow-scale": 0.8, "curve-style": "bezier", "font-size": 10, color: colors.quiet, "font-family": colors.sans,
         "text-background-color": colors.surface, "text-background-opacity": 0.9, "text-background-padding": 2,

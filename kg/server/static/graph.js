@@ -14,7 +14,7 @@
 // node's page is, `detail` a line more about it. `inferred` is drawn dashed, `marked` (a finding) in the colour of errors.
 //
 // Options: `direction` is "LR" or "TB"; `collapsed` lists groups that are closed at first (or is true: all of them);
-// `name` names exported files; `height` is a length of CSS; `onSelect(node or null)` is told of what is selected.
+// `note` is a sentence that stands below the picture while nothing is selected; `name` names exported files; `height` is a length of CSS; `onSelect(node or null)` is told of what is selected.
 //
 // The returned picture has fit(), zoom(factor), select(id or null), collapse(ids), replace(data), save(kind) with kind
 // "png", "svg" or "json", and `cy`, the cytoscape instance: null where the libraries are not installed; the list is then
@@ -68,6 +68,14 @@ class Picture {
     this.size = {};
     this.moved = false; // by somebody, since all was laid out
     this.left = new AbortController();
+    this.away = new Set(); // ids of nodes that somebody has hidden
+  }
+
+  /** Return the data without what somebody has hidden. */
+  get kept() {
+    if (!this.away.size) return this.data;
+    const nodes = this.data.nodes.filter((node) => !this.away.has(node.id));
+    return ordered({ ...this.data, nodes });
   }
 
   take(data) {
@@ -104,7 +112,7 @@ class Picture {
 
   /** Draw what is visible now and lay it out. */
   show() {
-    const shown = visible(this.data, this.collapsed);
+    const shown = visible(this.kept, this.collapsed);
     const font = getComputedStyle(this.host).fontFamily;
     this.cy.elements().remove();
     this.cy.add(shown.groups.map((group) => ({ group: "nodes", data: { ...group, parent: group.group }, classes: "group" })));
@@ -242,7 +250,7 @@ class Picture {
 
   /** Return the id of a node, or of the closed group that it is drawn within. */
   within(id) {
-    return visible(this.data, this.collapsed).within(id);
+    return visible(this.kept, this.collapsed).within(id);
   }
 
   tell(node) {
@@ -250,14 +258,30 @@ class Picture {
     if (node) {
       const degree = this.cy.getElementById(node.id).degree();
       this.words.append(element("strong", {}, node.label), ` ${node.kind ?? ""}${node.detail ? `, ${node.detail}` : ""}, ${degree} connections. `);
-      if (node.href) this.words.append(element("a", { href: node.href }, "Open its page"));
-      if (node.closed) {
-        const button = element("button", { type: "button", className: "link" }, "Open the group");
-        button.addEventListener("click", () => { this.collapsed.delete(node.id); this.show(); });
-        this.words.append(button);
-      }
-    }
+      if (node.href) this.words.append(element("a", { href: node.href }, "Open its page"), " ");
+      if (node.closed) this.offer("Open the group", () => this.collapsed.delete(node.id));
+      else this.offer("Hide it", () => this.away.add(node.id));
+    } else if (this.options.note) this.words.append(`${this.options.note} `);
+    if (this.away.size) this.offer(`Show ${this.away.size} hidden`, () => this.away.clear());
     this.options.onSelect(node);
+  }
+
+  /** Offer something to do below the picture, which is drawn again afterwards. */
+  offer(text, work) {
+    const button = element("button", { type: "button", className: "link" }, text);
+    button.addEventListener("click", () => { work(); this.show(); });
+    this.words.append(button, " ");
+  }
+
+  /** Select the next node whose name has a text; its groups are opened. */
+  find(text) {
+    const wanted = text.trim().toLowerCase();
+    const found = this.kept.nodes.filter((node) => `${node.id} ${node.label}`.toLowerCase().includes(wanted)).map((node) => node.id);
+    if (!wanted || !found.length) return void this.select(null);
+    this.found = found[(found.indexOf(this.found) + 1) % found.length];
+    for (let at = this.within(this.found); at !== this.found; at = this.within(this.found)) this.collapsed.delete(at);
+    this.show();
+    this.select(this.found);
   }
 
   collapse(ids) {
@@ -298,7 +322,11 @@ class Picture {
       button("Close groups", "Close all groups", () => this.collapse(this.data.groups.map((group) => group.id))),
       button("Open groups", "Open all groups", () => this.collapse([])),
     ] : [];
+    const search = element("input", { type: "search", placeholder: "Find a name" });
+    search.setAttribute("aria-label", "Find a name in the picture; Enter goes to the next");
+    search.addEventListener("keydown", (event) => event.key === "Enter" && this.find(search.value));
     return element("div", { className: "graph-tools" },
+      search,
       button("+", "Zoom in", () => this.zoom(ZOOM)),
       button("−", "Zoom out", () => this.zoom(1 / ZOOM)),
       button("Fit", "Show all of it", () => this.fit()),

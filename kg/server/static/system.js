@@ -7,6 +7,7 @@ import { enhance } from "./table.js";
 const FEW = 6;
 const MANY = 40;
 const MOST = 120;
+const CROWDED = 150; // with more edges the picture starts with its groups closed
 
 const depth = (group) => group.id.split("/").length;
 
@@ -37,8 +38,24 @@ function part(data, hidden) {
   return { ...data, nodes };
 }
 
+/** Return a graph with packages for groups instead of namespaces; a channel lies in the one that all its nodes are of. */
+function packaged(data) {
+  const known = new Map(data.nodes.filter((node) => node.package).map((node) => [node.id, `package ${node.package}`]));
+  const around = new Map();
+  for (const { source, target } of data.edges) {
+    for (const [one, other] of [[source, target], [target, source]]) {
+      if (known.has(other)) around.set(one, new Set(around.get(one)).add(known.get(other)));
+    }
+  }
+  const group = (node) => known.get(node.id) ?? (around.get(node.id)?.size === 1 ? [...around.get(node.id)][0] : undefined);
+  const groups = [...new Set(known.values())].map((id) => ({ id, label: id.replace("package ", "") }));
+  return { ...data, nodes: data.nodes.map((node) => ({ ...node, group: group(node) })), groups };
+}
+
 async function picture(host, switches) {
-  const data = JSON.parse(document.getElementById("system-data").textContent);
+  const spaces = JSON.parse(document.getElementById("system-data").textContent);
+  const packages = packaged(spaces);
+  let data = spaces;
   const size = (hidden) => part(data, hidden).nodes.length;
   const hidden = new Set(["debug", "transforms"]);
   if (size([...hidden]) > MANY) hidden.add("loose");
@@ -49,12 +66,16 @@ async function picture(host, switches) {
     box.parentElement.hidden = count === 0;
     box.checked = !hidden.has(box.dataset.hides);
   }
+  const edges = ordered(part(data, [...hidden])).edges.length;
+  const crowded = edges > CROWDED;
+  if (crowded && !spaces.groups.length) data = packages;
   const shown = part(data, [...hidden]);
-  const folded = closed(shown);
+  const folded = crowded ? data.groups.map((group) => group.id) : closed(shown);
   const drawn = await draw(host, shown, {
     name: host.dataset.name.replaceAll("/", "-"), direction: host.clientWidth < 640 ? "TB" : "LR",
     height: `${Math.min(46, Math.max(18, visible(ordered(shown), new Set(folded)).nodes.length * 1.3))}rem`,
     collapsed: folded,
+    note: crowded ? `${edges} connections: the groups start closed. Open one with a double click, or all with “Open groups”.` : "",
   });
   const update = () => {
     const off = boxes.filter((box) => !box.checked).map((box) => box.dataset.hides);
@@ -62,6 +83,13 @@ async function picture(host, switches) {
     drawn.replace(part(data, off));
   };
   for (const box of boxes) box.addEventListener("change", update);
+  const by = switches.querySelector("select");
+  by.value = data === packages ? "package" : "namespace";
+  by.addEventListener("change", () => {
+    data = by.value === "package" ? packages : spaces;
+    drawn.collapsed = new Set(crowded ? data.groups.map((group) => group.id) : []);
+    update();
+  });
   switches.hidden = !drawn.cy;
   if (!drawn.cy) return;
   for (const button of document.querySelectorAll("[data-finding]")) {

@@ -187,11 +187,26 @@ def test_other_things_have_their_own_page(client: TestClient) -> None:
     assert answer.headers["location"].startswith("/resource?iri=")
 
 
+def test_the_page_of_a_topic(client: TestClient) -> None:
+    """A name after remapping has its nodes and launch files; systems and resources lead there; several are listed."""
+    name = "/rover1/mux/cmd_vel"
+    text = client.get("/channel", params={"name": name}).text
+    assert "/rover1/base_controller" in text.replace("<wbr>", "")
+    assert 'href="/system?name=rover_robot%2Flaunch%2Frover.launch"' in text
+    address = 'href="/channel?kind=topic&amp;name=%2Frover1%2Fmux%2Fcmd_vel"'
+    assert address in client.get("/system", params={"name": "rover.launch"}).text
+    assert address in client.get("/channel", params={"name": "cmd_vel"}).text
+    iri = "https://w3id.org/rnkg/topic/rover1/mux/cmd_vel"
+    assert 'href="/channel?name=https' in client.get("/resource", params={"iri": iri}).text
+    assert client.get("/channel", params={"name": iri}).text.count(name) > 1
+
+
 @pytest.mark.parametrize(
     ("address", "meant"),
     [
         ("/node?name=scan_fliter", 'href="/node?name=scan_filter"'),
         ("/system?name=rovr.launch", 'href="/system?name=rover.launch"'),
+        ("/channel?kind=topic&name=/odomm", 'href="/channel?kind=topic&amp;name=%2Fodom"'),
         ("/resource?iri=https%3A%2F%2Fw3id.org%2Frnkg%2Ftopic%2Fscan_fliterd", ">/scan_filtered</a>"),
     ],
 )
@@ -202,7 +217,9 @@ def test_names_that_are_not_there(client: TestClient, address: str, meant: str) 
     assert meant in answer.text
 
 
-@pytest.mark.parametrize(("address", "whole"), [("/node", "/search"), ("/system", "/systems"), ("/rule", "/rules")])
+@pytest.mark.parametrize(
+    ("address", "whole"), [("/node", "/search"), ("/channel", "/search"), ("/system", "/systems"), ("/rule", "/rules")]
+)
 def test_addresses_without_a_name(client: TestClient, address: str, whole: str) -> None:
     """They lead to where one is chosen."""
     answer = client.get(address, follow_redirects=False)
