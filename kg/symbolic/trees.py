@@ -9,8 +9,6 @@ from kg.facts import Resolution
 from kg.symbolic.values import Closure, Kind, Text, TypeValue, Unknown, Value, alternatives
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from kg.symbolic.descriptions import PortDescription
     from kg.symbolic.state import Invocation, Site
 
@@ -44,14 +42,14 @@ class Registered:
         return cls(values[name], kind, builder, rest, stack)
 
 
-def port_value(port: PortDescription, call: Invocation, defaults: dict[str, Value] | Mapping[str, Value]) -> Value:
+def port_value(port: PortDescription, call: Invocation, defaults: dict[str, Value]) -> Value:
     """Return the value of a port, a text from a parameter `port[name]`; a call with a default adds it to `defaults`."""
     name = call.argument(port.name)
     known = name.known if isinstance(name, Text) else None
     if known is None:
         return Unknown("the name of the port is not known")
     default = call.argument(port.default)
-    if default is not None and isinstance(defaults, dict):
+    if default is not None:
         defaults[known] = default
     held = defaults.get(known)
     parameter = f"port[{known}]"
