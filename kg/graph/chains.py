@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from kg.facts import Location
 
-__all__ = ["chain_of", "chain_text"]
+__all__ = ["chain_of", "chain_text", "likely_chain"]
 
 
 def chain_text(chain: tuple[Location, ...]) -> str | None:
@@ -21,3 +21,12 @@ def _place(text: str) -> Location:
     place, _, line = text.rpartition(":")
     repository, mark, path = place.partition("//")
     return Location(path if mark else place, int(line), repository if mark else None)
+
+
+def likely_chain(path: str, chain: tuple[Location, ...]) -> tuple[Location, ...]:
+    """Return the includes that most likely led to a line of `path`, which concerns a node with the includes `chain`.
+
+    A file that is itself among the includes is reached by those before it.
+    """
+    at = next((index for index, one in enumerate(chain) if one.path == path), len(chain))
+    return chain[:at]

@@ -25,35 +25,48 @@ if TYPE_CHECKING:
 
 __all__ = ["CLASSES", "ends_in_code", "findings_about", "names", "names_in", "names_written", "systems_at"]
 
-CLASSES: Final = {"topic": v.TOPIC, "service": v.SERVICE, "action": v.ACTION}
-"""The class of each kind of channel."""
+CLASSES: Final = {
+    "topic": f"{v.PUBLISHER} {v.SUBSCRIBER}",
+    "service": f"{v.SERVICE_SERVER} {v.SERVICE_CLIENT}",
+    "action": f"{v.ACTION_SERVER} {v.ACTION_CLIENT}",
+}
+"""The classes of the ends of each kind of channel."""
 _PREFIXES: Final = {"ros": v.ROS, "rnkg": v.RNKG, "rdfs": v.RDFS}
-# The LIMIT, which no store reaches, lets the engine look up ends channel by channel; MINUS reads those of frameworks
-# once.
 _NAMES: Final = """
 SELECT DISTINCT ?name WHERE {
-  { SELECT ?channel ?name WHERE { ?channel a %s ; rdfs:label ?name } LIMIT 1000000000 }
-  ?end rnkg:connectsTo ?channel .
-  MINUS { ?end rnkg:implicit true }
+  VALUES ?class { %s }
+  ?code a ?class ; rnkg:implicit ?implicit .
+  FILTER(!?implicit)
+  ?end rnkg:declaredBy ?code ; rnkg:connectsTo/rdfs:label ?name .
 }"""
 _SYSTEM_NAMES: Final = """
 SELECT DISTINCT ?name WHERE {
   VALUES ?configuration { %s }
-  ?channel rnkg:inConfiguration ?configuration ; a %s ; rnkg:name ?name .
+  VALUES ?class { %s }
+  ?configuration rnkg:hasInstance/ros:hasComponent ?end .
+  ?end rnkg:declaredBy/a ?class ; rnkg:connectsTo/rdfs:label ?name .
 }"""
-_EVERY_NAME: Final = "SELECT DISTINCT ?name WHERE { ?channel a %s ; rdfs:label ?name }"
+_EVERY_NAME: Final = """
+SELECT DISTINCT ?name WHERE {
+  VALUES ?class { %s }
+  ?code a ?class .
+  ?end rnkg:declaredBy ?code ; rnkg:connectsTo/rdfs:label ?name .
+}"""
 _WRITTEN: Final = """
 SELECT DISTINCT ?name WHERE {
-  ?declared rnkg:name %s .
-  { ?declared rnkg:connectsTo ?channel } UNION { ?end rnkg:declaredBy ?declared ; rnkg:connectsTo ?channel }
-  ?channel a %s ; rdfs:label ?name .
+  VALUES ?class { %s }
+  ?declared rnkg:name %s ; a ?class .
+  ?end rnkg:declaredBy ?declared ; rnkg:connectsTo/rdfs:label ?name .
 }"""
 _AT: Final = """
 GRAPH ?graph {
-  ?channel rnkg:name %s ; a %s ; rnkg:inConfiguration ?configuration .
-  ?end rnkg:connectsTo ?channel .
+  ?channel rdfs:label %s .
+  ?end rnkg:connectsTo ?channel ; rnkg:declaredBy ?code .
   ?instance ros:hasComponent ?end .
-}"""
+  ?configuration rnkg:hasInstance ?instance .
+}
+VALUES ?class { %s }
+?code a ?class ."""
 _FINDINGS: Final = """
 SELECT ?system ?code ?severity ?message ?subject WHERE {
   ?finding rnkg:mainSubject %s ; a rnkg:Finding ; rnkg:inConfiguration ?system ; rnkg:code ?code ;
@@ -77,7 +90,7 @@ def names_in(graph: Queryable, kind: str, systems: Iterable[str]) -> list[str]:
 
 def names_written(graph: Queryable, kind: str, written: str) -> list[str]:
     """Return the names that ends have whose name in the code is `written`, in systems and started alone, sorted."""
-    return sorted(_column(graph, _WRITTEN % (literal(written), CLASSES[kind])))
+    return sorted(_column(graph, _WRITTEN % (CLASSES[kind], literal(written))))
 
 
 def ends_in_code(graph: Queryable, kind: str, name: str, base: str) -> list[tuple[NodeReference, Interface]]:

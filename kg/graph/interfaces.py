@@ -84,6 +84,7 @@ def interface(scope: Scope, owner: str, fact: Interface) -> str:
     node, part = f"<{owner}>", scope.part(owner, shape.component, fact.name)
     writer.add(node, v.HAS_COMPONENT, part)
     writer.add(part, v.TYPE, shape.component_class)
+    writer.add(part, v.DECLARED_BY, part)
     writer.text(part, v.NAME, fact.name)
     writer.text(part, v.RESOLVED_NAME, fact.resolved)
     writer.add(part, v.RESOLUTION, v.rnkg(fact.resolution))

@@ -36,6 +36,7 @@ _SHAPES: Final[dict[str, str]] = {
     "definition": "psss",
     "file": "p-p",
     "configuration": "p-p",
+    "start": "p-p",
     "build": "ps",
     "topic": "p",
     "service": "p",
@@ -133,6 +134,10 @@ class Iris:
         """Return the IRI of what the launch file at `path` of a source starts."""
         return f"{self.base}configuration/{_placed(repository, path)}"
 
+    def start(self, repository: str, digest: str) -> str:
+        """Return the IRI of what launch files of a source start nodes with, by the digest of it."""
+        return f"{self.base}start/{_placed(repository, digest)}"
+
     def build(self, repository: str, started: str) -> str:
         """Return the IRI of the reading of a source that began at `started` (ISO 8601)."""
         return f"{self.base}build/{_path(repository)}/{_segment(started)}"
@@ -169,7 +174,7 @@ class Iris:
         return f"{self.base}software/{_segment(name)}/{_segment(version)}"
 
     def graph(self, name: str) -> str:
-        """Return the IRI of a named graph: `ontology`, `inferred` or `builds`."""
+        """Return the IRI of a named graph: `ontology`, `inferred`, `builds`, `starts`, ...."""
         return f"{self.base}graph/{_segment(name)}"
 
     def source_graph(self, repository: str) -> str:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.facts import Location, NodeKind
 from kg.graph import vocabulary as v
-from kg.graph.channels_reading import CLASSES
 from kg.graph.ntriples import literal
 from kg.graph.reading import which
 
@@ -95,22 +94,26 @@ SELECT DISTINCT ?channel ?class ?node ?type WHERE {
   {
     SELECT * WHERE {
       %(named)s
-      ?c rnkg:inConfiguration ?configuration ; a %(kind)s ; rnkg:name ?channel .
-      ?end rnkg:connectsTo ?c ; rnkg:implicit ?implicit .
-      ?instance ros:hasComponent ?end .
+      ?instance a rnkg:NodeInstance ; ros:hasComponent ?end .
+      ?end rnkg:connectsTo ?c ; rnkg:declaredBy ?code .
+      ?code rnkg:implicit ?implicit .
+      ?c rdfs:label ?channel .
       %(own)s
     }
     LIMIT 1000000000
   }
   VALUES ?class { %(classes)s }
-  ?end a ?class .
+  ?code a ?class .
   OPTIONAL { ?instance rnkg:instanceOf ?node }
-  OPTIONAL { ?end %(typed)s/rdfs:label ?type }
+  OPTIONAL { ?code %(typed)s/rdfs:label ?type }
 }"""
 _LAUNCHES: Final = """
 SELECT ?channel (COUNT(DISTINCT ?configuration) AS ?number) WHERE {
   %(named)s
-  ?c rnkg:inConfiguration ?configuration ; a %(kind)s ; rnkg:name ?channel .
+  VALUES ?class { %(classes)s }
+  ?configuration rnkg:hasInstance/ros:hasComponent ?end .
+  ?end rnkg:declaredBy/a ?class ; rnkg:connectsTo ?c .
+  ?c rdfs:label ?channel .
 } GROUP BY ?channel"""
 
 
@@ -221,7 +224,7 @@ def channels(
     """
     giver, taker, typed = _CHANNELS[kind]
     values = "" if named is None else f"VALUES ?channel {{ {' '.join(map(literal, sorted(named)))} }}"
-    given = {"classes": f"{giver} {taker}", "typed": typed, "kind": CLASSES[kind]}
+    given = {"classes": f"{giver} {taker}", "typed": typed}
     given |= {"named": values and f"{values} ?c rdfs:label ?channel .", "own": "" if implicit else "FILTER(!?implicit)"}
     names: defaultdict[str, list[str]] = defaultdict(list)
     for row in _rows(graph, _OWNERS):

@@ -24,10 +24,16 @@ __all__ = ["SetParameter", "Start", "declarations", "declared_names", "set_names
 _PREFIXES: Final = {"ros": v.ROS, "rnkg": v.RNKG, "rdfs": v.RDFS}
 _DECLARED: Final = "SELECT DISTINCT ?name WHERE { ?parameter rnkg:access ?access ; rnkg:name ?name }"
 _SET_NAMES: Final = """
-SELECT DISTINCT ?node ?name WHERE { ?instance rnkg:hasSetting ?setting ; rnkg:name ?node . ?setting rnkg:name ?name }"""
+SELECT DISTINCT ?node ?name WHERE {
+  { ?owner rnkg:startedWith/rnkg:hasSetting ?setting }
+  UNION { ?owner a rnkg:LaunchConfiguration ; rnkg:hasSetting ?setting }
+  ?owner rnkg:name ?node .
+  ?setting rnkg:name ?name .
+}"""
 _SET: Final = """
 SELECT DISTINCT ?setting ?owner ?name WHERE {
-  ?owner rnkg:hasSetting ?setting .
+  { ?owner rnkg:startedWith/rnkg:hasSetting ?setting }
+  UNION { ?owner a rnkg:LaunchConfiguration ; rnkg:hasSetting ?setting }
   ?setting rnkg:name ?name .
   FILTER(CONTAINS(?name, %s))
 }"""

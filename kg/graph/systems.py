@@ -1,7 +1,8 @@
 """Systems become triples: what a launch configuration starts, under which names, and how it is wired.
 
-The topics, services and actions of a system are its own, and so are its instances; the evidence in code stays with the
-node types, to whose ends those of instances point.
+The topics, services and actions of a system are its own, and so are its instances. An end of an instance states only
+what differs from the end of the node type that it points to, and ends that every node has (`kg.graph.usual_ends`) are
+stated where something in the system has to do with them; a system as a `whole` states everything.
 """
 
 from __future__ import annotations
@@ -18,6 +19,8 @@ from kg.graph.iris import fragment
 from kg.graph.ntriples import boolean, integer, literal, moment
 from kg.graph.scope import Scope
 from kg.graph.shared import split
+from kg.graph.starts import Start
+from kg.graph.usual_ends import namespace_of, usual_ends, usual_resolution
 from kg.holes import is_known
 
 if TYPE_CHECKING:
@@ -26,7 +29,6 @@ if TYPE_CHECKING:
     from kg.facts import (
         InstanceInterface,
         InstanceParameter,
-        InstanceRemap,
         LaunchArgument,
         LaunchConfiguration,
         LaunchParameter,
@@ -43,8 +45,6 @@ if TYPE_CHECKING:
 
 __all__ = ["system_parts", "system_triples"]
 
-_CHANNELS: Final = {role.channel: SHAPES[role].channel_class for role in Role}
-"""The classes of channels."""
 _ENDS: Final = frozenset(shape.component for shape in SHAPES.values())
 """What the IRIs of ends have behind the name of their instance."""
 
@@ -56,7 +56,7 @@ def system_triples(
 
     What other graphs of a store say too, such as the description of a type, is left out unless it is `whole`.
     """
-    writing = _Writing(system, records, iris)
+    writing = _Writing(system, records, iris, whole=whole)
     return writing.run() if whole else writing.own(writing.run())
 
 
@@ -74,16 +74,17 @@ def system_parts(
         return
     alone = replace(system, instances=())
     yield "", None, system_triples(alone, records, iris, whole=True)
-    for iri, instance in zip(_Writing(system, records, iris).instances(), system.instances, strict=True):
+    for iri, instance in zip(_Writing(system, records, iris, whole=True).instances(), system.instances, strict=True):
         same = known.get(iri) is instance
-        yield iri, instance, None if same else _Writing(alone, records, iris).one(iri, instance)
+        yield iri, instance, None if same else _Writing(alone, records, iris, whole=True).one(iri, instance)
 
 
 class _Writing:
     """One system on its way into its graph."""
 
-    def __init__(self, system: System, records: Mapping[NodeReference, NodeRecord], iris: Iris) -> None:
+    def __init__(self, system: System, records: Mapping[NodeReference, NodeRecord], iris: Iris, *, whole: bool) -> None:
         self._system = system
+        self._whole = whole
         self._records = records
         self._scope = Scope(iris, system.configuration.repository, system.configuration.package)
         self._writer = self._scope.writer
@@ -94,6 +95,7 @@ class _Writing:
         self._overrides: set[str] = set()
         self._described: set[str] = set()
         """Types that perhaps no code of the build uses."""
+        self._touched: set[tuple[str, str | None]] = set() if whole else _touched(system)
 
     def run(self) -> bytes:
         self._configuration(self._system.configuration)
@@ -186,17 +188,11 @@ class _Writing:
         writer.add(self._subject, v.HAS_INSTANCE, subject)
         writer.described(subject, fact.name, v.NODE, v.INSTANCE)
         writer.add(subject, v.NAME, literal(fact.name))
-        writer.add(subject, v.NAMESPACE, literal(fact.namespace))
+        if fact.namespace != namespace_of(fact.name):
+            writer.add(subject, v.NAMESPACE, literal(fact.namespace))
         writer.add(subject, v.ROS_VERSION, integer(self._system.configuration.ros))
         if fact.since is None:
             writer.add(subject, v.ORDER, integer(order))
-        writer.add(subject, v.START_KIND, literal(started.kind))
-        writer.text(subject, v.STARTS_PACKAGE, started.package)
-        writer.text(subject, v.STARTS_EXECUTABLE, started.executable)
-        writer.text(subject, v.STARTS_PLUGIN, started.plugin)
-        writer.text(subject, v.START_ARGUMENT, " ".join(started.arguments) or None)
-        for name, value in started.settings:
-            writer.once(subject, v.START_SETTING, literal(f"{name}={value}"))
         writer.text(subject, v.CONDITION, started.condition)
         if started.name is None and not any(one.source == "__node" for one in started.remaps):
             writer.add(subject, v.KEEPS_OWN_NAME, boolean(value=True))
@@ -211,33 +207,45 @@ class _Writing:
             if reference is not None and reference in self._records:
                 writer.once(subject, relation, f"<{self._records[reference].iri}>")
         self._evidence(subject, started.location, started.chain, fact.since)
-        for place, remap in enumerate(fact.remaps):
-            self._remap(iri, remap, place)
-        for place, parameter in enumerate(fact.parameters):
-            self._parameter(iri, parameter, place)
-        for end in fact.interfaces:
+        self._start(iri, fact)
+        for end in fact.interfaces if self._whole else self._told(subject, fact):
             self._end(iri, end, fact.since)
 
-    def _remap(self, owner: str, fact: InstanceRemap, order: int) -> None:
-        part, writer = self._scope.part(owner, "remap", fact.source.lstrip("/")), self._writer
-        self._remaps.setdefault((owner, fact.remap), part)
-        writer.add(f"<{owner}>", v.HAS_REMAP, part)
-        writer.add(part, v.TYPE, v.REMAP)
-        writer.add(part, v.FROM, literal(fact.source))
-        writer.add(part, v.TO, literal(fact.target))
-        writer.add(part, v.ORDER, integer(order))
-        for name in fact.similar:
-            writer.text(part, v.RESEMBLES_NAME, name)
-        self._evidence(part, fact.remap.location, fact.remap.chain)
+    def _told(self, subject: str, fact: NodeInstance) -> list[InstanceInterface]:
+        """Return the ends to be stated; add which of the usual ones the instance has not."""
+        record = self._records.get(fact.type) if fact.type else None
+        own = {iri: end for end, iri in record.ends.items()} if record else {}
+        usual = usual_ends(fact.name, fact.namespace, fact.type, own) if fact.type else {}
+        found: dict[str, list[InstanceInterface]] = {iri: [] for iri in usual}
+        told: list[InstanceInterface] = []
+        for end in fact.interfaces:
+            iri = record.ends.get(end.declared, "") if record and end.owner == fact.type else ""
+            found.get(iri, told).append(end)
+        for iri, ends in found.items():
+            if not ends:
+                self._writer.add(subject, v.WITHOUT, f"<{iri}>")
+            elif ends != [usual[iri]] or (ends[0].declared.role.channel, ends[0].resolved) in self._touched:
+                told += ends
+        return told
 
-    def _parameter(self, owner: str, fact: InstanceParameter, order: int) -> None:
-        part = self._setting(owner, fact.name, fact.set, order)
-        self._writer.add(f"<{owner}>", v.HAS_SETTING, part)
+    def _start(self, owner: str, fact: NodeInstance) -> None:
+        """Add what an instance is started with, which it may share with those of other systems."""
+        start = Start(self._scope, fact.started.chain)
+        start.node(fact.started)
+        remaps = [start.remap(one, place) for place, one in enumerate(fact.remaps)]
+        settings = [start.parameter(one, place, self._sets(one)) for place, one in enumerate(fact.parameters)]
+        iri = start.write(self._writer)
+        self._writer.add(f"<{owner}>", v.STARTED_WITH, f"<{iri}>")
+        for rule, part in zip(fact.remaps, remaps, strict=True):
+            self._remaps.setdefault((owner, rule.remap), f"<{iri}{part}>")
+        for parameter, part in zip(fact.parameters, settings, strict=True):
+            self._settings.setdefault((owner, parameter.set), f"<{iri}{part}>")
+
+    def _sets(self, fact: InstanceParameter) -> str | None:
+        """Return the spelled IRI of the parameter of a node type that a parameter sets."""
         record = self._records.get(fact.owner) if fact.owner else None
-        if record is not None and fact.declared is not None and fact.declared in record.settable:
-            self._writer.add(part, v.SETS, f"<{record.settable[fact.declared]}>")
-        for name in fact.similar:
-            self._writer.text(part, v.RESEMBLES_NAME, name)
+        found = record.settable.get(fact.declared) if record and fact.declared else None
+        return f"<{found}>" if found else None
 
     def _setting(self, owner: str, name: str, fact: LaunchParameter, order: int) -> str:
         part, writer = self._scope.part(owner, "setting", name.lstrip("/")), self._writer
@@ -252,44 +260,60 @@ class _Writing:
         return part
 
     def _end(self, owner: str, fact: InstanceInterface, since: str | None) -> None:
-        shape, writer = SHAPES[fact.declared.role], self._writer
+        shape, writer, declared = SHAPES[fact.declared.role], self._writer, fact.declared
         part = self._scope.part(owner, shape.component, (fact.resolved or "").lstrip("/") or None)
         writer.add(f"<{owner}>", v.HAS_COMPONENT, part)
-        writer.add(part, v.TYPE, shape.component_class)
-        writer.add(part, v.TYPE, v.INSTANCE_END)
-        writer.text(part, v.RESOLVED_NAME, fact.resolved)
-        writer.add(part, v.RESOLUTION, v.rnkg(fact.resolution))
-        writer.add(part, v.IMPLICIT, boolean(fact.declared.implicit))
         record = self._records.get(fact.owner)
-        foreign = record is None and fact.declared.origin is not None and not fact.declared.implicit
-        if record is not None and fact.declared in record.ends:
-            writer.add(part, v.DECLARED_BY, f"<{record.ends[fact.declared]}>")
-        elif foreign:
+        code = f"<{record.ends[declared]}>" if record and declared in record.ends else None
+        own = self._whole or code is None or fact.qos != declared.qos
+        if code is not None:
+            writer.add(part, v.DECLARED_BY if fact.qos == declared.qos else v.OVERRIDES, code)
+        elif self._is_foreign(fact):
             self._foreign(part, fact)
         elif since is not None:
-            self._writer.text(part, v.NAME, fact.declared.name)
-            self._evidence(part, fact.declared.location, since=since)
-        writer.text(part, v.PARAMETER_NAME, fact.declared.parameter)
+            writer.text(part, v.NAME, declared.name)
+            self._evidence(part, declared.location, since=since)
+        if own:
+            self._stated(part, fact)
+        nameless = not is_known(fact.resolved)
+        if own or nameless:
+            writer.text(part, v.RESOLVED_NAME, fact.resolved)
+        if own or nameless or fact.resolution != usual_resolution(declared, fact.resolved, fact.parameter):
+            writer.add(part, v.RESOLUTION, v.rnkg(fact.resolution))
         writer.text(part, v.REASON, fact.reason)
         self._causes(owner, part, fact)
-        kind = fact.declared.type and interface_type(self._scope, shape.type_kind, fact.declared.type)
-        if kind:
+        if is_known(fact.resolved):
+            channel = self._channel(declared.role.channel, fact.resolved)
+            writer.add(part, v.CONNECTS_TO, channel)
+            if declared.type:
+                kind = interface_type(self._scope, shape.type_kind, declared.type)
+                writer.once(channel, shape.channel_has_type, kind)
+
+    def _stated(self, part: str, fact: InstanceInterface) -> None:
+        """Add what the end of a node type would have, to an end that has none or differs from it."""
+        shape, writer, declared = SHAPES[fact.declared.role], self._writer, fact.declared
+        writer.add(part, v.TYPE, shape.component_class)
+        writer.add(part, v.TYPE, v.INSTANCE_END)
+        writer.add(part, v.DECLARED_BY, part)
+        writer.add(part, v.IMPLICIT, boolean(declared.implicit))
+        writer.text(part, v.PARAMETER_NAME, declared.parameter)
+        if declared.type:
+            kind = interface_type(self._scope, shape.type_kind, declared.type)
             writer.add(part, shape.has_type, kind)
-            if foreign:
+            if self._is_foreign(fact):
                 self._described.add(kind[:-1])
         if fact.qos is not None:
             policies = quality(self._scope, fact.qos)
             writer.add(part, v.HAS_QOS, policies)
-            if fact.qos != fact.declared.qos:
+            if fact.qos != declared.qos:
                 self._overrides.add(policies)
-        if is_known(fact.resolved):
-            channel = self._channel(fact.declared.role.channel, fact.resolved)
-            writer.add(part, v.CONNECTS_TO, channel)
-            if kind:
-                writer.once(channel, shape.channel_has_type, kind)
+
+    def _is_foreign(self, fact: InstanceInterface) -> bool:
+        """Tell whether no node type declares an end: it is a plugin's, whose code is not in the build."""
+        return fact.owner not in self._records and fact.declared.origin is not None and not fact.declared.implicit
 
     def _foreign(self, part: str, fact: InstanceInterface) -> None:
-        """Add the evidence of an end that no node type declares: a plugin's, whose code is not in the build."""
+        """Add the evidence of an end that no node type declares."""
         declared, writer = fact.declared, self._writer
         writer.text(part, v.LOADS_LIBRARY, f"{fact.owner.package}/{fact.owner.node}")
         writer.text(part, v.NAME, declared.name)
@@ -309,11 +333,8 @@ class _Writing:
             self._writer.add(part, v.NAMED_BY, found)
 
     def _channel(self, kind: str, name: str) -> str:
-        iri, writer = f"<{fragment(self._iri, kind, name.lstrip('/'))}>", self._writer
-        if writer.described(iri, name, _CHANNELS[kind], v.CHANNEL):
-            writer.add(iri, v.NAME, literal(name))
-            writer.add(iri, v.IN_CONFIGURATION, self._subject)
-            writer.add(iri, v.IS_NAMED, f"<{self._scope.iris.channel(kind, name)}>")
+        iri = f"<{fragment(self._iri, kind, name.lstrip('/'))}>"
+        self._writer.described(iri, name)
         return iri
 
     def _evidence(
@@ -334,3 +355,17 @@ class _Writing:
         if repository != self._scope.repository:
             writer.text(subject, v.IN_REPOSITORY, repository)
         writer.text(subject, v.INCLUDE_CHAIN, chain_text(chain))
+
+
+def _touched(system: System) -> set[tuple[str, str | None]]:
+    """Return what has to do with ends that are not usual: kinds and names of channels."""
+    ends = {
+        (end.declared.role.channel, end.resolved)
+        for one in system.instances
+        for end in one.interfaces
+        if not end.declared.implicit
+    }
+    rules = [rule for one in system.instances for rule in one.remaps]
+    names = {name for rule in rules for name in (rule.source, rule.target)}
+    alike = {(kind, name) for kind, *pair in system.similar for name in pair}
+    return ends | alike | {(role.channel, name) for role in Role for name in names}

@@ -37,19 +37,21 @@ from kg.facts import (
     System,
 )
 from kg.graph import vocabulary as v
-from kg.graph.chains import chain_of
+from kg.graph.chains import chain_of, likely_chain
 from kg.graph.iris import RUNNING, Iris
 from kg.graph.reading import Queryable, end_of, facts, grouped, one, qualities, references, type_of, word
+from kg.graph.starts import STARTS
+from kg.graph.usual_ends import namespace_of, usual_ends, usual_resolution
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Iterator, Mapping
 
     from kg.facts import Qos
     from kg.graph.reading import Properties
 
 __all__ = ["SystemName", "included", "partial_systems", "started_names", "system_names", "systems"]
 
-_PREFIXES: Final = {"ros": v.ROS, "rnkg": v.RNKG}
+_PREFIXES: Final = {"ros": v.ROS, "rnkg": v.RNKG, "rdfs": v.RDFS}
 _NAMES: Final = """
 SELECT ?name ?path ?repository ?ros WHERE {
   GRAPH ?launch {
@@ -69,6 +71,14 @@ SELECT DISTINCT ?name ?system WHERE {
 }"""
 _NO_LABELS: Final[Mapping[str, str]] = MappingProxyType({})
 _GRAPH: Final = "SELECT ?s ?p ?o WHERE { GRAPH <%s> { ?s ?p ?o } }"
+_STARTS: Final = """
+SELECT DISTINCT ?s ?p ?o WHERE {
+  GRAPH <%s> { ?instance rnkg:startedWith ?start }
+  GRAPH ?starts {
+    { BIND(?start AS ?s) } UNION { ?start rnkg:hasSetting|rnkg:hasRemap ?s }
+    ?s ?p ?o
+  }
+}"""
 _PARTS: Final = (
     "SELECT DISTINCT ?graph ?configuration ?instance ?end WHERE { %s ?configuration rnkg:hasInstance ?instance }"
 )
@@ -81,8 +91,6 @@ SELECT ?subject ?predicate ?object WHERE {
     rnkg:includes, rnkg:hasArgument, rnkg:hasLaunchProblem
   ))
 }"""
-_CAUSES: Final = {v.bare(v.REMAPPED_BY): v.bare(v.HAS_REMAP), v.bare(v.NAMED_BY): v.bare(v.HAS_SETTING)}
-"""What leads from an end to the part of its instance that named it, and what leads there from the instance."""
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -138,20 +146,24 @@ def partial_systems(graph: Queryable, names: Iterable[SystemName], ends: str, ba
     iris = Iris(base)
     rows = [[term.value for term in row] for row in graph.query(_PARTS % ends, prefixes=_PREFIXES)]
     content = _properties(graph, {(row[0], part) for row in rows for part in row[1:]})
-    causes = set()
+    more = set()
     for where, configuration, instance, end in rows:
         _add(content[configuration], v.HAS_INSTANCE, instance)
         _add(content[instance], v.HAS_COMPONENT, end)
-        remap, setting = (one(content[end], term) for term in (v.REMAPPED_BY, v.NAMED_BY))
-        if remap:
-            _add(content[instance], v.HAS_REMAP, remap)
-        causes |= {(where, cause) for cause in (remap, setting) if cause}
-    content |= _properties(graph, causes)
-    declared = {iri for properties in content.values() for iri in properties.get(v.bare(v.DECLARED_BY), ())}
+        leads = (v.CONNECTS_TO, v.REMAPPED_BY, v.NAMED_BY)
+        others = [*(one(content[end], term) for term in leads), one(content[instance], v.STARTED_WITH)]
+        more |= {(place, other) for place in (where, iris.graph(STARTS)) for other in others if other}
+    content |= _properties(graph, more)
+    for _, _, instance, end in rows:
+        start, remap = one(content[instance], v.STARTED_WITH), one(content[end], v.REMAPPED_BY)
+        if start and remap:
+            _add(content[start], v.HAS_REMAP, remap)
+    terms = (v.bare(v.DECLARED_BY), v.bare(v.OVERRIDES))
+    declared = {iri for properties in content.values() for term in terms for iri in properties.get(term, ())}
     records = _Records(graph, [content], f"VALUES ?subject {{ {' '.join(str(NamedNode(iri)) for iri in declared)} }}")
     configurations = {row[1] for row in rows}
     meant = [one for one in names if iris.configuration(one.repository, one.path) in configurations]
-    return [_Reading(name, content, records, iris).run() for name in meant]
+    return [_Reading(name, content, records, iris, whole=False).run() for name in meant]
 
 
 def _add(properties: dict[str, list[str]], term: str, value: str) -> None:
@@ -167,7 +179,8 @@ def _properties(graph: Queryable, parts: Iterable[tuple[str, str]]) -> dict[str,
 
 
 def _content(graph: Queryable, name: str) -> dict[str, dict[str, list[str]]]:
-    return grouped(graph.query(_GRAPH % name, prefixes=_PREFIXES))
+    stated = grouped(graph.query(_GRAPH % name, prefixes=_PREFIXES))
+    return stated | grouped(graph.query(_STARTS % name, prefixes=_PREFIXES))
 
 
 class _Records:
@@ -189,6 +202,11 @@ class _Records:
         found = facts(graph, declared or every) if types else {}
         self._by_iri = references(graph, types) if types else {}
         self.ends = {iri: (owner, fact) for iri, (owner, fact) in found.items() if isinstance(fact, Interface)}
+        self.usual: dict[NodeReference, dict[str, Interface]] = {}
+        """The ends that frameworks make, by node type and IRI."""
+        for iri, (owner, fact) in self.ends.items():
+            if fact.implicit:
+                self.usual.setdefault(owner, {})[iri] = fact
         self.settable = {iri: (owner, fact) for iri, (owner, fact) in found.items() if isinstance(fact, Parameter)}
         self.qualities: Mapping[str, Qos] = qualities(graph) if types else {}
 
@@ -200,8 +218,17 @@ class _Records:
 class _Reading:
     """One system on its way back."""
 
-    def __init__(self, name: SystemName, content: Mapping[str, Properties], records: _Records, iris: Iris) -> None:
+    def __init__(
+        self,
+        name: SystemName,
+        content: Mapping[str, Properties],
+        records: _Records,
+        iris: Iris,
+        *,
+        whole: bool = True,
+    ) -> None:
         self._name = name
+        self._whole = whole and name.repository != RUNNING
         self._content = content
         self._records = records
         self._iris = iris
@@ -270,9 +297,9 @@ class _Reading:
             choices=tuple(sorted(properties.get(v.bare(v.CHOICE), ()))),
         )
 
-    def _setting(self, iri: str) -> LaunchParameter:
+    def _setting(self, iri: str, led: tuple[Location, ...] = ()) -> LaunchParameter:
         properties = self._content[iri]
-        location, chain = _place(properties)
+        location, chain = _place(properties, led)
         return LaunchParameter(
             name=one(properties, v.NAME) or "",
             value=one(properties, v.VALUE),
@@ -284,18 +311,21 @@ class _Reading:
 
     def _instance(self, iri: str) -> NodeInstance:
         own, records = self._content[iri], self._records
-        settings = {part: self._setting(part) for part in self._listed(own, v.HAS_SETTING)}
-        remaps = {part: self._remap(part) for part in self._listed(own, v.HAS_REMAP)}
+        start = self._content.get(one(own, v.STARTED_WITH) or "", {})
+        chain = chain_of(one(own, v.INCLUDE_CHAIN))
+        settings = {part: self._setting(part, chain) for part in self._listed(start, v.HAS_SETTING)}
+        remaps = {part: self._remap(part, chain) for part in self._listed(start, v.HAS_REMAP)}
         parts = own.get(v.bare(v.HAS_COMPONENT), ())
         ends = [end for part in parts if (end := self._end(part, settings, remaps))]
+        ends += self._usual(own)
         used = {end.remap for end in ends}
         host, missing = one(own, v.HOST), one(own, v.MISSING)
         plugins = (records.reference(plugin) for plugin in sorted(own.get(v.bare(v.LOADS_PLUGIN), ())))
         kind = records.reference(one(own, v.INSTANCE_OF))
         return NodeInstance(
             name=one(own, v.NAME) or "",
-            namespace=one(own, v.NAMESPACE) or "/",
-            started=self._started(own, tuple(fact.remap for fact in remaps.values())),
+            namespace=_namespace(own),
+            started=self._started(own, start, tuple(fact.remap for fact in remaps.values())),
             type=kind,
             missing=MissingType(missing) if missing else None,
             reason=one(own, v.REASON),
@@ -312,29 +342,29 @@ class _Reading:
             since=one(own, v.SEEN_SINCE),
         )
 
-    def _started(self, own: Properties, remaps: tuple[Remap, ...]) -> StartedNode:
+    def _started(self, own: Properties, start: Properties, remaps: tuple[Remap, ...]) -> StartedNode:
         location, chain = _place(own)
-        pairs = (setting.partition("=") for setting in sorted(own.get(v.bare(v.START_SETTING), ())))
+        pairs = (setting.partition("=") for setting in sorted(start.get(v.bare(v.START_SETTING), ())))
         return StartedNode(
             name=(one(own, v.NAME) or "").rpartition("/")[2],
-            namespace=one(own, v.NAMESPACE) or "/",
-            kind=StartKind(one(own, v.START_KIND) or ""),
+            namespace=_namespace(own),
+            kind=StartKind(one(start, v.START_KIND) or ""),
             location=location,
             chain=chain,
-            package=one(own, v.STARTS_PACKAGE),
-            executable=one(own, v.STARTS_EXECUTABLE),
-            plugin=one(own, v.STARTS_PLUGIN),
+            package=one(start, v.STARTS_PACKAGE),
+            executable=one(start, v.STARTS_EXECUTABLE),
+            plugin=one(start, v.STARTS_PLUGIN),
             remaps=remaps,
-            arguments=tuple((one(own, v.START_ARGUMENT) or "").split()),
+            arguments=tuple((one(start, v.START_ARGUMENT) or "").split()),
             condition=one(own, v.CONDITION),
             settings=tuple((name, value) for name, _, value in pairs),
         )
 
-    def _remap(self, iri: str) -> InstanceRemap:
+    def _remap(self, iri: str, led: tuple[Location, ...]) -> InstanceRemap:
         own = self._content[iri]
         source, target = one(own, v.FROM) or "", one(own, v.TO) or ""
         similar = tuple(sorted(own.get(v.bare(v.RESEMBLES_NAME), ())))
-        return InstanceRemap(source, target, Remap(source, target, *_place(own)), used=False, similar=similar)
+        return InstanceRemap(source, target, Remap(source, target, *_place(own, led)), used=False, similar=similar)
 
     def _parameter(self, iri: str, setting: LaunchParameter) -> InstanceParameter:
         own = self._content[iri]
@@ -347,21 +377,41 @@ class _Reading:
     ) -> InstanceInterface | None:
         """Return an end; None when the node type that declares it is not in the store any more."""
         own = self._content[iri]
-        known = self._records.ends.get(one(own, v.DECLARED_BY) or "") or self._seen(own) or self._foreign(own)
+        known = self._code(own) or self._seen(own) or self._foreign(own)
         if known is None:
             return None
         owner, declared = known
-        remap, setting = remaps.get(one(own, v.REMAPPED_BY) or ""), one(own, v.NAMED_BY)
+        remap, named, channel = (one(own, term) for term in (v.REMAPPED_BY, v.NAMED_BY, v.CONNECTS_TO))
+        setting = (settings.get(named) or self._setting(named)) if named else None
+        resolved = one(own, v.RESOLVED_NAME) or (one(self._content[channel], v.LABEL) if channel else None)
+        resolution = word(own, v.RESOLUTION)
         return InstanceInterface(
             declared=declared,
             owner=owner,
-            resolved=one(own, v.RESOLVED_NAME),
-            resolution=Resolution(word(own, v.RESOLUTION)),
-            remap=remap.remap if remap else None,
-            parameter=(settings.get(setting) or self._setting(setting)) if setting else None,
-            qos=self._records.qualities.get(one(own, v.HAS_QOS) or ""),
+            resolved=resolved,
+            resolution=Resolution(resolution) if resolution else usual_resolution(declared, resolved, setting),
+            remap=remaps[remap].remap if remap and remap in remaps else None,
+            parameter=setting,
+            qos=self._records.qualities.get(one(own, v.HAS_QOS) or "") if v.bare(v.TYPE) in own else declared.qos,
             reason=one(own, v.REASON),
         )
+
+    def _code(self, own: Properties) -> tuple[NodeReference, Interface] | None:
+        """Return the end of a node type that an end comes from."""
+        codes = [iri for term in (v.DECLARED_BY, v.OVERRIDES) for iri in own.get(v.bare(term), ())]
+        return next((self._records.ends[iri] for iri in codes if iri in self._records.ends), None)
+
+    def _usual(self, own: Properties) -> Iterator[InstanceInterface]:
+        """Yield the ends that are not stated, for the framework gives them to every node of the type."""
+        owner = self._records.reference(one(own, v.INSTANCE_OF))
+        if owner is None or not self._whole:
+            return
+        parts = (self._content[part] for part in own.get(v.bare(v.HAS_COMPONENT), ()))
+        stated = {iri for part in parts for term in (v.DECLARED_BY, v.OVERRIDES) for iri in part.get(v.bare(term), ())}
+        stated.update(own.get(v.bare(v.WITHOUT), ()))
+        ends = self._records.usual.get(owner, {})
+        usual = usual_ends(one(own, v.NAME) or "", _namespace(own), owner, ends)
+        yield from (end for iri, end in usual.items() if iri not in stated)
 
     def _seen(self, own: Properties) -> tuple[NodeReference, Interface] | None:
         """Return an end that was seen running, and that no code of the build declares."""
@@ -390,7 +440,7 @@ class _Reading:
         for iri, properties in self._content.items():
             for other in properties.get(v.bare(v.RESEMBLES), ()):
                 kind = iri.partition("#")[2].partition("/")[0]
-                first, second = sorted(one(self._content[each], v.NAME) or "" for each in (iri, other))
+                first, second = sorted(one(self._content[each], v.LABEL) or "" for each in (iri, other))
                 found.add((kind, first, second))
         return tuple(sorted(found))
 
@@ -402,12 +452,19 @@ def _sighting(own: Properties) -> Sighting | None:
     return Sighting(address, since, one(own, v.SEEN_UNTIL), complete=one(own, v.COMPLETE) == "true")
 
 
-def _place(properties: Properties) -> tuple[Location, tuple[Location, ...]]:
+def _namespace(own: Properties) -> str:
+    return one(own, v.NAMESPACE) or namespace_of(one(own, v.NAME) or "")
+
+
+def _place(properties: Properties, led: tuple[Location, ...] = ()) -> tuple[Location, tuple[Location, ...]]:
+    """Return a line and the includes that led to it; `led` are those of the instance that it concerns."""
     peer = one(properties, v.SEEN_AT)
     if peer is not None:
         return Location(peer, 0), ()
     path, line, repository = (one(properties, term) for term in (v.PATH, v.LINE, v.IN_REPOSITORY))
-    return Location(path or "", int(line or 0), repository), chain_of(one(properties, v.INCLUDE_CHAIN))
+    chain = one(properties, v.INCLUDE_CHAIN)
+    known = likely_chain(path or "", led) if chain is None else chain_of(chain)
+    return Location(path or "", int(line or 0), repository), known
 
 
 def _argument_order(argument: LaunchArgument) -> tuple[str, int, str]:

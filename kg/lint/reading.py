@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from pyoxigraph import NamedNode
 
 from kg.codes.severities import SEVERITIES
 from kg.graph import vocabulary as v
+from kg.graph.chains import chain_of, chain_text, likely_chain
 from kg.graph.iris import Iris
 from kg.graph.reading import grouped, one
 from kg.lint.finding import Evidence, Finding
@@ -30,6 +31,11 @@ _THINGS: Final = """SELECT ?s ?p ?o WHERE {
   FILTER(?p IN (rdf:type, rnkg:name, rnkg:resolvedName, rnkg:from, rnkg:to,
                 rnkg:path, rnkg:line, rnkg:declaredIn, rnkg:declaredBy, rnkg:includeChain))
 }"""
+_LED: Final = """SELECT ?configuration ?start ?chain WHERE {
+  VALUES ?start { %s }
+  GRAPH ?g { ?instance rnkg:startedWith ?start ; rnkg:includeChain ?chain . ?configuration rnkg:hasInstance ?instance }
+}"""
+"""What instances share with those of other systems was reached by the includes that led to them."""
 _VERBS: Final = {
     v.bare(v.PUBLISHER): "publishes",
     v.bare(v.SUBSCRIBER): "subscribes",
@@ -76,10 +82,20 @@ class _Reading:
         self._things = self._read({iri for one in findings.values() for key in named for iri in one.get(key, ())})
         declared = {iri for one in self._things.values() for iri in one.get(v.bare(v.DECLARED_BY), ())}
         self._things |= self._read(declared - self._things.keys())
+        self._led = self._chains({iri.partition("#")[0] for iri in self._things if f"{base}start/" in iri})
 
     def _read(self, things: Collection[str]) -> dict[str, dict[str, list[str]]]:
         listing = " ".join(str(NamedNode(iri)) for iri in sorted(things))
-        return grouped(self._graph.query(_THINGS % listing, prefixes=_PREFIXES)) if things else {}
+        return grouped(self._query(_THINGS % listing)) if things else {}
+
+    def _query(self, text: str) -> Any:
+        return self._graph.query(text, prefixes=_PREFIXES)
+
+    def _chains(self, starts: Collection[str]) -> dict[tuple[str, str], str]:
+        """Return the includes that led to an instance, by its configuration and what it is started with."""
+        listing = " ".join(str(NamedNode(iri)) for iri in sorted(starts))
+        found = sorted(tuple(term.value for term in row) for row in self._query(_LED % listing)) if starts else []
+        return {(configuration, start): chain for configuration, start, chain in reversed(found)}
 
     def findings(self, labels: Mapping[str, str]) -> Iterator[Finding]:
         """Yield those that have a code, a message and a system with a name."""
@@ -88,12 +104,14 @@ class _Reading:
             configuration = one(own, v.rnkg("inConfiguration"))
             system = labels.get(configuration or "") or one(self._things.get(configuration or "", {}), v.NAME)
             if code and message and system:
-                yield self._finding(iri, own, code, message, system)
+                yield self._finding(iri, own, code, message, (configuration or "", system))
 
-    def _finding(self, iri: str, own: Properties, code: str, message: str, system: str) -> Finding:
+    def _finding(self, iri: str, own: Properties, code: str, message: str, where: tuple[str, str]) -> Finding:
+        """Return a finding; `where` is the configuration with its name."""
+        configuration, system = where
         severity = one(own, v.rnkg("severity")) or ""
-        mending = next(iter(self._places(own.get(_AT, ()))), None)
-        others = dict.fromkeys(self._places(own.get(_EVIDENCE, ())))
+        mending = next(iter(self._places(own.get(_AT, ()), configuration)), None)
+        others = dict.fromkeys(self._places(own.get(_EVIDENCE, ()), configuration))
         subjects = (*sorted(own.get(v.RNKG + "mainSubject", ())), *sorted(own.get(v.RNKG + "subject", ())))
         return Finding(
             iri=iri,
@@ -109,19 +127,22 @@ class _Reading:
             hint=one(own, v.rnkg("hint")),
         )
 
-    def _places(self, things: Iterable[str]) -> list[Evidence]:
+    def _places(self, things: Iterable[str], configuration: str) -> list[Evidence]:
         """Return the lines of things, or of what declares them, sorted."""
-        return sorted(place for thing in things for place in self._lines(thing))
+        return sorted(place for thing in things for place in self._lines(thing, configuration))
 
-    def _lines(self, thing: str) -> Iterator[Evidence]:
+    def _lines(self, thing: str, configuration: str) -> Iterator[Evidence]:
         own = self._things.get(thing, {})
+        led = chain_of(self._led.get((configuration, thing.partition("#")[0])))
         words = _words(own)
-        for written in (own, *(self._things.get(iri, {}) for iri in own.get(v.bare(v.DECLARED_BY), ()))):
+        codes = (iri for iri in own.get(v.bare(v.DECLARED_BY), ()) if iri != thing)
+        for written in (own, *(self._things.get(iri, {}) for iri in codes)):
             path, line, file = (one(written, term) for term in (v.PATH, v.LINE, v.DECLARED_IN))
             if path is not None:
-                known = self._iris.parse(file) if file else None
-                chain = one(written, v.INCLUDE_CHAIN) or ""
-                yield Evidence(path, int(line) if line else None, known.parts[0] if known else "", words, chain)
+                known = self._iris.parse(file or thing.partition("#")[0])
+                chain = one(written, v.INCLUDE_CHAIN)
+                chain = chain_text(likely_chain(path, led)) if chain is None and led else chain
+                yield Evidence(path, int(line) if line else None, known.parts[0] if known else "", words, chain or "")
             elif peer := one(written, v.SEEN_AT):
                 yield Evidence(peer, None, "", words)
 

@@ -1,12 +1,14 @@
-"""The graph of what sources share (`kg.graph.shared`), kept in step with the sources of the store."""
+"""The graphs of what sources share (`kg.graph.shared`) and systems (`kg.graph.starts`), kept in step with these."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from pyoxigraph import NamedNode
 
+from kg.graph import vocabulary as v
 from kg.graph.shared import SHARED
+from kg.graph.starts import STARTS, start_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -14,10 +16,11 @@ if TYPE_CHECKING:
     from kg.graph.iris import Iris
     from kg.store.transaction import EmbeddedTransaction
 
-__all__ = ["keep_shared", "patch_shared"]
+__all__ = ["keep_shared", "keep_starts", "patch_shared"]
 
 _FEW: Final = 20
 """Triples are taken out one by one when they are less than one in so many; else the graph is written anew."""
+_STARTED: Final = f"SELECT DISTINCT ?start WHERE {{ ?instance {v.STARTED_WITH} ?start }}"
 
 
 def patch_shared(
@@ -53,8 +56,24 @@ def keep_shared(
     others = iris.source_graph("")
     if any(other.value.startswith(others) and other.value not in known for other in transaction.graphs()):
         removed = set()
+    _change(transaction, graph, present, removed, added)
+
+
+def keep_starts(transaction: EmbeddedTransaction, iris: Iris, described: set[bytes]) -> None:
+    """Give the graph of starts those that instances of the store have; `described` are lines about new ones."""
+    graph = NamedNode(iris.graph(STARTS))
+    found: Any = transaction.query(_STARTED)
+    wanted = {row["start"].value for row in found}
+    present = set(transaction.content(graph).splitlines(keepends=True))
+    removed = {line for line in present if start_of(line, iris) not in wanted}
+    _change(transaction, graph, present, removed, described - present)
+
+
+def _change(
+    transaction: EmbeddedTransaction, graph: NamedNode, present: set[bytes], removed: set[bytes], added: set[bytes]
+) -> None:
     if len(removed) * _FEW > len(present):
-        transaction.replace_graphs({graph: sorted(wanted)})
+        transaction.replace_graphs({graph: sorted((present - removed) | added)})
     elif removed:
         transaction.patch_graph(graph, b"".join(sorted(removed)), b"".join(sorted(added)))
     elif added:

@@ -15,11 +15,13 @@ import msgspec
 from pyoxigraph import NamedNode
 
 from kg.graph.reading import data_files, node_records, programs
+from kg.graph.starts import STARTS, start_of
 from kg.graph.systems import system_triples
 from kg.pipeline import cache
 from kg.pipeline.catalogue import Catalogue
 from kg.pipeline.known import digest
 from kg.pipeline.report import totals
+from kg.pipeline.sharing import keep_starts
 from kg.pipeline.state import PackageSystems, Systems, WiredSystem
 from kg.wiring.systems import wire
 from kg.wiring.types import NodeTypes
@@ -58,7 +60,7 @@ def update_systems(  # noqa: PLR0913, PLR0917 - all that systems depend on
     graphs that others wrote since then, None where that is not known. Returns what the next one compares with.
     """
     present = {graph.value for graph in transaction.graphs()}
-    intact = set[str]() if touched is None else present - touched
+    intact = set[str]() if touched is None or iris.graph(STARTS) in touched else present - touched
     work = _Work(_catalogue(transaction, folder, iris, packages, present), iris, last, version, intact)
     for key in sorted(packages):
         if packages[key].counts.get("launches"):
@@ -68,7 +70,11 @@ def update_systems(  # noqa: PLR0913, PLR0917 - all that systems depend on
     gone = [graph for graph in sorted(present) if known and graph.startswith(known) and graph not in work.graphs]
     for graph in gone:
         transaction.drop_graph(NamedNode(graph))
-    _write(transaction, work.contents, intact)
+    starts: list[bytes] = []
+    own = {graph: _without_starts(content, iris, starts) for graph, content in work.contents.items()}
+    _write(transaction, own, intact)
+    if own or gone:
+        keep_starts(transaction, iris, set(starts))
     systems = work.systems()
     return systems, replace(totals(systems), changed=len(work.contents) + len(gone))
 
@@ -88,6 +94,13 @@ def _catalogue(
     others = [record for record in node_records(transaction) if record.repository not in known]
     data = [file for file in data_files(transaction) if file.repository not in known]
     return Catalogue(folder, packages, others, programs(transaction), data)
+
+
+def _without_starts(content: bytes, iris: Iris, starts: list[bytes]) -> bytes:
+    """Return the lines of a system that are its own; those about what instances are started with go to `starts`."""
+    lines = content.splitlines(keepends=True)
+    starts += [line for line in lines if start_of(line, iris)]
+    return b"".join(line for line in lines if not start_of(line, iris))
 
 
 def _write(transaction: EmbeddedTransaction, contents: Mapping[str, bytes], intact: set[str]) -> None:

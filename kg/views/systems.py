@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.graph.iris import Iris
 from kg.graph.systems_reading import included, system_names
+from kg.graph.usual_ends import channels_by_system
 from kg.pipeline.launch_names import matching, several_launches, unknown_launch
 from kg.query.rows import rows
 from kg.views.arguments import whole
@@ -22,10 +23,6 @@ __all__ = ["chosen_systems", "included_names", "known_names", "system_named", "s
 _MOST: Final = 1000
 _STARTED: Final = """SELECT ?system (COUNT(?instance) AS ?count) {
   GRAPH ?g { ?system rnkg:hasInstance ?instance }
-} GROUP BY ?system"""
-# Findings are in a configuration too: services are what is left of all, which is counted ten times as fast.
-_CHANNELS: Final = """SELECT ?system (COUNT(?channel) AS ?count) {
-  GRAPH ?g { %s ?channel rnkg:inConfiguration ?system }
 } GROUP BY ?system"""
 _FINDINGS: Final = """SELECT ?system ?severity (COUNT(?finding) AS ?count) {
   GRAPH ?g { ?finding a rnkg:Finding ; rnkg:inConfiguration ?system ; rnkg:severity ?severity }
@@ -108,9 +105,8 @@ def _counts(snapshot: EmbeddedSnapshot, query: str) -> Counter[str]:
 def _known(snapshot: EmbeddedSnapshot, base: str) -> tuple[dict[str, Any], ...]:
     iris, inner = Iris(base), included_names(snapshot)
     nodes = _counts(snapshot, _STARTED)
-    every, topics, actions = (
-        _counts(snapshot, _CHANNELS % kind) for kind in ("", "?channel a ros:Topic .", "?channel a rnkg:Action .")
-    )
+    channels = {system: Counter(kind for kind, _ in found) for system, found in channels_by_system(snapshot).items()}
+    none = Counter[str]()
     severities: dict[str, dict[str, int]] = {}
     for system, severity, number in rows(snapshot, _FINDINGS):
         severities.setdefault(system, {})[severity] = int(number)
@@ -127,9 +123,7 @@ def _known(snapshot: EmbeddedSnapshot, base: str) -> tuple[dict[str, Any], ...]:
                 "ros": one.ros,
                 "included": one.name in inner,
                 "nodes": nodes[iri],
-                "topics": topics[iri],
-                "services": every[iri] - topics[iri] - actions[iri] - sum(severities.get(iri, {}).values()),
-                "actions": actions[iri],
+                **{f"{kind}s": channels.get(iri, none)[kind] for kind in ("topic", "service", "action")},
                 "findings": severities.get(iri, {}),
             }
         )

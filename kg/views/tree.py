@@ -40,9 +40,9 @@ _INSTANCES: Final = """SELECT ?instance ?name ?kind ?package ?program {
   GRAPH ?g {
     %s rnkg:hasInstance ?instance . ?instance rnkg:name ?name .
     OPTIONAL { ?instance rnkg:instanceOf ?kind }
-    OPTIONAL { ?instance rnkg:startsPackage ?package }
-    OPTIONAL { ?instance rnkg:startsExecutable ?program }
   }
+  OPTIONAL { ?instance rnkg:startedWith/rnkg:startsPackage ?package }
+  OPTIONAL { ?instance rnkg:startedWith/rnkg:startsExecutable ?program }
 }"""
 _CHANNELS: Final = "SELECT ?channel ?label { GRAPH <%s> { ?channel a %s ; rdfs:label ?label } }"
 _AT: Final = """SELECT ?channel ?end {

@@ -31,10 +31,12 @@ from kg.facts import (
     System,
 )
 from kg.graph import source_triples
+from kg.graph import vocabulary as v
 from kg.graph.reading import NodeRecord, node_records
 from kg.graph.systems import system_triples
 from kg.graph.systems_reading import system_names, systems
 
+PREFIXES: Final = {"ros": v.ROS, "rnkg": v.RNKG, "rdfs": v.RDFS}
 LAUNCH: Final = "rover_base/launch/rover.launch"
 OTHER: Final = "rover_base/launch/x.launch"
 LINE: Final = Location(LAUNCH, 7)
@@ -206,9 +208,10 @@ def test_ends_lead_to_the_line_of_code(store: Store) -> None:
     """From a name in a system one step leads to where code declares it."""
     rows = Union(store).query(
         """SELECT ?path ?line {
-             ?instance a rnkg:NodeInstance ; ros:hasComponent ?end . ?end rnkg:resolvedName "/rover/cmd" ;
-             rnkg:declaredBy/rnkg:path ?path ; rnkg:declaredBy/rnkg:line ?line }""",
-        prefixes={"ros": "http://data.mksmart.org/onto-ros/class#", "rnkg": "https://w3id.org/rnkg/ns#"},
+             ?instance a rnkg:NodeInstance ; ros:hasComponent ?end .
+             ?end rnkg:connectsTo/rdfs:label "/rover/cmd" ; rnkg:declaredBy|rnkg:overrides ?code .
+             ?code rnkg:path ?path ; rnkg:line ?line }""",
+        prefixes=PREFIXES,
     )
     assert [(row["path"].value, row["line"].value) for row in rows] == [("rover_base/src/main.cpp", "10")]
 

@@ -161,8 +161,9 @@ class View:
         line = self._value(thing, self._vocabulary.line)
         if path is None or line is None:
             other = self._vocabulary.declared_by
-            origin = self.objects(thing, other, 1) if other else []
-            return self._place(origin[0]) if origin and origin[0] != thing else self._sighting(thing)
+            origins = self.objects(thing, other, 2) if other else []
+            origin = next((one for one in origins if one != thing), None)
+            return self._place(origin) if origin else self._sighting(thing)
         named = thing.value if isinstance(thing, NamedNode) else None
         return Evidence(path, int(line), self._value(thing, self._vocabulary.repository), named)
 

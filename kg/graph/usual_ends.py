@@ -1,0 +1,115 @@
+"""What systems need not state of each instance, since it follows from the instance's name and node type.
+
+First of all the ends that a framework gives every node, such as its services for parameters.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.facts import InstanceInterface, Resolution
+from kg.graph import vocabulary as v
+from kg.graph.interfaces import SHAPES
+from kg.holes import is_known
+from kg.wiring.place import Place
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from kg.facts import Interface, LaunchParameter, NodeReference
+    from kg.graph.reading import Queryable
+
+__all__ = ["channels_by_system", "namespace_of", "usual_ends", "usual_resolution"]
+
+_PREFIXES: Final = {"ros": v.ROS, "rnkg": v.RNKG, "rdfs": v.RDFS}
+_STATED: Final = """
+SELECT ?system ?instance ?code ?channel ?name WHERE {
+  GRAPH ?g {
+    ?system rnkg:hasInstance ?instance . ?instance ros:hasComponent ?end . ?end rnkg:declaredBy|rnkg:overrides ?code .
+    OPTIONAL { ?end rnkg:connectsTo ?channel . ?channel rdfs:label ?name }
+  }
+}"""
+_STARTED: Final = """
+SELECT ?system ?instance ?name ?namespace ?type WHERE {
+  GRAPH ?g {
+    ?system rnkg:hasInstance ?instance ; rnkg:declaredIn ?file . ?instance rnkg:instanceOf ?type ; rnkg:name ?name .
+    OPTIONAL { ?instance rnkg:namespace ?namespace }
+  }
+}"""
+_WITHOUT: Final = "SELECT ?instance ?code WHERE { GRAPH ?g { ?instance rnkg:without ?code } }"
+_IMPLICIT: Final = """
+SELECT ?type ?code ?class ?name ?origin WHERE {
+  GRAPH ?g {
+    ?type a rnkg:NodeType ; ros:hasComponent ?code .
+    ?code rnkg:implicit true ; rnkg:name ?name ; rnkg:origin ?origin ; a ?class .
+  }
+}"""
+_ORIGINS: Final = ("ros1.node", "ros2.node", "ros2.lifecycle", "bond")
+"""How the origins of such ends begin. What else is implicit (transforms, diagnostics) tells what a node does."""
+_KINDS: Final = {v.bare(shape.component_class): role.channel for role, shape in SHAPES.items()}
+
+
+def usual_ends(
+    name: str, namespace: str, owner: NodeReference, ends: Mapping[str, Interface]
+) -> dict[str, InstanceInterface]:
+    """Return the usual ends of an instance by the IRIs of the interfaces of its type, as nothing changes them.
+
+    `name` is the absolute name of the instance, `owner` its node type, `ends` are interfaces of that by IRI.
+    """
+    place = Place(namespace, "", private=name)
+    return {
+        iri: InstanceInterface(
+            declared,
+            owner,
+            place.resolve(declared.name),
+            declared.resolution,
+            qos=declared.qos,
+            reason=declared.reason,
+        )
+        for iri, declared in ends.items()
+        if declared.implicit and declared.name is not None and (declared.origin or "").startswith(_ORIGINS)
+    }
+
+
+def channels_by_system(graph: Queryable) -> dict[str, set[tuple[str, str]]]:
+    """Return what ends of each system meet at, those that a framework gives every node too: kind and name.
+
+    The keys are IRIs of configurations, the kinds `topic`, `service` and `action`.
+    """
+    found: defaultdict[str, set[tuple[str, str]]] = defaultdict(set)
+    stated: defaultdict[str, set[str]] = defaultdict(set)
+    for system, instance, code, channel, name in _rows(graph, _STATED):
+        stated[instance].add(code)
+        if channel is not None:
+            found[system].add((channel.partition("#")[2].partition("/")[0], name))
+    for instance, code in _rows(graph, _WITHOUT):
+        stated[instance].add(code)
+    usual: defaultdict[str, list[tuple[str, str, str]]] = defaultdict(list)
+    for kind, code, role, name, origin in _rows(graph, _IMPLICIT):
+        if origin.startswith(_ORIGINS) and role in _KINDS:
+            usual[kind].append((code, _KINDS[role], name))
+    for system, instance, own, namespace, kind in _rows(graph, _STARTED):
+        place = Place(namespace or namespace_of(own), "", private=own)
+        found[system].update(
+            (channel, place.resolve(name)) for code, channel, name in usual[kind] if code not in stated[instance]
+        )
+    return dict(found)
+
+
+def _rows(graph: Queryable, text: str) -> Iterator[Any]:
+    for row in graph.query(text, prefixes=_PREFIXES):
+        yield tuple(term.value if term is not None else None for term in row)
+
+
+def namespace_of(name: str) -> str:
+    """Return the namespace that the absolute name of a node shows."""
+    return name.rpartition("/")[0] or "/"
+
+
+def usual_resolution(declared: Interface, resolved: str | None, parameter: LaunchParameter | None) -> Resolution:
+    """Return how the name of an end of an instance becomes known where nothing else is said."""
+    if parameter is not None:
+        return Resolution.LAUNCH_ARGUMENT
+    settled = declared.resolution is Resolution.PARTIAL and is_known(resolved)
+    return Resolution.CONSTANT if settled else declared.resolution
