@@ -16,6 +16,7 @@ from kg.graph.iris import Iris
 from kg.graph.ntriples import literal
 from kg.graph.reading import facts
 from kg.graph.systems_reading import partial_systems, system_names
+from kg.graph.usual_ends import channels_by_system, unstated_ends
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -38,13 +39,6 @@ SELECT DISTINCT ?name WHERE {
   ?code a ?class ; rnkg:implicit ?implicit .
   FILTER(!?implicit)
   ?end rnkg:declaredBy ?code ; rnkg:connectsTo/rdfs:label ?name .
-}"""
-_SYSTEM_NAMES: Final = """
-SELECT DISTINCT ?name WHERE {
-  VALUES ?configuration { %s }
-  VALUES ?class { %s }
-  ?configuration rnkg:hasInstance/ros:hasComponent ?end .
-  ?end rnkg:declaredBy/a ?class ; rnkg:connectsTo/rdfs:label ?name .
 }"""
 _EVERY_NAME: Final = """
 SELECT DISTINCT ?name WHERE {
@@ -79,13 +73,15 @@ def names(graph: Queryable, kind: str, *, implicit: bool = False) -> list[str]:
 
     Those that only frameworks use are there with `implicit` alone.
     """
-    return sorted(_column(graph, (_EVERY_NAME if implicit else _NAMES) % CLASSES[kind]))
+    found = set(_column(graph, (_EVERY_NAME if implicit else _NAMES) % CLASSES[kind]))
+    more = unstated_ends(graph) if implicit else ()
+    return sorted(found | {end.name for end in more if end.role.channel == kind})
 
 
 def names_in(graph: Queryable, kind: str, systems: Iterable[str]) -> list[str]:
     """Return the names of topics, services or actions of some configurations, by their IRIs, sorted."""
-    listed = " ".join(str(NamedNode(one)) for one in sorted(systems))
-    return sorted(_column(graph, _SYSTEM_NAMES % (listed, CLASSES[kind])))
+    channels = channels_by_system(graph)
+    return sorted({name for one in systems for own, name in channels.get(one, ()) if own == kind})
 
 
 def names_written(graph: Queryable, kind: str, written: str) -> list[str]:
@@ -106,7 +102,8 @@ def systems_at(graph: Queryable, kind: str, name: str, base: str) -> list[System
 
     Instances that do not use it are left out, and so are parameters and remappings that did not name an end.
     """
-    return partial_systems(graph, system_names(graph), _AT % (literal(name), CLASSES[kind]), base)
+    usual = [end for end in unstated_ends(graph, name) if end.role.channel == kind]
+    return partial_systems(graph, system_names(graph), _AT % (literal(name), CLASSES[kind]), base, usual)
 
 
 def findings_about(graph: Queryable, name: str) -> dict[tuple[str, str, str], tuple[list[str], list[str]]]:

@@ -6,10 +6,11 @@ from collections import Counter, defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
-from kg.facts import Location, NodeKind
+from kg.facts import Location, NodeKind, Role
 from kg.graph import vocabulary as v
 from kg.graph.ntriples import literal
 from kg.graph.reading import which
+from kg.graph.usual_ends import unstated_ends
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable
@@ -25,6 +26,7 @@ _CHANNELS: Final = {
     "action": ("rnkg:ActionServer", "rnkg:ActionClient", "rnkg:hasActionType"),
 }
 """For each kind of channel the component that gives (publishes, serves), the one that takes, what leads to the type."""
+_GIVERS: Final = frozenset({Role.PUBLISHES, Role.SERVICES, Role.ACTION_SERVERS})
 _DECLARES: Final = {
     v.bare(v.PUBLISHER): "publishes",
     v.bare(v.SUBSCRIBER): "subscribes",
@@ -108,13 +110,13 @@ SELECT DISTINCT ?channel ?class ?node ?type WHERE {
   OPTIONAL { ?code %(typed)s/rdfs:label ?type }
 }"""
 _LAUNCHES: Final = """
-SELECT ?channel (COUNT(DISTINCT ?configuration) AS ?number) WHERE {
+SELECT DISTINCT ?channel ?configuration WHERE {
   %(named)s
   VALUES ?class { %(classes)s }
   ?configuration rnkg:hasInstance/ros:hasComponent ?end .
   ?end rnkg:declaredBy/a ?class ; rnkg:connectsTo ?c .
   ?c rdfs:label ?channel .
-} GROUP BY ?channel"""
+}"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -238,9 +240,18 @@ def channels(
         ends[name][side].update(names[row["node"].value] if row["node"] is not None else ())
         if row["type"] is not None:
             types[name].add(row["type"].value)
-    systems = {row["channel"].value: int(row["number"].value) for row in _rows(graph, _LAUNCHES % given)}
+    launches: defaultdict[str, set[str]] = defaultdict(set)
+    for row in _rows(graph, _LAUNCHES % given):
+        launches[row["channel"].value].add(row["configuration"].value)
+    for end in unstated_ends(graph):
+        if end.role.channel != kind or not (implicit or end.name in ends) or end.name not in (named or {end.name}):
+            continue
+        launches[end.name].add(end.system)
+        if implicit:
+            ends[end.name][0 if end.role in _GIVERS else 1].update(names[end.node])
+            types[end.name].update({end.type} if end.type else ())
     return [
-        Channel(name, tuple(sorted(types[name])), tuple(sorted(givers)), tuple(sorted(takers)), systems.get(name, 0))
+        Channel(name, tuple(sorted(types[name])), tuple(sorted(givers)), tuple(sorted(takers)), len(launches[name]))
         for name, (givers, takers) in sorted(ends.items())
     ]
 

@@ -44,10 +44,11 @@ from kg.graph.starts import STARTS
 from kg.graph.usual_ends import namespace_of, usual_ends, usual_resolution
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Collection, Iterable, Iterator, Mapping
 
     from kg.facts import Qos
     from kg.graph.reading import Properties
+    from kg.graph.usual_ends import UsualEnd
 
 __all__ = ["SystemName", "included", "partial_systems", "started_names", "system_names", "systems"]
 
@@ -137,33 +138,48 @@ def systems(graph: Queryable, names: Iterable[SystemName], base: str) -> list[Sy
     return [_Reading(name, content, records, iris).run() for name, content in contents]
 
 
-def partial_systems(graph: Queryable, names: Iterable[SystemName], ends: str, base: str) -> list[System]:
+def partial_systems(
+    graph: Queryable, names: Iterable[SystemName], ends: str, base: str, usual: Iterable[UsualEnd] = ()
+) -> list[System]:
     """Return the systems of these names that have some `ends`, with these ends and their instances alone.
 
-    `ends` is a pattern that binds ?end, its ?instance, and the ?graph and the ?configuration of that. What named an
-    end is there as well; other parameters and remappings, and what is said of a system as a whole, are not.
+    `ends` is a pattern that binds ?end, its ?instance, and the ?graph and the ?configuration of that, `usual` are those
+    among the ends that are not stated. What named an end is there as well; other parameters and remappings, and what is
+    said of a system as a whole, are not.
     """
     iris = Iris(base)
     rows = [[term.value for term in row] for row in graph.query(_PARTS % ends, prefixes=_PREFIXES)]
-    content = _properties(graph, {(row[0], part) for row in rows for part in row[1:]})
-    more = set()
-    for where, configuration, instance, end in rows:
+    unstated = [(_graph_of(iris, end.system), end) for end in usual]
+    parts = {(row[0], part) for row in rows for part in row[1:]}
+    parts |= {(where, part) for where, end in unstated for part in (end.system, end.instance)}
+    content = _properties(graph, parts)
+    chosen: dict[str, set[str]] = {}
+    for _, end in unstated:
+        _add(content[end.system], v.HAS_INSTANCE, end.instance)
+        chosen.setdefault(end.instance, set()).add(end.code)
+    for _, configuration, instance, part in rows:
         _add(content[configuration], v.HAS_INSTANCE, instance)
-        _add(content[instance], v.HAS_COMPONENT, end)
-        leads = (v.CONNECTS_TO, v.REMAPPED_BY, v.NAMED_BY)
-        others = [*(one(content[end], term) for term in leads), one(content[instance], v.STARTED_WITH)]
-        more |= {(place, other) for place in (where, iris.graph(STARTS)) for other in others if other}
-    content |= _properties(graph, more)
-    for _, _, instance, end in rows:
-        start, remap = one(content[instance], v.STARTED_WITH), one(content[end], v.REMAPPED_BY)
+        _add(content[instance], v.HAS_COMPONENT, part)
+    leads = (v.CONNECTS_TO, v.REMAPPED_BY, v.NAMED_BY, v.STARTED_WITH)
+    places = {iris.graph(STARTS), *(where for where, _ in parts)}
+    others = {other for one_of in content.values() for term in leads for other in one_of.get(v.bare(term), ())}
+    content |= _properties(graph, {(place, other) for place in places for other in others})
+    for _, _, instance, part in rows:
+        start, remap = one(content[instance], v.STARTED_WITH), one(content[part], v.REMAPPED_BY)
         if start and remap:
             _add(content[start], v.HAS_REMAP, remap)
     terms = (v.bare(v.DECLARED_BY), v.bare(v.OVERRIDES))
     declared = {iri for properties in content.values() for term in terms for iri in properties.get(term, ())}
+    declared |= {end.code for _, end in unstated}
     records = _Records(graph, [content], f"VALUES ?subject {{ {' '.join(str(NamedNode(iri)) for iri in declared)} }}")
-    configurations = {row[1] for row in rows}
+    configurations = {row[1] for row in rows} | {end.system for _, end in unstated}
     meant = [one for one in names if iris.configuration(one.repository, one.path) in configurations]
-    return [_Reading(name, content, records, iris, whole=False).run() for name in meant]
+    return [_Reading(name, content, records, iris, chosen).run() for name in meant]
+
+
+def _graph_of(iris: Iris, configuration: str) -> str:
+    thing = iris.parse(configuration)
+    return iris.system_graph(*thing.parts) if thing else ""
 
 
 def _add(properties: dict[str, list[str]], term: str, value: str) -> None:
@@ -224,11 +240,11 @@ class _Reading:
         content: Mapping[str, Properties],
         records: _Records,
         iris: Iris,
-        *,
-        whole: bool = True,
+        chosen: Mapping[str, Collection[str]] | None = None,
     ) -> None:
+        """Read all ends; with `chosen` only those that are stated, and of the usual ones of an instance these."""
         self._name = name
-        self._whole = whole and name.repository != RUNNING
+        self._chosen = chosen
         self._content = content
         self._records = records
         self._iris = iris
@@ -317,7 +333,7 @@ class _Reading:
         remaps = {part: self._remap(part, chain) for part in self._listed(start, v.HAS_REMAP)}
         parts = own.get(v.bare(v.HAS_COMPONENT), ())
         ends = [end for part in parts if (end := self._end(part, settings, remaps))]
-        ends += self._usual(own)
+        ends += self._usual(iri, own)
         used = {end.remap for end in ends}
         host, missing = one(own, v.HOST), one(own, v.MISSING)
         plugins = (records.reference(plugin) for plugin in sorted(own.get(v.bare(v.LOADS_PLUGIN), ())))
@@ -401,17 +417,20 @@ class _Reading:
         codes = [iri for term in (v.DECLARED_BY, v.OVERRIDES) for iri in own.get(v.bare(term), ())]
         return next((self._records.ends[iri] for iri in codes if iri in self._records.ends), None)
 
-    def _usual(self, own: Properties) -> Iterator[InstanceInterface]:
+    def _usual(self, iri: str, own: Properties) -> Iterator[InstanceInterface]:
         """Yield the ends that are not stated, for the framework gives them to every node of the type."""
         owner = self._records.reference(one(own, v.INSTANCE_OF))
-        if owner is None or not self._whole:
+        if owner is None or self._name.repository == RUNNING:
+            return
+        ends = self._records.usual.get(owner, {})
+        usual = usual_ends(one(own, v.NAME) or "", _namespace(own), owner, ends)
+        if self._chosen is not None:
+            yield from (end for code, end in usual.items() if code in self._chosen.get(iri, ()))
             return
         parts = (self._content[part] for part in own.get(v.bare(v.HAS_COMPONENT), ()))
         stated = {iri for part in parts for term in (v.DECLARED_BY, v.OVERRIDES) for iri in part.get(v.bare(term), ())}
         stated.update(own.get(v.bare(v.WITHOUT), ()))
-        ends = self._records.usual.get(owner, {})
-        usual = usual_ends(one(own, v.NAME) or "", _namespace(own), owner, ends)
-        yield from (end for iri, end in usual.items() if iri not in stated)
+        yield from (end for code, end in usual.items() if code not in stated)
 
     def _seen(self, own: Properties) -> tuple[NodeReference, Interface] | None:
         """Return an end that was seen running, and that no code of the build declares."""

@@ -6,7 +6,8 @@ First of all the ends that a framework gives every node, such as its services fo
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from urllib.parse import unquote
 
 from kg.facts import InstanceInterface, Resolution
 from kg.graph import vocabulary as v
@@ -17,18 +18,22 @@ from kg.wiring.place import Place
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from kg.facts import Interface, LaunchParameter, NodeReference
+    from kg.facts import Interface, LaunchParameter, NodeReference, Role
     from kg.graph.reading import Queryable
 
-__all__ = ["channels_by_system", "namespace_of", "usual_ends", "usual_resolution"]
+__all__ = ["UsualEnd", "channels_by_system", "namespace_of", "unstated_ends", "usual_ends", "usual_resolution"]
 
 _PREFIXES: Final = {"ros": v.ROS, "rnkg": v.RNKG, "rdfs": v.RDFS}
-_STATED: Final = """
-SELECT ?system ?instance ?code ?channel ?name WHERE {
+_MET: Final = """
+SELECT DISTINCT ?system ?channel ?name WHERE {
   GRAPH ?g {
-    ?system rnkg:hasInstance ?instance . ?instance ros:hasComponent ?end . ?end rnkg:declaredBy|rnkg:overrides ?code .
-    OPTIONAL { ?end rnkg:connectsTo ?channel . ?channel rdfs:label ?name }
+    ?system rnkg:hasInstance ?instance . ?instance ros:hasComponent ?end .
+    ?end rnkg:connectsTo ?channel . ?channel rdfs:label ?name .
   }
+}"""
+_STATED: Final = """
+SELECT ?instance ?code WHERE {
+  GRAPH ?g { ?instance rnkg:without|(ros:hasComponent/(rnkg:declaredBy|rnkg:overrides)) ?code }
 }"""
 _STARTED: Final = """
 SELECT ?system ?instance ?name ?namespace ?type WHERE {
@@ -37,17 +42,17 @@ SELECT ?system ?instance ?name ?namespace ?type WHERE {
     OPTIONAL { ?instance rnkg:namespace ?namespace }
   }
 }"""
-_WITHOUT: Final = "SELECT ?instance ?code WHERE { GRAPH ?g { ?instance rnkg:without ?code } }"
 _IMPLICIT: Final = """
-SELECT ?type ?code ?class ?name ?origin WHERE {
+SELECT ?node ?code ?class ?name ?origin ?type WHERE {
   GRAPH ?g {
-    ?type a rnkg:NodeType ; ros:hasComponent ?code .
+    ?node a rnkg:NodeType ; ros:hasComponent ?code .
     ?code rnkg:implicit true ; rnkg:name ?name ; rnkg:origin ?origin ; a ?class .
+    OPTIONAL { ?code ros:hasMessage|rnkg:hasServiceType|rnkg:hasActionType ?type }
   }
 }"""
 _ORIGINS: Final = ("ros1.node", "ros2.node", "ros2.lifecycle", "bond")
 """How the origins of such ends begin. What else is implicit (transforms, diagnostics) tells what a node does."""
-_KINDS: Final = {v.bare(shape.component_class): role.channel for role, shape in SHAPES.items()}
+_ROLES: Final = {v.bare(shape.component_class): role for role, shape in SHAPES.items()}
 
 
 def usual_ends(
@@ -72,28 +77,55 @@ def usual_ends(
     }
 
 
+class UsualEnd(NamedTuple):
+    """An end that a system has without stating it.
+
+    `system`, `instance`, `node` (its type) and `code` (the interface of that) are IRIs, `type` is `package/Type`.
+    """
+
+    system: str
+    instance: str
+    node: str
+    code: str
+    role: Role
+    name: str
+    type: str | None
+
+
+def unstated_ends(graph: Queryable, name: str | None = None) -> list[UsualEnd]:
+    """Return the usual ends that systems have without stating them, or those of one absolute name."""
+    usual: defaultdict[str, list[tuple[str, Role, str, str | None]]] = defaultdict(list)
+    for node, code, role, own, origin, kind in _rows(graph, _IMPLICIT):
+        meant = name is None or name.endswith(own.lstrip("~"))
+        if meant and origin.startswith(_ORIGINS) and role in _ROLES:
+            label = "/".join(unquote(kind).rsplit("/", 2)[-2:]) if kind else None
+            usual[node].append((code, _ROLES[role], own, label))
+    if not usual:
+        return []
+    stated: defaultdict[str, set[str]] = defaultdict(set)
+    for instance, code in _rows(graph, _STATED):
+        stated[instance].add(code)
+    found = []
+    for system, instance, full, namespace, node in _rows(graph, _STARTED):
+        place = Place(namespace or namespace_of(full), "", private=full)
+        found += [
+            UsualEnd(system, instance, node, code, role, place.resolve(own), label)
+            for code, role, own, label in usual[node]
+            if code not in stated[instance]
+        ]
+    return [end for end in found if name in {None, end.name}]
+
+
 def channels_by_system(graph: Queryable) -> dict[str, set[tuple[str, str]]]:
     """Return what ends of each system meet at, those that a framework gives every node too: kind and name.
 
     The keys are IRIs of configurations, the kinds `topic`, `service` and `action`.
     """
     found: defaultdict[str, set[tuple[str, str]]] = defaultdict(set)
-    stated: defaultdict[str, set[str]] = defaultdict(set)
-    for system, instance, code, channel, name in _rows(graph, _STATED):
-        stated[instance].add(code)
-        if channel is not None:
-            found[system].add((channel.partition("#")[2].partition("/")[0], name))
-    for instance, code in _rows(graph, _WITHOUT):
-        stated[instance].add(code)
-    usual: defaultdict[str, list[tuple[str, str, str]]] = defaultdict(list)
-    for kind, code, role, name, origin in _rows(graph, _IMPLICIT):
-        if origin.startswith(_ORIGINS) and role in _KINDS:
-            usual[kind].append((code, _KINDS[role], name))
-    for system, instance, own, namespace, kind in _rows(graph, _STARTED):
-        place = Place(namespace or namespace_of(own), "", private=own)
-        found[system].update(
-            (channel, place.resolve(name)) for code, channel, name in usual[kind] if code not in stated[instance]
-        )
+    for system, channel, name in _rows(graph, _MET):
+        found[system].add((channel.partition("#")[2].partition("/")[0], name))
+    for end in unstated_ends(graph):
+        found[end.system].add((end.role.channel, end.name))
     return dict(found)
 
 
