@@ -73,12 +73,11 @@ SELECT DISTINCT ?name ?system WHERE {
 _NO_LABELS: Final[Mapping[str, str]] = MappingProxyType({})
 _GRAPH: Final = "SELECT ?s ?p ?o WHERE { GRAPH <%s> { ?s ?p ?o } }"
 _STARTS: Final = """
+SELECT DISTINCT ?s ?p ?o WHERE { GRAPH <%s> { ?instance rnkg:startedWith ?s } GRAPH ?starts { ?s ?p ?o } }"""
+_STARTED_PARTS: Final = """
 SELECT DISTINCT ?s ?p ?o WHERE {
   GRAPH <%s> { ?instance rnkg:startedWith ?start }
-  GRAPH ?starts {
-    { BIND(?start AS ?s) } UNION { ?start rnkg:hasSetting|rnkg:hasRemap ?s }
-    ?s ?p ?o
-  }
+  GRAPH ?starts { ?start rnkg:hasSetting|rnkg:hasRemap ?s . ?s ?p ?o }
 }"""
 _PARTS: Final = (
     "SELECT DISTINCT ?graph ?configuration ?instance ?end WHERE { %s ?configuration rnkg:hasInstance ?instance }"
@@ -89,7 +88,7 @@ SELECT ?subject ?predicate ?object WHERE {
   GRAPH ?graph { ?subject ?predicate ?object }
   FILTER(?predicate NOT IN (
     rnkg:hasInstance, ros:hasComponent, rnkg:hasSetting, rnkg:hasRemap, rnkg:host,
-    rnkg:includes, rnkg:hasArgument, rnkg:hasLaunchProblem
+    rnkg:includes, rnkg:hasArgument, rnkg:hasLaunchProblem, rnkg:resembles
   ))
 }"""
 
@@ -195,8 +194,11 @@ def _properties(graph: Queryable, parts: Iterable[tuple[str, str]]) -> dict[str,
 
 
 def _content(graph: Queryable, name: str) -> dict[str, dict[str, list[str]]]:
-    stated = grouped(graph.query(_GRAPH % name, prefixes=_PREFIXES))
-    return stated | grouped(graph.query(_STARTS % name, prefixes=_PREFIXES))
+    return {
+        iri: properties
+        for query in (_GRAPH, _STARTS, _STARTED_PARTS)
+        for iri, properties in grouped(graph.query(query % name, prefixes=_PREFIXES)).items()
+    }
 
 
 class _Records:
@@ -332,7 +334,7 @@ class _Reading:
         settings = {part: self._setting(part, chain) for part in self._listed(start, v.HAS_SETTING)}
         remaps = {part: self._remap(part, chain) for part in self._listed(start, v.HAS_REMAP)}
         parts = own.get(v.bare(v.HAS_COMPONENT), ())
-        ends = [end for part in parts if (end := self._end(part, settings, remaps))]
+        ends = [end for part in parts if (end := self._end(part, settings, remaps, chain))]
         ends += self._usual(iri, own)
         used = {end.remap for end in ends}
         host, missing = one(own, v.HOST), one(own, v.MISSING)
@@ -389,7 +391,11 @@ class _Reading:
         return InstanceParameter(setting.name, setting, declared, owner, similar)
 
     def _end(
-        self, iri: str, settings: Mapping[str, LaunchParameter], remaps: Mapping[str, InstanceRemap]
+        self,
+        iri: str,
+        settings: Mapping[str, LaunchParameter],
+        remaps: Mapping[str, InstanceRemap],
+        chain: tuple[Location, ...],
     ) -> InstanceInterface | None:
         """Return an end; None when the node type that declares it is not in the store any more."""
         own = self._content[iri]
@@ -398,7 +404,8 @@ class _Reading:
             return None
         owner, declared = known
         remap, named, channel = (one(own, term) for term in (v.REMAPPED_BY, v.NAMED_BY, v.CONNECTS_TO))
-        setting = (settings.get(named) or self._setting(named)) if named else None
+        led = chain if (named or "").startswith(f"{self._iris.base}start/") else ()
+        setting = (settings.get(named) or self._setting(named, led)) if named else None
         resolved = one(own, v.RESOLVED_NAME) or (one(self._content[channel], v.LABEL) if channel else None)
         resolution = word(own, v.RESOLUTION)
         return InstanceInterface(
