@@ -81,7 +81,7 @@ def test_a_component_runs_once_for_itself_and_its_program(monkeypatch: pytest.Mo
 
     def counted(self: Constructions, *arguments: object, **named: object) -> None:
         begun.append(str(getattr(arguments[1], "name", "")))
-        initialise(self, *arguments, **named)  # type: ignore[arg-type]
+        initialise(self, *arguments, **named)  # type: ignore[arg-type] # handed on as they came
 
     monkeypatch.setattr(Constructions, "initialise", counted)
     _nodes("")
