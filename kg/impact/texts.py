@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from kg.impact.model import FileRecord, World
 
-__all__ = ["HOLDING", "absolute_name", "code_of", "mentions", "quoted", "word"]
+__all__ = ["HOLDING", "absolute_name", "code_of", "mentions", "quoted"]
 
 HOLDING: Final = frozenset({FileKind.CONFIG, FileKind.LAUNCH})
 """Kinds of files whose values name things of a system."""
@@ -32,11 +32,6 @@ _LONGEST: Final = 60
 def absolute_name(name: str) -> re.Pattern[str]:
     """Return the pattern of a whole absolute name that is no part of a longer name or of the path of a file."""
     return re.compile(rf"(?<![\w/.)}}~-]){re.escape(name)}(?![\w/.{{$-])")
-
-
-def word(text: str) -> re.Pattern[str]:
-    """Return the pattern of a text that is no part of a longer word or name."""
-    return re.compile(rf"(?<![\w/.-]){re.escape(text)}(?![\w/-])")
 
 
 def quoted(line: str) -> str:
