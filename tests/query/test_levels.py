@@ -1,4 +1,4 @@
-"""Statistics and questions are about node types: what launch files start beside them changes no answer."""
+"""Statistics and most questions are about node types: what launch files start beside them changes no answer."""
 
 from __future__ import annotations
 
@@ -21,7 +21,11 @@ if TYPE_CHECKING:
 
     from kg.store.snapshot import EmbeddedSnapshot
 
-QUERIES = {name: query for name, query in discover().items() if not name.startswith("robot/")}
+OF_SYSTEMS = {"explore/actions", "explore/services", "explore/who-publishes", "explore/who-subscribes"}
+"""Those that answer by the names in launched systems too."""
+QUERIES = {
+    name: query for name, query in discover().items() if not name.startswith("robot/") and name not in OF_SYSTEMS
+}
 """All but those about robots, which ask what systems can do: that is what instances are for."""
 
 
