@@ -67,6 +67,7 @@ def save(cache: Path, mark: str, rule_set: RuleSet) -> RuleSet:
     """Keep rules, and return them as `load` will; OSError when they cannot be written."""
     packed = pickle.dumps((rule_set.rules, rule_set.data), protocol=pickle.HIGHEST_PROTOCOL)
     content = _digest(mark.encode()) + _digest(packed) + packed
+    cache.mkdir(parents=True, exist_ok=True)
     write_atomically(cache / _NAME, content, durable=False)
     return _together(rule_set.rules, rule_set.data)
 

@@ -29,7 +29,7 @@ def test_a_healthy_installation_has_nothing_wrong(kg: Program, tmp_path: Path) -
     run = kg("doctor", "--json", KG_JOBS="2")
     found = checks(run.out)
     assert run.code == 0
-    assert "501 quads in 4 graphs" in found["store"]["finding"]
+    assert "518 quads in 4 graphs" in found["store"]["finding"]
     assert {found[name]["state"] for name in ("Python", "kg", "pyoxigraph", "typer", "git", "writer", "disk")} == {"ok"}
     assert found["setting jobs"]["finding"] == "2 (from KG_JOBS)"
 
