@@ -30,7 +30,7 @@ def test_stored_queries_are_listed(snapshot: EmbeddedSnapshot, settings: Setting
     """Without a name all stored queries are told, with what a form needs to know of their parameters."""
     found = {each["query"]: each for each in stored(snapshot, settings)["queries"]}
     (parameter,) = found["explore/who-publishes"]["parameters"]
-    assert (parameter["name"], parameter["type"], parameter["example"]) == ("topic", "name", "/scan_filtered")
+    assert (parameter["name"], parameter["type"], parameter["example"]) == ("topic", "name", "/emergency_stop")
     assert found["explore/who-publishes"]["title"] == "Who publishes a topic"
 
 
