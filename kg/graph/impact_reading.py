@@ -74,7 +74,15 @@ SELECT DISTINCT ?name ?launch WHERE {
   ?configuration rnkg:hasArgument ?argument ; rnkg:name ?launch .
 }"""
 _TYPES: Final = ("ros:Message", "rnkg:ServiceType", "rnkg:ActionType")
-_STATING: Final = "SELECT DISTINCT ?graph WHERE { VALUES ?value { %s } GRAPH ?graph { ?thing ?predicate ?value } }"
+_STATING: Final = """
+SELECT DISTINCT ?graph WHERE {
+  VALUES ?value { %s }
+  ?thing ?predicate ?value .
+  { GRAPH ?graph { ?thing ?predicate ?value } } UNION
+  { ?start rnkg:hasSetting|rnkg:hasRemap ?thing . GRAPH ?graph { ?instance rnkg:startedWith ?start } } UNION
+  { GRAPH ?graph { ?instance rnkg:startedWith ?thing } }
+}"""
+"""What instances are started with stands in a graph of its own, for all systems that start the same."""
 _STARTING: Final = """
 SELECT DISTINCT ?graph WHERE {
   VALUES ?type { %s }
