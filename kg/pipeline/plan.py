@@ -36,7 +36,8 @@ Key = tuple[str, str]
 """Name of the source and path of the package in it."""
 
 CODE: Final = (
-    *("facts", "holes.py", "names.py", "xmltext.py", "yamltext.py", "corpus", "symbolic", "extract", "language", "wiring", "graph"),
+    *("facts", "holes.py", "names.py", "xmltext.py", "yamltext.py", "corpus", "symbolic", "extract", "language"),
+    *("wiring", "graph"),
     *("pipeline/cache.py", "pipeline/known.py", "pipeline/recording.py", "pipeline/work.py"),
 )
 """The code of `kg` that results depend on, with the data that belongs to it."""

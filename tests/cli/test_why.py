@@ -43,7 +43,7 @@ def test_all_ways_as_one_picture_and_as_lines_of_json(built: Program) -> None:
 
 def test_a_row_of_an_answer(built: Program) -> None:
     """The facts that a query matched for one of its rows are explained."""
-    run = built("why", "--query", "who-publishes", "--param", "topic=/odom", "--row", "1")
+    run = built("why", "--query", "evidence-of-topic", "--param", "topic=/odom", "--row", "1")
     assert run.code == 0, run.err
     assert "rnkg:connectsTo /odom" in run.out
     assert "row 1: " in run.err

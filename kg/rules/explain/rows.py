@@ -26,7 +26,9 @@ __all__ = ["RowProof", "why_row"]
 
 _NAME: Final = "query"
 _ROW: Final = "<urn:kg:row>"
-_WHOLE: Final = re.compile(r"(?<=\{)\s*SELECT\s+\*\s+WHERE(?=\s*\{)|(?<=\})\s*LIMIT\s+\d+(?=\s*\})")
+_WHOLE: Final = re.compile(
+    r"(?<=\{)\s*SELECT\s+\*\s+WHERE(?=\s*\{)|(?<=\})\s*(?:LIMIT\s+\d+|ORDER\s+BY\s+\?\w+)(?=\s*\})"
+)
 """What makes an inner SELECT of a group whose variables it all gives: a row's facts are those of the group."""
 _UNBOUND: Final = "KG203"
 """Of a variable that only an inner SELECT knows."""
