@@ -10,7 +10,7 @@ from pyoxigraph import BlankNode, NamedNode
 
 from kg.rules.engine.facts import Facts, unpack
 from kg.rules.engine.heads import Collector
-from kg.rules.engine.plan import Match
+from kg.rules.engine.plan import Assign, Block, Grouped, Match, Rows, Structure
 from kg.rules.engine.solve import Solver, View
 from kg.rules.engine.tables import UNIT, Table, concatenate, distinct_rows
 from kg.rules.form import Aggregate, Atom, EngineBlock, Exists, TripleTerm, Variable
@@ -84,6 +84,15 @@ class MaintainedRule:
         return pivots(self.plan, self._shop.dictionary)
 
     @cached_property
+    def _open(self) -> frozenset[str]:
+        """The columns that a solution may leave unbound: there, a value from elsewhere would count as one of its own."""
+        steps = self.plan.body.steps
+        inner = [step.names for step in steps if isinstance(step, Grouped | Block)]
+        outer = [step.names for step in steps if isinstance(step, Match | Structure | Rows)]
+        assigned = {step.name for step in steps if isinstance(step, Assign)}
+        return frozenset().union(*inner).difference(*outer, assigned)
+
+    @cached_property
     def _asserted(self) -> tuple[bool, ...]:
         return tuple(source.asserted for source in self.plan.sources)
 
@@ -107,7 +116,8 @@ class MaintainedRule:
         sources = self._sources(world)
         for head in self.plan.heads:
             for seeds in _seeds(head, candidates, self._shop.hidden):
-                absorb(found, self._derived(sources, seeds))
+                known = seeds.keeping(seeds.columns.keys() - self._open)
+                absorb(found, self._derived(sources, distinct_rows(known) if known.columns else UNIT))
         return found
 
     def consequences(

@@ -143,6 +143,13 @@ def test_aggregates_change_by_group() -> None:
     ]
 
 
+def test_an_aggregate_without_a_value_derives_nothing() -> None:
+    """What the head names is no value of its own for a sum over IRIs, which has none."""
+    total = Aggregate((Variable("x"),), (Column(Variable("n"), "SUM", expression("?y")),), (atom("?x :p ?y"),))
+    kept = Kept([rule("?x :total ?n", total)], ":a :p :b\n:a :total :a")
+    assert kept.change(deleted=":a :total :a") == []
+
+
 def test_an_aggregate_of_an_aggregate() -> None:
     """How many things have so many parts."""
     inner = Aggregate((Variable("x"),), (COUNT,), (atom("?x :p ?y"),))
