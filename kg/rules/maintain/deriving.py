@@ -85,7 +85,7 @@ class MaintainedRule:
 
     @cached_property
     def _open(self) -> frozenset[str]:
-        """The columns that a solution may leave unbound: there, a value from elsewhere would count as one of its own."""
+        """The columns that a solution may leave unbound: a value from elsewhere would count as one of its own there."""
         steps = self.plan.body.steps
         inner = [step.names for step in steps if isinstance(step, Grouped | Block)]
         outer = [step.names for step in steps if isinstance(step, Match | Structure | Rows)]
