@@ -6,7 +6,7 @@ Reading whole systems for one name would take time in proportion to the store.
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import NamedNode
 
@@ -14,6 +14,7 @@ from kg.facts import Interface
 from kg.graph import vocabulary as v
 from kg.graph.iris import Iris
 from kg.graph.ntriples import literal
+from kg.graph.queries import select
 from kg.graph.reading import facts
 from kg.graph.systems_reading import partial_systems, system_names
 from kg.graph.usual_ends import channels_by_system, unstated_ends
@@ -32,7 +33,6 @@ CLASSES: Final = {
     "action": f"{v.ACTION_SERVER} {v.ACTION_CLIENT}",
 }
 """The classes of the ends of each kind of channel."""
-_PREFIXES: Final = {"ros": v.ROS, "rnkg": v.RNKG, "rdfs": v.RDFS}
 _NAMES: Final = """
 SELECT DISTINCT ?name WHERE {
   VALUES ?class { %s }
@@ -112,7 +112,7 @@ def findings_about(graph: Queryable, name: str) -> dict[tuple[str, str, str], tu
     Of configurations these are the IRIs.
     """
     found: defaultdict[tuple[str, str, str], tuple[set[str], set[str]]] = defaultdict(lambda: (set(), set()))
-    for row in _rows(graph, _FINDINGS % literal(name)):
+    for row in select(graph, _FINDINGS % literal(name)):
         code, severity, message = (row[part].value for part in ("code", "severity", "message"))
         subjects, systems = found[code, severity, message]
         subjects.add(row["subject"].value)
@@ -121,9 +121,4 @@ def findings_about(graph: Queryable, name: str) -> dict[tuple[str, str, str], tu
 
 
 def _column(graph: Queryable, text: str) -> list[str]:
-    return [row[0].value for row in _rows(graph, text)]
-
-
-def _rows(graph: Queryable, text: str) -> Iterable[Any]:
-    rows: Iterable[Any] = graph.query(text, prefixes=_PREFIXES)
-    return rows
+    return [row[0].value for row in select(graph, text)]

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from kg.graph import vocabulary as v
+from kg.graph.queries import select
 
 if TYPE_CHECKING:
     from kg.graph.reading import Queryable
 
 __all__ = ["Classes", "classes"]
 
-_PREFIXES: Final = {"rnkg": v.RNKG, "rdfs": v.RDFS}
 _QUERY: Final = """
 SELECT DISTINCT ?property (STR(?label) AS ?text) WHERE {{
   VALUES ?property {{ rnkg:hasFunction rnkg:usesHardware rnkg:usesDevice }}
@@ -32,6 +32,6 @@ class Classes:
 def classes(graph: Queryable, iri: str) -> Classes:
     """Return what is inferred of the node type with this IRI; nothing where no rules ran."""
     found = {name: list[str]() for name in ("hasFunction", "usesHardware", "usesDevice")}
-    for row in graph.query(_QUERY.format(iri=iri), prefixes=_PREFIXES):
+    for row in select(graph, _QUERY.format(iri=iri)):
         found[row["property"].value.removeprefix(v.RNKG)].append(row["text"].value)
     return Classes(*map(tuple, found.values()))

@@ -9,6 +9,7 @@ from kg.facts import Dependency, Field, FileKind, InterfaceDefinition, Location
 from kg.graph import vocabulary as v
 from kg.graph.definitions import message_of
 from kg.graph.ntriples import literal
+from kg.graph.queries import select
 from kg.impact import DefinitionRecord, FileRecord, PackageRecord
 
 if TYPE_CHECKING:
@@ -27,7 +28,6 @@ __all__ = [
     "type_names",
 ]
 
-_PREFIXES: Final = {"ros": v.ROS, "rnkg": v.RNKG, "rdfs": v.RDFS}
 _PACKAGES: Final = """
 SELECT ?package ?repository ?name ?folder ?manifest ?on ?kind ?line WHERE {
   ?r a rnkg:Repository ; rnkg:name ?repository ; rnkg:contains ?package .
@@ -100,7 +100,7 @@ def package_records(graph: Queryable) -> list[PackageRecord]:
     """Return the packages of the store with their dependencies, sorted by source and name."""
     found: dict[str, PackageRecord] = {}
     lines: defaultdict[str, list[Dependency]] = defaultdict(list)
-    for row in _rows(graph, _PACKAGES):
+    for row in select(graph, _PACKAGES):
         iri = row["package"].value
         folder = row["folder"].value if row["folder"] else "."
         found[iri] = PackageRecord(row["repository"].value, row["name"].value, folder, row["manifest"].value)
@@ -116,7 +116,7 @@ def package_records(graph: Queryable) -> list[PackageRecord]:
 def definition_records(graph: Queryable) -> list[DefinitionRecord]:
     """Return the definitions of the store, sorted by source, name and kind."""
     fields: defaultdict[str, list[Field]] = defaultdict(list)
-    for row in _rows(graph, _FIELDS):
+    for row in select(graph, _FIELDS):
         field = Field(
             section=row["section"].value,
             name=row["name"].value,
@@ -127,7 +127,7 @@ def definition_records(graph: Queryable) -> list[DefinitionRecord]:
         )
         fields[row["definition"].value].append(field)
     found = []
-    for row in _rows(graph, _DEFINITIONS):
+    for row in select(graph, _DEFINITIONS):
         package, own = row["package"].value, tuple(fields[row["definition"].value])
         location = Location(row["path"].value, int(row["line"].value))
         definition = InterfaceDefinition(row["kind"].value, package, row["name"].value, own, location)
@@ -140,7 +140,7 @@ def file_records(graph: Queryable) -> list[FileRecord]:
     """Return the files of the packages of the store, sorted by source and path."""
     found = [
         FileRecord(row["repository"].value, row["package"].value, row["path"].value, FileKind(row["kind"].value))
-        for row in _rows(graph, _FILES)
+        for row in select(graph, _FILES)
     ]
     return sorted(found, key=lambda one: (one.repository, one.path))
 
@@ -152,7 +152,7 @@ def channel_names(graph: Queryable) -> dict[str, list[str]]:
 
 def channels_called(graph: Queryable, names: Iterable[str]) -> list[tuple[str, str]]:
     """Return the topics, services and actions of some absolute names, as kind and name, sorted."""
-    rows = _rows(graph, _CALLED % " ".join(map(literal, sorted(set(names)))))
+    rows = select(graph, _CALLED % " ".join(map(literal, sorted(set(names)))))
     kinds = {term: kind for kind, term in _KINDS.items()}
     return sorted((kinds[row["class"].value], row["name"].value) for row in rows)
 
@@ -160,7 +160,7 @@ def channels_called(graph: Queryable, names: Iterable[str]) -> list[tuple[str, s
 def arguments(graph: Queryable, name: str | None = None) -> list[tuple[str, str]]:
     """Return the launch arguments, or those of a name, each with the launch file that declares it, sorted."""
     given = "" if name is None else f"VALUES ?name {{ {literal(name)} }}"
-    return sorted((row["name"].value, row["launch"].value) for row in _rows(graph, _ARGUMENTS % given))
+    return sorted((row["name"].value, row["launch"].value) for row in select(graph, _ARGUMENTS % given))
 
 
 def type_names(graph: Queryable) -> list[str]:
@@ -180,16 +180,11 @@ def systems_naming(
         (_STARTING, " ".join(f"<{iri}>" for iri in sorted(set(types)))),
         (_INCLUDING, " ".join(f"<{iri}>" for iri in sorted(set(included)))),
     )
-    return {row["graph"].value for query, values in asked if values for row in _rows(graph, query % values)}
+    return {row["graph"].value for query, values in asked if values for row in select(graph, query % values)}
 
 
 def _labels(graph: Queryable, term: str) -> list[str]:
-    return sorted({row["name"].value for row in _rows(graph, _LABELS % term)})
-
-
-def _rows(graph: Queryable, text: str) -> Iterable[Any]:
-    rows: Iterable[Any] = graph.query(text, prefixes=_PREFIXES)
-    return rows
+    return sorted({row["name"].value for row in select(graph, _LABELS % term)})
 
 
 def _value(term: Any) -> str | None:

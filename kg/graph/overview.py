@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING, Any, Final
 from kg.facts import Location, NodeKind, Role
 from kg.graph import vocabulary as v
 from kg.graph.ntriples import literal
+from kg.graph.queries import select
 from kg.graph.reading import which
 from kg.graph.usual_ends import unstated_ends
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable
+    from collections.abc import Collection
 
     from kg.graph.reading import Queryable
 
 __all__ = ["Channel", "NodeSummary", "PackageSummary", "channels", "nodes", "package_names", "packages"]
 
-_PREFIXES: Final = {"ros": v.ROS, "rnkg": v.RNKG, "rdfs": v.RDFS}
 _CHANNELS: Final = {
     "topic": ("ros:Publisher", "ros:Subscriber", "ros:hasMessage"),
     "service": ("ros:ServiceServer", "ros:ServiceClient", "rnkg:hasServiceType"),
@@ -183,7 +183,7 @@ def packages(graph: Queryable) -> list[PackageSummary]:
             problems=problems[row["package"].value],
             deprecated=row["deprecated"] is not None,
         )
-        for row in _rows(graph, _PACKAGES)
+        for row in select(graph, _PACKAGES)
     ]
     return sorted(found, key=lambda one: (one.repository, one.name))
 
@@ -192,9 +192,9 @@ def nodes(graph: Queryable, package: str | None = None) -> list[NodeSummary]:
     """Return the node types of the store, or of one package, sorted by source, package, name and place."""
     those = which(package)
     declared: defaultdict[str, Counter[str]] = defaultdict(Counter)
-    for row in _rows(graph, _DECLARED % those):
+    for row in select(graph, _DECLARED % those):
         declared[row["node"].value][_DECLARES.get(row["class"].value, "")] += int(row["number"].value)
-    for row in _rows(graph, _PARAMETERS % those):
+    for row in select(graph, _PARAMETERS % those):
         declared[row["node"].value]["parameters"] = int(row["number"].value)
     numbers = [*dict.fromkeys(_DECLARES.values()), "parameters"]
     found = [
@@ -207,14 +207,14 @@ def nodes(graph: Queryable, package: str | None = None) -> list[NodeSummary]:
             location=Location(row["path"].value, int(row["line"].value)),
             **{number: declared[row["node"].value][number] for number in numbers},
         )
-        for row in _rows(graph, _NODES % those)
+        for row in select(graph, _NODES % those)
     ]
     return sorted(found, key=lambda one: (one.repository, one.package, one.name, str(one.location)))
 
 
 def package_names(graph: Queryable) -> list[str]:
     """Return the names of all packages, each once, sorted."""
-    return sorted({row[0].value for row in _rows(graph, "SELECT ?name WHERE { ?p a rnkg:Package ; rnkg:name ?name }")})
+    return sorted({row[0].value for row in select(graph, "SELECT ?name WHERE { ?p a rnkg:Package ; rnkg:name ?name }")})
 
 
 def channels(
@@ -229,19 +229,19 @@ def channels(
     given = {"classes": f"{giver} {taker}", "typed": typed}
     given |= {"named": values and f"{values} ?c rdfs:label ?channel .", "own": "" if implicit else "FILTER(!?implicit)"}
     names: defaultdict[str, list[str]] = defaultdict(list)
-    for row in _rows(graph, _OWNERS):
+    for row in select(graph, _OWNERS):
         names[row["node"].value].append(f"{row['package'].value}/{row['name'].value}")
     types: defaultdict[str, set[str]] = defaultdict(set)
     ends: defaultdict[str, tuple[set[str], set[str]]] = defaultdict(lambda: (set(), set()))
     local = giver.partition(":")[2]
-    for row in (*_rows(graph, _IN_CODE % given), *_rows(graph, _IN_SYSTEMS % given)):
+    for row in (*select(graph, _IN_CODE % given), *select(graph, _IN_SYSTEMS % given)):
         name = row["channel"].value
         side = 0 if row["class"].value.endswith(f"#{local}") else 1
         ends[name][side].update(names[row["node"].value] if row["node"] is not None else ())
         if row["type"] is not None:
             types[name].add(row["type"].value)
     launches: defaultdict[str, set[str]] = defaultdict(set)
-    for row in _rows(graph, _LAUNCHES % given):
+    for row in select(graph, _LAUNCHES % given):
         launches[row["channel"].value].add(row["configuration"].value)
     for end in unstated_ends(graph):
         if end.role.channel != kind or not (implicit or end.name in ends) or end.name not in (named or {end.name}):
@@ -256,15 +256,10 @@ def channels(
     ]
 
 
-def _rows(graph: Queryable, text: str) -> Iterable[Any]:
-    rows: Iterable[Any] = graph.query(text, prefixes=_PREFIXES)
-    return rows
-
-
 def _text(term: Any) -> str | None:
     return None if term is None else term.value
 
 
 def _count(graph: Queryable, pattern: str) -> Counter[str]:
     """Count what the pattern binds to ?thing, by the IRI of its package."""
-    return Counter(row[0].value for row in _rows(graph, _OWNED % pattern))
+    return Counter(row[0].value for row in select(graph, _OWNED % pattern))

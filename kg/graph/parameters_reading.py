@@ -11,6 +11,7 @@ from pyoxigraph import NamedNode
 from kg.facts import Location, Parameter
 from kg.graph import vocabulary as v
 from kg.graph.ntriples import literal
+from kg.graph.queries import select
 from kg.graph.reading import facts, grouped, one
 
 if TYPE_CHECKING:
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
 
 __all__ = ["SetParameter", "Start", "declarations", "declared_names", "set_names", "set_parameters", "starts"]
 
-_PREFIXES: Final = {"ros": v.ROS, "rnkg": v.RNKG, "rdfs": v.RDFS}
 _DECLARED: Final = "SELECT DISTINCT ?name WHERE { ?parameter rnkg:access ?access ; rnkg:name ?name }"
 _SET_NAMES: Final = """
 SELECT DISTINCT ?node ?name WHERE {
@@ -87,12 +87,12 @@ class SetParameter:
 
 def declared_names(graph: Queryable) -> list[str]:
     """Return the names of parameters as code declares them, sorted; some have unknown parts."""
-    return sorted(row[0].value for row in _rows(graph, _DECLARED))
+    return sorted(row[0].value for row in select(graph, _DECLARED))
 
 
 def set_names(graph: Queryable) -> list[str]:
     """Return the names of parameters that files set, as the nodes know them, sorted."""
-    return sorted({row["name"].value.removeprefix(f"{row['node'].value}/") for row in _rows(graph, _SET_NAMES)})
+    return sorted({row["name"].value.removeprefix(f"{row['node'].value}/") for row in select(graph, _SET_NAMES)})
 
 
 def declarations(
@@ -110,7 +110,7 @@ def declarations(
 
 def set_parameters(graph: Queryable, part: str) -> list[SetParameter]:
     """Return the parameters that files set and whose absolute name has a `part`."""
-    rows = [[term.value for term in row] for row in _rows(graph, _SET % literal(part))]
+    rows = [[term.value for term in row] for row in select(graph, _SET % literal(part))]
     owners = {start.iri: start for start in _starts(graph, {owner for _, owner, _ in rows})}
     properties = _properties(graph, {setting for setting, _, _ in rows})
     found = []
@@ -133,13 +133,13 @@ def set_parameters(graph: Queryable, part: str) -> list[SetParameter]:
 
 def starts(graph: Queryable, types: Collection[str]) -> list[Start]:
     """Return the starts of nodes of some types, by their IRIs."""
-    rows = _rows(graph, _INSTANCES % _listing(types)) if types else ()
+    rows = select(graph, _INSTANCES % _listing(types)) if types else ()
     return _starts(graph, {row[0].value for row in rows})
 
 
 def _starts(graph: Queryable, instances: Collection[str]) -> list[Start]:
     systems: defaultdict[str, str] = defaultdict(str)
-    systems.update((row[0].value, row[1].value) for row in _rows(graph, _SYSTEMS % _listing(instances)))
+    systems.update((row[0].value, row[1].value) for row in select(graph, _SYSTEMS % _listing(instances)))
     return [
         Start(iri, one(own, v.NAME) or "", systems[iri], one(own, v.INSTANCE_OF), _place(own))
         for iri, own in sorted(_properties(graph, set(systems)).items())
@@ -152,13 +152,8 @@ def _place(properties: Any) -> Location:
 
 
 def _properties(graph: Queryable, iris: Collection[str]) -> dict[str, dict[str, list[str]]]:
-    return grouped(_rows(graph, _PROPERTIES % _listing(iris))) if iris else {}
+    return grouped(select(graph, _PROPERTIES % _listing(iris))) if iris else {}
 
 
 def _listing(iris: Iterable[str]) -> str:
     return " ".join(str(NamedNode(iri)) for iri in sorted(iris))
-
-
-def _rows(graph: Queryable, text: str) -> Iterable[Any]:
-    rows: Iterable[Any] = graph.query(text, prefixes=_PREFIXES)
-    return rows

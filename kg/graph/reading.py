@@ -30,6 +30,7 @@ from kg.graph.chains import chain_of
 from kg.graph.nodes import order
 from kg.graph.ntriples import literal
 from kg.graph.plugin_slots import NAMED, SLOTS, class_key, plugins_by_class, slots_by_node
+from kg.graph.queries import select
 from kg.graph.texts_reading import DESCRIPTIONS, descriptions_of
 
 if TYPE_CHECKING:
@@ -61,7 +62,6 @@ Properties: TypeAlias = "Mapping[str, list[str]]"
 _Ends: TypeAlias = "list[tuple[Interface, str]]"
 _Settable: TypeAlias = "list[tuple[Parameter, str]]"
 
-_PREFIXES: Final = {"ros": v.ROS, "rnkg": v.RNKG, "rdf": v.RDF, "rdfs": v.RDFS}
 _ROLES: Final = {
     v.bare(v.PUBLISHER): Role.PUBLISHES,
     v.bare(v.SUBSCRIBER): Role.SUBSCRIBES,
@@ -191,14 +191,14 @@ def node_records(
     of some IRIs.
     """
     those = which(package, node, packages) if iris is None else f"VALUES ?node {{ {_listing(iris)} }} {_ANY}"
-    owners = {_text(row["node"]): row for row in _rows(graph, _OWNERS % those)}
-    properties = grouped(_rows(graph, _NODES % those))
-    sources = _listed(_rows(graph, _SOURCES % those))
-    executables = _listed(_rows(graph, _EXECUTABLES % those))
+    owners = {_text(row["node"]): row for row in select(graph, _OWNERS % those)}
+    properties = grouped(select(graph, _NODES % those))
+    sources = _listed(select(graph, _SOURCES % those))
+    executables = _listed(select(graph, _EXECUTABLES % those))
     parts = _parts(graph, those, owners)
-    slots = slots_by_node(_rows(graph, SLOTS % those), lambda found: (_location(found), chain_of(one(found, v.VIA))))
+    slots = slots_by_node(select(graph, SLOTS % those), lambda found: (_location(found), chain_of(one(found, v.VIA))))
     plugins = _plugins(graph, {one.class_name for found in slots.values() for slot in found for one in slot.defaults})
-    said = descriptions_of(_rows(graph, DESCRIPTIONS % those))
+    said = descriptions_of(select(graph, DESCRIPTIONS % those))
     found = []
     for at, owner in owners.items():
         ends, settable = parts.get(at, ([], []))
@@ -225,9 +225,9 @@ def facts(graph: Queryable, those: str) -> dict[str, tuple[NodeReference, Interf
 
     `those` is a pattern that binds ?subject to them and ends in a full stop; the prefixes ros: and rnkg: are known.
     """
-    owners = {row["subject"].value: row["node"].value for row in _rows(graph, _OWNED % those)}
+    owners = {row["subject"].value: row["node"].value for row in select(graph, _OWNED % those)}
     named = references(graph, set(owners.values()))
-    found = _facts(graph, grouped(_rows(graph, _FACTS % those)))
+    found = _facts(graph, grouped(select(graph, _FACTS % those)))
     return {iri: (named[owners[iri]], fact) for iri, fact in found.items() if owners.get(iri) in named}
 
 
@@ -235,7 +235,7 @@ def references(graph: Queryable, iris: Collection[str]) -> dict[str, NodeReferen
     """Return what stands for the node types of some IRIs; those that are not in the store are left out."""
     return {
         row["node"].value: NodeReference(*(_text(row[key]) for key in ("repository", "package", "name")))
-        for row in _rows(graph, _REFERENCES % _listing(iris))
+        for row in select(graph, _REFERENCES % _listing(iris))
     }
 
 
@@ -244,14 +244,14 @@ def _plugins(graph: Queryable, classes: set[str]) -> dict[str, list[tuple[NodeRe
     if not classes:
         return {}
     spelled = {one.replace("::", "/") for one in classes} | {one.replace("/", "::") for one in classes} | classes
-    return plugins_by_class(_rows(graph, NAMED % " ".join(map(literal, sorted(spelled)))))
+    return plugins_by_class(select(graph, NAMED % " ".join(map(literal, sorted(spelled)))))
 
 
 def programs(graph: Queryable) -> dict[str, set[str]]:
     """Return what each package of the store installs to be started; all packages are there."""
     found: defaultdict[str, set[str]] = defaultdict(set)
     pattern = "?p a rnkg:Package ; rnkg:name ?package OPTIONAL { ?p rnkg:installs ?program }"
-    for row in _rows(graph, f"SELECT ?package ?program WHERE {{ {pattern} }}"):
+    for row in select(graph, f"SELECT ?package ?program WHERE {{ {pattern} }}"):
         found[row["package"].value].update({row["program"].value} if row["program"] else ())
     return dict(found)
 
@@ -262,7 +262,7 @@ def data_files(graph: Queryable) -> list[DataFile]:
         "?r rnkg:contains ?p ; rnkg:name ?repository . ?p rnkg:contains ?file ; rnkg:name ?package . "
         "?file rnkg:content ?text ; rnkg:path ?path"
     )
-    rows = _rows(graph, f"SELECT ?repository ?package ?path ?text WHERE {{ {pattern} }}")
+    rows = select(graph, f"SELECT ?repository ?package ?path ?text WHERE {{ {pattern} }}")
     found = (DataFile(*(_text(row[name]) for name in ("repository", "package", "path", "text"))) for row in rows)
     return sorted(found, key=lambda one: (one.repository, one.package, one.path))
 
@@ -270,13 +270,13 @@ def data_files(graph: Queryable) -> list[DataFile]:
 def node_names(graph: Queryable) -> list[str]:
     """Return the names of all node types, each once, sorted."""
     return sorted(
-        {_text(row["name"]) for row in _rows(graph, "SELECT ?name WHERE { ?n a rnkg:NodeType ; rnkg:name ?name }")}
+        {_text(row["name"]) for row in select(graph, "SELECT ?name WHERE { ?n a rnkg:NodeType ; rnkg:name ?name }")}
     )
 
 
 def loaded_as(graph: Queryable, name: str) -> list[str]:
     """Return the names of the node types whose plugin is `name`, whole (`pkg::Class`) or by its last part, sorted."""
-    rows = _rows(graph, "SELECT ?name ?plugin { ?n a rnkg:NodeType ; rnkg:name ?name ; rnkg:pluginName ?plugin }")
+    rows = select(graph, "SELECT ?name ?plugin { ?n a rnkg:NodeType ; rnkg:name ?name ; rnkg:pluginName ?plugin }")
     found = {_text(row["name"]): _text(row["plugin"]) for row in rows}
     return sorted(
         one for one, plugin in found.items() if plugin == name or plugin.replace("::", "/").endswith(f"/{name}")
@@ -297,11 +297,6 @@ def which(package: str | None, node: str | None = None, packages: Iterable[str] 
         if repository:
             lines.append(f"?itsRepository rnkg:contains ?itsPackage ; rnkg:name {literal(repository)} .")
     return " ".join(lines)
-
-
-def _rows(graph: Queryable, text: str) -> Iterable[Any]:
-    rows: Iterable[Any] = graph.query(text, prefixes=_PREFIXES)
-    return rows
 
 
 def _text(term: Any) -> str:
@@ -341,7 +336,7 @@ def _parts(graph: Queryable, those: str, owners: Iterable[str]) -> dict[str, tup
     for owner in owners:
         nodes[owner.partition("#")[0]].append(owner)
     found: defaultdict[str, tuple[_Ends, _Settable]] = defaultdict(lambda: ([], []))
-    for iri, fact in _facts(graph, grouped(_rows(graph, _PARTS % those))).items():
+    for iri, fact in _facts(graph, grouped(select(graph, _PARTS % those))).items():
         interfaces, parameters = found[_owner(iri, nodes)]
         if isinstance(fact, Interface):
             interfaces.append((fact, iri))
@@ -364,13 +359,13 @@ def _facts(graph: Queryable, parts: Mapping[str, Properties]) -> dict[str, Inter
 def _types(graph: Queryable, wanted: Collection[str]) -> dict[str, str]:
     """Return the names of types by their IRIs, those `wanted` at least."""
     query = _LABELS % _listing(wanted) if len(wanted) <= _FEW else _TYPES
-    return {row["type"].value: row["label"].value for row in _rows(graph, query)}
+    return {row["type"].value: row["label"].value for row in select(graph, query)}
 
 
 def qualities(graph: Queryable, wanted: Collection[str] | None = None) -> dict[str, Qos]:
     """Return the combinations of policies of the store by their IRIs, those `wanted` at least."""
     few = f"VALUES ?subject {{ {_listing(wanted)} }}" if wanted is not None and len(wanted) <= _FEW else ""
-    return {iri: _qos(properties) for iri, properties in grouped(_rows(graph, _QOS % few)).items()}
+    return {iri: _qos(properties) for iri, properties in grouped(select(graph, _QOS % few)).items()}
 
 
 def _listing(iris: Iterable[str]) -> str:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.graph import vocabulary as v
 from kg.graph.builds import Counts
+from kg.graph.queries import select
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -15,7 +16,6 @@ if TYPE_CHECKING:
 
 __all__ = ["SourceState", "sources"]
 
-_PREFIXES: Final = {"rnkg": v.RNKG, "prov": v.PROV, "rdfs": v.RDFS}
 _BUILDS: Final = """
 SELECT ?name ?build ?predicate ?object WHERE {
   ?repository a rnkg:Repository ; rnkg:name ?name .
@@ -61,7 +61,7 @@ def sources(graph: Queryable) -> list[SourceState]:
     latest = _latest(graph)
     found = [
         _state(row["name"].value, _value(row["remote"]), _value(row["branch"]), latest.get(row["name"].value, {}))
-        for row in graph.query(_REPOSITORIES, prefixes=_PREFIXES)
+        for row in select(graph, _REPOSITORIES)
     ]
     return sorted(found, key=lambda one: one.name)
 
@@ -69,7 +69,7 @@ def sources(graph: Queryable) -> list[SourceState]:
 def _latest(graph: Queryable) -> dict[str, dict[str, str]]:
     """Return the properties of the last build of each source."""
     builds: dict[str, dict[str, dict[str, str]]] = {}
-    for row in graph.query(_BUILDS, prefixes=_PREFIXES):
+    for row in select(graph, _BUILDS):
         properties = builds.setdefault(row["name"].value, {}).setdefault(row["build"].value, {})
         properties[row["predicate"].value] = row["object"].value
     started = v.bare(v.STARTED)

@@ -39,6 +39,7 @@ from kg.facts import (
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of, likely_chain
 from kg.graph.iris import RUNNING, Iris
+from kg.graph.queries import select
 from kg.graph.reading import Queryable, end_of, facts, grouped, one, qualities, references, type_of, word
 from kg.graph.starts import STARTS
 from kg.graph.usual_ends import namespace_of, usual_ends, usual_resolution
@@ -52,7 +53,6 @@ if TYPE_CHECKING:
 
 __all__ = ["SystemName", "included", "partial_systems", "started_names", "system_names", "systems"]
 
-_PREFIXES: Final = {"ros": v.ROS, "rnkg": v.RNKG, "rdfs": v.RDFS}
 _NAMES: Final = """
 SELECT ?name ?path ?repository ?ros WHERE {
   GRAPH ?launch {
@@ -108,8 +108,8 @@ class SystemName:
 
 def system_names(graph: Queryable) -> list[SystemName]:
     """Return the configurations of the store, sorted by source and path, those of running systems too."""
-    rows = [(row["repository"].value, row) for row in graph.query(_NAMES, prefixes=_PREFIXES)]
-    rows += [(RUNNING, row) for row in graph.query(_RUNNING, prefixes=_PREFIXES)]
+    rows = [(row["repository"].value, row) for row in select(graph, _NAMES)]
+    rows += [(RUNNING, row) for row in select(graph, _RUNNING)]
     return sorted(
         SystemName(repository, row["path"].value, row["name"].value, int(row["ros"].value)) for repository, row in rows
     )
@@ -117,14 +117,14 @@ def system_names(graph: Queryable) -> list[SystemName]:
 
 def included(graph: Queryable, labels: Mapping[str, str] = _NO_LABELS) -> frozenset[str]:
     """Return the names of the configurations that others include; `labels` has other names for some of their IRIs."""
-    rows = graph.query(_INCLUDED, prefixes=_PREFIXES)
+    rows = select(graph, _INCLUDED)
     return frozenset(labels.get(row["one"].value, row["name"].value) for row in rows)
 
 
 def started_names(graph: Queryable) -> dict[str, list[str]]:
     """Return the absolute names of all instances, each with the configurations that start it, sorted."""
     found: dict[str, set[str]] = {}
-    for row in graph.query(_STARTED, prefixes=_PREFIXES):
+    for row in select(graph, _STARTED):
         found.setdefault(row["name"].value, set()).add(row["system"].value)
     return {name: sorted(found[name]) for name in sorted(found)}
 
@@ -147,7 +147,7 @@ def partial_systems(
     said of a system as a whole, are not.
     """
     iris = Iris(base)
-    rows = [[term.value for term in row] for row in graph.query(_PARTS % ends, prefixes=_PREFIXES)]
+    rows = [[term.value for term in row] for row in select(graph, _PARTS % ends)]
     unstated = [(_graph_of(iris, end.system), end) for end in usual]
     parts = {(row[0], part) for row in rows for part in row[1:]}
     parts |= {(where, part) for where, end in unstated for part in (end.system, end.instance)}
@@ -190,14 +190,14 @@ def _add(properties: dict[str, list[str]], term: str, value: str) -> None:
 def _properties(graph: Queryable, parts: Iterable[tuple[str, str]]) -> dict[str, dict[str, list[str]]]:
     """Return what graphs say of parts of systems, but for what leads on to others."""
     listed = " ".join(f"({NamedNode(where)} {NamedNode(part)})" for where, part in sorted(parts))
-    return grouped(graph.query(_OF % listed, prefixes=_PREFIXES)) if listed else {}
+    return grouped(select(graph, _OF % listed)) if listed else {}
 
 
 def _content(graph: Queryable, name: str) -> dict[str, dict[str, list[str]]]:
     return {
         iri: properties
         for query in (_GRAPH, _STARTS, _STARTED_PARTS)
-        for iri, properties in grouped(graph.query(query % name, prefixes=_PREFIXES)).items()
+        for iri, properties in grouped(select(graph, query % name)).items()
     }
 
 

@@ -12,6 +12,7 @@ from urllib.parse import unquote
 from kg.facts import InstanceInterface, Resolution
 from kg.graph import vocabulary as v
 from kg.graph.interfaces import SHAPES
+from kg.graph.queries import select
 from kg.holes import is_known
 from kg.wiring.place import Place
 
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
 
 __all__ = ["UsualEnd", "channels_by_system", "namespace_of", "unstated_ends", "usual_ends", "usual_resolution"]
 
-_PREFIXES: Final = {"ros": v.ROS, "rnkg": v.RNKG, "rdfs": v.RDFS}
 _MET: Final = """
 SELECT DISTINCT ?system ?channel ?name WHERE {
   GRAPH ?g {
@@ -95,7 +95,7 @@ class UsualEnd(NamedTuple):
 def unstated_ends(graph: Queryable, name: str | None = None) -> list[UsualEnd]:
     """Return the usual ends that systems have without stating them, or those of one absolute name."""
     usual: defaultdict[str, list[tuple[str, Role, str, str | None]]] = defaultdict(list)
-    for node, code, role, own, origin, kind in _rows(graph, _IMPLICIT):
+    for node, code, role, own, origin, kind in _values(graph, _IMPLICIT):
         meant = name is None or name.endswith(own.lstrip("~"))
         if meant and origin.startswith(_ORIGINS) and role in _ROLES:
             label = "/".join(unquote(kind).rsplit("/", 2)[-2:]) if kind else None
@@ -103,10 +103,10 @@ def unstated_ends(graph: Queryable, name: str | None = None) -> list[UsualEnd]:
     if not usual:
         return []
     stated: defaultdict[str, set[str]] = defaultdict(set)
-    for instance, code in _rows(graph, _STATED):
+    for instance, code in _values(graph, _STATED):
         stated[instance].add(code)
     found = []
-    for system, instance, full, namespace, node in _rows(graph, _STARTED):
+    for system, instance, full, namespace, node in _values(graph, _STARTED):
         place = Place(namespace or namespace_of(full), "", private=full)
         found += [
             UsualEnd(system, instance, node, code, role, place.resolve(own), label)
@@ -122,15 +122,15 @@ def channels_by_system(graph: Queryable) -> dict[str, set[tuple[str, str]]]:
     The keys are IRIs of configurations, the kinds `topic`, `service` and `action`.
     """
     found: defaultdict[str, set[tuple[str, str]]] = defaultdict(set)
-    for system, channel, name in _rows(graph, _MET):
+    for system, channel, name in _values(graph, _MET):
         found[system].add((channel.partition("#")[2].partition("/")[0], name))
     for end in unstated_ends(graph):
         found[end.system].add((end.role.channel, end.name))
     return dict(found)
 
 
-def _rows(graph: Queryable, text: str) -> Iterator[Any]:
-    for row in graph.query(text, prefixes=_PREFIXES):
+def _values(graph: Queryable, text: str) -> Iterator[Any]:
+    for row in select(graph, text):
         yield tuple(term.value if term is not None else None for term in row)
 
 
