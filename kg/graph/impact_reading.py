@@ -76,21 +76,23 @@ SELECT DISTINCT ?name ?launch WHERE {
 _TYPES: Final = ("ros:Message", "rnkg:ServiceType", "rnkg:ActionType")
 _STATING: Final = """
 SELECT DISTINCT ?graph WHERE {
-  VALUES ?value { %s }
-  ?thing ?predicate ?value .
-  { GRAPH ?graph { ?thing ?predicate ?value } } UNION
-  { ?start rnkg:hasSetting|rnkg:hasRemap ?thing . GRAPH ?graph { ?instance rnkg:startedWith ?start } } UNION
-  { GRAPH ?graph { ?instance rnkg:startedWith ?thing } }
+  { VALUES ?value { %(values)s } GRAPH ?graph { ?thing ?predicate ?value } } UNION
+  { VALUES ?value { %(values)s } ?start ?predicate ?value . GRAPH ?graph { ?instance rnkg:startedWith ?start } } UNION
+  {
+    VALUES ?value { %(values)s }
+    ?part ?predicate ?value . ?start rnkg:hasSetting|rnkg:hasRemap ?part .
+    GRAPH ?graph { ?instance rnkg:startedWith ?start }
+  }
 }"""
 """What instances are started with stands in a graph of its own, for all systems that start the same."""
 _STARTING: Final = """
 SELECT DISTINCT ?graph WHERE {
-  VALUES ?type { %s }
+  VALUES ?type { %(values)s }
   GRAPH ?graph { ?instance rnkg:instanceOf|rnkg:loadsPlugin ?type }
 }"""
 _INCLUDING: Final = """
 SELECT DISTINCT ?graph WHERE {
-  VALUES ?configuration { %s }
+  VALUES ?configuration { %(values)s }
   { GRAPH ?graph { ?other rnkg:includes ?configuration } } UNION
   { GRAPH ?graph { ?configuration rnkg:launchDialect ?dialect } }
 }"""
@@ -180,7 +182,9 @@ def systems_naming(
         (_STARTING, " ".join(f"<{iri}>" for iri in sorted(set(types)))),
         (_INCLUDING, " ".join(f"<{iri}>" for iri in sorted(set(included)))),
     )
-    return {row["graph"].value for query, values in asked if values for row in select(graph, query % values)}
+    return {
+        row["graph"].value for query, values in asked if values for row in select(graph, query % {"values": values})
+    }
 
 
 def _labels(graph: Queryable, term: str) -> list[str]:

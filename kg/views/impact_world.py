@@ -42,6 +42,7 @@ class StoredWorld:
         self._settings = settings
         self._iris = Iris(settings.base)
         self._lines: dict[tuple[str, str], Sequence[str]] = {}
+        self._graphs: dict[Subject, frozenset[str]] = {}
         self._systems: dict[frozenset[str], Sequence[System]] = {}
 
     @cached_property
@@ -68,7 +69,9 @@ class StoredWorld:
 
     def systems(self, subject: Subject) -> Sequence[System]:
         """Return the launch configurations that state a subject, or start what declares it."""
-        graphs = frozenset(self._graphs(subject))
+        if subject not in self._graphs:
+            self._graphs[subject] = frozenset(self._naming(subject))
+        graphs = self._graphs[subject]
         if graphs not in self._systems:
             names = [
                 one
@@ -86,7 +89,7 @@ class StoredWorld:
             self._lines[key] = _read(file) if file else ()
         return self._lines[key]
 
-    def _graphs(self, subject: Subject) -> set[str]:
+    def _naming(self, subject: Subject) -> set[str]:
         """Return the named graphs of the launch configurations that may have to do with a subject."""
         if subject.kind in CHANNELS:
             named = [one for one in self.nodes if any(end.resolved == subject.name for end in one.node.interfaces)]
