@@ -55,9 +55,8 @@ SELECT DISTINCT ?name WHERE {
 _AT: Final = """
 GRAPH ?graph {
   ?channel rdfs:label %s .
-  ?end rnkg:connectsTo ?channel ; rnkg:declaredBy ?code .
-  ?instance ros:hasComponent ?end .
-  ?configuration rnkg:hasInstance ?instance .
+  ?part rnkg:connectsTo ?channel ; rnkg:declaredBy ?code .
+  ?instance ros:hasComponent ?part .
 }
 VALUES ?class { %s }
 ?code a ?class ."""
@@ -102,8 +101,9 @@ def systems_at(graph: Queryable, kind: str, name: str, base: str) -> list[System
 
     Instances that do not use it are left out, and so are parameters and remappings that did not name an end.
     """
+    pattern = _AT % (literal(name), CLASSES[kind])
     usual = [end for end in unstated_ends(graph, name) if end.role.channel == kind]
-    return partial_systems(graph, system_names(graph), _AT % (literal(name), CLASSES[kind]), base, usual)
+    return partial_systems(graph, system_names(graph), [(v.HAS_COMPONENT, pattern)], base, usual)
 
 
 def findings_about(graph: Queryable, name: str) -> dict[tuple[str, str, str], tuple[list[str], list[str]]]:

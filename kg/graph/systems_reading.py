@@ -79,9 +79,16 @@ SELECT DISTINCT ?s ?p ?o WHERE {
   GRAPH <%s> { ?instance rnkg:startedWith ?start }
   GRAPH ?starts { ?start rnkg:hasSetting|rnkg:hasRemap ?s . ?s ?p ?o }
 }"""
-_PARTS: Final = (
-    "SELECT DISTINCT ?graph ?configuration ?instance ?end WHERE { %s ?configuration rnkg:hasInstance ?instance }"
-)
+_PARTS: Final = """
+SELECT DISTINCT ?graph ?configuration ?instance ?part WHERE {
+  %s GRAPH ?graph { ?configuration rnkg:hasInstance ?instance }
+}"""
+_LAUNCHES: Final = """
+SELECT ?graph ?configuration ?relation ?part WHERE {
+  VALUES (?graph ?configuration) { %s }
+  VALUES ?relation { rnkg:hasArgument rnkg:includes }
+  GRAPH ?graph { ?configuration ?relation ?part }
+}"""
 _OF: Final = """
 SELECT ?subject ?predicate ?object WHERE {
   VALUES (?graph ?subject) { %s }
@@ -137,60 +144,83 @@ def systems(graph: Queryable, names: Iterable[SystemName], base: str) -> list[Sy
     return [_Reading(name, content, records, iris).run() for name, content in contents]
 
 
-def partial_systems(
-    graph: Queryable, names: Iterable[SystemName], ends: str, base: str, usual: Iterable[UsualEnd] = ()
+def partial_systems(  # noqa: PLR0913 - the parts of systems
+    graph: Queryable,
+    names: Iterable[SystemName],
+    parts: Iterable[tuple[str, str]],
+    base: str,
+    usual: Iterable[UsualEnd] = (),
+    *,
+    launches: bool = False,
 ) -> list[System]:
-    """Return the systems of these names that have some `ends`, with these ends and their instances alone.
+    """Return the systems of these names that have some `parts`, with these and their instances alone.
 
-    `ends` is a pattern that binds ?end, its ?instance, and the ?graph and the ?configuration of that, `usual` are those
-    among the ends that are not stated. What named an end is there as well; other parameters and remappings, and what is
-    said of a system as a whole, are not.
+    `parts` are relations, each with a pattern that binds the ?part of an ?instance, and the ?graph of that. Settings
+    belong to what the instance is started with. `usual` are ends that are not stated. What named an end is there as
+    well; other parameters and remappings, and what is said of a system as a whole, are not. With `launches` all systems
+    are there, with their arguments and includes.
     """
     iris = Iris(base)
-    rows = [[term.value for term in row] for row in select(graph, _PARTS % ends)]
-    unstated = [(_graph_of(iris, end.system), end) for end in usual]
-    parts = {(row[0], part) for row in rows for part in row[1:]}
-    parts |= {(where, part) for where, end in unstated for part in (end.system, end.instance)}
-    content = _properties(graph, parts)
+    meant = {iris.configuration(one.repository, one.path): one for one in names}
+    rows = [
+        (*(term.value for term in row), v.bare(relation))
+        for relation, pattern in parts
+        for row in select(graph, _PARTS % pattern)
+    ]
+    rows = [row for row in rows if row[1] in meant]
+    graphs = {iri: iris.system_graph(name.repository, name.path) for iri, name in meant.items()}
+    unstated = [end for end in usual if end.system in meant]
+    found = {(row[0], part) for row in rows for part in row[1:-1]}
+    found |= {(graphs[end.system], part) for end in unstated for part in (end.system, end.instance)}
+    wholes = {(graphs[iri], iri) for iri in meant} if launches else set()
+    relations = [tuple(term.value for term in row) for row in select(graph, _LAUNCHES % _pairs(wholes))]
+    content = _properties(graph, iris, found | wholes | {(where, part) for where, _, _, part in relations})
+    for _, configuration, relation, part in relations:
+        _add(content[configuration], relation, part)
     chosen: dict[str, set[str]] = {}
-    for _, end in unstated:
-        _add(content[end.system], v.HAS_INSTANCE, end.instance)
+    for end in unstated:
+        _add(content[end.system], v.bare(v.HAS_INSTANCE), end.instance)
         chosen.setdefault(end.instance, set()).add(end.code)
-    for _, configuration, instance, part in rows:
-        _add(content[configuration], v.HAS_INSTANCE, instance)
-        _add(content[instance], v.HAS_COMPONENT, part)
-    leads = (v.CONNECTS_TO, v.REMAPPED_BY, v.NAMED_BY, v.STARTED_WITH)
-    places = {iris.graph(STARTS), *(where for where, _ in parts)}
-    others = {other for one_of in content.values() for term in leads for other in one_of.get(v.bare(term), ())}
-    content |= _properties(graph, {(place, other) for place in places for other in others})
-    for _, _, instance, part in rows:
-        start, remap = one(content[instance], v.STARTED_WITH), one(content[part], v.REMAPPED_BY)
+    settings = v.bare(v.HAS_SETTING)
+    for _, configuration, instance, part, relation in rows:
+        _add(content[configuration], v.bare(v.HAS_INSTANCE), instance)
+        if relation != settings:
+            _add(content[instance], relation, part)
+    leads = [v.bare(term) for term in (v.CONNECTS_TO, v.REMAPPED_BY, v.NAMED_BY, v.STARTED_WITH)]
+    led = {(where, iri) for where, part in found for term in leads for iri in content.get(part, {}).get(term, ())}
+    content |= _properties(graph, iris, {(where, iri) for where, iri in led if iri not in content})
+    for _, _, instance, part, relation in rows:
+        start, remap = one(content[instance], v.STARTED_WITH), one(content.get(part, {}), v.REMAPPED_BY)
         if start and remap:
-            _add(content[start], v.HAS_REMAP, remap)
-    terms = (v.bare(v.DECLARED_BY), v.bare(v.OVERRIDES))
+            _add(content[start], v.bare(v.HAS_REMAP), remap)
+        if start and relation == settings:
+            _add(content[start], settings, part)
+    terms = (v.bare(v.DECLARED_BY), v.bare(v.OVERRIDES), v.bare(v.SETS))
     declared = {iri for properties in content.values() for term in terms for iri in properties.get(term, ())}
-    declared |= {end.code for _, end in unstated}
+    declared |= {end.code for end in unstated}
     records = _Records(graph, [content], f"VALUES ?subject {{ {' '.join(str(NamedNode(iri)) for iri in declared)} }}")
-    configurations = {row[1] for row in rows} | {end.system for _, end in unstated}
-    meant = [one for one in names if iris.configuration(one.repository, one.path) in configurations]
-    return [_Reading(name, content, records, iris, chosen).run() for name in meant]
-
-
-def _graph_of(iris: Iris, configuration: str) -> str:
-    thing = iris.parse(configuration)
-    return iris.system_graph(*thing.parts) if thing else ""
+    having = {row[1] for row in rows} | {end.system for end in unstated} | {iri for _, iri in wholes}
+    return [_Reading(name, content, records, iris, chosen).run() for iri, name in meant.items() if iri in having]
 
 
 def _add(properties: dict[str, list[str]], term: str, value: str) -> None:
-    values = properties.setdefault(v.bare(term), [])
+    values = properties.setdefault(term, [])
     if value not in values:
         values.append(value)
 
 
-def _properties(graph: Queryable, parts: Iterable[tuple[str, str]]) -> dict[str, dict[str, list[str]]]:
-    """Return what graphs say of parts of systems, but for what leads on to others."""
-    listed = " ".join(f"({NamedNode(where)} {NamedNode(part)})" for where, part in sorted(parts))
-    return grouped(select(graph, _OF % listed)) if listed else {}
+def _properties(graph: Queryable, iris: Iris, parts: Iterable[tuple[str, str]]) -> dict[str, dict[str, list[str]]]:
+    """Return what graphs say of parts of systems, but for what leads on to others.
+
+    What instances are started with has a graph of its own.
+    """
+    starts, start = iris.graph(STARTS), f"{iris.base}start/"
+    placed = {(starts if part.startswith(start) else where, part) for where, part in parts}
+    return grouped(select(graph, _OF % _pairs(placed)))
+
+
+def _pairs(parts: Iterable[tuple[str, str]]) -> str:
+    return " ".join(f"({NamedNode(where)} {NamedNode(part)})" for where, part in sorted(parts))
 
 
 def _content(graph: Queryable, name: str) -> dict[str, dict[str, list[str]]]:

@@ -17,7 +17,7 @@ from kg.holes import is_known
 from kg.wiring.place import Place
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Collection, Iterator, Mapping
 
     from kg.facts import Interface, LaunchParameter, NodeReference, Role
     from kg.graph.reading import Queryable
@@ -92,13 +92,15 @@ class UsualEnd(NamedTuple):
     type: str | None
 
 
-def unstated_ends(graph: Queryable, name: str | None = None) -> list[UsualEnd]:
-    """Return the usual ends that systems have without stating them, or those of one absolute name."""
+def unstated_ends(graph: Queryable, name: str | None = None, types: Collection[str] | None = None) -> list[UsualEnd]:
+    """Return the usual ends that systems have without stating them, or those of one absolute name, or of some types."""
     usual: defaultdict[str, list[tuple[str, Role, str, str | None]]] = defaultdict(list)
     for node, code, role, own, origin, kind in _values(graph, _IMPLICIT):
         meant = name is None or name.endswith(own.lstrip("~"))
-        if meant and origin.startswith(_ORIGINS) and role in _ROLES:
-            label = "/".join(unquote(kind).rsplit("/", 2)[-2:]) if kind else None
+        if not (meant and origin.startswith(_ORIGINS) and role in _ROLES):
+            continue
+        label = "/".join(unquote(kind).rsplit("/", 2)[-2:]) if kind else None
+        if types is None or label in types:
             usual[node].append((code, _ROLES[role], own, label))
     if not usual:
         return []

@@ -49,7 +49,9 @@ def code_of(line: str, path: str) -> str:
         return line if at < 0 or is_open else line[:at]
     if line.lstrip().startswith(("*", "/*", "<!--")):
         return ""
-    return line.partition("<!--")[0] if "<!--" in line else re.split(r"(?<!:)//", line, maxsplit=1)[0]
+    if "<!--" in line:
+        return line.partition("<!--")[0]
+    return re.split(r"(?<!:)//", line, maxsplit=1)[0] if "//" in line else line
 
 
 def mentions(world: World, files: Iterable[FileRecord], pattern: re.Pattern[str], reason: str) -> Iterator[Effect]:

@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import FileKind, Location
+from kg.graph.impact_parts import at_channel, at_file, at_node, at_parameter, of_types
 from kg.graph.impact_reading import definition_records, file_records, package_records, systems_naming
 from kg.graph.iris import Iris
 from kg.graph.reading import node_records
-from kg.graph.systems_reading import systems
+from kg.graph.systems_reading import partial_systems
 from kg.impact import CHANNELS, FileRecord, Kind
 from kg.impact.parameters import has_parameter
 from kg.impact.types import affected_types, uses_type
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
     from kg.facts import System
     from kg.graph.reading import NodeRecord
+    from kg.graph.usual_ends import UsualEnd
     from kg.impact import DefinitionRecord, PackageRecord, Subject
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
@@ -42,8 +44,7 @@ class StoredWorld:
         self._settings = settings
         self._iris = Iris(settings.base)
         self._lines: dict[tuple[str, str], Sequence[str]] = {}
-        self._graphs: dict[Subject, frozenset[str]] = {}
-        self._systems: dict[frozenset[str], Sequence[System]] = {}
+        self._systems: dict[Subject, Sequence[System]] = {}
 
     @cached_property
     def nodes(self) -> Sequence[NodeRecord]:
@@ -68,18 +69,18 @@ class StoredWorld:
         return [*file_records(self._snapshot), *(FileRecord("", "", str(path), FileKind.CONFIG) for path in own)]
 
     def systems(self, subject: Subject) -> Sequence[System]:
-        """Return the launch configurations that state a subject, or start what declares it."""
-        if subject not in self._graphs:
-            self._graphs[subject] = frozenset(self._naming(subject))
-        graphs = self._graphs[subject]
-        if graphs not in self._systems:
+        """Return the launch configurations that state a subject, or start what declares it, with its parts of them."""
+        if subject not in self._systems:
+            graphs = self._graphs(subject)
             names = [
                 one
                 for one in known_names(self._snapshot)
                 if self._iris.system_graph(one.repository, one.path) in graphs
             ]
-            self._systems[graphs] = systems(self._snapshot, names, self._settings.base)
-        return self._systems[graphs]
+            parts, usual = self._parts(subject)
+            base = self._settings.base
+            self._systems[subject] = partial_systems(self._snapshot, names, parts, base, usual, launches=True)
+        return self._systems[subject]
 
     def lines(self, repository: str, path: str) -> Sequence[str]:
         """Return the lines of a file; none if it is large, or not on this machine."""
@@ -89,7 +90,7 @@ class StoredWorld:
             self._lines[key] = _read(file) if file else ()
         return self._lines[key]
 
-    def _naming(self, subject: Subject) -> set[str]:
+    def _graphs(self, subject: Subject) -> set[str]:
         """Return the named graphs of the launch configurations that may have to do with a subject."""
         if subject.kind in CHANNELS:
             named = [one for one in self.nodes if any(end.resolved == subject.name for end in one.node.interfaces)]
@@ -99,8 +100,7 @@ class StoredWorld:
             using = [one for one in self.nodes if any(uses_type(end, affected) for end in one.node.interfaces)]
             return systems_naming(self._snapshot, (), [one.iri for one in using])
         if subject.kind is Kind.NODE:
-            declared = [one.iri for one in self.nodes if f"{one.package}/{one.node.name}" == subject.name]
-            return systems_naming(self._snapshot, [subject.name], declared)
+            return systems_naming(self._snapshot, [subject.name], self._types_called(subject.name))
         if subject.kind is Kind.PARAMETER and subject.owner and not subject.owner.startswith("/"):
             return systems_naming(self._snapshot, (), [one.iri for one in self.nodes if has_parameter(one, subject)])
         if subject.kind is Kind.PARAMETER and subject.owner:
@@ -114,6 +114,22 @@ class StoredWorld:
             included = [self._iris.configuration(subject.owner, subject.name)]
             return systems_naming(self._snapshot, [subject.name], own, included)
         return {self._iris.system_graph(one.repository, one.path) for one in known_names(self._snapshot)}
+
+    def _parts(self, subject: Subject) -> tuple[list[tuple[str, str]], list[UsualEnd]]:
+        """Return the parts of systems that may have to do with a subject: those that are stated, and usual ends."""
+        if subject.kind in CHANNELS:
+            return at_channel(self._snapshot, subject.kind, subject.name)
+        if subject.kind in {Kind.TYPE, Kind.FIELD}:
+            affected = affected_types(self, subject.owner or subject.name)
+            return of_types(self._snapshot, (name for _, name in affected))
+        if subject.kind is Kind.NODE:
+            return at_node(self._snapshot, subject.name, self._types_called(subject.name)), []
+        if subject.kind is Kind.PARAMETER:
+            return at_parameter(subject.name), []
+        return at_file(subject.name) if subject.kind is Kind.FILE else [], []
+
+    def _types_called(self, name: str) -> list[str]:
+        return [one.iri for one in self.nodes if f"{one.package}/{one.node.name}" == name]
 
 
 def _read(file: Path) -> Sequence[str]:

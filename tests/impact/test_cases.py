@@ -14,13 +14,23 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from kg.errors import UnknownNameError, UsageError
+from kg.graph.impact_reading import arguments, channel_names
+from kg.graph.systems_reading import started_names, systems
+from kg.impact import Kind, Subject
+from kg.impact.assessing import impact as assess
 from kg.pipeline.build import build
 from kg.settings import load
 from kg.store.embedded import EmbeddedStore
 from kg.views.impact import impact
+from kg.views.impact_world import StoredWorld
+from kg.views.systems import known_names
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from kg.facts import System
     from kg.settings import Settings
+    from kg.store.snapshot import EmbeddedSnapshot
 
 HERE = Path(__file__).parent
 CASES = sorted((HERE / "cases").glob("*.json"))
@@ -71,3 +81,41 @@ def test_an_unknown_name_gets_those_that_were_meant(store: EmbeddedStore) -> Non
     assert "`crane_msgs/Load`" in (raised.value.hint or "")
     with pytest.raises(UsageError, match="unknown kind `topics`"):
         asked(store, "lift", "topics")
+
+
+class WholeWorld(StoredWorld):
+    """A world whose systems are read whole."""
+
+    def __init__(self, snapshot: EmbeddedSnapshot) -> None:
+        super().__init__(snapshot, settings())
+        self.snapshot = snapshot
+
+    def systems(self, subject: Subject) -> Sequence[System]:
+        """Return the systems of a subject with all of their parts."""
+        meant = {one.configuration.path for one in super().systems(subject)}
+        return systems(self.snapshot, [one for one in known_names(self.snapshot) if one.path in meant], settings().base)
+
+
+def subjects(snapshot: EmbeddedSnapshot, world: StoredWorld) -> Iterator[Subject]:
+    """Yield all that the workspace names."""
+    yield from (Subject(Kind(kind), name) for kind, names in channel_names(snapshot).items() for name in names)
+    yield from (Subject(Kind.ARGUMENT, name, launch) for name, launch in arguments(snapshot))
+    yield from (Subject(Kind.FILE, one.path, one.repository) for one in world.files)
+    for one in world.definitions:
+        yield Subject(Kind.TYPE, one.name)
+        yield from (Subject(Kind.FIELD, field.name, one.name) for field in one.definition.fields)
+    for record in world.nodes:
+        owner = f"{record.package}/{record.node.name}"
+        started = [name for name in started_names(snapshot) if name.endswith(f"/{record.node.name}")]
+        yield from (Subject(Kind.NODE, name) for name in (owner, *started))
+        names = {one.name for one in record.node.parameters if one.name}
+        yield from (Subject(Kind.PARAMETER, name, each) for name in names for each in ("", owner, *started))
+
+
+def test_the_parts_of_systems_that_are_read_suffice(store: EmbeddedStore) -> None:
+    """Whole systems show the same effects of each subject."""
+    with store.read() as snapshot:
+        world, whole = StoredWorld(snapshot, settings()), WholeWorld(snapshot)
+        asked = sorted(set(subjects(snapshot, world)))
+        assert {one.kind for one in asked} >= {*Kind} - {Kind.ACTION}
+        assert [assess(one, world) for one in asked] == [assess(one, whole) for one in asked]

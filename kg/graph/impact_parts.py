@@ -1,0 +1,126 @@
+"""The parts of systems that a change to a name may reach, as `kg.graph.systems_reading.partial_systems` takes them.
+
+Each is a relation and a pattern that binds ?graph, ?instance and ?part. Whole systems would take time in proportion to
+the store.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Final, TypeAlias
+
+from kg.graph import vocabulary as v
+from kg.graph.ntriples import literal
+from kg.graph.queries import select
+from kg.graph.usual_ends import unstated_ends
+from kg.holes import fits
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from kg.graph.reading import Queryable
+    from kg.graph.usual_ends import UsualEnd
+
+__all__ = ["at_channel", "at_file", "at_node", "at_parameter", "of_types"]
+
+_Parts: TypeAlias = "list[tuple[str, str]]"
+_HAVING: Final = "?instance ros:hasComponent ?part"
+_STARTED: Final = "GRAPH ?graph { ?instance rnkg:startedWith ?part }"
+_UNKNOWN: Final = 'SELECT DISTINCT ?name WHERE { ?end rnkg:resolvedName ?name FILTER(CONTAINS(?name, "{")) }'
+
+
+def at_channel(graph: Queryable, kind: str, name: str) -> tuple[_Parts, list[UsualEnd]]:
+    """Return the ends that have a name or may have it, and the settings and remappings that hold it."""
+    text, bare = literal(name), literal(name.lstrip("/"))
+    unknown = {own for row in select(graph, _UNKNOWN) if fits(own := row["name"].value, name)}
+    ends = (
+        f"GRAPH ?graph {{ ?channel rdfs:label {text} . ?part rnkg:connectsTo ?channel . {_HAVING} }}",
+        f"{_values('?name', unknown)} GRAPH ?graph {{ ?part rnkg:resolvedName ?name . {_HAVING} }}",
+        f"?remap rnkg:from {text} . GRAPH ?graph {{ ?part rnkg:remappedBy ?remap . {_HAVING} }}",
+        f"{_holding('?setting', bare)} GRAPH ?graph {{ ?part rnkg:namedBy ?setting . {_HAVING} }}",
+    )
+    usual = [end for end in unstated_ends(graph, name) if end.role.channel == kind]
+    return [*((v.HAS_COMPONENT, end) for end in ends), (v.HAS_SETTING, _setting(_holding("?part", bare)))], usual
+
+
+def at_parameter(name: str) -> _Parts:
+    """Return the settings whose name may be that of a parameter, the ends that these name, and whom those meet."""
+    last = literal(re.split(r"[./~]", name)[-1])
+    named = f"{_named('?setting', last)} GRAPH ?graph {{ ?named rnkg:namedBy ?setting }}"
+    return [
+        (v.HAS_SETTING, _setting(_named("?part", last))),
+        (
+            v.HAS_COMPONENT,
+            f"{named} GRAPH ?graph {{ ?named rnkg:connectsTo ?met . ?part rnkg:connectsTo ?met . {_HAVING} }}",
+        ),
+        (
+            v.HAS_COMPONENT,
+            f"{named} GRAPH ?graph {{ ?named rnkg:resolvedName ?met . ?part rnkg:resolvedName ?met . {_HAVING} }}",
+        ),
+    ]
+
+
+def at_node(graph: Queryable, name: str, types: Iterable[str]) -> _Parts:
+    """Return the instances of a name or of node types (IRIs), whom they meet, and what hosts, loads or lists them."""
+    kinds = f"VALUES ?type {{ {' '.join(f'<{iri}>' for iri in types)} }}"
+
+    def own(variable: str) -> str:
+        return (
+            f"{{ GRAPH ?graph {{ {variable} rnkg:name {literal(name)} ; rnkg:startedWith ?own }} }} UNION"
+            f" {{ {kinds} GRAPH ?graph {{ {variable} rnkg:instanceOf ?type ; rnkg:startedWith ?own }} }}"
+        )
+
+    names = {row["name"].value for row in select(graph, _names(own("?instance")))} | {name}
+    lasts = {one.rpartition("/")[2] for one in names if one.startswith("/")}
+    listing = f"{_values('?last', lasts)} {_holding('?part', '?last')}"
+    meeting = f"?named ros:hasComponent/rnkg:connectsTo ?met . ?part rnkg:connectsTo ?met . {_HAVING}"
+    return [
+        (v.STARTED_WITH, f"{own('?instance')} {_STARTED}"),
+        (v.HAS_COMPONENT, f"{own('?instance')} GRAPH ?graph {{ {_HAVING} }}"),
+        (v.HAS_SETTING, f"{own('?instance')} ?own rnkg:hasSetting ?part ."),
+        (v.HAS_COMPONENT, f"{own('?named')} GRAPH ?graph {{ {meeting} }}"),
+        (v.HOST, f"{own('?part')} GRAPH ?graph {{ ?instance rnkg:host ?part }}"),
+        (v.STARTED_WITH, f"{kinds} GRAPH ?graph {{ ?instance rnkg:loadsPlugin ?type }} {_STARTED}"),
+        (v.HAS_SETTING, _setting(listing)),
+    ]
+
+
+def at_file(path: str) -> _Parts:
+    """Return the instances that a file starts, and the settings that it holds."""
+    held = f"?part rnkg:path {literal(path)} ."
+    return [
+        (v.STARTED_WITH, f"GRAPH ?graph {{ ?instance rnkg:path {literal(path)} ; rnkg:startedWith ?part }}"),
+        (v.HAS_SETTING, _setting(held)),
+    ]
+
+
+def of_types(graph: Queryable, names: Iterable[str]) -> tuple[_Parts, list[UsualEnd]]:
+    """Return the ends whose messages, services or actions are of types, as `package/Type`."""
+    known = set(names)
+    relations = "ros:hasMessage|rnkg:hasServiceType|rnkg:hasActionType"
+    pattern = (
+        f"{_values('?label', known)} ?type rdfs:label ?label . ?code {relations} ?type ."
+        f" GRAPH ?graph {{ ?part rnkg:declaredBy|rnkg:overrides ?code . {_HAVING} }}"
+    )
+    return [(v.HAS_COMPONENT, pattern)], unstated_ends(graph, types=known)
+
+
+def _setting(pattern: str) -> str:
+    """Return the pattern of settings of instances; `pattern` is one for ?part."""
+    return f"{pattern} ?start rnkg:hasSetting ?part . GRAPH ?graph {{ ?instance rnkg:startedWith ?start }}"
+
+
+def _holding(variable: str, text: str) -> str:
+    return f"{variable} rnkg:value ?value FILTER(CONTAINS(?value, {text}))"
+
+
+def _named(variable: str, text: str) -> str:
+    return f"{variable} rnkg:name|(rnkg:sets/rnkg:name) ?name FILTER(CONTAINS(?name, {text}))"
+
+
+def _names(pattern: str) -> str:
+    return f"SELECT DISTINCT ?name WHERE {{ {pattern} GRAPH ?graph {{ ?instance rnkg:name ?name }} }}"
+
+
+def _values(variable: str, texts: Iterable[str]) -> str:
+    return f"VALUES {variable} {{ {' '.join(map(literal, sorted(texts)))} }}"
