@@ -71,7 +71,7 @@ def change(here: Bench, kind: str, name: str, edges: list[Pair]) -> None:
             where = "SELECT ?x { GRAPH :h { ?x ?p ?y } } LIMIT 1"
             here.update(f"INSERT {{ GRAPH :g {{ {stated} }} }} WHERE {{ {where} }}")
         case "move":
-            here.update("MOVE :g TO :h")
+            here.update("MOVE SILENT :g TO :h")
         case "head":
             write_rule(here, name)
             run_on_store(here.settings)
