@@ -80,7 +80,7 @@ SELECT DISTINCT ?graph WHERE {
   { VALUES ?value { %(values)s } ?start ?predicate ?value . GRAPH ?graph { ?instance rnkg:startedWith ?start } } UNION
   {
     VALUES ?value { %(values)s }
-    ?part ?predicate ?value . ?start rnkg:hasSetting|rnkg:hasRemap ?part .
+    ?part ?predicate ?value . ?start rnkg:hasSetting|rnkg:readsEntry|rnkg:hasRemap ?part .
     GRAPH ?graph { ?instance rnkg:startedWith ?start }
   }
 }"""

@@ -41,7 +41,7 @@ _PROPERTIES: Final = """
 SELECT ?subject ?predicate ?object WHERE {
   VALUES ?subject { %s }
   ?subject ?predicate ?object .
-  FILTER(?predicate NOT IN (ros:hasComponent, rnkg:hasSetting, rnkg:hasRemap))
+  FILTER(?predicate NOT IN (ros:hasComponent, rnkg:hasSetting, rnkg:readsEntry, rnkg:hasRemap))
 }"""
 _SYSTEMS: Final = """
 SELECT ?instance ?system WHERE {

@@ -16,7 +16,7 @@ from kg.graph.ntriples import integer, literal
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from kg.facts import InstanceParameter, InstanceRemap, Location, StartedNode
+    from kg.facts import InstanceParameter, InstanceRemap, LaunchParameter, Location, StartedNode
     from kg.graph.iris import Iris
     from kg.graph.ntriples import Writer
     from kg.graph.scope import Scope
@@ -69,16 +69,25 @@ class Start:
     def parameter(self, fact: InstanceParameter, order: int, sets: str | None) -> str:
         """Add a parameter, which `sets` one of a node type (a spelled IRI); return as `remap` does."""
         part = self._part("setting", fact.name, v.HAS_SETTING)
-        self._add(part, v.TYPE, v.SETTING)
-        self._add(part, v.NAME, literal(fact.name))
-        texts = {v.VALUE: fact.set.value, v.PARAMETER_TYPE: fact.set.type, v.REASON: fact.set.reason}
-        for term, text in texts.items():
-            if text is not None:
-                self._add(part, term, literal(text))
+        self._set(part, fact.name, fact.set)
         if sets is not None:
             self._add(part, v.SETS, sets)
         self._finish(part, order, fact.similar, fact.set.location, fact.set.chain)
         return part
+
+    def entry(self, fact: LaunchParameter, order: int) -> str:
+        """Add what names an end and is no parameter, as a node of a behavior tree; return as `remap` does."""
+        part = self._part("entry", fact.name, v.READS_ENTRY)
+        self._set(part, fact.name, fact)
+        self._finish(part, order, (), fact.location, fact.chain)
+        return part
+
+    def _set(self, part: str, name: str, fact: LaunchParameter) -> None:
+        self._add(part, v.TYPE, v.SETTING)
+        self._add(part, v.NAME, literal(name))
+        for term, text in {v.VALUE: fact.value, v.PARAMETER_TYPE: fact.type, v.REASON: fact.reason}.items():
+            if text is not None:
+                self._add(part, term, literal(text))
 
     def write(self, writer: Writer) -> str:
         """Add all triples, once for each start; return its IRI."""

@@ -100,7 +100,7 @@ class _Writing:
     def run(self) -> bytes:
         self._configuration(self._system.configuration)
         for order, parameter in enumerate(self._system.shared_parameters):
-            self._writer.add(self._subject, v.HAS_SETTING, self._setting(self._iri, parameter.name, parameter, order))
+            self._writer.add(self._subject, v.HAS_SETTING, self._setting(parameter, order))
         names: dict[str, str] = {}
         iris = self.instances()
         for iri, instance in zip(iris, self._system.instances, strict=True):
@@ -234,12 +234,18 @@ class _Writing:
         start.node(fact.started)
         remaps = [start.remap(one, place) for place, one in enumerate(fact.remaps)]
         settings = [start.parameter(one, place, self._sets(one)) for place, one in enumerate(fact.parameters)]
+        sets = {one.set for one in fact.parameters}
+        others = (end.parameter for end in fact.interfaces if end.parameter and end.parameter not in sets)
+        entries = {other: None for other in others if (self._iri, other) not in self._settings}
+        named = [(other, start.entry(other, place)) for place, other in enumerate(entries)]
         iri = start.write(self._writer)
         self._writer.add(f"<{owner}>", v.STARTED_WITH, f"<{iri}>")
         for rule, part in zip(fact.remaps, remaps, strict=True):
             self._remaps.setdefault((owner, rule.remap), f"<{iri}{part}>")
         for parameter, part in zip(fact.parameters, settings, strict=True):
             self._settings.setdefault((owner, parameter.set), f"<{iri}{part}>")
+        for entry, part in named:
+            self._settings[owner, entry] = f"<{iri}{part}>"
 
     def _sets(self, fact: InstanceParameter) -> str | None:
         """Return the spelled IRI of the parameter of a node type that a parameter sets."""
@@ -247,11 +253,11 @@ class _Writing:
         found = record.settable.get(fact.declared) if record and fact.declared else None
         return f"<{found}>" if found else None
 
-    def _setting(self, owner: str, name: str, fact: LaunchParameter, order: int) -> str:
-        part, writer = self._scope.part(owner, "setting", name.lstrip("/")), self._writer
-        self._settings.setdefault((owner, fact), part)
+    def _setting(self, fact: LaunchParameter, order: int) -> str:
+        part, writer = self._scope.part(self._iri, "setting", fact.name.lstrip("/")), self._writer
+        self._settings.setdefault((self._iri, fact), part)
         writer.add(part, v.TYPE, v.SETTING)
-        writer.add(part, v.NAME, literal(name))
+        writer.add(part, v.NAME, literal(fact.name))
         writer.add(part, v.ORDER, integer(order))
         writer.text(part, v.VALUE, fact.value)
         writer.text(part, v.PARAMETER_TYPE, fact.type)
@@ -325,12 +331,9 @@ class _Writing:
         remap = fact.remap and self._remaps.get((owner, fact.remap))
         if remap:
             self._writer.add(part, v.REMAPPED_BY, remap)
-        settings = ((place, fact.parameter) for place in (owner, self._iri)) if fact.parameter else ()
-        found = next((self._settings[key] for key in settings if key in self._settings), None)
-        if found is None and fact.parameter is not None:
-            found = self._setting(owner, fact.parameter.name, fact.parameter, 0)
-        if found:
-            self._writer.add(part, v.NAMED_BY, found)
+        if fact.parameter is not None:
+            own = self._settings.get((owner, fact.parameter))
+            self._writer.add(part, v.NAMED_BY, own or self._settings[self._iri, fact.parameter])
 
     def _channel(self, kind: str, name: str) -> str:
         iri = f"<{fragment(self._iri, kind, name.lstrip('/'))}>"

@@ -77,7 +77,7 @@ SELECT DISTINCT ?s ?p ?o WHERE { GRAPH <%s> { ?instance rnkg:startedWith ?s } GR
 _STARTED_PARTS: Final = """
 SELECT DISTINCT ?s ?p ?o WHERE {
   GRAPH <%s> { ?instance rnkg:startedWith ?start }
-  GRAPH ?starts { ?start rnkg:hasSetting|rnkg:hasRemap ?s . ?s ?p ?o }
+  GRAPH ?starts { ?start rnkg:hasSetting|rnkg:readsEntry|rnkg:hasRemap ?s . ?s ?p ?o }
 }"""
 _PARTS: Final = """
 SELECT DISTINCT ?graph ?configuration ?instance ?part WHERE {
@@ -94,7 +94,7 @@ SELECT ?subject ?predicate ?object WHERE {
   VALUES (?graph ?subject) { %s }
   GRAPH ?graph { ?subject ?predicate ?object }
   FILTER(?predicate NOT IN (
-    rnkg:hasInstance, ros:hasComponent, rnkg:hasSetting, rnkg:hasRemap, rnkg:host,
+    rnkg:hasInstance, ros:hasComponent, rnkg:hasSetting, rnkg:readsEntry, rnkg:hasRemap, rnkg:host,
     rnkg:includes, rnkg:hasArgument, rnkg:hasLaunchProblem, rnkg:resembles
   ))
 }"""
