@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Any, Final
 
-from pyoxigraph import NamedNode
+from pyoxigraph import NamedNode, RdfFormat
 
 from kg.graph import vocabulary as v
 from kg.graph.shared import SHARED
@@ -21,6 +22,7 @@ __all__ = ["keep_shared", "keep_starts", "patch_shared"]
 _FEW: Final = 20
 """Triples are taken out one by one when they are less than one in so many; else the graph is written anew."""
 _STARTED: Final = f"SELECT DISTINCT ?start WHERE {{ ?instance {v.STARTED_WITH} ?start }}"
+_START: Final = re.compile(f" {re.escape(v.STARTED_WITH)} <([^>]*)> ".encode())
 
 
 def patch_shared(
@@ -59,14 +61,34 @@ def keep_shared(
     _change(transaction, graph, present, removed, added)
 
 
-def keep_starts(transaction: EmbeddedTransaction, iris: Iris, described: set[bytes]) -> None:
-    """Give the graph of starts those that instances of the store have; `described` are lines about new ones."""
+def keep_starts(
+    transaction: EmbeddedTransaction, iris: Iris, described: set[bytes], changed: Iterable[bytes] | None = None
+) -> None:
+    """Give the graph of starts those that instances of the store have; `described` are lines about new ones.
+
+    `changed` are the lines of systems that came or went, None where that is not known.
+    """
     graph = NamedNode(iris.graph(STARTS))
+    if changed is not None:
+        named = {found[1].decode() for line in changed if (found := _START.search(line))}
+        used = {start for start in named if transaction.query(f"ASK {{ ?instance {v.STARTED_WITH} <{start}> }}")}
+        removed = b"".join(_lines_of(transaction, graph, start) for start in sorted(named - used))
+        added = b"".join(sorted(line for line in described if start_of(line, iris) in used)) if used else b""
+        if removed or added:
+            transaction.patch_graph(graph, removed, added)
+        return
     found: Any = transaction.query(_STARTED)
     wanted = {row["start"].value for row in found}
     present = set(transaction.content(graph).splitlines(keepends=True))
-    removed = {line for line in present if start_of(line, iris) not in wanted}
-    _change(transaction, graph, present, removed, described - present)
+    unused = {line for line in present if start_of(line, iris) not in wanted}
+    _change(transaction, graph, present, unused, described - present)
+
+
+def _lines_of(transaction: EmbeddedTransaction, graph: NamedNode, start: str) -> bytes:
+    """Return the triples of a start and of its parts, as N-Triples."""
+    parts = f"{{ BIND(<{start}> AS ?part) }} UNION {{ <{start}> {v.HAS_REMAP}|{v.HAS_SETTING} ?part }}"
+    found: Any = transaction.query(f"CONSTRUCT {{ ?part ?p ?o }} WHERE {{ GRAPH {graph} {{ {parts} ?part ?p ?o }} }}")
+    return found.serialize(format=RdfFormat.N_TRIPLES) or b""
 
 
 def _change(

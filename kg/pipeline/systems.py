@@ -68,13 +68,12 @@ def update_systems(  # noqa: PLR0913, PLR0917 - all that systems depend on
     sources = {source for source, _ in packages} | set(last.packages)
     known = tuple(iris.launch_graph(source, "") for source in sources)
     gone = [graph for graph in sorted(present) if known and graph.startswith(known) and graph not in work.graphs]
-    for graph in gone:
-        transaction.drop_graph(NamedNode(graph))
     starts: list[bytes] = []
     own = {graph: _without_starts(content, iris, starts) for graph, content in work.contents.items()}
-    _write(transaction, own, intact)
+    read = bool(intact) and present.intersection((*own, *gone)) <= intact
+    changed = _write(transaction, {**own, **dict.fromkeys(gone, b"")}, intact)
     if own or gone:
-        keep_starts(transaction, iris, set(starts))
+        keep_starts(transaction, iris, set(starts), changed if read else None)
     systems = work.systems()
     return systems, replace(totals(systems), changed=len(work.contents) + len(gone))
 
@@ -98,25 +97,34 @@ def _catalogue(
 
 def _without_starts(content: bytes, iris: Iris, starts: list[bytes]) -> bytes:
     """Return the lines of a system that are its own; those about what instances are started with go to `starts`."""
-    lines = content.splitlines(keepends=True)
-    starts += [line for line in lines if start_of(line, iris)]
-    return b"".join(line for line in lines if not start_of(line, iris))
+    own: list[bytes] = []
+    for line in content.splitlines(keepends=True):
+        (starts if start_of(line, iris) else own).append(line)
+    return b"".join(own)
 
 
-def _write(transaction: EmbeddedTransaction, contents: Mapping[str, bytes], intact: set[str]) -> None:
-    """Give graphs the triples that they are to have; those of `intact` are there and hold most of them."""
+def _write(transaction: EmbeddedTransaction, contents: Mapping[str, bytes], intact: set[str]) -> list[bytes]:
+    """Give graphs the triples that they are to have, and take those out that are to have none; return what differs.
+
+    Those of `intact` are there and hold most of them; what others hold is not known, and counts as nothing.
+    """
     anew: dict[NamedNode, bytes] = {}
+    changed: list[bytes] = []
     for name, content in contents.items():
         graph = NamedNode(name)
         wanted = set(content.splitlines(keepends=True))
         held = set(transaction.content(graph).splitlines(keepends=True)) if name in intact else set[bytes]()
         removed, added = held - wanted, wanted - held
-        if (len(removed) + len(added)) * _SMALL > len(wanted):
+        changed += (*removed, *added)
+        if not wanted:
+            transaction.drop_graph(graph)
+        elif (len(removed) + len(added)) * _SMALL > len(wanted):
             anew[graph] = content
         else:
             transaction.patch_graph(graph, b"".join(sorted(removed)), b"".join(sorted(added)))
     if anew:
         transaction.replace_small_graphs(anew)
+    return changed
 
 
 def used_packages(configurations: Iterable[LaunchConfiguration]) -> set[str]:

@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Final
 
 import pytest
-from hypothesis import Phase, given, settings
+from hypothesis import Phase, example, given, settings
 from hypothesis import strategies as st
 from pyoxigraph import RdfFormat
 
@@ -19,10 +19,13 @@ from kg.pipeline.build import build
 from kg.pipeline.state import load as load_state
 from kg.settings import load
 from kg.store.embedded import EmbeddedStore
+from kg.store.transaction import EmbeddedTransaction
 from kg.wiring.systems import wire as wire_system
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+    from pyoxigraph import NamedNode
 
     from kg.facts import LaunchConfiguration, System
     from kg.pipeline.report import BuildReport
@@ -149,6 +152,7 @@ edit = st.sampled_from(sorted(FIELDS)).flatmap(lambda field: st.tuples(st.just(f
 
 @settings(max_examples=4, deadline=None, derandomize=True, phases=[Phase.explicit, Phase.generate])
 @given(edits=st.lists(edit, min_size=2, max_size=4))
+@example(edits=[("launch_comment", "<!-- a\n comment -->"), ("others", False), ("space", "right")])
 def test_after_random_edits_the_store_is_that_of_a_build_from_scratch(edits: list[tuple[str, Any]]) -> None:
     """Every quad is the same, whatever way led there."""
     with TemporaryDirectory() as folder:
@@ -202,6 +206,24 @@ def test_a_launch_file_is_wired_alone(site: Site, wired: list[str]) -> None:
     """A change of a launch file wires that file."""
     site.build(Sources(space="right"))
     assert wired == ["starts/launch/start.launch.xml"]
+
+
+@pytest.mark.parametrize("changed", [{"topic": "told"}, {"launch_comment": "<!-- a\n comment -->"}])
+def test_what_other_nodes_are_started_with_is_not_read(
+    site: Site, monkeypatch: pytest.MonkeyPatch, changed: dict[str, Any]
+) -> None:
+    """A build after an edit asks only for what systems that changed are started with."""
+    graphs: list[str] = []
+
+    def content(transaction: EmbeddedTransaction, graph: NamedNode) -> bytes:
+        graphs.append(graph.value)
+        return original(transaction, graph)
+
+    original = EmbeddedTransaction.content
+    monkeypatch.setattr(EmbeddedTransaction, "content", content)
+    site.build(Sources(**changed))
+    assert any("/graph/launch/" in graph for graph in graphs)
+    assert not any(graph.endswith("/graph/starts") for graph in graphs)
 
 
 def test_node_types_are_those_of_the_graph(site: Site) -> None:
