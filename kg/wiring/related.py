@@ -8,6 +8,7 @@ agree and only one name has both ends, it is how a topic gets lost when a part o
 from __future__ import annotations
 
 from collections import defaultdict
+from functools import lru_cache
 from itertools import combinations
 from typing import TYPE_CHECKING, Final
 
@@ -69,10 +70,18 @@ def _parts(words: Words) -> Iterator[Words]:
     for at in range(len(words) - 1):
         yield words[:at] + words[at + 1 :]
     for at, segment in enumerate(words):
-        if len(segment) > _MOST_WORDS:
-            continue
-        for extra in range(1, min(_MOST_EXTRA, len(segment) - 1) + 1):
-            for gone in combinations(range(len(segment)), extra):
-                if not any(any(map(str.isdigit, segment[index])) for index in gone):
-                    rest = tuple(word for index, word in enumerate(segment) if index not in gone)
-                    yield (*words[:at], rest, *words[at + 1 :])
+        for rest in _shorter(segment):
+            yield (*words[:at], rest, *words[at + 1 :])
+
+
+@lru_cache(maxsize=16_384)
+def _shorter(segment: tuple[str, ...]) -> tuple[tuple[str, ...], ...]:
+    """Return what is left of the words of a segment without one or two; words with digits stay."""
+    if len(segment) > _MOST_WORDS:
+        return ()
+    return tuple(
+        tuple(word for index, word in enumerate(segment) if index not in gone)
+        for extra in range(1, min(_MOST_EXTRA, len(segment) - 1) + 1)
+        for gone in combinations(range(len(segment)), extra)
+        if not any(any(map(str.isdigit, segment[index])) for index in gone)
+    )

@@ -94,16 +94,24 @@ class Alike:
 @lru_cache(maxsize=65_536)
 def words_of(name: str) -> Words:
     """Return the words of each segment of a name, in small letters."""
-    return tuple(
-        tuple(word.lower() for word in _SEPARATORS.split(segment) if word) for segment in name.split("/") if segment
-    )
+    return tuple([_segment(segment)[0] for segment in name.split("/") if segment])
 
 
 @lru_cache(maxsize=65_536)
-def _form(name: str) -> tuple[object, ...]:
+def _segment(segment: str) -> tuple[tuple[str, ...], str, str]:
+    """Return the words of a segment, in small letters, these in the singular as one, and their first letters.
+
+    The names of a system share most of their segments.
+    """
+    words = tuple([word.lower() for word in _SEPARATORS.split(segment) if word])
+    return words, "".join(map(_singular, words)), "".join([word[0] for word in words])
+
+
+@lru_cache(maxsize=65_536)
+def _form(name: str) -> tuple[str, ...]:
     """Return what stays of a name without case, separators and plurals; whether it is absolute stays, too."""
     root = name[:1] if name[:1] in {"/", "~"} else ""
-    return (root, *("".join(_singular(word) for word in words) for words in words_of(name)))
+    return (root, *[_segment(segment)[1] for segment in name.split("/") if segment])
 
 
 def _singular(word: str) -> str:
@@ -157,4 +165,4 @@ def _whole(name: str) -> str:
 @lru_cache(maxsize=65_536)
 def _initials(name: str) -> str:
     """Return the first letters of all words, which a misspelt name shares."""
-    return "/".join("".join([word[0] for word in segment]) for segment in words_of(name))
+    return "/".join([_segment(segment)[2] for segment in name.split("/") if segment])
