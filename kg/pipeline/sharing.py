@@ -70,7 +70,7 @@ def keep_starts(
     """
     graph = NamedNode(iris.graph(STARTS))
     if changed is not None:
-        named = {found[1].decode() for line in changed if (found := _START.search(line))}
+        named = {match[1].decode() for line in changed if (match := _START.search(line))}
         used = {start for start in named if transaction.query(f"ASK {{ ?instance {v.STARTED_WITH} <{start}> }}")}
         removed = b"".join(_lines_of(transaction, graph, start) for start in sorted(named - used))
         added = b"".join(sorted(line for line in described if start_of(line, iris) in used)) if used else b""

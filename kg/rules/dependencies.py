@@ -119,8 +119,17 @@ def depends(reader: Atom, head: Atom) -> bool:
     # Most are told apart by a name, which is seen before anything is renamed.
     if any(isinstance(one, NamedNode) and isinstance(other, NamedNode) and one != other for one, other in pairs):
         return False
+    if _plain(reader) and _plain(head):
+        return True
     bindings: _Bindings = {}
     return all(unifies(_apart(read), _derived(written), bindings) for read, written in pairs)
+
+
+def _plain(atom: Atom) -> bool:
+    """Tell whether an atom has names and different variables alone: whatever has its names unifies with it."""
+    variables = [one.name for one in atom.positions if isinstance(one, Variable)]
+    named = sum(isinstance(one, NamedNode) for one in atom.positions)
+    return len(set(variables)) + named == len(atom.positions)
 
 
 def _auxiliary(predicate: Pattern) -> bool:

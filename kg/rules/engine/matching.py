@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from kg.rules.engine.facts import Facts, Keys
     from kg.rules.engine.plan import Match, Node
 
-__all__ = ["Pairs", "Reading", "estimate", "match"]
+__all__ = ["Pairs", "Reading", "match", "spread"]
 
 _LOW: Final = 0xFFFFFFFF
 _MANY: Final = 512
@@ -45,7 +46,7 @@ class Pairs:
         if many or self.facts.has_starts(self.predicate, self.terms, by_object=by_object):
             starts = self.facts.starts(self.predicate, self.terms, by_object=by_object)
             return starts[needles], starts[needles + 1]
-        return np.searchsorted(keys, needles << 32), np.searchsorted(keys, (needles + 1) << 32)
+        return keys.searchsorted(needles << 32), keys.searchsorted((needles + 1) << 32)
 
     def slice(self, term: int, *, by_object: bool) -> Keys:
         """Return the other ends of the pairs of one term, sorted."""
@@ -160,25 +161,22 @@ def _none_free(table: Table, subject: Node, value: Node, pairs: Pairs) -> Table:
     return table if there[0] else table.take(slice(0, 0))
 
 
-def estimate(table: Table, atom: Match, facts: Facts) -> float:
-    """Estimate the rows of the table joined with an atom."""
-    predicate, rows = atom.predicate, table.rows
-    subject = isinstance(atom.subject, int) or atom.subject in table.columns
-    value = isinstance(atom.object, int) or atom.object in table.columns
-    if not isinstance(predicate, int):
-        size = float(len(facts))
+def spread(atom: Match, facts: Facts, *, subject: bool, value: bool, predicate: bool) -> tuple[float, float]:
+    """Estimate how many rows come of one where these nodes of an atom are known, and how many of all at the most."""
+    if not isinstance(atom.predicate, int):
         if subject and value:
-            return float(rows)
-        spread = max(size, 1.0) ** 0.5 if subject or value else size
-        return rows * (spread if predicate in table.columns else 2 * spread)
-    total = facts.keys(predicate).size
+            return 1.0, inf
+        size = float(len(facts))
+        size = max(size, 1.0) ** 0.5 if subject or value else size
+        return (size if predicate else 2 * size), inf
+    total = facts.keys(atom.predicate).size
     if not total:
-        return 0.0
+        return 0.0, 0.0
     if subject and value:
-        return min(rows, total) * 0.5
+        return 0.5, total * 0.5
     if not subject and not value:
-        return float(rows * total)
+        return float(total), inf
     known = atom.subject if subject else atom.object
     if isinstance(known, int):
-        return float(rows * facts.pairs_of(predicate, known, by_object=value).size)
-    return rows * facts.fan_out(predicate, by_object=value)
+        return float(facts.pairs_of(atom.predicate, known, by_object=value).size), inf
+    return facts.fan_out(atom.predicate, by_object=value), inf

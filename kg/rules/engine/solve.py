@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from kg.rules.engine.groups import grouped
-from kg.rules.engine.matching import Reading, estimate, match
+from kg.rules.engine.matching import Reading, match, spread
 from kg.rules.engine.plan import Assign, Block, Grouped, Match, Nested, Rows, Structure, Test
 from kg.rules.engine.shortcuts import has_shortcut
 from kg.rules.engine.tables import CHUNK, UNIT, Table, TooManyRowsError, concatenate, distinct_rows, join
@@ -62,6 +62,8 @@ class Solver:
     view: View
     matched: dict[int, int] = field(default_factory=dict)
     """For each element of the rule's body the rows after it, added up."""
+    spreads: dict[tuple[int, bool, bool, bool], tuple[float, float]] = field(default_factory=dict)
+    """For each atom, and which of its nodes are known, `spread`: it is asked for before each step."""
 
     def solutions(
         self, body: Body, outputs: frozenset[str], seeds: Table = UNIT, *, bag: bool = False
@@ -124,7 +126,8 @@ class Solver:
         """Estimate the rows after a step; None while it cannot run. Cheap tests come before joins, dear ones after."""
         bound = table.columns.keys()
         if isinstance(step, Match):
-            return estimate(table, step, self.view.sources[step.number])
+            factor, most = self._spread(table, step)
+            return min(table.rows * factor, most)
         if isinstance(step, Test):
             cost = 0.1 if has_shortcut(step.expression.text) else 0.55
             return table.rows * cost if step.seen <= bound else None
@@ -137,6 +140,18 @@ class Solver:
         if isinstance(step, Rows):
             return float(step.size) if step.names & bound else float(step.size * table.rows)
         return table.rows * 1.1 + 1.0 if not bound or step.names & bound else table.rows * 1e3
+
+    def _spread(self, table: Table, step: Match) -> tuple[float, float]:
+        columns = table.columns
+        subject = step.subject in columns or isinstance(step.subject, int)
+        value = step.object in columns or isinstance(step.object, int)
+        key = step.number, subject, value, step.predicate in columns
+        found = self.spreads.get(key)
+        if found is None:
+            facts = self.view.sources[step.number]
+            found = spread(step, facts, subject=subject, value=value, predicate=key[3])
+            self.spreads[key] = found
+        return found
 
     def _apply(self, table: Table, step: Step, needed: frozenset[str]) -> Table:
         if isinstance(step, Match):
@@ -207,7 +222,7 @@ class Solver:
 
     def _inner(self) -> Solver:
         """Return a solver whose rows are not counted."""
-        return Solver(self.shop, self.view)
+        return Solver(self.shop, self.view, spreads=self.spreads)
 
     def _grouped(self, table: Table, step: Grouped) -> Table:
         """Join with the groups; those only that are asked for, where that is known and few."""

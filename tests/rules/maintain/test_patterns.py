@@ -49,12 +49,31 @@ def test_rules_of_other_classes_are_not_solved(solved: set[str]) -> None:
     """All read the same predicate: the class that came decides, and then what follows from it."""
     rules = [rule(f"?x :is :d{n}", f"?x :is :c{n}", name=f"test/r{n}") for n in range(5)]
     rules.append(rule("?x :is :e", "?x :is :d3 . ?x :p ?y", name="test/further"))
-    kept = Kept(rules, ":b :is :c1\n:b :p :c")
-    assert kept.change(":a :is :c3") == ["+:a :is :d3"]
+    kept = Kept(rules, ":b :is :c1\n:a :p :c")
+    assert kept.change(":a :is :c3") == ["+:a :is :d3", "+:a :is :e"]
     assert solved == {"test/r3", "test/further"}
     solved.clear()
-    assert kept.change(deleted=":a :is :c3") == ["-:a :is :d3"]
+    assert kept.change(deleted=":a :is :c3") == ["-:a :is :d3", "-:a :is :e"]
     assert "test/r1" not in solved
+
+
+def test_rules_of_which_no_changed_triple_meets_the_other_atoms_are_not_solved(solved: set[str]) -> None:
+    """Each atom that shares a variable with what changed needs a triple, at either end or at both."""
+    rules = [
+        rule("?x :is :far", "?x :is :seen . ?x :p ?y", name="test/from"),
+        rule("?x :is :near", "?x :is :seen . ?y :p ?x", name="test/to"),
+        rule("?x :is :named", "?x :is :seen . ?x :is :thing", name="test/named"),
+        rule("?x :both ?y", "?x :p ?y . ?y :p ?x", name="test/both"),
+    ]
+    kept = Kept(rules, ":b :p :c\n:c :is :thing")
+    assert kept.change(":a :is :seen") == []
+    assert solved == set()
+    assert kept.change(":b :is :seen") == ["+:b :is :far"]
+    assert solved == {"test/from"}
+    assert kept.change(":c :is :seen") == ["+:c :is :named", "+:c :is :near"]
+    assert kept.change(":c :p :d") == ["+:c :is :far"]
+    assert "test/both" not in solved
+    assert kept.change(":c :p :b") == ["+:b :both :c", "+:b :is :near", "+:c :both :b"]
 
 
 def test_what_was_asserted_and_follows_too_stays_though_nothing_that_its_rule_reads_changed() -> None:
