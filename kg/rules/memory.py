@@ -87,9 +87,8 @@ def load(cache: Path, digest: str) -> Memory | None:
     header = json.loads(content[_DIGEST_BYTES:end])
     if header["digest"] != digest:
         return None
-    dictionary = Dictionary()
     place = end + 1 + header["spellings"]
-    dictionary.intern_all(content[end + 1 : place].split(b"\n"))
+    dictionary = Dictionary.of(content[end + 1 : place].split(b"\n"))
     memory = Memory(max(numbers), digest, dictionary, {_graph(name): Facts() for name in header["graphs"]})
     for name, predicate, size in header["sections"]:
         keys = np.frombuffer(content, np.int64, size, place)

@@ -54,6 +54,14 @@ class Dictionary:
         self._kinds = np.zeros(1, np.int8)
         self._parts: dict[int, tuple[int, int, int]] = {}
 
+    @classmethod
+    def of(cls, spellings: Sequence[bytes]) -> Dictionary:
+        """Return a dictionary of different terms, with identifiers in their order."""
+        made = cls()
+        made._spellings += spellings
+        made._identifiers.update(zip(spellings, range(1, len(spellings) + 1), strict=True))
+        return made
+
     def __len__(self) -> int:
         return len(self._spellings)
 
