@@ -61,8 +61,8 @@ def hand_back(
         if kind is None or not (kind.reference or kind.pointer) or kind.constant:
             continue
         value = frame.variables.get(parameter.name)
-        lost = not kind.pointer and isinstance(before, Text)
-        if type(value) in _HANDED or (lost and isinstance(value, Unknown)):
+        unknown = isinstance(value, Unknown) and not kind.pointer and (isinstance(before, Text) or value.parameter)
+        if type(value) in _HANDED or unknown:
             machine.put(expression, cast("Value", value), caller)
 
 

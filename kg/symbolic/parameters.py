@@ -81,7 +81,7 @@ class Parameters:
         whole = _whole_name(owner, prefixed(prefix, name) if prefix is not None else name)
         shown = whole.shown if isinstance(whole, Text) else None
         default = call.argument(effect.default) if effect.value is None else _literal(effect.value)
-        if isinstance(default, Object) and default.kind.name in _DESCRIPTORS:
+        if isinstance(default, Object) and (default.kind.name in _DESCRIPTORS or _is_blank(default)):
             default = None
         stated = _stated_type(default)
         if isinstance(default, TypeValue):
@@ -189,6 +189,11 @@ def _stated_type(default: Value | None) -> str | None:
 
 def _is_dynamic(descriptor: Value | None) -> bool:
     return isinstance(descriptor, Object) and descriptor.fields.get("dynamic_typing") == Truth(True)
+
+
+def _is_blank(of: Object) -> bool:
+    """Return whether an object of a class outside was made of nothing, so that it is no default."""
+    return of.kind.cls is None and of.native.get("empty") == Truth(True)
 
 
 def _is_pair(value: Value | None) -> bool:

@@ -12,7 +12,7 @@ from kg.extract.cpp.construction import Constructions
 from kg.extract.cpp.copies import Copies
 from kg.extract.cpp.kinds import Kinds, inside, this_of
 from kg.symbolic import form
-from kg.symbolic.containers import counted, element, elements, with_element
+from kg.symbolic.containers import counted, element, elements, key_of, with_element
 from kg.symbolic.kinds import pointee
 from kg.symbolic.state import Alias, Frame
 from kg.symbolic.values import (
@@ -207,6 +207,8 @@ class Cpp:
         if isinstance(of, Sequence) and name in _PAIR and len(of.items) == len(_PAIR):
             return of.items[_PAIR.index(name)]
         if isinstance(of, Text | Unknown) and of.parameter is not None:
+            if name in _PAIR and of.parameter.endswith("[]"):  # what a map has at a key
+                return of if name == "second" else key_of(of.parameter[:-2])
             return Text.hole(f"it is part of a parameter: {of.parameter}", parameter=f"{of.parameter}.{name}")
         return Unknown(of.reason if isinstance(of, Unknown) else f"the member {name} is not known")
 
@@ -292,7 +294,7 @@ class Cpp:
             return value
         if isinstance(value, Text):
             held = self.machine.value(target, frame)
-            if isinstance(held, Object):
+            if isinstance(held, Object) and (held.kind.cls is not None or self.machine.framework.constructs(held.kind)):
                 return self.construct(held.kind, [value], frame)
         if isinstance(value, Number):
             kind = self.kinds.type_of(target, frame)

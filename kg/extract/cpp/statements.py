@@ -10,6 +10,7 @@ from tree_sitter import Query
 from kg.extract.cpp import syntax
 from kg.extract.cpp.expressions import PREPROCESSED, line_of
 from kg.symbolic.form import (
+    Assign,
     Binary,
     Block,
     Branch,
@@ -332,15 +333,18 @@ def _names(declarator: Node) -> list[str]:
 
 def _iterated(first: list[Statement], condition: Expression | None) -> tuple[str, Expression] | None:
     """Return iterator and container of `for (it = c.begin(); it != c.end(); ++it)`, where `*it` is an element."""
-    declared = first[0] if len(first) == 1 else None
-    begin = declared.value if isinstance(declared, Declare) else None
-    if not (isinstance(begin, Call) and isinstance(begin.function, Member) and begin.function.name in _BEGINNINGS):
+    match first:
+        case [Declare(name=name, value=value) | Step(value=Assign(target=Name(names=(name,)), value=value, sign=""))]:
+            pass
+        case _:
+            return None
+    if not (isinstance(value, Call) and isinstance(value.function, Member) and value.function.name in _BEGINNINGS):
         return None
-    if not (isinstance(condition, Binary) and condition.sign == "!=" and isinstance(declared, Declare)):
+    if not (isinstance(condition, Binary) and condition.sign == "!="):
         return None
-    if not any(isinstance(one, Name) and one.names == (declared.name,) for one in condition.operands):
+    if not any(isinstance(one, Name) and one.names == (name,) for one in condition.operands):
         return None
-    return declared.name, begin.function.of
+    return name, value.function.of
 
 
 def _condition(node: Node) -> tuple[Node | None, Node | None]:
