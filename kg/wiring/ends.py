@@ -63,9 +63,7 @@ class Ends:
             if declared.name is not None and (declared.implicit or declared.name.endswith(_CAMERA_INFO)):
                 later.append(declared)
                 continue
-            for value, whole in members(declared, node, self.settings, self.place):
-                name = named(declared, node, value)
-                name = replace(name, parameter=whole) if name.parameter is not None else name
+            for name in self._names(declared, node):
                 end = self._placed(declared, owner, name, self.place, _handle(declared, node))
                 made.setdefault(declared.location, []).append(end)
                 yield end
@@ -76,6 +74,23 @@ class Ends:
             else:
                 name = self._named(declared, node, declared.parameter, self.place)
                 yield self._placed(declared, owner, name, self.place, _handle(declared, node))
+
+    def _names(
+        self, declared: Interface, node: NodeType, done: frozenset[str] = frozenset({ANONYMOUS})
+    ) -> Iterator[Named]:
+        """Yield the names of an interface, several parts of which can be parameters; holes that are `done` stay."""
+        done |= {hole_of(declared.parameter or "")}
+        for value, whole in members(declared, node, self.settings, self.place):
+            name = named(declared, node, value)
+            name = replace(name, parameter=whole) if name.parameter is not None else name
+            left = name.name if name.parameter is not None and name.name is not None else ""
+            asked = [one.name for one in node.parameters if one.name is not None] if "{" in left else ()
+            sources = {hole_of(source): source for one in asked for source in (one, f"{one}[key]")}
+            other = next((source for hole, source in sources.items() if hole in left and hole not in done), None)
+            if other is None:
+                yield name
+            else:
+                yield from self._names(replace(declared, name=left, parameter=other), node, done)
 
     def _beside(self, declared: Interface, base: InstanceInterface) -> InstanceInterface:
         """Return an end whose name is made of that of another after its remapping, as `image_transport` does."""
