@@ -13,6 +13,8 @@ package and its repository is among the sources at the commit that it names. Typ
     python benchmarks/accuracy checkouts/* --truth truth --scorer score_interfaces.py
     # one repository, with all that was missed of it in misses/TRUTH.LEVEL.jsonl
     python benchmarks/accuracy checkouts/* --only husky/husky --truth truth --scorer score_interfaces.py --misses misses
+    # names of launched systems count, too: those that `kg instances --json` printed for the same checkout
+    python benchmarks/accuracy checkouts/universe --instances instances.jsonl --truth truth --scorer score_interfaces.py
     # one package, its records as `kg nodes --json` prints them in records.jsonl
     python benchmarks/accuracy checkouts/husky --package husky_base --truth ... --scorer ... --records records.jsonl
 """
@@ -37,6 +39,7 @@ from accuracy.scoring import (
     Scores,
     load_scorer,
     score_file,
+    that_sources_hold,
     without_command_line,
 )
 
@@ -71,6 +74,8 @@ def _measure(options: argparse.Namespace, scorer: ModuleType, by_file: dict[Path
         raise SystemExit("none of the sources is a folder (that --only names)")
     readings = read_sources(roots, together=options.together, workers=options.workers, package=options.package)
     _report_reading(readings)
+    for instance in scorer.lines(options.instances) if options.instances else ():
+        _add_instance(instance, readings)
     if options.records:
         _write(options.records, [record for reading in readings for record in reading.records])
     if options.problems:
@@ -87,6 +92,9 @@ def _measure(options: argparse.Namespace, scorer: ModuleType, by_file: dict[Path
                 written = [without_command_line(truth) for truth in truths]
                 undone = score_file(scorer, written, readings, level)
                 rows.append(_row(f"{file.stem}, command line undone", level, undone))
+            if any(one.get("corroborated") == "none" for truth in truths for key in INTERFACES for one in truth[key]):
+                held = score_file(scorer, [that_sources_hold(truth) for truth in truths], readings, level)
+                rows.append(_row(f"{file.stem}, names that the sources hold", level, held))
             if options.by_source:
                 rows.extend(
                     _row(f"  {name}", level, Scores({name: counts})) for name, counts in scores.by_source.items()
@@ -100,6 +108,21 @@ def _measure(options: argparse.Namespace, scorer: ModuleType, by_file: dict[Path
         options.table.write_text(table + "\n")
 
 
+def _add_instance(instance: Record, readings: list[Reading]) -> None:
+    """Add the names that a launched node has to what was read of its package."""
+    ends = {
+        role: [{**end, "name": end["resolved"]} for end in instance[role] if end["resolved"]] for role in INTERFACES
+    }
+    for reading in readings:
+        of = next((one for one in reading.records if _identity(one) == _identity(instance)), None)
+        if of is not None:
+            reading.records.append({**of, **ends, "parameters": []})
+
+
+def _identity(record: Record) -> tuple[str, str]:
+    return record["package"], record["node"]
+
+
 def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("sources", nargs="*", type=Path, help="folders to read, each one checkout")
@@ -109,6 +132,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--only", metavar="REPO", help="only the sources whose folder or remote has this in its name")
     parser.add_argument("--package", help="only this package of the sources")
     parser.add_argument("--together", action="store_true", help="all sources are one build")
+    parser.add_argument("--instances", type=Path, metavar="FILE", help="what `kg instances --json` printed of these")
     parser.add_argument("--workers", type=int, default=2, help="processes (default 2)")
     parser.add_argument("--by-source", action="store_true", help="a row for each source as well")
     parser.add_argument("--misses", type=Path, metavar="DIR", help="write what was missed to DIR/TRUTH.LEVEL.jsonl")

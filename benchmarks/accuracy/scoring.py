@@ -17,7 +17,16 @@ if TYPE_CHECKING:
 
     from accuracy.reading import Reading
 
-__all__ = ["INTERFACES", "LEVELS", "Record", "Scores", "load_scorer", "score_file", "without_command_line"]
+__all__ = [
+    "INTERFACES",
+    "LEVELS",
+    "Record",
+    "Scores",
+    "load_scorer",
+    "score_file",
+    "that_sources_hold",
+    "without_command_line",
+]
 
 INTERFACES = ("publishes", "subscribes", "services", "clients", "action_servers", "action_clients")
 LEVELS = ("node", "package")
@@ -94,6 +103,12 @@ def without_command_line(truth: Record) -> Record:
             entry.setdefault("before_remap", before.get(entry["name"]))
         changed[category] = [entry for entry in entries if entry["name"] not in given]
     return changed
+
+
+def that_sources_hold(truth: Record) -> Record:
+    """Return a record without the names that, by its own word, stand in no source, not even in part."""
+    kept = {key: [one for one in truth.get(key) or () if one.get("corroborated") != "none"] for key in INTERFACES}
+    return {**truth, **kept}
 
 
 def _beside(image: str) -> str:
