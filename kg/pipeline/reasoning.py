@@ -184,9 +184,10 @@ def _kept(  # noqa: PLR0913, PLR0917 - what rules are made of
 
 @lru_cache(maxsize=1)
 def _code() -> str:
-    """Return what stands for the code that reads rules."""
+    """Return what stands for the code that reads rules and puts them in order."""
     own = Path(__file__).resolve().parent.parent / "rules"
-    parts = ("decompose", "form.py", "notations", "reading.py", "specialise.py", "syntax")
+    files = ("compiled.py", "dependencies.py", "form.py", "reading.py", "specialise.py", "stratify.py")
+    parts = (*files, "decompose", "notations", "syntax")
     return f"{resources.digest(own / name for name in parts)} {pyoxigraph.__version__}"
 
 

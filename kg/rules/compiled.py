@@ -10,15 +10,18 @@ from __future__ import annotations
 
 import io
 import pickle
+from dataclasses import fields, is_dataclass
 from hashlib import blake2b
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.rules.files import Documentation, RuleFile, RuleSet
+from kg.rules.stratify import stratify
 from kg.store.layout import write_atomically
 
 if TYPE_CHECKING:
     from kg.rules.form import Rule
+    from kg.rules.stratify import Stratum
 
 __all__ = ["load", "save"]
 
@@ -27,12 +30,22 @@ _BYTES: Final = 16
 _CLASSES: Final = frozenset(
     {
         *(("kg.rules.form", name) for name in ("Aggregate", "Assignment", "Atom", "Column", "EngineBlock", "Exists")),
+        ("kg.rules.stratify", "Stratum"),
         *(("kg.rules.form", name) for name in ("Expression", "Filter", "Rule", "TripleTerm", "Values", "Variable")),
         *(("pyoxigraph", name) for name in ("BlankNode", "Literal", "NamedNode", "Triple")),
         ("kg.errors", "Place"),
         ("builtins", "frozenset"),
     }
 )
+
+
+class _Writer(pickle.Pickler):
+    """Writes data classes as calls with their fields, which are read in half the time."""
+
+    def reducer_override(self, value: Any) -> Any:
+        if is_dataclass(value) and not isinstance(value, type):
+            return type(value), tuple(getattr(value, one.name) for one in fields(value) if one.init)
+        return NotImplemented
 
 
 class _Reader(pickle.Unpickler):
@@ -57,23 +70,28 @@ def load(cache: Path, mark: str) -> RuleSet | None:
     if head != _digest(mark.encode()) + _digest(packed):
         return None
     try:
-        rules, data = _Reader(io.BytesIO(packed)).load()
+        return _together(*_Reader(io.BytesIO(packed)).load())
     except (pickle.UnpicklingError, AttributeError, TypeError, ValueError):
         return None
-    return _together(rules, data)
 
 
 def save(cache: Path, mark: str, rule_set: RuleSet) -> RuleSet:
-    """Keep rules, and return them as `load` will; OSError when they cannot be written."""
-    packed = pickle.dumps((rule_set.rules, rule_set.data), protocol=pickle.HIGHEST_PROTOCOL)
+    """Keep rules, and return them as `load` will.
+
+    Raises OSError when they cannot be written, and RuleError KG202, KG204 where they have no order.
+    """
+    parts = (rule_set.rules, rule_set.data, tuple(stratify(rule_set.rules, bounded=True)), rule_set.digest)
+    written = io.BytesIO()
+    _Writer(written, pickle.HIGHEST_PROTOCOL).dump(parts)
+    packed = written.getvalue()
     content = _digest(mark.encode()) + _digest(packed) + packed
     cache.mkdir(parents=True, exist_ok=True)
     write_atomically(cache / _NAME, content, durable=False)
-    return _together(rule_set.rules, rule_set.data)
+    return _together(*parts)
 
 
-def _together(rules: tuple[Rule, ...], data: Any) -> RuleSet:
-    return RuleSet((RuleFile(_NAME, Path(_NAME), "", Documentation(), rules, data),))
+def _together(rules: tuple[Rule, ...], data: Any, strata: tuple[Stratum, ...], digest: str) -> RuleSet:
+    return RuleSet((RuleFile(_NAME, Path(_NAME), "", Documentation(), rules, data),), strata, digest)
 
 
 def _digest(content: bytes) -> bytes:

@@ -23,6 +23,7 @@ A header has the same form in the three notations, all of which begin comments w
 from __future__ import annotations
 
 from dataclasses import dataclass
+from hashlib import blake2b
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
@@ -32,8 +33,11 @@ if TYPE_CHECKING:
     from pyoxigraph import Triple
 
     from kg.rules.form import Rule
+    from kg.rules.stratify import Stratum
 
 __all__ = ["HEADINGS", "NOTATIONS", "REQUIRED_HEADINGS", "Documentation", "RuleFile", "RuleSet", "family_of"]
+
+_BYTES: Final = 16
 
 HEADINGS: Final = ("What it infers", "Why", "How to mend", "Known limits", "References")
 """The headings that documentation may have, in their order."""
@@ -96,6 +100,15 @@ class RuleSet:
     """The rule files in force, sorted by name."""
 
     files: tuple[RuleFile, ...]
+    strata: tuple[Stratum, ...] = ()
+    """The order in which the rules run, where it is known already."""
+    kept_digest: str = ""
+    """The digest, where it is known already."""
+
+    @property
+    def digest(self) -> str:
+        """What tells the rules and data of one set from those of another."""
+        return self.kept_digest or blake2b(repr((self.rules, self.data)).encode(), digest_size=_BYTES).hexdigest()
 
     @property
     def rules(self) -> tuple[Rule, ...]:

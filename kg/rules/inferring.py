@@ -84,7 +84,7 @@ class Reasoner:
         digest = self._digest if rule_set is self._taken else _digest(rule_set, self._names)
         self._taken = rule_set
         if digest != self._digest:
-            self._program = Program(rule_set.rules)
+            self._program = Program(rule_set.rules, rule_set.strata)
             self._what = wanted(rule_set.rules)
             self._digest = digest
             self.forget()
@@ -235,5 +235,4 @@ def _shown(memory: Memory, data: Facts) -> Facts:
 
 def _digest(rule_set: RuleSet, names: Names) -> str:
     """Return what tells sets of rules apart, with the graphs that they leave out."""
-    text = repr((names, rule_set.rules, rule_set.data))
-    return blake2b(text.encode(), digest_size=16).hexdigest()
+    return blake2b(f"{names} {rule_set.digest}".encode(), digest_size=16).hexdigest()

@@ -60,10 +60,13 @@ class Outcome:
 class Program:
     """A set of rules, stratified; plans and what expressions gave are kept for each dictionary it runs over."""
 
-    def __init__(self, rules: Iterable[Rule]) -> None:
-        """Raise `RuleError` KG202 for rules that cannot be stratified, KG204 for volatile functions in recursion."""
+    def __init__(self, rules: Iterable[Rule], strata: Sequence[Stratum] = ()) -> None:
+        """Raise `RuleError` KG202 for rules that cannot be stratified, KG204 for volatile functions in recursion.
+
+        `strata` are those of `rules`, where they are known already.
+        """
         self.rules = tuple(rules)
-        self.strata: list[Stratum] = stratify(self.rules, bounded=True)
+        self.strata = strata or stratify(self.rules, bounded=True)
         self._bound: WeakKeyDictionary[Dictionary, _Bound] = WeakKeyDictionary()
 
     @property
