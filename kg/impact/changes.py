@@ -18,7 +18,7 @@ from kg.impact.assessing import impact
 from kg.impact.files import file_effects, file_mentions
 from kg.impact.model import GIVING, VERBS, Area, Effect, Grade, Kind, Subject, merged
 from kg.impact.parameters import same_parameter
-from kg.impact.started import ends_of, partners
+from kg.impact.started import end_effect, ends_of, partners
 from kg.impact.values import area_of
 
 if TYPE_CHECKING:
@@ -198,7 +198,10 @@ def _lost(before: System, after: System) -> Iterator[tuple[_Loss, Effect]]:
             types = kept[1].declared.type, opposite.declared.type
             if all(types) and types[0] != types[1] and kept[1].declared.type == end.declared.type:
                 reason = f"{other.name} has type {types[1]} now, and it has {types[0]}"
-                yield _loss(before, (other, opposite)), _effect(after, kept, Grade.BREAKS, reason)
+                yield (
+                    _loss(before, (other, opposite)),
+                    end_effect(kept, Grade.BREAKS, reason, [after.configuration.name]),
+                )
 
 
 def _kept(before: System, now: Mapping[str, NodeInstance]) -> Iterator[tuple[NodeInstance, InstanceInterface, End]]:
@@ -273,29 +276,18 @@ def _losing(system: System, end: End, lost: End, now: Mapping[str, NodeInstance]
         still.type is None
         or any(one.declared.role is opposite.declared.role and not is_known(one.resolved) for one in still.interfaces)
     )
+    grade = Grade.MAY
     if left:
-        return _effect(system, end, Grade.MAY, f"{reason}; {', '.join(left[:3])} remain{'s' if len(left) == 1 else ''}")
-    if condition is not None:
-        return _effect(system, end, Grade.MAY, f"{reason}, if {condition}")
-    if unknown:
-        return _effect(system, end, Grade.MAY, f"{reason}, unless a name of it that is not known is this one")
-    if still is None and end[1].declared.role in GIVING:
-        return _effect(system, end, Grade.MAY, f"{reason}; nobody else uses it")
-    return _effect(system, end, Grade.BREAKS, f"{reason} and has nobody else at the other side")
-
-
-def _effect(system: System, end: End, grade: Grade, reason: str) -> Effect:
-    instance, one = end
-    return Effect(
-        grade,
-        Area.SYSTEMS,
-        f"{instance.name} {VERBS[one.declared.role]} {one.resolved}",
-        reason,
-        one.declared.location,
-        one.declared.location.repository or one.owner.repository,
-        (system.configuration.name,),
-        instance.started.location,
-    )
+        reason = f"{reason}; {', '.join(left[:3])} remain{'s' if len(left) == 1 else ''}"
+    elif condition is not None:
+        reason = f"{reason}, if {condition}"
+    elif unknown:
+        reason = f"{reason}, unless a name of it that is not known is this one"
+    elif still is None and end[1].declared.role in GIVING:
+        reason = f"{reason}; nobody else uses it"
+    else:
+        grade, reason = Grade.BREAKS, f"{reason} and has nobody else at the other side"
+    return end_effect(end, grade, reason, [system.configuration.name])
 
 
 def definition_changes(before: Sequence[DefinitionRecord], after: Sequence[DefinitionRecord]) -> list[Subject]:

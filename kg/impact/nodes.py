@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Final
 
 from kg.facts import Location, NodeReference
 from kg.holes import is_known
-from kg.impact.model import GIVING, VERBS, Area, Effect, Grade
-from kg.impact.started import ends_of, partners
+from kg.impact.model import GIVING, Area, Effect, Grade
+from kg.impact.started import end_effect, ends_of, partners
 from kg.impact.values import area_of, elements
 from kg.render.text import count
 
@@ -158,16 +158,7 @@ def _partner(
         grade, reason = Grade.MAY, f"has nobody else at the other side, if {condition}"
     else:
         grade, reason = Grade.BREAKS, f"loses {instance.name} and has nobody else at the other side"
-    return Effect(
-        grade,
-        Area.SYSTEMS,
-        f"{other.name} {VERBS[end.declared.role]} {end.resolved}",
-        reason,
-        end.declared.location,
-        end.declared.location.repository or end.owner.repository,
-        (system.configuration.name,),
-        other.started.location,
-    )
+    return end_effect((other, end), grade, reason, [system.configuration.name])
 
 
 def _registered(record: Record) -> Iterator[Effect]:

@@ -7,7 +7,7 @@ from collections import defaultdict
 from typing import TYPE_CHECKING, Final
 
 from kg.impact.model import VERBS, Area, Effect, Grade
-from kg.impact.started import ends_of, partners
+from kg.impact.started import end_effect, ends_of, partners
 from kg.impact.values import area_of
 from kg.names import normalise
 
@@ -102,16 +102,11 @@ def _started(subject: Subject, system: System, instance: NodeInstance) -> Iterat
             continue
         others = partners(ends_of(system, end.declared.role.channel, end.resolved), (instance, end))
         lost = ", ".join(sorted({other.name for other, _ in others}))
-        yield Effect(
-            Grade.BREAKS if lost else Grade.MAY,
-            Area.SYSTEMS,
-            f"{instance.name} {VERBS[end.declared.role]} {end.resolved}",
-            f"the parameter gives the name; with another it loses {lost}" if lost else "the parameter gives the name",
-            end.declared.location,
-            end.declared.location.repository or end.owner.repository,
-            (system.configuration.name,),
-            instance.started.location,
+        grade = Grade.BREAKS if lost else Grade.MAY
+        reason = (
+            f"the parameter gives the name; with another it loses {lost}" if lost else "the parameter gives the name"
         )
+        yield end_effect((instance, end), grade, reason, [system.configuration.name])
 
 
 def declared_settings(subject: Subject, world: World) -> Iterator[tuple[str, Location]]:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from kg.facts import InstanceInterface, NodeInstance, System
     from kg.impact.model import Subject
 
-__all__ = ["End", "ends_of", "partners", "started_effects"]
+__all__ = ["End", "end_effect", "ends_of", "partners", "started_effects"]
 
 _FEW_LETTERS: Final = 3
 """A name of which so few letters are known fits too much."""
@@ -37,6 +37,21 @@ def partners(ends: Iterable[End], one: End) -> list[End]:
     """Return those of the ends of a channel that talk to `one`: at the other side, of another node."""
     role = one[1].declared.role.opposite
     return [other for other in ends if other[1].declared.role is role and other[0].name != one[0].name]
+
+
+def end_effect(one: End, grade: Grade, reason: str, systems: Iterable[str], name: str | None = None) -> Effect:
+    """Return an effect on an end in some systems; `name` is what it is called, by default its name there."""
+    instance, end = one
+    return Effect(
+        grade,
+        Area.SYSTEMS,
+        f"{instance.name} {VERBS[end.declared.role]} {name or end.resolved}",
+        reason,
+        end.declared.location,
+        end.declared.location.repository or end.owner.repository,
+        tuple(sorted(set(systems))),
+        instance.started.location,
+    )
 
 
 @dataclass(slots=True)
@@ -73,25 +88,15 @@ def started_effects(subject: Subject, systems: Sequence[System]) -> Iterator[Eff
 
 
 def _effect(loss: _Loss) -> Effect:
-    instance, end = loss.instance, loss.end
     if loss.certain:
         grade, reason = Grade.BREAKS, f"loses {_listed(loss.certain)}"
     elif loss.conditional:
         name, condition = next(iter(loss.conditional.items()))
         grade, reason = Grade.MAY, f"loses {_listed(loss.conditional)}; {name} is started only if {condition}"
     else:
-        side = {Role.PUBLISHES: "subscribes", Role.SUBSCRIBES: "publishes"}.get(end.declared.role)
+        side = {Role.PUBLISHES: "subscribes", Role.SUBSCRIBES: "publishes"}.get(loss.end.declared.role)
         grade, reason = Grade.MAY, f"no node of the launch file {side or 'is at the other side'}; others may"
-    return Effect(
-        grade,
-        Area.SYSTEMS,
-        f"{instance.name} {VERBS[end.declared.role]} it",
-        reason,
-        end.declared.location,
-        end.declared.location.repository or end.owner.repository,
-        tuple(sorted({*(loss.systems or loss.alone)})),
-        instance.started.location,
-    )
+    return end_effect((loss.instance, loss.end), grade, reason, loss.systems or loss.alone, "it")
 
 
 def _possible(subject: Subject, systems: Sequence[System], types: set[str | None]) -> Iterator[Effect]:
@@ -104,16 +109,8 @@ def _possible(subject: Subject, systems: Sequence[System], types: set[str | None
                     continue
                 is_like = declared.type in types and known_letters(name) > _FEW_LETTERS
                 if is_like and fits(name, subject.name):
-                    yield Effect(
-                        Grade.MAY,
-                        Area.SYSTEMS,
-                        f"{instance.name} {VERBS[declared.role]} {name}",
-                        "the name is not known whole; it may be this one",
-                        declared.location,
-                        declared.location.repository or end.owner.repository,
-                        (system.configuration.name,),
-                        instance.started.location,
-                    )
+                    reason = "the name is not known whole; it may be this one"
+                    yield end_effect((instance, end), Grade.MAY, reason, [system.configuration.name])
 
 
 def _listed(names: Iterable[str]) -> str:
