@@ -25,7 +25,17 @@ if TYPE_CHECKING:
     from kg.facts import NodeReference, System
     from kg.graph.reading import Queryable
 
-__all__ = ["CLASSES", "ends_in_code", "findings_about", "names", "names_in", "names_written", "systems_at"]
+__all__ = [
+    "CLASSES",
+    "channels_called",
+    "ends_in_code",
+    "every_name",
+    "findings_about",
+    "names",
+    "names_in",
+    "names_written",
+    "systems_at",
+]
 
 CLASSES: Final = {
     "topic": f"{v.PUBLISHER} {v.SUBSCRIBER}",
@@ -45,6 +55,13 @@ SELECT DISTINCT ?name WHERE {
   VALUES ?class { %s }
   ?code a ?class .
   ?end rnkg:declaredBy ?code ; rnkg:connectsTo/rdfs:label ?name .
+}"""
+_CALLED: Final = """
+SELECT DISTINCT ?name WHERE {
+  VALUES ?name { %s }
+  VALUES ?class { %s }
+  ?end rnkg:connectsTo/rdfs:label ?name ; rnkg:declaredBy ?code .
+  ?code a ?class .
 }"""
 _WRITTEN: Final = """
 SELECT DISTINCT ?name WHERE {
@@ -75,6 +92,23 @@ def names(graph: Queryable, kind: str, *, implicit: bool = False) -> list[str]:
     found = set(_column(graph, (_EVERY_NAME if implicit else _NAMES) % CLASSES[kind]))
     more = unstated_ends(graph) if implicit else ()
     return sorted(found | {end.name for end in more if end.role.channel == kind})
+
+
+def every_name(graph: Queryable) -> dict[str, list[str]]:
+    """Return the names of all topics, services and actions by kind, those that only frameworks use too, sorted."""
+    found = {kind: set(_column(graph, _EVERY_NAME % classes)) for kind, classes in CLASSES.items()}
+    for end in unstated_ends(graph):
+        found[end.role.channel].add(end.name)
+    return {kind: sorted(held) for kind, held in found.items()}
+
+
+def channels_called(graph: Queryable, called: Iterable[str]) -> list[tuple[str, str]]:
+    """Return the topics, services and actions of some absolute names, as kind and name, sorted."""
+    meant = set(called)
+    listed = " ".join(map(literal, sorted(meant)))
+    found = {(kind, name) for kind, classes in CLASSES.items() for name in _column(graph, _CALLED % (listed, classes))}
+    found |= {(end.role.channel, end.name) for name in meant for end in unstated_ends(graph, name)}
+    return sorted(found)
 
 
 def names_in(graph: Queryable, kind: str, systems: Iterable[str]) -> list[str]:

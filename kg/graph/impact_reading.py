@@ -6,7 +6,6 @@ from collections import defaultdict
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.facts import Dependency, Field, FileKind, InterfaceDefinition, Location
-from kg.graph import vocabulary as v
 from kg.graph.definitions import message_of
 from kg.graph.ntriples import literal
 from kg.graph.queries import select
@@ -19,8 +18,6 @@ if TYPE_CHECKING:
 
 __all__ = [
     "arguments",
-    "channel_names",
-    "channels_called",
     "definition_records",
     "file_records",
     "package_records",
@@ -60,13 +57,6 @@ SELECT ?repository ?package ?path ?kind WHERE {
   ?file rnkg:fileKind ?kind ; rnkg:path ?path .
 }"""
 _LABELS: Final = "SELECT DISTINCT ?name WHERE { ?thing a %s ; rdfs:label ?name }"
-_KINDS: Final = {"topic": v.bare(v.TOPIC), "service": v.bare(v.SERVICE), "action": v.bare(v.ACTION)}
-_CALLED: Final = f"""
-SELECT DISTINCT ?class ?name WHERE {{
-  VALUES ?name {{ %s }}
-  ?channel rdfs:label ?name ; a ?class .
-  FILTER(?class IN ({v.TOPIC}, {v.SERVICE}, {v.ACTION}))
-}}"""
 _ARGUMENTS: Final = """
 SELECT DISTINCT ?name ?launch WHERE {
   %s
@@ -145,18 +135,6 @@ def file_records(graph: Queryable) -> list[FileRecord]:
         for row in select(graph, _FILES)
     ]
     return sorted(found, key=lambda one: (one.repository, one.path))
-
-
-def channel_names(graph: Queryable) -> dict[str, list[str]]:
-    """Return the names of topics, services and actions by kind, as systems have them and as code alone has them."""
-    return {kind: _labels(graph, f"<{term}>") for kind, term in _KINDS.items()}
-
-
-def channels_called(graph: Queryable, names: Iterable[str]) -> list[tuple[str, str]]:
-    """Return the topics, services and actions of some absolute names, as kind and name, sorted."""
-    rows = select(graph, _CALLED % " ".join(map(literal, sorted(set(names)))))
-    kinds = {term: kind for kind, term in _KINDS.items()}
-    return sorted((kinds[row["class"].value], row["name"].value) for row in rows)
 
 
 def arguments(graph: Queryable, name: str | None = None) -> list[tuple[str, str]]:

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import UsageError
-from kg.graph.impact_reading import arguments, channel_names, channels_called, type_names
+from kg.graph.channels_reading import channels_called
+from kg.graph.impact_reading import arguments, type_names
 from kg.graph.systems_reading import started_names
 from kg.impact import Kind, Subject
 from kg.impact.assessing import impact as assess
@@ -74,10 +75,7 @@ def subjects(snapshot: EmbeddedSnapshot, world: StoredWorld, name: str) -> list[
         return [*dict.fromkeys(exact)]
     ending = f"/{name.lstrip('/')}"
     channels = [
-        Subject(Kind(kind), one)
-        for kind, names in channel_names(snapshot).items()
-        for one in names
-        if one.endswith(ending)
+        Subject(Kind(kind), one) for kind, names in world.channels.items() for one in names if one.endswith(ending)
     ]
     started = [Subject(Kind.NODE, one) for one in started_names(snapshot) if one.endswith(ending)]
     return [*channels, *started, *_files(snapshot, world, name, whole=False)]
@@ -147,7 +145,7 @@ def _files(snapshot: EmbeddedSnapshot, world: StoredWorld, name: str, *, whole: 
 
 def _known(snapshot: EmbeddedSnapshot, world: StoredWorld, kind: str) -> set[str]:
     """Return the names that a misspelt one may mean."""
-    known = {str(one): names for one, names in channel_names(snapshot).items()}
+    known = dict(world.channels)
     nodes = {f"{one.package}/{one.node.name}" for one in world.nodes} | {one.node.name for one in world.nodes}
     known |= {
         Kind.TYPE: type_names(snapshot),

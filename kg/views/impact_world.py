@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import FileKind, Location
+from kg.graph.channels_reading import every_name
 from kg.graph.impact_parts import at_channel, at_file, at_node, at_parameter, of_types
 from kg.graph.impact_reading import definition_records, file_records, package_records, systems_naming
 from kg.graph.iris import Iris
@@ -20,7 +21,7 @@ from kg.views.evidence import places
 from kg.views.systems import known_names
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from kg.facts import System
     from kg.graph.reading import NodeRecord
@@ -52,6 +53,11 @@ class StoredWorld:
         return node_records(self._snapshot)
 
     @cached_property
+    def channels(self) -> Mapping[str, Sequence[str]]:
+        """The names of topics, services and actions by kind, in systems and in code alone."""
+        return every_name(self._snapshot)
+
+    @cached_property
     def packages(self) -> Sequence[PackageRecord]:
         """All packages."""
         return package_records(self._snapshot)
@@ -71,13 +77,14 @@ class StoredWorld:
     def systems(self, subject: Subject) -> Sequence[System]:
         """Return the launch configurations that state a subject, or start what declares it, with its parts of them."""
         if subject not in self._systems:
-            graphs = self._graphs(subject)
+            graphs, (parts, usual) = self._graphs(subject), self._parts(subject)
+            having = {end.system for end in usual}
             names = [
                 one
                 for one in known_names(self._snapshot)
                 if self._iris.system_graph(one.repository, one.path) in graphs
+                or self._iris.configuration(one.repository, one.path) in having
             ]
-            parts, usual = self._parts(subject)
             base = self._settings.base
             self._systems[subject] = partial_systems(self._snapshot, names, parts, base, usual, launches=True)
         return self._systems[subject]

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from kg.errors import UnknownNameError, UsageError
-from kg.graph.impact_reading import arguments, channel_names
+from kg.graph.impact_reading import arguments
 from kg.graph.systems_reading import started_names, systems
 from kg.impact import Kind, Subject
 from kg.impact.assessing import impact as assess
@@ -98,7 +98,7 @@ class WholeWorld(StoredWorld):
 
 def subjects(snapshot: EmbeddedSnapshot, world: StoredWorld) -> Iterator[Subject]:
     """Yield all that the workspace names."""
-    yield from (Subject(Kind(kind), name) for kind, names in channel_names(snapshot).items() for name in names)
+    yield from (Subject(Kind(kind), name) for kind, names in world.channels.items() for name in names)
     yield from (Subject(Kind.ARGUMENT, name, launch) for name, launch in arguments(snapshot))
     yield from (Subject(Kind.FILE, one.path, one.repository) for one in world.files)
     for one in world.definitions:
@@ -108,8 +108,8 @@ def subjects(snapshot: EmbeddedSnapshot, world: StoredWorld) -> Iterator[Subject
         owner = f"{record.package}/{record.node.name}"
         started = [name for name in started_names(snapshot) if name.endswith(f"/{record.node.name}")]
         yield from (Subject(Kind.NODE, name) for name in (owner, *started))
-        names = {one.name for one in record.node.parameters if one.name}
-        yield from (Subject(Kind.PARAMETER, name, each) for name in names for each in ("", owner, *started))
+        inner = {one.name for one in record.node.parameters if one.name}
+        yield from (Subject(Kind.PARAMETER, name, each) for name in inner for each in ("", owner, *started))
 
 
 def test_the_parts_of_systems_that_are_read_suffice(store: EmbeddedStore) -> None:
@@ -119,3 +119,44 @@ def test_the_parts_of_systems_that_are_read_suffice(store: EmbeddedStore) -> Non
         asked = sorted(set(subjects(snapshot, world)))
         assert {one.kind for one in asked} >= {*Kind} - {Kind.ACTION}
         assert [assess(one, world) for one in asked] == [assess(one, whole) for one in asked]
+
+
+PACKAGE = """<package format="3"><name>yard</name><version>1.0.0</version><description>d</description>
+<maintainer email="a@b.c">m</maintainer><license>MIT</license></package>"""
+GATE = """import rclpy
+from nav2_msgs.action import Spin
+from rclpy.action import ActionServer
+from rclpy.node import Node
+
+
+class Gate(Node):
+    def __init__(self):
+        super().__init__("gate")
+        ActionServer(self, Spin, "turn", print)
+
+
+def main():
+    rclpy.init()
+    rclpy.spin(Gate())
+"""
+FILES = {
+    "package.xml": PACKAGE,
+    "setup.py": 'from setuptools import setup\nsetup(name="yard", packages=["yard"], '
+    'entry_points={"console_scripts": ["gate = yard.gate:main"]})\n',
+    "yard/__init__.py": "",
+    "yard/gate.py": GATE,
+    "launch/yard.launch.xml": '<launch><node pkg="yard" exec="gate" name="gate" namespace="north"/></launch>',
+}
+
+
+def test_an_action_that_only_a_launched_system_has_is_found(tmp_path: Path) -> None:
+    """No node that is started alone has the namespace in its names."""
+    for path, text in FILES.items():
+        file = tmp_path / "yard" / path
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text)
+    store = EmbeddedStore.create(tmp_path / ".kg")
+    build([str(tmp_path / "yard")], store, settings())
+    found = asked(store, "/north/turn")
+    assert (found["kind"], found["about"]) == ("action", ["nav2_msgs/Spin"])
+    assert [one["what"] for one in found["effects"]] == ["/north/gate offers it"]
