@@ -20,6 +20,7 @@ __all__ = [
     "queries",
     "rules",
     "services",
+    "subjects",
     "topics",
 ]
 
@@ -126,6 +127,11 @@ def services(incomplete: str) -> list[str]:
 def actions(incomplete: str) -> list[str]:
     """Return the names of actions, in launched systems and in code."""
     return _channels("action", incomplete)
+
+
+def subjects(incomplete: str) -> list[str]:
+    """Return the names of topics, services, actions and nodes."""
+    return sorted({name for kind in (topics, services, actions, nodes) for name in kind(incomplete)})
 
 
 def parameters(incomplete: str) -> list[str]:

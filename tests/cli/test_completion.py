@@ -20,6 +20,8 @@ if TYPE_CHECKING:
         ("kg topic od", ["odom"]),
         ("kg service /", ["/driver/reset", "/map"]),
         ("kg action /d", ["/dock"]),
+        ("kg impact /o", ["/odom"]),
+        ("kg impact dr", ["driver", "driver/reset"]),
         ("kg nodes --package rover_", ["rover_base", "rover_sim"]),
         ("kg query who-", []),
         ("kg query explore/who-", ["explore/who-loads-plugin", "explore/who-publishes", "explore/who-subscribes"]),

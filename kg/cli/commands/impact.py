@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from kg.cli.completion import subjects
 from kg.cli.drawing import Output, deliver, form_of
 from kg.cli.options import Json, Store
 from kg.cli.output import json_line
@@ -24,6 +25,7 @@ Name = Annotated[
         metavar="NAME",
         help="A topic, service, action, `package/Type`, `package/Type.field`, `node.parameter`, node, launch argument "
         "(`x.launch:argument`) or file.",
+        autocompletion=subjects,
     ),
 ]
 KindOf = Annotated[
