@@ -9,9 +9,10 @@ end, and what the next build compares with is written last.
 
 from __future__ import annotations
 
+import gc
 import os
 import time
-from contextlib import nullcontext
+from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 from datetime import UTC, datetime
 from functools import cached_property
@@ -53,6 +54,8 @@ if TYPE_CHECKING:
 __all__ = ["build"]
 
 _CODE = frozenset({FileKind.CPP, FileKind.PYTHON})
+_GC_THRESHOLD = 100_000
+"""How many objects are made between two looks for cycles of them."""
 
 
 def build(  # noqa: PLR0913 - each is a decision of the caller
@@ -82,11 +85,22 @@ def build(  # noqa: PLR0913 - each is a decision of the caller
     told = report or Silent()
     with translated(str(store.layout.root)):
         store.layout.cache.mkdir(parents=True, exist_ok=True)
-    with store.write(command) as transaction:
+    with _rare_collections(), store.write(command) as transaction:
         found = _Build(store, transaction, settings, told, rules=rules).run(tuple(named))
     finished = replace(found, seconds=time.perf_counter() - began)
     told.finished(finished)
     return finished
+
+
+@contextmanager
+def _rare_collections() -> Iterator[None]:
+    """Look for cycles of objects less often: nearly all that a build makes stays until its end, or has none."""
+    before = gc.get_threshold()
+    gc.set_threshold(_GC_THRESHOLD)
+    try:
+        yield
+    finally:
+        gc.set_threshold(*before)
 
 
 class _Build:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import gc
 import shutil
 import subprocess
 from typing import TYPE_CHECKING
@@ -272,6 +273,16 @@ def test_what_cannot_be_read(bench: Bench, tmp_path: Path, named: str, code: str
         bench.build(str(tmp_path / "empty" / named))
     assert caught.value.code == code
     assert bench.store.layout.current() == 1
+
+
+def test_builds_leave_the_collection_of_garbage_as_it_was(bench: Bench) -> None:
+    """It runs less often during a build, and as before after one, also after one that failed."""
+    before = gc.get_threshold()
+    bench.build()
+    assert gc.get_threshold() == before
+    with pytest.raises(SourceError):
+        bench.build("nowhere")
+    assert gc.get_threshold() == before
 
 
 def test_a_busy_store(bench: Bench) -> None:
