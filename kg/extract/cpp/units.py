@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final, TypeAlias, cast
 
 from kg.extract.cpp import syntax
@@ -46,6 +47,7 @@ _ADAPTER: Final = "RCLCPP_USING_CUSTOM_TYPE_AS_ROS_MESSAGE_TYPE"
 _CLASS_HEAD: Final = re.compile(rb"\b(class|struct)(\s+)([A-Z][A-Z0-9_]{3,})(\s+)(?=[A-Za-z_]\w*\s*(?:final\s*)?[:{])")
 _EXPORTED: Final = (re.compile(rb"class\s+[A-Z][A-Z0-9_]{3,}\s"), re.compile(rb"struct\s+[A-Z][A-Z0-9_]{3,}\s"))
 """What every match of `_CLASS_HEAD` contains; a literal in front is found much faster."""
+_DECLARED: Final = re.compile(rb"\b(?:class|struct)\s+(\w+)\s*;")
 
 
 @dataclass(slots=True, eq=False)
@@ -165,6 +167,11 @@ class CppUnit(Unit):
             "include": {path.rpartition("/")[2] for path in self.includes},
         }
         """All names that the file declares, except for members that are not types, and those of files it includes."""
+
+    @cached_property
+    def declared(self) -> frozenset[str]:
+        """The names of the classes that it declares without saying what they have."""
+        return frozenset(name.decode() for name in _DECLARED.findall(self.source))
 
     def aliases(self, name: str) -> list[tuple[_Scope, Type, _Scope]]:
         """Return the types that `using` or `typedef` gives a name: scope, type, template parameters."""
