@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
 __all__ = ["holds", "read_package_xml"]
 
-_TOKEN: Final = re.compile(
-    r"""\s*(?:(?P<quoted>"[^"]*"|'[^']*')|(?P<word>[$\w.+-]+)|(?P<mark><=|>=|==|!=|<|>|\(|\)))"""
-)
+_VALUE: Final = r"""("[^"]*"|'[^']*'|[$\w.+-]+)"""
+_COMPARISON: Final = re.compile(rf"{_VALUE}\s*(<=|>=|==|!=|<|>)\s*{_VALUE}")
+_INNERMOST: Final = re.compile(r"\(([^()]*)\)")
 _COMPARE: Final[dict[str, Callable[[str, str], bool]]] = {
     "==": operator.eq,
     "!=": operator.ne,
@@ -31,59 +31,33 @@ _COMPARE: Final[dict[str, Callable[[str, str], bool]]] = {
     ">": operator.gt,
     ">=": operator.ge,
 }
-_MOST_TOKENS: Final = 200
+_TRUTHS: Final = {"True": True, "False": False}
+_MOST_TEXT: Final = 1_000
+_DEEPEST: Final = 50
 
 
 def holds(condition: str | None, variables: Mapping[str, str]) -> bool:
     """Tell whether a condition may hold; a comparison with a variable not in `variables`, or malformed, may."""
-    if not condition:
+    if not condition or len(condition) > _MOST_TEXT:
         return True
-    tokens = _tokens(condition)
-    if not tokens or len(tokens) > _MOST_TOKENS:
+
+    def compared(match: re.Match[str]) -> str:
+        sides = [variables.get(one[1:]) if one.startswith("$") else one.strip("\"'") for one in (match[1], match[3])]
+        known = [side for side in sides if side is not None]
+        return str(len(known) < len(sides) or _COMPARE[match[2]](*known))
+
+    formula = _COMPARISON.sub(compared, condition)
+    try:
+        for _ in range(_DEEPEST):
+            formula = _INNERMOST.sub(lambda inner: str(_decided(inner[1])), formula)
+        return _decided(formula)
+    except KeyError:
         return True
-    value, rest = _alternatives(tokens, 0, variables)
-    return value if rest == len(tokens) else True
 
 
-def _tokens(condition: str) -> list[str]:
-    found, position = [], 0
-    while position < len(condition.rstrip()):
-        match = _TOKEN.match(condition, position)
-        if match is None:
-            return []
-        found.append(match[0].strip())
-        position = match.end()
-    return found
-
-
-def _alternatives(tokens: list[str], start: int, variables: Mapping[str, str]) -> tuple[bool, int]:
-    value, position = _conjunction(tokens, start, variables)
-    while position < len(tokens) and tokens[position] == "or":
-        other, position = _conjunction(tokens, position + 1, variables)
-        value = value or other
-    return value, position
-
-
-def _conjunction(tokens: list[str], start: int, variables: Mapping[str, str]) -> tuple[bool, int]:
-    value, position = _comparison(tokens, start, variables)
-    while position < len(tokens) and tokens[position] == "and":
-        other, position = _comparison(tokens, position + 1, variables)
-        value = value and other
-    return value, position
-
-
-def _comparison(tokens: list[str], start: int, variables: Mapping[str, str]) -> tuple[bool, int]:
-    if start < len(tokens) and tokens[start] == "(":
-        value, position = _alternatives(tokens, start + 1, variables)
-        return value, position + 1
-    if start + 2 >= len(tokens) or tokens[start + 1] not in _COMPARE:
-        return True, len(tokens) + 1
-    left, right = _value(tokens[start], variables), _value(tokens[start + 2], variables)
-    return left is None or right is None or _COMPARE[tokens[start + 1]](left, right), start + 3
-
-
-def _value(token: str, variables: Mapping[str, str]) -> str | None:
-    return variables.get(token[1:]) if token.startswith("$") else token.strip("\"'")
+def _decided(formula: str) -> bool:
+    """Return the value of truth values that `and` and `or` join; `KeyError` for anything else."""
+    return any(all(_TRUTHS[one.strip()] for one in row.split(" and ")) for row in formula.split(" or "))
 
 
 Export = tuple[str, dict[str, str], str, int]

@@ -2,6 +2,6 @@
 
 from kg.extract.parameters.attaching import attach, read_generated
 from kg.extract.parameters.listener import listener
-from kg.extract.parameters.reconfigure import Configuration, read_configuration
+from kg.extract.parameters.reconfigure import read_configuration
 
-__all__ = ["Configuration", "attach", "listener", "read_configuration", "read_generated"]
+__all__ = ["attach", "listener", "read_configuration", "read_generated"]

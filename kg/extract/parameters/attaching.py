@@ -250,7 +250,7 @@ def _reconfigured(
 ) -> Iterator[Parameter]:
     for mark in marks:
         file = _configuration_file(reader, package, build, mark.detail) if mark.key == _SERVER else None
-        for parameter in read_configuration(reader, file).parameters if file else ():
+        for parameter in read_configuration(reader, file) if file else ():
             yield replace(parameter, name=join(mark.namespace, parameter.name or ""))
 
 

@@ -13,8 +13,8 @@ TALKER = "demo/demo/talker.py"
 
 
 def entries(root: Path, setup: str, **more: str) -> dict[str, tuple[str, str, str | None, int]]:
-    """Return module, function, path and line of each entry point of a setup.py."""
-    reader = reader_of(root, {"setup.py": setup, "demo/talker.py": "", **more})
+    """Return module, function, path and line of each entry point of a setup.py that imports `setup`."""
+    reader = reader_of(root, {"setup.py": f"from setuptools import setup\n{setup}", "demo/talker.py": "", **more})
     found = model_of(reader).entry_points
     return {point.name: (point.module, point.function, point.path, point.location.line) for point in found}
 
@@ -33,7 +33,7 @@ def entries(root: Path, setup: str, **more: str) -> dict[str, tuple[str, str, st
         "setup(entry_points='''\n[console_scripts]\ntalker = demo.talker:main\n[other]\nx = y:z\n''')",
         "setup(entry_points={'console_scripts': 'talker = demo.talker:main'})",
         "kw = dict(entry_points={'console_scripts': ['talker = demo.talker:main']})\nsetup(**kw)",
-        "if True:\n    setup(entry_points={'console_scripts': ('talker = demo.talker:main',) + ()})",
+        "if __name__ == '__main__':\n    setup(entry_points={'console_scripts': ('talker = demo.talker:main',) + ()})",
         "setup(entry_points={'console_scripts': [*['talker = demo.talker:main'], make()]})",
     ],
 )
@@ -52,7 +52,7 @@ def test_lines(tmp_path: Path) -> None:
       'b = gone:main',
     ]})"""
     found = entries(tmp_path, setup)
-    assert found == {"a": ("demo.talker", "main", TALKER, 4), "b": ("gone", "main", None, 5)}
+    assert found == {"a": ("demo.talker", "main", TALKER, 5), "b": ("gone", "main", None, 6)}
 
 
 def test_package_dir(tmp_path: Path) -> None:

@@ -14,7 +14,9 @@ if TYPE_CHECKING:
 
 HERE = Location("demo/src/a.cpp", 4)
 YAML = "ns:\n  gain: {type: double}\n"
-CFG = 'gen = ParameterGenerator()\ngen.add("rate", double_t, 0, "")\nexit(gen.generate("demo", "demo", "Demo"))\n'
+CFG = (
+    'from dynamic_reconfigure.parameter_generator_catkin import *\nParameterGenerator().add("rate", double_t, 0, "")\n'
+)
 FILES: dict[str, str | bytes] = {"params.yaml": YAML, "cfg/Demo.cfg": CFG}
 LIBRARIES = (("demo_parameters", "demo/params.yaml"),)
 
