@@ -21,7 +21,7 @@ from kg.rules.engine.terms import BLANK
 from kg.rules.sparql import spelling
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from numpy.typing import NDArray
     from pyoxigraph import QuerySolutions
@@ -39,6 +39,8 @@ ERROR: Final = 0
 
 _VARIABLE: Final = re.compile(r"\?\w+")
 
+_REPEATED: Final = 8
+"""A test of two variables is decided here where its second one repeats as often as this."""
 _PACKABLE: Final = 2
 _BATCH: Final = 20_000
 """Rows in one `VALUES`: the text of a query stays some megabytes."""
@@ -61,7 +63,7 @@ class Expressions:
         if quick is not None:
             return quick
         test = text_test(bare(expression.text))
-        if test is not None and test.variable in dict(columns):
+        if test is not None and {test.variable, test.other or test.variable} <= dict(columns).keys():
             return self._texts(test, expression, table, columns, clock)
         return self._truth(expression, table, columns, clock)
 
@@ -76,14 +78,31 @@ class Expressions:
         self, test: TextTest, expression: Expression, table: Table, columns: Sequence[tuple[str, str]], clock: Clock
     ) -> NDArray[np.bool_]:
         """Decide a test of text by the spellings, and ask the engine where it is left open."""
-        values = table.columns[dict(columns)[test.variable]]
-        different = distinct(values)
-        decided = test.decide(self._dictionary.spellings(different))[np.searchsorted(different, values)]
+        decided = self._decided(test, table, dict(columns))
         found: NDArray[np.bool_] = decided == 1
         left = np.flatnonzero(decided == OPEN)
         if left.size:
             found[left] = self._truth(expression, table.take(left), columns, clock)
         return found
+
+    def _decided(self, test: TextTest, table: Table, columns: Mapping[str, str]) -> NDArray[np.int8]:
+        """Decide a test of text for each row, once for each term, and for each that it is compared with."""
+        values = table.columns[columns[test.variable]]
+        if test.other is None:
+            different = distinct(values)
+            return test.decide(self._dictionary.spellings(different))[np.searchsorted(different, values)]
+        others = table.columns[columns[test.other]]
+        compared = distinct(others)
+        decided = np.full(table.rows, OPEN, np.int8)
+        if compared.size * _REPEATED > table.rows:
+            return decided
+        order = np.argsort(others, kind="stable")
+        rows_of = np.split(order, np.searchsorted(others[order], compared[1:]))
+        for term, rows in zip(self._dictionary.spellings(compared), rows_of, strict=True):
+            against = test.against(term)
+            if against is not None:
+                decided[rows] = self._decided(against, table.take(rows), columns)
+        return decided
 
     def values(self, expression: Expression, table: Table, columns: Sequence[tuple[str, str]], clock: Clock) -> Keys:
         """Return the value for each row, `ERROR` where there is none."""

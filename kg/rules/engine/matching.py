@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from kg.rules.engine.facts import Facts, Keys
     from kg.rules.engine.plan import Match, Node
 
-__all__ = ["Pairs", "Reading", "match", "spread"]
+__all__ = ["Pairs", "Reading", "joined", "match", "spread"]
 
 _LOW: Final = 0xFFFFFFFF
 _MANY: Final = 512
@@ -159,6 +159,20 @@ def _none_free(table: Table, subject: Node, value: Node, pairs: Pairs) -> Table:
         return table.take(among(table.columns[value], pairs.slice(subject, by_object=False)))
     there = among(np.array([(subject << 32) | value], np.int64), pairs.keys(by_object=False))
     return table if there[0] else table.take(slice(0, 0))
+
+
+def joined(table: Table, atom: Match, pairs: Pairs) -> float | None:
+    """Count the rows of a join with pairs of which one end is a column of the table; None for another atom."""
+    if not isinstance(atom.subject, str) or not isinstance(atom.object, str):
+        return None
+    subjects, objects = table.columns.get(atom.subject), table.columns.get(atom.object)
+    if subjects is not None and objects is not None:
+        return None
+    known, by_object = (objects, True) if subjects is None else (subjects, False)
+    if known is None:
+        return None
+    begin, end = pairs.ranges(known, by_object=by_object)
+    return float((end - begin).sum(dtype=np.int64))
 
 
 def spread(atom: Match, facts: Facts, *, subject: bool, value: bool, predicate: bool) -> tuple[float, float]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from kg.rules.engine.groups import grouped
-from kg.rules.engine.matching import Reading, match, spread
+from kg.rules.engine.matching import Pairs, Reading, joined, match, spread
 from kg.rules.engine.plan import Assign, Block, Grouped, Match, Nested, Rows, Structure, Test
 from kg.rules.engine.shortcuts import has_shortcut
 from kg.rules.engine.tables import CHUNK, UNIT, Table, TooManyRowsError, concatenate, distinct_rows, join
@@ -30,6 +30,9 @@ __all__ = ["Solver", "View", "Workshop"]
 
 _DEDUPLICATE: Final = 2048
 """Smaller tables are not searched for rows that are twice in it."""
+
+_COUNTED: Final = 64
+"""With fewer rows the estimates serve."""
 
 _SEED: Final = 4096
 """An aggregate is restricted to the groups asked for when there are no more of them."""
@@ -109,18 +112,33 @@ class Solver:
     def _next(self, table: Table, steps: tuple[Step, ...]) -> Step:
         """Return the step to run next: the one after which the fewest rows are expected.
 
-        None is looked for after one that leaves nothing: where little has changed, that is how most bodies end.
+        Stop at the first step estimated empty: on small changes most bodies end there. A term may have many times the
+        pairs of a mean one, so if the rows become more, what each join gives is counted.
         """
         best: tuple[Step, float] | None = None
+        sizes: list[tuple[Step, float]] = []
         for step in steps:
             size = self._estimate(table, step)
-            if size is not None and (best is None or size < best[1]):
+            if size is None:
+                continue
+            sizes.append((step, size))
+            if best is None or size < best[1]:
                 best = step, size
                 if size == 0:
                     break
         if best is None:
             raise RuntimeError(steps)
-        return best[0]
+        if best[1] <= table.rows or table.rows < _COUNTED:
+            return best[0]
+        return min(sizes, key=lambda pair: self._counted(table, *pair))[0]
+
+    def _counted(self, table: Table, step: Step, estimate: float) -> float:
+        """Return the rows after a step, counted where that is a join whose one end is known; else their estimate."""
+        if not isinstance(step, Match) or not isinstance(step.predicate, int):
+            return estimate
+        pairs = Pairs(self.view.sources[step.number], step.predicate, len(self.shop.dictionary))
+        found = joined(table, step, pairs)
+        return estimate if found is None else found
 
     def _estimate(self, table: Table, step: Step) -> float | None:
         """Estimate the rows after a step; None while it cannot run. Cheap tests come before joins, dear ones after."""

@@ -7,7 +7,8 @@ flags, on strings without a type or a language, and on IRIs within STR. The rest
 from __future__ import annotations
 
 import re
-from functools import cache
+from dataclasses import dataclass, replace
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -24,9 +25,11 @@ OPEN: Final = -1
 
 _STRING: Final = r'"([^"\\\n]*(?:\\[\\"][^"\\\n]*)*)"'
 _FORM: Final = re.compile(
-    rf"\s*(REGEX|CONTAINS|STRSTARTS|STRENDS)\s*\(\s*(?:(STR)\s*\(\s*\?(\w+)\s*\)|\?(\w+))\s*,\s*{_STRING}\s*\)\s*",
+    rf"\s*(REGEX|CONTAINS|STRSTARTS|STRENDS)\s*\(\s*(?:(STR)\s*\(\s*\?(\w+)\s*\)|\?(\w+))"
+    rf"\s*,\s*(?:{_STRING}|\?(\w+))\s*\)\s*",
     re.IGNORECASE,
 )
+_SPELT: Final = re.compile(_STRING)
 # Plain characters, escaped punctuation, simple classes of characters, the dot, groups, alternatives, anchors, and a few
 # repetitions of one character: a group that repeats may take time without end here, which it does not there.
 _PLAIN: Final = re.compile(
@@ -39,19 +42,30 @@ _STRINGS: Final = re.compile(r'(?:"[^"\n]*"\n)*+"[^"\n]*"')
 _REPETITIONS: Final = 3
 
 
+@dataclass(frozen=True, slots=True)
 class TextTest:
-    """One test: `variable` is its argument; `lexical`: STR stands around it."""
+    """One test: `variable` is its argument; `lexical`: STR stands around it.
 
-    def __init__(self, variable: str, *, lexical: bool, holds: Callable[[str], object]) -> None:
-        self.variable = variable
-        self._lexical = lexical
-        self._holds = holds
+    What the argument is compared with is the value of the variable `other`; None where it is written in the test.
+    """
+
+    name: str
+    variable: str
+    lexical: bool
+    other: str | None
+    holds: Callable[[str], object] = bool
+
+    def against(self, spelling: bytes) -> TextTest | None:
+        """Return the test with a term for its `other` variable; None where only the engine knows what that means."""
+        found = _SPELT.fullmatch(spelling.decode())
+        holds = _holding(self.name, re.sub(r"\\(.)", r"\1", found[1])) if found else None
+        return None if holds is None else replace(self, other=None, holds=holds)
 
     def decide(self, spellings: Sequence[bytes]) -> NDArray[np.int8]:
         """Return for each term whether the test holds (1, 0), or `OPEN`."""
         text = b"\n".join(spellings).decode()
         if "\\" not in text and _STRINGS.fullmatch(text):
-            holds = self._holds
+            holds = self.holds
             return np.array([bool(holds(line[1:-1])) for line in text.split("\n")], np.int8)
         return np.fromiter(map(self._decided, spellings), np.int8, len(spellings))
 
@@ -60,9 +74,9 @@ class TextTest:
         if first == b'"':
             if spelling[-1:] != b'"' or b"\\" in spelling:
                 return OPEN
-            return bool(self._holds(spelling[1:-1].decode()))
+            return bool(self.holds(spelling[1:-1].decode()))
         if first == b"<" and spelling[1:2] != b"<":
-            return self._lexical and bool(self._holds(spelling[1:-1].decode()))
+            return self.lexical and bool(self.holds(spelling[1:-1].decode()))
         return OPEN
 
 
@@ -72,11 +86,12 @@ def text_test(text: str) -> TextTest | None:
     found = _FORM.fullmatch(text)
     if not found:
         return None
-    name, lexical, inner, bare, argument = found.groups()
-    holds = _holding(name.upper(), re.sub(r"\\(.)", r"\1", argument))
-    return None if holds is None else TextTest(inner or bare, lexical=bool(lexical), holds=holds)
+    name, lexical, inner, bare, argument, other = found.groups()
+    test = TextTest(name.upper(), inner or bare, bool(lexical), other)
+    return test if other else test.against(f'"{argument}"'.encode())
 
 
+@lru_cache(maxsize=1024)
 def _holding(name: str, argument: str) -> Callable[[str], object] | None:
     if name == "CONTAINS":
         return lambda value: argument in value

@@ -122,6 +122,17 @@ def test_a_block_of_sparql_joins_like_an_atom() -> None:
     assert inferred(rules, asserted) == infer(rules, asserted)
 
 
+def test_a_join_that_grows_is_chosen_by_the_rows_of_the_terms_at_hand() -> None:
+    """Friends are joined before members of a crowded hub, though the mean hub has fewer members than a node friends."""
+    lines = [f":n{n} :at :hub\n:n{n} :friend :m{n}\n:n{n} :friend :x{n}" for n in range(100)]
+    lines += [f":hub :member :m{n}" for n in range(1000)]
+    lines += [f":hub{n} :member :m{n}" for n in range(4000)]
+    dictionary = Dictionary()
+    meeting = rule("?n :meets ?m", "?n :at ?h . ?h :member ?m . ?n :friend ?m")
+    (report,) = evaluate(Program([meeting]), dictionary, columns(facts("\n".join(lines)), dictionary)).reports
+    assert (report.derived, max(report.matched)) == (100, 200)
+
+
 def test_large_joins_are_done_in_pieces() -> None:
     """A join of many rows gives the same as one of few: all pairs of two thousand nodes that share a hub."""
     spokes = {(NamedNode(f"urn:x:s{number}"), NamedNode("urn:x:in"), NamedNode("urn:x:hub")) for number in range(2200)}

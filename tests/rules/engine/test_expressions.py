@@ -28,6 +28,9 @@ TERMS = [
     Literal("7", datatype=NamedNode(XSD + "decimal")),
     Literal('li"dar'),
     Literal("lidär"),
+    Literal("^lidar_(node|driver)$"),
+    Literal("a\\.b"),
+    Literal("[^a-z"),
 ]
 
 
@@ -49,6 +52,13 @@ FILTERS = [
     'STRSTARTS(STR( ?x ), "urn:l")',
     'STRENDS( ?x , "dar")',
     'CONTAINS(STR( ?x ), "7")',
+    "REGEX( ?x , ?y )",
+    "REGEX(STR( ?y ), ?x )",
+    "CONTAINS( ?x , ?y )",
+    "STRSTARTS(STR( ?x ), ?y )",
+    "STRENDS( ?x , ?y )",
+    "STRENDS( ?x , ?x )",
+    "CONTAINS( ?x , ?z )",
     " ?x = ?y ",
     " ?x != ?y ",
     "( ?x = <urn:lidar_1>)",
