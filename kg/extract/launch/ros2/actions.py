@@ -29,16 +29,11 @@ __all__ = [
     "ParameterSource",
     "ParameterValue",
     "Part",
-    "PushNamespace",
     "ResetConfigurations",
-    "SetConfiguration",
-    "SetEnvironment",
-    "SetParameter",
-    "SetParametersFromFile",
-    "SetRemap",
+    "SetParameters",
+    "Setting",
     "Substitution",
     "Text",
-    "UnsetConfiguration",
     "join",
     "unknown_text",
 ]
@@ -162,18 +157,15 @@ class DeclareArgument(Action):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SetConfiguration(Action):
-    """`SetLaunchConfiguration`, `<let>`."""
+class Setting(Action):
+    """Sets something for the actions of the scope that come after; without a value it is unset.
 
-    name: Text
-    value: Text
+    `what` and its `operands` are `configuration` (name and value: `SetLaunchConfiguration`, `<let>`), `variable` (name
+    and value: `SetEnvironmentVariable`), `namespace` (`PushRosNamespace`) or `remap` (source and target: `SetRemap`).
+    """
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class UnsetConfiguration(Action):
-    """`UnsetLaunchConfiguration`."""
-
-    name: Text
+    what: str
+    operands: tuple[Text, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -184,40 +176,10 @@ class ResetConfigurations(Action):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SetEnvironment(Action):
-    """`SetEnvironmentVariable`; without a value the variable is unset."""
+class SetParameters(Action):
+    """`SetParameter`, `SetUseSimTime`, `SetParametersFromFile`: for all nodes of the scope that come after."""
 
-    name: Text
-    value: Text | None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PushNamespace(Action):
-    """`PushRosNamespace`."""
-
-    namespace: Text
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SetRemap(Action):
-    """`SetRemap`: for all nodes of the scope that come after."""
-
-    source: Text
-    target: Text
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SetParameter(Action):
-    """`SetParameter`: for all nodes of the scope that come after; `use_sim_time` of `SetUseSimTime` too."""
-
-    parameter: ParameterValue
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SetParametersFromFile(Action):
-    """`SetParametersFromFile`."""
-
-    file: ParameterFile
+    source: ParameterSource
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

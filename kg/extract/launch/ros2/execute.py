@@ -314,54 +314,39 @@ def _missing(context: Context, name: str) -> None:
         context.problem(LaunchProblemKind.MISSING_ARGUMENT, message, name)
 
 
-def _set(context: Context, action: kinds.SetConfiguration) -> None:
-    name = perform(context, action.name)
-    context.scope.configurations[name] = perform(context, action.value)
-
-
-def _unset(context: Context, action: kinds.UnsetConfiguration) -> None:
-    context.scope.configurations.pop(perform(context, action.name), None)
-
-
 def _reset(context: Context, action: kinds.ResetConfigurations) -> None:
     kept = {perform(context, name): perform(context, value) for name, value in action.configurations}
     context.scope = Scope(kept, context.scope.environment)
 
 
-def _environment(context: Context, action: kinds.SetEnvironment) -> None:
-    name = perform(context, action.name)
-    context.scope.environment[name] = None if action.value is None else perform(context, action.value)
+def _set(context: Context, action: kinds.Setting) -> None:
+    scope = context.scope
+    match action.what, [perform(context, operand) for operand in action.operands]:
+        case "configuration", [name, value]:
+            scope.configurations[name] = value
+        case "configuration", [name]:
+            scope.configurations.pop(name, None)
+        case "variable", [name, *values]:
+            scope.environment[name] = next(iter(values), None)
+        case "namespace", [pushed]:
+            scope.namespace = normalise(f"/{join(context.namespace, pushed)}")
+        case "remap", [source, target]:
+            scope.remaps += (Remap(source, target, action.location, context.chain),)
 
 
-def _namespace(context: Context, action: kinds.PushNamespace) -> None:
-    pushed = perform(context, action.namespace)
-    context.scope.namespace = normalise(f"/{join(context.namespace, pushed)}")
-
-
-def _remap(context: Context, action: kinds.SetRemap) -> None:
-    source, target = perform(context, action.source), perform(context, action.target)
-    context.scope.remaps += (Remap(source, target, action.location, context.chain),)
-
-
-def _parameter(context: Context, action: kinds.SetParameter) -> None:
-    context.scope.parameters += (given_parameter(context, action.parameter),)
-
-
-def _parameters_file(context: Context, action: kinds.SetParametersFromFile) -> None:
-    path = perform(context, action.file.read)
-    context.scope.parameters += (GlobalFile(path, action.file.location, context.chain),)
+def _parameters(context: Context, action: kinds.SetParameters) -> None:
+    given = action.source
+    if isinstance(given, kinds.ParameterValue):
+        context.scope.parameters += (given_parameter(context, given),)
+    else:
+        context.scope.parameters += (GlobalFile(perform(context, given.read), given.location, context.chain),)
 
 
 _HANDLERS: Final[Mapping[type[Action], Callable[[Context, Any], None]]] = {
     kinds.DeclareArgument: _declare,
-    kinds.SetConfiguration: _set,
-    kinds.UnsetConfiguration: _unset,
+    kinds.Setting: _set,
     kinds.ResetConfigurations: _reset,
-    kinds.SetEnvironment: _environment,
-    kinds.PushNamespace: _namespace,
-    kinds.SetRemap: _remap,
-    kinds.SetParameter: _parameter,
-    kinds.SetParametersFromFile: _parameters_file,
+    kinds.SetParameters: _parameters,
     kinds.NodeAction: start_node,
     kinds.LoadComponents: load_components,
     kinds.Executable: execute_process,

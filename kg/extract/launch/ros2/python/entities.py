@@ -10,7 +10,7 @@ import shlex
 from dataclasses import replace
 from functools import partial
 from itertools import islice
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from kg.extract.launch.ros2 import actions as kinds
 from kg.extract.launch.ros2.actions import (
@@ -308,13 +308,13 @@ NODES: Final[dict[str, tuple[tuple[str, ...], Callable[[Reading, Made], list[Act
 _MANAGER: Final = "controller_manager_name"
 
 
-def _texts(kind: Callable[..., Action], **arguments: str) -> Callable[[Reading, Made], list[Action]]:
-    """Return the reader of an action whose fields are texts, each by the name of its argument."""
+def _setting(what: str, *names: str) -> Callable[[Reading, Made], list[Action]]:
+    """Return the reader of a setting whose operands are arguments of these names."""
 
     def read(reading: Reading, made: Made) -> list[Action]:
         del reading
-        given: dict[str, Any] = {field: made.text(name) or () for field, name in arguments.items()}
-        return [kind(location=made.location, condition=condition_on(made), **given)]
+        operands = tuple(made.text(name) or () for name in names)
+        return [kinds.Setting(location=made.location, condition=condition_on(made), what=what, operands=operands)]
 
     return read
 
@@ -350,20 +350,19 @@ def _environment(reading: Reading, made: Made) -> list[Action]:
         first = made.value("prepend") == Truth(True)
         value = (*(value or ()), ":", *before) if first else (*before, ":", *(value or ()))
     del reading
-    return [kinds.SetEnvironment(location=made.location, condition=condition_on(made), name=name, value=value)]
+    operands = (name,) if value is None else (name, value)
+    return [kinds.Setting(location=made.location, condition=condition_on(made), what="variable", operands=operands)]
 
 
-def _parameter(reading: Reading, made: Made) -> list[Action]:
+def _parameters(reading: Reading, made: Made) -> list[Action]:
     del reading
-    name = ("use_sim_time",) if made.name == "SetUseSimTime" else made.text("name") or ()
-    parameter = value_of(name, made.fields.get("value", NULL), made.location)
-    return [kinds.SetParameter(location=made.location, condition=condition_on(made), parameter=parameter)]
-
-
-def _parameter_file(reading: Reading, made: Made) -> list[Action]:
-    del reading
-    file = file_of(made.value("filename"), made.location)
-    return [kinds.SetParametersFromFile(location=made.location, condition=condition_on(made), file=file)]
+    source: ParameterSource
+    if made.name == "SetParametersFromFile":
+        source = file_of(made.value("filename"), made.location)
+    else:
+        name = ("use_sim_time",) if made.name == "SetUseSimTime" else made.text("name") or ()
+        source = value_of(name, made.fields.get("value", NULL), made.location)
+    return [kinds.SetParameters(location=made.location, condition=condition_on(made), source=source)]
 
 
 def _group(reading: Reading, made: Made) -> list[Action]:
@@ -539,20 +538,19 @@ _NOTHING: Final = (
     "PopEnvironment", "PushLaunchConfigurations", "PopLaunchConfigurations", "OnShutdown",
 )  # fmt: skip
 """Actions and handlers that start nothing."""
-_PUSHED = _texts(kinds.PushNamespace, namespace="namespace")
 _SPAWNERS: Final = "generate_controllers_spawner_launch_description"
 ENTITIES: Final[dict[str, tuple[tuple[str, ...], Callable[[Reading, Made], list[Action]]]]] = {
     **NODES,
     "LaunchDescription": (("entities",), _description),
     "DeclareLaunchArgument": (("name", "default_value"), _declare),
-    "SetLaunchConfiguration": (("name", "value"), _texts(kinds.SetConfiguration, name="name", value="value")),
-    "UnsetLaunchConfiguration": (("name",), _texts(kinds.UnsetConfiguration, name="name")),
+    "SetLaunchConfiguration": (("name", "value"), _setting("configuration", "name", "value")),
+    "UnsetLaunchConfiguration": (("name",), _setting("configuration", "name")),
     **{f"{verb}EnvironmentVariable": (("name", "value"), _environment) for verb in ("Set", "Unset", "Append")},
-    **dict.fromkeys(("PushRosNamespace", "PushROSNamespace"), (("namespace",), _PUSHED)),
-    "SetRemap": (("src", "dst"), _texts(kinds.SetRemap, source="src", target="dst")),
-    "SetParameter": (("name", "value"), _parameter),
-    "SetUseSimTime": (("value",), _parameter),
-    "SetParametersFromFile": (("filename",), _parameter_file),
+    **dict.fromkeys(("PushRosNamespace", "PushROSNamespace"), (("namespace",), _setting("namespace", "namespace"))),
+    "SetRemap": (("src", "dst"), _setting("remap", "src", "dst")),
+    "SetParameter": (("name", "value"), _parameters),
+    "SetUseSimTime": (("value",), _parameters),
+    "SetParametersFromFile": (("filename",), _parameters),
     "GroupAction": (("actions",), _group),
     **dict.fromkeys(("TimerAction", "RosTimer", "ROSTimer"), ((), _group)),
     **dict.fromkeys(("ExecuteProcess", "ExecuteLocal"), ((), _process)),
