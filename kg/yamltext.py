@@ -8,27 +8,81 @@ from typing import TYPE_CHECKING, Any, Final
 import yaml
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from yaml import Node
 
-__all__ = ["compose_yaml", "load_yaml"]
+__all__ = ["LOADER", "Walk", "YamlFault", "compose_yaml", "load_yaml"]
+
+LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 _MOST_DEPTH: Final = 200
+_MOST_LEVELS: Final = 60
+"""Of what is read of a document: far beyond what people write, below what the stack of the interpreter holds."""
+_MOST_VISITS: Final = 50_000
+_MOST_CHARACTERS: Final = 5_000_000
 _HARMLESS: Final = 2000
 """Levels that a text of so few opening marks cannot exceed; the stack overflows at some twenty thousand."""
 _LEADING: Final = re.compile(r"^[ \t?-]*", re.MULTILINE)
 
 
-def compose_yaml(text: str, loader: Any) -> Node | None:
+class YamlFault(ValueError):  # noqa: N818 - a finding about the user's file, not an error of the program
+    """What is wrong with a text, as what is said of it (`is no YAML: ...`), and the line, counted from 1.
+
+    `is_large` tells that it is no mistake in the text, but more than is read.
+    """
+
+    def __init__(self, message: str, line: int | None = None, *, is_large: bool = False) -> None:
+        super().__init__(message)
+        self.message = message
+        self.line = line
+        self.is_large = is_large
+
+
+def compose_yaml(text: str, loader: Any = LOADER) -> Node | None:
     """Return the root node of the one document in `text`, None when there is none.
 
-    Raises `yaml.YAMLError` for what is no YAML, also for what nests deeper than 200 levels.
+    Raises `YamlFault` for what is no YAML, also for what nests deeper than 200 levels.
     """
-    _require_shallow(text, loader)
-    return yaml.compose(text, Loader=loader)
+    try:
+        _require_shallow(text, loader)
+        return yaml.compose(text, Loader=loader)
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        problem = str(getattr(error, "problem", None) or error).partition("\n")[0]
+        raise YamlFault(f"is no YAML: {problem}", mark.line + 1 if mark else None) from error
+    except RecursionError as error:
+        raise YamlFault("is nested too deep", is_large=True) from error
 
 
-def load_yaml(text: str, loader: Any) -> Any:
-    """Return the value of the one document in `text`; `loader` is a safe one. Raises as `compose_yaml`."""
+class Walk:
+    """The reading of a composed document, which bounds what its aliases can make of it."""
+
+    def __init__(self) -> None:
+        self._visits = 0
+        self._characters = 0
+
+    def visit(self, node: Node, depth: int) -> None:
+        """Count a node; raises `YamlFault` if it is too deep, or one too many."""
+        self._visits += 1
+        self._characters += len(node.value) if isinstance(node, yaml.ScalarNode) else 0
+        line = node.start_mark.line + 1
+        if depth > _MOST_LEVELS:
+            raise YamlFault(f"is nested deeper than {_MOST_LEVELS} levels", line, is_large=True)
+        if self._visits > _MOST_VISITS or self._characters > _MOST_CHARACTERS:
+            message = f"means more than {_MOST_VISITS} values or is expanded endlessly"
+            raise YamlFault(message, line, is_large=True)
+
+    def pairs(self, node: Node | None, depth: int) -> Iterator[tuple[yaml.ScalarNode, Node]]:
+        """Yield the entries of a mapping whose keys are scalars; nothing of other nodes."""
+        for key, value in node.value if isinstance(node, yaml.MappingNode) else ():
+            self.visit(key, depth)
+            if isinstance(key, yaml.ScalarNode):
+                yield key, value
+
+
+def load_yaml(text: str, loader: Any = LOADER) -> Any:
+    """Return the value of the one document in `text`; `loader` is a safe one. Raises `yaml.YAMLError`."""
     _require_shallow(text, loader)
     return yaml.load(text, loader)  # noqa: S506 - callers give safe loaders
 

@@ -5,25 +5,46 @@ from __future__ import annotations
 import pytest
 import yaml
 
-from kg.yamltext import compose_yaml
-
-LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+from kg.yamltext import Walk, YamlFault, compose_yaml
 
 
 @pytest.mark.parametrize("mark", ["[", "{a: ", "- ", "? "])
 def test_deep_nesting_is_an_error(mark: str) -> None:
     """Text that would overrun the stack of the parser is refused as if it were no YAML."""
-    with pytest.raises(yaml.YAMLError):
-        compose_yaml(mark * 200_000, LOADER)
+    with pytest.raises(YamlFault):
+        compose_yaml(mark * 200_000)
 
 
 def test_wide_text_is_composed() -> None:
     """Many collections beside each other are no deep nesting."""
-    node = compose_yaml(f"[{'[1], ' * 3000}[2]]", LOADER)
+    node = compose_yaml(f"[{'[1], ' * 3000}[2]]")
     assert isinstance(node, yaml.SequenceNode)
     assert len(node.value) == 3001
 
 
 def test_nothing_is_none() -> None:
     """A text without a document has no node."""
-    assert compose_yaml("# nothing\n", LOADER) is None
+    assert compose_yaml("# nothing\n") is None
+
+
+def test_aliases_that_double_are_a_fault() -> None:
+    """A walk over a document ends where its aliases mean more than anybody reads."""
+    node = compose_yaml(
+        "\n".join(["a0: &a0 {x: 1}", *(f"a{n}: &a{n} {{l: *a{n - 1}, r: *a{n - 1}}}" for n in range(1, 40))])
+    )
+    walk = Walk()
+
+    def read(below: yaml.Node | None, depth: int) -> None:
+        for _, value in walk.pairs(below, depth):
+            read(value, depth + 1)
+
+    with pytest.raises(YamlFault, match="endlessly") as caught:
+        read(node, 0)
+    assert caught.value.is_large
+
+
+def test_a_fault_has_its_line() -> None:
+    """What is wrong with a text is told with the line that it is on."""
+    with pytest.raises(YamlFault, match="is no YAML") as caught:
+        compose_yaml("a:\n  b: [1, 2\nc: }\n")
+    assert caught.value.line == 3

@@ -36,7 +36,6 @@ COMMAND_LINE: Final = "argv["
 
 _PLAIN: Final = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ/_~")
 _WORDS: Final = frozenset({"true", "false", "yes", "no", "on", "off", "null", "~", "y", "n"})
-_LOADER: Final = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _LONGEST: Final = 100_000
 
 
@@ -50,7 +49,7 @@ def parsed(value: str | None) -> Any:
     if len(text) > _LONGEST:
         return value
     try:
-        return load_yaml(text, _LOADER)
+        return load_yaml(text)
     except (yaml.YAMLError, ValueError, RecursionError):
         return value
 

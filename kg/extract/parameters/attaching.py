@@ -21,7 +21,7 @@ from kg.extract.python.syntax import argument_nodes, captures, code, parse
 from kg.facts import Access, FileKind, Location, NodeKind, NodeType, Parameter, Resolution
 from kg.holes import escape, hole_of, is_partial
 from kg.names import join
-from kg.yamltext import compose_yaml
+from kg.yamltext import Walk, YamlFault, compose_yaml
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -32,21 +32,10 @@ if TYPE_CHECKING:
 
 __all__ = ["attach", "parse_generated", "read_generated"]
 
-_LOADER: Final = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-_MOST_DEPTH: Final = 50
-"""Levels of nesting; far beyond what people write, below what an interpreter's stack holds."""
-_MOST_VISITS: Final = 50_000
-"""Nodes looked at in one file: aliases that repeat each other could mean billions."""
-_MOST_CHARACTERS: Final = 4_000_000
-"""Of all defaults of one file together, as written: aliases can repeat a long text, too."""
 _MAP: Final = "__map_"
 _TEXT: Final = "tag:yaml.org,2002:str"
 _NOT_DECLARED: Final = "none"
 """The type of a parameter that the file only documents: the node reads it in another way."""
-
-
-class _TooMuchError(Exception):
-    """The file is nested too deep, or its aliases mean too much."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,16 +57,11 @@ def parse_generated(content: bytes, path: str) -> GeneratedLibrary:
     keys: list[str] = []
     error: tuple[str, int | None] | None = None
     try:
-        root = compose_yaml(content.decode(), _LOADER)
+        root = compose_yaml(content.decode())
         keys += [str(key.value) for key, _ in root.value] if isinstance(root, yaml.MappingNode) else []
         found.extend(_Walk(path).parameters_of(root))
-    except yaml.YAMLError as malformed:
-        mark = getattr(malformed, "problem_mark", None)
-        message = str(getattr(malformed, "problem", None) or malformed).partition("\n")[0]
-        error = (f"no YAML: {message}", mark.line + 1 if mark else None)
-    except (_TooMuchError, RecursionError) as large:
-        message = str(large) or "the file is nested too deep"
-        error = (f"{message}; the parameters before that were read", None)
+    except YamlFault as fault:
+        error = (f"the file {fault.message}", fault.line)
     return GeneratedLibrary(keys[0] if len(keys) == 1 else "", tuple(found), error)
 
 
@@ -93,40 +77,26 @@ def read_generated(reader: Reader, path: str) -> tuple[Parameter, ...]:
     return library.parameters
 
 
-class _Walk:
-    """One walk over a composed document, which bounds what aliases can make of it."""
+class _Walk(Walk):
+    """One walk over a composed document."""
 
     def __init__(self, path: str) -> None:
+        super().__init__()
         self._path = path
-        self._visits = 0
-        self._characters = 0
 
     def parameters_of(self, root: yaml.Node | None) -> Iterator[Parameter]:
         """Yield the parameters of a document: below its top key, which names a namespace of C++ and no parameter."""
-        for _, value in self._pairs(root):
+        for _, value in self.pairs(root, 0):
             yield from self._below(value, (), 1)
 
     def _below(self, node: yaml.Node, names: tuple[str, ...], depth: int) -> Iterator[Parameter]:
-        if depth > _MOST_DEPTH:
-            raise _TooMuchError(f"the file is nested deeper than {_MOST_DEPTH} levels")
-        for key, value in self._pairs(node):
+        for key, value in self.pairs(node, depth):
             name = hole_of(key.value.removeprefix(_MAP)) if key.value.startswith(_MAP) else escape(key.value)
-            leaf = {inner.value: content for inner, content in self._pairs(value)}
+            leaf = {inner.value: content for inner, content in self.pairs(value, depth)}
             if isinstance(leaf.get("type"), yaml.ScalarNode):
                 yield self._parameter(".".join((*names, name)), leaf, key.start_mark.line + 1)
             else:
                 yield from self._below(value, (*names, name), depth + 1)
-
-    def _pairs(self, node: yaml.Node | None) -> Iterator[tuple[yaml.ScalarNode, yaml.Node]]:
-        for key, value in node.value if isinstance(node, yaml.MappingNode) else ():
-            self._count()
-            if isinstance(key, yaml.ScalarNode):
-                yield key, value
-
-    def _count(self) -> None:
-        self._visits += 1
-        if self._visits > _MOST_VISITS or self._characters > _MOST_CHARACTERS:
-            raise _TooMuchError(f"the file means more than {_MOST_VISITS} values or is expanded endlessly")
 
     def _parameter(self, name: str, leaf: dict[str, yaml.Node], line: int) -> Parameter:
         description = leaf.get("description")
@@ -144,15 +114,12 @@ class _Walk:
 
     def _written(self, node: yaml.Node, depth: int) -> str:
         """Return a value as YAML on one line."""
-        if depth > _MOST_DEPTH:
-            raise _TooMuchError(f"the file is nested deeper than {_MOST_DEPTH} levels")
-        self._count()
+        self.visit(node, depth)
         if isinstance(node, yaml.SequenceNode):
             return f"[{', '.join(self._written(item, depth + 1) for item in node.value)}]"
         if isinstance(node, yaml.MappingNode):
             pairs = (f"{self._written(key, depth + 1)}: {self._written(value, depth + 1)}" for key, value in node.value)
             return f"{{{', '.join(pairs)}}}"
-        self._characters += len(node.value)
         quoted = isinstance(node, yaml.ScalarNode) and node.tag == _TEXT and bool(node.style)
         return json.dumps(node.value, ensure_ascii=False) if quoted else str(node.value)
 

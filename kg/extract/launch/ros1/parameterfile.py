@@ -12,13 +12,13 @@ import math
 import re
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, Final, TypeAlias
+from typing import TYPE_CHECKING, Final
 
 import yaml
 
 from kg.extract.launch.expressions import HOLE, Dialect, ExpressionError, UnsupportedError, evaluate_text
 from kg.holes import ANONYMOUS
-from kg.yamltext import compose_yaml
+from kg.yamltext import LOADER, Walk, YamlFault, compose_yaml
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -164,15 +164,11 @@ def _string(text: str) -> str:
 
 MOST_TEXT: Final = 1 << 20
 """Characters of a parameter file; far beyond what people write."""
-_MOST_DEPTH: Final = 60
-_MOST_VISITS: Final = 50_000
-_MOST_CHARACTERS: Final = 4 << 20
 _MOST_VALUE: Final = 4096
 """Characters of one value; robot descriptions are of no use in a graph."""
 _CACHED: Final = 1 << 18
 _MERGE: Final = "tag:yaml.org,2002:merge"
 _STRING: Final = "tag:yaml.org,2002:str"
-_Base: TypeAlias = Any
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,14 +196,7 @@ class ParameterTree:
     too_large: bool = False
 
 
-class _TooMuchError(Exception):
-    """The document is nested too deep, or its aliases mean too much."""
-
-
-_BASE: _Base = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-
-
-class _Loader(_BASE):  # type: ignore[misc]  # one of two classes, by what the YAML package was built with
+class _Loader(LOADER):  # type: ignore[misc]  # one of two classes, by what the YAML package was built with
     """YAML as rosparam takes it."""
 
 
@@ -228,7 +217,7 @@ def read_scalar(text: str) -> object:
         return text
     try:
         return _Walk().value(compose_yaml(text, _Loader), 0)
-    except (yaml.YAMLError, _TooMuchError, ValueError, RecursionError):
+    except ValueError:
         return text
 
 
@@ -256,14 +245,10 @@ def _read(text: str) -> ParameterTree:
             return ParameterTree(is_empty=True)
         for leaf in walk.leaves(root, (), root.start_mark.line + 1, 0):
             leaves.append(leaf)  # noqa: PERF402 - what came before an error is kept
-    except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        message = str(getattr(error, "problem", None) or error).partition("\n")[0]
-        problem = (f"the text is no YAML: {message}", mark.line + 1 if mark else 1)
-        return ParameterTree(tuple(leaves), (*walk.problems, problem))
-    except (_TooMuchError, RecursionError, MemoryError) as error:
-        problem = (f"{error}; the parameters before that were read", walk.line)
-        return ParameterTree(tuple(leaves), (*walk.problems, problem), too_large=True)
+    except YamlFault as fault:
+        before = "; the parameters before that were read" if fault.is_large else ""
+        problem = (f"the text {fault.message}{before}", fault.line or 1)
+        return ParameterTree(tuple(leaves), (*walk.problems, problem), too_large=fault.is_large)
     return ParameterTree(tuple(leaves), tuple(walk.problems), is_mapping=isinstance(root, yaml.MappingNode))
 
 
@@ -277,19 +262,17 @@ def _cached(text: str) -> ParameterTree:
     return _read(text)
 
 
-class _Walk:
-    """One walk over a composed document, which bounds what aliases can make of it."""
+class _Walk(Walk):
+    """One walk over a composed document."""
 
     def __init__(self) -> None:
+        super().__init__()
         self.problems: list[tuple[str, int]] = []
-        self.line = 1
-        self._visits = 0
-        self._characters = 0
         self._constructor = yaml.constructor.SafeConstructor()
 
     def leaves(self, node: yaml.Node, keys: tuple[str, ...], line: int, depth: int) -> Iterator[Leaf]:
         """Yield the leaves of a node that `keys` lead to."""
-        self._count(depth)
+        self.visit(node, depth)
         if isinstance(node, yaml.MappingNode):
             for key, (inner, where) in self._mapping(node, depth).items():
                 if isinstance(key, str):
@@ -297,7 +280,6 @@ class _Walk:
                 else:
                     self.problems.append((f"the key {one_line(key)} is no text; roslaunch refuses it", where))
             return
-        self.line = line
         try:
             yield leaf_of(self.value(node, depth), line, keys)
         except ValueError as error:
@@ -305,7 +287,9 @@ class _Walk:
 
     def value(self, node: yaml.Node | None, depth: int) -> object:
         """Return the value of a node; ValueError when it is none of its tag."""
-        self._count(depth)
+        if node is None:
+            return None
+        self.visit(node, depth)
         if isinstance(node, yaml.MappingNode):
             pairs = self._mapping(node, depth)
             return {key: self.value(inner, depth + 1) for key, (inner, _) in pairs.items()}
@@ -313,7 +297,6 @@ class _Walk:
             return [self.value(item, depth + 1) for item in node.value]
         if not isinstance(node, yaml.ScalarNode):
             return None
-        self._characters += len(node.value)
         if node.tag in {"!deg", "!rad", "!degrees", "!radians"}:
             return _angle(node.value, node.tag)
         if node.tag == _STRING:
@@ -329,7 +312,7 @@ class _Walk:
         merged: dict[object, tuple[yaml.Node, int]] = {}
         own: dict[object, tuple[yaml.Node, int]] = {}
         for key, inner in node.value:
-            self._count(depth)
+            self.visit(key, depth)
             if key.tag == _MERGE:
                 for one in reversed(inner.value if isinstance(inner, yaml.SequenceNode) else [inner]):
                     if isinstance(one, yaml.MappingNode):
@@ -341,13 +324,6 @@ class _Walk:
                     key.start_mark.line + 1,
                 )
         return {**merged, **own}
-
-    def _count(self, depth: int) -> None:
-        self._visits += 1
-        if depth > _MOST_DEPTH:
-            raise _TooMuchError(f"the text is nested deeper than {_MOST_DEPTH} levels")
-        if self._visits > _MOST_VISITS or self._characters > _MOST_CHARACTERS:
-            raise _TooMuchError(f"the text means more than {_MOST_VISITS} values or is expanded endlessly")
 
 
 def _angle(text: str, tag: str) -> float:

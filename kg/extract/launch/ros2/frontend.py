@@ -15,11 +15,11 @@ from kg.extract.launch.ros2 import actions as kinds
 from kg.extract.launch.ros2.actions import Condition, Substitution
 from kg.extract.launch.ros2.context import HOLE, place
 from kg.extract.launch.ros2.template import TemplateError, parse_template
-from kg.extract.launch.ros2.values import LOADER, of_yaml, truth
+from kg.extract.launch.ros2.values import of_yaml, truth
 from kg.facts import LaunchProblem, LaunchProblemKind
 from kg.holes import ANONYMOUS
 from kg.xmltext import line_of, parse_xml
-from kg.yamltext import compose_yaml
+from kg.yamltext import Walk, YamlFault, compose_yaml
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -88,8 +88,7 @@ def read_xml(files: Files, file: FilePath, text: bytes, problems: list[LaunchPro
     result = parse_xml(text)
     if result.problem is not None:
         _, message, line = result.problem
-        where = place(files, file, line or 1)
-        problems.append(LaunchProblem(LaunchProblemKind.MALFORMED, f"the file {message}", where, subject=file.path))
+        problems.append(_broken(files, file, f"the file {message}", line))
         problems = []  # what is wrong behind that comes of it
     if result.root is None:
         return ()
@@ -97,7 +96,7 @@ def read_xml(files: Files, file: FilePath, text: bytes, problems: list[LaunchPro
     root = _element(result.root, 0, deep)
     if deep:
         message = f"elements are nested deeper than {_MOST_DEPTH} levels"
-        problems.append(LaunchProblem(LaunchProblemKind.LIMIT, message, place(files, file, deep[0]), subject=file.path))
+        problems.append(_broken(files, file, message, deep[0], LaunchProblemKind.LIMIT))
     return build(root, lambda line: place(files, file, line), problems)
 
 
@@ -119,43 +118,35 @@ def _element(node: _Element, depth: int, deep: list[int]) -> Element:
 
 _CHILDREN: Final = "children"
 _TEXT: Final = "tag:yaml.org,2002:str"
-_MOST_ELEMENTS: Final = 50_000
 
 
 def read_yaml(files: Files, file: FilePath, text: bytes, problems: list[LaunchProblem]) -> Sequence[Action]:
     """Return the actions of a file; what is malformed in it is among the `problems`, with its line."""
     try:
-        root = _root(text)
+        root = _Walk().action(compose_yaml(text.decode()), 0)
+    except YamlFault as fault:
+        problems.append(_broken(files, file, f"the file {fault.message}", fault.line))
+        return ()
     except Malformed as error:
-        where = place(files, file, error.line)
-        problems.append(LaunchProblem(LaunchProblemKind.MALFORMED, error.message, where, subject=file.path))
+        problems.append(_broken(files, file, error.message, error.line))
         return ()
     return build(root, lambda line: place(files, file, line), problems)
 
 
-def _root(text: bytes) -> Element:
-    try:
-        document = compose_yaml(text.decode(), LOADER)
-    except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        problem = getattr(error, "problem", None) or "cannot be parsed"
-        raise Malformed(f"the file is no YAML: {problem}", mark.line + 1 if mark else 1) from error
-    except RecursionError as error:
-        raise Malformed("the file is nested too deep", 1) from error
-    if document is None:
-        raise Malformed("the file is empty", 1)
-    return _Walk().action(document, 0)
+def _broken(
+    files: Files, file: FilePath, message: str, line: int | None, kind: LaunchProblemKind = LaunchProblemKind.MALFORMED
+) -> LaunchProblem:
+    return LaunchProblem(kind, message, place(files, file, line or 1), subject=file.path)
 
 
-class _Walk:
-    """One walk over a document, which bounds what its aliases can make of it."""
+class _Walk(Walk):
+    """One walk over a document."""
 
-    def __init__(self) -> None:
-        self._count = 0
-
-    def action(self, node: yaml.Node, depth: int) -> Element:
+    def action(self, node: yaml.Node | None, depth: int) -> Element:
         """Return the action that a mapping of one key means."""
-        pairs = list(self._pairs(node, depth))
+        if node is None:
+            raise YamlFault("is empty")
+        pairs = list(self.pairs(node, depth))
         if len(pairs) != 1:
             raise Malformed("an action has to be a mapping with its name as the only key", _line(node))
         key, value = pairs[0]
@@ -169,11 +160,11 @@ class _Walk:
         attributes: dict[str, Attribute] = {}
         typed = set()
         children: list[Element] = []
-        for key, value in self._pairs(node, depth):
+        for key, value in self.pairs(node, depth):
             if _is_elements(value):
                 children += self._below(key.value, value, depth)
             else:
-                attributes[key.value] = _attribute(value, _line(key))
+                attributes[key.value] = _attribute(value)
                 if isinstance(value, yaml.ScalarNode) and value.tag != _TEXT:
                     typed.add(key.value)
         return Element(tag, line, attributes, frozenset(typed), tuple(children))
@@ -185,28 +176,15 @@ class _Walk:
             else:
                 yield self._element(name, child, _line(child), depth + 1)
 
-    def _pairs(self, node: yaml.Node, depth: int) -> Iterator[tuple[yaml.ScalarNode, yaml.Node]]:
-        if depth > _MOST_DEPTH:
-            raise Malformed(f"the file is nested deeper than {_MOST_DEPTH} levels", _line(node))
-        for key, value in node.value if isinstance(node, yaml.MappingNode) else ():
-            self._count += 1
-            if self._count > _MOST_ELEMENTS:
-                raise Malformed(f"the file means more than {_MOST_ELEMENTS} values", _line(key))
-            if isinstance(key, yaml.ScalarNode):
-                yield key, value
-
 
 def _is_elements(node: yaml.Node) -> bool:
     return isinstance(node, yaml.SequenceNode) and any(isinstance(item, yaml.MappingNode) for item in node.value)
 
 
-def _attribute(node: yaml.Node, line: int) -> Attribute:
+def _attribute(node: yaml.Node) -> Attribute:
     if isinstance(node, yaml.ScalarNode):
         return str(node.value)
-    try:
-        whole = of_yaml(node)[0]
-    except ValueError as error:
-        raise Malformed(f"a value is {error}", line) from error
+    whole = of_yaml(node)[0]
     if not isinstance(node, yaml.SequenceNode):
         return whole
     return [item.value if isinstance(item, yaml.ScalarNode) else of_yaml(item)[0] for item in node.value]

@@ -18,10 +18,10 @@ import yaml
 from kg.extract.launch.ros2.actions import ParameterFile, ParameterValue
 from kg.extract.launch.ros2.context import HOLE, GlobalFile, place, read
 from kg.extract.launch.ros2.template import TemplateError, parse_template
-from kg.extract.launch.ros2.values import LOADER, Performed, of_object, of_text, of_yaml
+from kg.extract.launch.ros2.values import Performed, of_object, of_text, of_yaml
 from kg.facts import LaunchParameter, LaunchProblemKind, Location
 from kg.names import is_for_node
-from kg.yamltext import compose_yaml
+from kg.yamltext import Walk, YamlFault, compose_yaml
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -34,9 +34,6 @@ if TYPE_CHECKING:
 __all__ = ["Asked", "Entry", "Rewriting", "given_parameter", "node_parameters", "read_parameters", "without_others"]
 
 _PARAMETERS: Final = "ros__parameters"
-_MOST_DEPTH: Final = 60
-_MOST_ENTRIES: Final = 50_000
-_MOST_CHARACTERS: Final = 5_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,10 +68,9 @@ def read_parameters(
         return file, [_performed(context, entry) for entry in made.entries] if substitutions else made.entries
     try:
         return file, _entries(_substituted(context, content) if substitutions else content)
-    except ValueError as error:
-        message, line = error.args
-        where = place(context.files, file, line)
-        context.problem(LaunchProblemKind.MALFORMED, f"`{file.path}` {message}", file.path, where)
+    except YamlFault as fault:
+        where = place(context.files, file, fault.line or 1)
+        context.problem(LaunchProblemKind.MALFORMED, f"`{file.path}` {fault.message}", file.path, where)
         return None
 
 
@@ -96,29 +92,17 @@ def _substituted(context: Context, content: bytes) -> bytes:
 
 @lru_cache(maxsize=256)
 def _entries(content: bytes) -> tuple[Entry, ...]:
-    """Return the parameters of a file in its order; raises `ValueError` with what is wrong and the line."""
-    try:
-        root = compose_yaml(content.decode(), LOADER)
-    except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        problem = getattr(error, "problem", None) or "cannot be parsed"
-        raise ValueError(f"is no YAML: {problem}", mark.line + 1 if mark else 1) from error
-    except RecursionError as error:
-        raise ValueError("is nested too deep", 1) from error
-    walk = _Walk()
+    """Return the parameters of a file in its order; raises `YamlFault`."""
+    root, walk = compose_yaml(content.decode()), _Walk()
     return tuple(walk.nodes(root, (), 0)) or tuple(walk.leaves(root, None, (), 0))
 
 
-class _Walk:
-    """One walk over a document, which bounds what its aliases can make of it."""
-
-    def __init__(self) -> None:
-        self._count = 0
-        self._characters = 0
+class _Walk(Walk):
+    """One walk over a document."""
 
     def nodes(self, node: yaml.Node | None, names: tuple[str, ...], depth: int) -> Iterator[Entry]:
         """Yield the parameters of all nodes below a mapping."""
-        for key, value in self._pairs(node, depth):
+        for key, value in self.merged(node, depth):
             if key.value == _PARAMETERS:
                 yield from self.leaves(value, _joined(names), (), depth + 1)
             elif isinstance(value, yaml.MappingNode):
@@ -126,39 +110,21 @@ class _Walk:
 
     def leaves(self, node: yaml.Node | None, owner: str | None, names: tuple[str, ...], depth: int) -> Iterator[Entry]:
         """Yield the parameters of a mapping of names, with the line of each."""
-        for key, value in self._pairs(node, depth):
+        for key, value in self.merged(node, depth):
             below = (*names, key.value)
             if isinstance(value, yaml.MappingNode):
                 yield from self.leaves(value, owner, below, depth + 1)
             else:
-                written, kind = self._written(value, key.start_mark.line + 1)
-                yield Entry(owner, below, written, kind, key.start_mark.line + 1)
+                yield Entry(owner, below, *of_yaml(value, self, depth), key.start_mark.line + 1)
 
-    def _written(self, node: yaml.Node, line: int) -> tuple[str, str | None]:
-        try:
-            written, kind = of_yaml(node)
-        except ValueError as error:
-            raise ValueError(f"has a value {error}", line) from error
-        self._characters += len(written)
-        if self._characters > _MOST_CHARACTERS:
-            raise ValueError(f"means more than {_MOST_CHARACTERS} characters", line)
-        return written, kind
-
-    def _pairs(self, node: yaml.Node | None, depth: int) -> Iterator[tuple[yaml.ScalarNode, yaml.Node]]:
-        if depth > _MOST_DEPTH:
-            raise ValueError(f"is nested deeper than {_MOST_DEPTH} levels", node.start_mark.line + 1 if node else 1)
-        for key, value in node.value if isinstance(node, yaml.MappingNode) else ():
-            self._count += 1
-            if self._count > _MOST_ENTRIES:
-                raise ValueError(f"means more than {_MOST_ENTRIES} values", key.start_mark.line + 1)
-            if isinstance(key, yaml.ScalarNode) and key.tag != "tag:yaml.org,2002:merge":
+    def merged(self, node: yaml.Node | None, depth: int) -> Iterator[tuple[yaml.ScalarNode, yaml.Node]]:
+        """Yield the entries of a mapping, those of the mappings that it merges too."""
+        for key, value in self.pairs(node, depth):
+            if key.tag != "tag:yaml.org,2002:merge":
                 yield key, value
-            elif isinstance(key, yaml.ScalarNode):
-                yield from self._merged(value, depth)
-
-    def _merged(self, node: yaml.Node, depth: int) -> Iterator[tuple[yaml.ScalarNode, yaml.Node]]:
-        for part in node.value if isinstance(node, yaml.SequenceNode) else [node]:
-            yield from self._pairs(part, depth + 1)
+                continue
+            for part in value.value if isinstance(value, yaml.SequenceNode) else [value]:
+                yield from self.merged(part, depth + 1)
 
 
 def _joined(names: Sequence[str]) -> str:

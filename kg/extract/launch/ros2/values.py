@@ -13,14 +13,10 @@ from typing import Final
 import yaml
 
 from kg.extract.launch.ros2.context import HOLE
-from kg.yamltext import compose_yaml, load_yaml
+from kg.yamltext import Walk, compose_yaml, load_yaml
 
-__all__ = ["LOADER", "Performed", "of_object", "of_text", "of_yaml", "quoted", "truth"]
+__all__ = ["Performed", "of_object", "of_text", "of_yaml", "quoted", "truth"]
 
-LOADER: Final = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-
-_MOST_DEPTH: Final = 40
-_MOST_SIZE: Final = 200_000
 _TEXT: Final = "string"
 _TYPES: Final = {
     "tag:yaml.org,2002:bool": "bool",
@@ -57,9 +53,9 @@ def of_text(text: str, wanted: str | None = None) -> tuple[str | None, str | Non
     if wanted == _TEXT or HOLE in text:
         return quoted(text), wanted or _TEXT
     try:
-        node = compose_yaml(text, LOADER) if text else None
+        node = compose_yaml(text) if text else None
         value, kind = of_yaml(node) if node is not None else ('""', _TEXT)
-    except (yaml.YAMLError, ValueError, RecursionError):
+    except ValueError:
         return quoted(text), _TEXT
     if wanted == "double" and kind == "int":
         value = f"{value}.0"
@@ -83,30 +79,18 @@ def of_object(value: object) -> tuple[str | None, str | None]:
     return None, None
 
 
-def of_yaml(node: yaml.Node) -> tuple[str, str | None]:
-    """Return the value and type of a node of a document; raises `ValueError` for one nested too deep, or too large."""
-    return _Writing().value(node, 0)
-
-
-class _Writing:
-    """One value written, which bounds what its aliases can make of it."""
-
-    def __init__(self) -> None:
-        self._size = 0
-
-    def value(self, node: yaml.Node, depth: int) -> tuple[str, str | None]:
-        """Return the value and type of a node."""
-        self._size += 1 + (len(node.value) if isinstance(node, yaml.ScalarNode) else 0)
-        if depth > _MOST_DEPTH or self._size > _MOST_SIZE:
-            raise ValueError(f"nested deeper than {_MOST_DEPTH} levels, or larger than {_MOST_SIZE} characters")
-        if isinstance(node, yaml.ScalarNode):
-            plain = not node.style and "\n" not in node.value
-            return (node.value if plain else quoted(node.value, style=node.style)), _TYPES.get(node.tag)
-        if isinstance(node, yaml.SequenceNode):
-            items = [self.value(item, depth + 1) for item in node.value]
-            return f"[{', '.join(text for text, _ in items)}]", _array({kind for _, kind in items})
-        pairs = [(self.value(key, depth + 1)[0], self.value(value, depth + 1)[0]) for key, value in node.value]
-        return f"{{{', '.join(f'{key}: {value}' for key, value in pairs)}}}", None
+def of_yaml(node: yaml.Node, walk: Walk | None = None, depth: int = 0) -> tuple[str, str | None]:
+    """Return the value and type of a node of a document; raises `YamlFault` as `walk` does."""
+    walk = walk or Walk()
+    walk.visit(node, depth)
+    if isinstance(node, yaml.ScalarNode):
+        plain = not node.style and "\n" not in node.value
+        return (node.value if plain else quoted(node.value, style=node.style)), _TYPES.get(node.tag)
+    if isinstance(node, yaml.SequenceNode):
+        items = [of_yaml(item, walk, depth + 1) for item in node.value]
+        return f"[{', '.join(text for text, _ in items)}]", _array({kind for _, kind in items})
+    pairs = [(of_yaml(key, walk, depth + 1)[0], of_yaml(value, walk, depth + 1)[0]) for key, value in node.value]
+    return f"{{{', '.join(f'{key}: {value}' for key, value in pairs)}}}", None
 
 
 def quoted(text: str, *, style: str | None = None) -> str:
@@ -116,7 +100,7 @@ def quoted(text: str, *, style: str | None = None) -> str:
     if all(part.isidentifier() for part in text.split("/") if part) and text.lower() not in _WORDS:
         return text
     try:
-        same = load_yaml(text, LOADER) == text
+        same = load_yaml(text) == text
     except (yaml.YAMLError, ValueError):
         same = False
     return text if same else json.dumps(text, ensure_ascii=False)

@@ -44,13 +44,11 @@ if TYPE_CHECKING:
 
 __all__ = ["CONFIGURATIONS", "NAMES", "PATH_METHODS", "call", "joined_path", "made_of", "method", "with_holes"]
 
-_LOADER: Final = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-
 
 def read_yaml(machine: LaunchMachine, text: str, file: FilePath | None) -> Value:
     """Return what `yaml.safe_load` gives; keys remember their lines of the file. Aliases are followed within bounds."""
     try:
-        node = compose_yaml(text, _LOADER)
+        node = compose_yaml(text)
         return _value(machine, node, file, yaml.SafeLoader("")) if node is not None else NULL
     except (yaml.YAMLError, ValueError, RecursionError):
         return Unknown("a YAML text is not valid")
