@@ -39,7 +39,7 @@ from kg.symbolic import form
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from kg.symbolic.form import Expression, Statement
+    from kg.symbolic.form import Expression
 
 __all__ = [
     "HOLE",
@@ -167,7 +167,6 @@ class _Evaluation:
         self._dialect = dialect
         self._modules = {name.partition(".")[0]: name.partition(".")[0] for name in dialect.functions}
         self._modules |= dialect.modules
-        self._scopes: list[dict[str, object]] = [{}]
         self._depth = 0
         self._steps = 0
 
@@ -281,9 +280,6 @@ class _Evaluation:
 
     def _name(self, expression: form.Name) -> object:
         name = expression.names[-1]
-        scope = next((scope for scope in reversed(self._scopes) if name in scope), None)
-        if scope is not None:
-            return scope[name]
         found = self._given(self._dialect.names, [name])
         if found is MISSING and name in self._modules:
             return _Reference(self._modules[name])
@@ -360,11 +356,6 @@ class _Evaluation:
         one, other = self.value(expression.then), self.value(expression.otherwise)
         return one if type(one) is type(other) and one == other else _UNKNOWN
 
-    def _assignment(self, expression: form.Assign) -> object:
-        value = self.value(expression.value)
-        self._bind(expression.target, value, self._scopes[0])
-        return value
-
     # Lists and dictionaries
 
     def _items(self, value: object) -> list[object] | None:
@@ -404,76 +395,10 @@ class _Evaluation:
         known = self.is_known(key) and self._is_container(of)
         return called(operator.getitem, [of, key], {}) if known else _UNKNOWN
 
-    def _comprehension(self, function: form.Function) -> object:
-        """Return what a comprehension makes: it is lowered to a function that fills a list or a dictionary."""
-        if len(function.body.body) == 1 or function.parameters:
-            raise UnsupportedError("the function is not evaluated")
-        declared, filled, returned = function.body.body
-        assert isinstance(declared, form.Declare) and isinstance(returned, form.Return)  # noqa: PT018, S101 - its parts
-        scope: dict[str, object] = {}
-        self._scopes.append(scope)
-        try:
-            scope[declared.name] = self.value(declared.value) if declared.value is not None else None
-            self._run(filled, scope)
-            return self.value(returned.value) if returned.value is not None else None
-        except NotKnownError:
-            return _UNKNOWN
-        finally:
-            self._scopes.pop()
-
-    def _run(self, statement: Statement, scope: dict[str, object]) -> None:
-        """Run a part of a comprehension; `NotKnownError` if it is not known what is in it."""
-        self._count()
-        if isinstance(statement, form.Block):
-            for one in statement.body:
-                self._run(one, scope)
-        elif isinstance(statement, form.Loop) and statement.over is not None:
-            for item in _certain(self._items(self.value(statement.over))):
-                self._bind(statement.targets, item, scope)
-                self._run(statement.body, scope)
-        elif isinstance(statement, form.Branch):
-            condition, body = statement.arms[0]
-            if condition is None or _certain(self._truth(self.value(condition))):
-                self._run(body, scope)
-        elif isinstance(statement, form.Step) and isinstance(statement.value, form.Assign):
-            step = statement.value
-            value = self.value(step.value)
-            if step.sign:
-                made: Any = self.value(step.target)
-                made += value
-                refuse_over(len(made), MOST_ITEMS)
-            else:
-                self._bind(step.target, value, scope)
-        else:
-            raise UnsupportedError("a statement is not evaluated")
-
-    def _bind(self, target: Expression | tuple[str, ...], value: object, scope: dict[str, object]) -> None:
-        """Set the target of an assignment or loop: a name, several, or an element of a new dictionary."""
-        if isinstance(target, form.Name):
-            scope[target.names[-1]] = value
-        elif isinstance(target, form.Index):
-            of, key = self.value(target.of), self.value(target.key)
-            if not self.is_known(key):
-                raise NotKnownError
-            called(operator.setitem, [of, key, value], {})
-        elif isinstance(target, tuple) and len(target) == 1:
-            scope[target[0]] = value
-        elif isinstance(target, tuple | form.Display):
-            names = target if isinstance(target, tuple) else target.items
-            items = _certain(self._items(value))
-            if len(items) != len(names):
-                raise ExpressionError(f"ValueError: {len(names)} names for {len(items)} values")
-            for name, item in zip(names, items, strict=True):
-                self._bind(form.Name(1, (name,)) if isinstance(name, str) else name, item, scope)
-        else:
-            raise UnsupportedError("an assignment is not evaluated")
-
     # Calls
 
     def _call(self, expression: form.Call) -> object:
         written = expression.function
-        if isinstance(written, form.Lambda):
-            return self._comprehension(written.function)
         of = self.value(written.of) if isinstance(written, form.Member) else None
         function = self.value(written) if not isinstance(of, str | list | tuple | dict) else None
         args = self._values(expression.arguments)
@@ -501,8 +426,6 @@ class _Evaluation:
             return self._formatted(args[0], "", "") if is_text else _UNKNOWN
         if path in ("builtins.bool", "builtins.any", "builtins.all") and len(args) == 1:
             return self._decided(path, args[0])
-        if path in ("builtins.map", "builtins.filter") and len(args) > 1:
-            return self._mapped(path, args[0], args[1])
         if path not in FUNCTIONS:
             raise UnsupportedError("the function is not evaluated")
         return self._applied(FUNCTIONS[path], args, named, shallow=path in ARRANGING)
@@ -513,16 +436,6 @@ class _Evaluation:
         found = {self._truth(item) for item in items} if items is not None else {None}
         ends_at = path != "builtins.all"
         return ends_at if ends_at in found else _UNKNOWN if None in found else not ends_at
-
-    def _mapped(self, path: str, function: object, over: object) -> object:
-        items = self._items(over)
-        if items is None:
-            return _UNKNOWN
-        results = items if function is None else [self._invoked(function, [item], {}) for item in items]
-        if path == "builtins.map":
-            return results
-        kept = [(item, self._truth(result)) for item, result in zip(items, results, strict=True)]
-        return _UNKNOWN if any(truth is None for _, truth in kept) else [item for item, truth in kept if truth]
 
     def _method(self, of: object, name: str, args: list[Any], named: Mapping[str, Any]) -> object:
         """Return what a method of a text, list, tuple or dictionary gives that does not change it."""
@@ -592,24 +505,13 @@ class _Evaluation:
             return _UNKNOWN
         if "%" in _PERCENT.sub("", template):
             raise UnsupportedError("the format of a text is not evaluated")
+        if not self.is_known(operand):
+            return _UNKNOWN
         values = operand if isinstance(operand, tuple) else (operand,)
-        if self.is_known(operand):
-            given = operand.values() if isinstance(operand, dict) else values
-            longest = max((len(str(value)) for value in given), default=0)
-            refuse_over(len(template) + (1 + longest) * template.count("%"))
-            return self._made(called(operator.mod, [template, operand], {}))
-        waiting = iter(values)
-
-        def piece(match: re.Match[str]) -> str:
-            if match["kind"] == "%":
-                return "%"
-            value = operand.get(match["key"], _UNKNOWN) if isinstance(operand, dict) else next(waiting, _UNKNOWN)
-            if match["kind"] == "s" and not match["spec"]:
-                return self._formatted(value, "", "")
-            known = self.is_known(value)
-            return str(called(operator.mod, [f"%{match['spec']}{match['kind']}", (value,)], {})) if known else HOLE
-
-        return self._made(_PERCENT.sub(piece, template))
+        given = operand.values() if isinstance(operand, dict) else values
+        longest = max((len(str(value)) for value in given), default=0)
+        refuse_over(len(template) + (1 + longest) * template.count("%"))
+        return self._made(called(operator.mod, [template, operand], {}))
 
     _evaluators: ClassVar[dict[type, Callable[..., object]]] = {
         form.Literal: _literal,
@@ -622,14 +524,7 @@ class _Evaluation:
         form.Index: _index,
         form.Display: _display,
         form.Pairs: _pairs,
-        form.Assign: _assignment,
     }
-
-
-def _certain(value: Any) -> Any:
-    if value is None:
-        raise NotKnownError
-    return value
 
 
 def _referred(path: str) -> object:

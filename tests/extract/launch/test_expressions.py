@@ -62,7 +62,6 @@ def compound(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
         st.builds("[{}, {}][{}]".format, inner, inner, inner),
         st.builds("[{}, {}][0:1]".format, inner, inner),
         st.builds("{{'a': {}, 2: {}}}[{}]".format, inner, inner, inner),
-        st.builds("[one for one in [{}, {}] if one]".format, inner, inner),
         st.builds("f'{{x}}:{{{}!r}}'".format, st.sampled_from(["x", "y", "z", "7"])),
     )
 
@@ -131,7 +130,6 @@ def test_never_raises_anything_else(source: str) -> None:
         "('%s' * 900) % (('x' * 60000,) * 900)",
         "f'{1:>999999}'",
         "'x'.ljust(999999)",
-        "[[a, b, c] for a in 'x' * 4000 for b in 'x' * 4000 for c in 'x' * 4000]",
         "[" * 90 + "]" * 90,
         "-" * 1999 + "1",
         "-" * 9000 + "1",
@@ -159,6 +157,8 @@ def test_large_is_refused(source: str) -> None:
         "'{0.real}'.format(1)",
         "str.format('{}', 1)",
         "(lambda: 1)()",
+        "[one for one in (1, 2)]",
+        "(y := 1)",
         "1j",
         "(-8) ** 0.5",
         "absent",
@@ -178,9 +178,7 @@ def test_strange_is_refused(source: str) -> None:
 @pytest.mark.parametrize(
     ("source", "value"),
     [
-        ("[one for one in (1, 2)]", [1, 2]),
         ("max(*[1, 2])", 2),
-        ("(y := 1)", 1),
         ("factorial(9)", 362880),
         ("math.floor(math.pi)", 3),
         ("f'{z:.2f}'", "2.50"),
@@ -188,7 +186,7 @@ def test_strange_is_refused(source: str) -> None:
     ],
 )
 def test_python_is_evaluated(source: str, value: object) -> None:
-    """Comprehensions, spread arguments, modules and formats are those of Python."""
+    """Spread arguments, modules and formats are those of Python."""
     assert value_of(source) == value
 
 
