@@ -50,8 +50,8 @@ class Markup(Generic[_Element]):
         make: Callable[[str, dict[str, str], int], _Element],
         text: Callable[[_Element, str, int], None],
         *,
-        whole_texts: bool,
         kept: int,
+        whole_texts: bool = False,
     ) -> None:
         self.make = make
         self.text = text

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final, TypedDict
 
 import yaml
 
+from kg.extract.launch.markup import Markup
 from kg.extract.launch.ros2 import actions as kinds
 from kg.extract.launch.ros2.actions import Condition, Substitution
 from kg.extract.launch.ros2.context import HOLE, place
@@ -18,13 +19,10 @@ from kg.extract.launch.ros2.template import TemplateError, parse_template
 from kg.extract.launch.ros2.values import of_yaml, truth
 from kg.facts import LaunchProblem, LaunchProblemKind
 from kg.holes import ANONYMOUS
-from kg.xmltext import line_of, parse_xml
 from kg.yamltext import Walk, YamlFault, compose_yaml
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
-
-    from lxml.etree import _Element
 
     from kg.corpus.files import FilePath
     from kg.extract.launch.files import Files
@@ -49,15 +47,13 @@ class Malformed(Exception):  # noqa: N818  (it says what the file is)
 class Element:
     """An action, or a part of one, as it is written; values of YAML that are no texts are written as YAML.
 
-    `typed` are the names of attributes that have a value of YAML that is no text. `children` are all elements
-    below in their order, those that are actions and those that belong to this one (`param`, `remap`, ...).
+    `children` are all elements below in their order, actions and those that belong to this one (`param`, `remap`, ...).
     """
 
     tag: str
     line: int
     attributes: Mapping[str, Attribute] = field(default_factory=dict)
-    typed: frozenset[str] = frozenset()
-    children: tuple[Element, ...] = ()
+    children: list[Element] = field(default_factory=list)
 
     def get(self, *names: str) -> str | None:
         """Return the first attribute of these names that there is; a list as YAML."""
@@ -80,44 +76,28 @@ class Element:
 
 
 _SEPARATOR: Final = "-sep"
+
+
+def _element(tag: str, written: dict[str, str], line: int) -> Element:
+    lists = {name: text.split(sep) for name, text in written.items() if (sep := written.get(f"{name}{_SEPARATOR}"))}
+    texts = {name: text for name, text in written.items() if not name.endswith(_SEPARATOR)}
+    return Element(tag, line, {**texts, **lists})
+
+
+_MARKUP: Final = Markup(_element, lambda *_: None, kept=1)
 _MOST_DEPTH: Final = 100
 
 
 def read_xml(files: Files, file: FilePath, text: bytes, problems: list[LaunchProblem]) -> Sequence[Action]:
     """Return the actions of a file; what is malformed in it is among the `problems`, with its line."""
-    result = parse_xml(text)
-    if result.problem is not None:
-        _, message, line = result.problem
-        problems.append(_broken(files, file, f"the file {message}", line))
+    document = _MARKUP.read(text)
+    if document.problem is not None:
+        problems.append(_broken(files, file, *document.problem))
         problems = []  # what is wrong behind that comes of it
-    if result.root is None:
-        return ()
-    deep: list[int] = []
-    root = _element(result.root, 0, deep)
-    if deep:
-        message = f"elements are nested deeper than {_MOST_DEPTH} levels"
-        problems.append(_broken(files, file, message, deep[0], LaunchProblemKind.LIMIT))
-    return build(root, lambda line: place(files, file, line), problems)
-
-
-def _element(node: _Element, depth: int, deep: list[int]) -> Element:
-    """Return an element with all below; `deep` collects the lines of those that are nested too deep to be read."""
-    written = {str(name): str(value) for name, value in node.attrib.items()}
-    attributes: dict[str, Attribute] = {name: value for name, value in written.items() if not name.endswith(_SEPARATOR)}
-    for name, separator in written.items():
-        whole = name.removesuffix(_SEPARATOR)
-        if name.endswith(_SEPARATOR) and whole in written and separator:
-            attributes[whole] = written[whole].split(separator)
-    children = list(node.iterchildren("*"))
-    if depth >= _MOST_DEPTH:
-        deep.extend(line_of(child) for child in children)
-        children = []
-    below = tuple(_element(child, depth + 1, deep) for child in children)
-    return Element(str(node.tag), line_of(node), attributes, children=below)
+    return build(document.root, lambda line: place(files, file, line), problems) if document.root else ()
 
 
 _CHILDREN: Final = "children"
-_TEXT: Final = "tag:yaml.org,2002:str"
 
 
 def read_yaml(files: Files, file: FilePath, text: bytes, problems: list[LaunchProblem]) -> Sequence[Action]:
@@ -133,10 +113,8 @@ def read_yaml(files: Files, file: FilePath, text: bytes, problems: list[LaunchPr
     return build(root, lambda line: place(files, file, line), problems)
 
 
-def _broken(
-    files: Files, file: FilePath, message: str, line: int | None, kind: LaunchProblemKind = LaunchProblemKind.MALFORMED
-) -> LaunchProblem:
-    return LaunchProblem(kind, message, place(files, file, line or 1), subject=file.path)
+def _broken(files: Files, file: FilePath, message: str, line: int | None) -> LaunchProblem:
+    return LaunchProblem(LaunchProblemKind.MALFORMED, message, place(files, file, line or 1), subject=file.path)
 
 
 class _Walk(Walk):
@@ -154,20 +132,17 @@ class _Walk(Walk):
 
     def _element(self, tag: str, node: yaml.Node, line: int, depth: int) -> Element:
         if isinstance(node, yaml.SequenceNode):
-            return Element(tag, line, children=tuple(self.action(child, depth + 1) for child in node.value))
+            return Element(tag, line, children=[self.action(child, depth + 1) for child in node.value])
         if isinstance(node, yaml.ScalarNode) and node.value:
             raise Malformed(f"`{tag}` has to be a mapping or a list", line)
         attributes: dict[str, Attribute] = {}
-        typed = set()
         children: list[Element] = []
         for key, value in self.pairs(node, depth):
             if _is_elements(value):
                 children += self._below(key.value, value, depth)
             else:
                 attributes[key.value] = _attribute(value)
-                if isinstance(value, yaml.ScalarNode) and value.tag != _TEXT:
-                    typed.add(key.value)
-        return Element(tag, line, attributes, frozenset(typed), tuple(children))
+        return Element(tag, line, attributes, children)
 
     def _below(self, name: str, node: yaml.Node, depth: int) -> Iterator[Element]:
         for child in node.value:

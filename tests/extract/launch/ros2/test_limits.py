@@ -55,7 +55,6 @@ CASES = {
     "fan": {f"f{number}.launch.xml": include(number + 1) for number in range(40)},
     "depth": CHAIN,
     "growth": {"a.launch.xml": launch('<let name="x" value="abc"/>', GROWTH * 60)},
-    "groups": {"a.launch.xml": launch("<group>" * 150, "</group>" * 150)},
     "nodes": {"a.launch.xml": launch(NODE * 101), "p.yaml": ""},
     "parameters": {"a.launch.xml": launch(NODE * 5), "p.yaml": f"n: {{ros__parameters: {{{FIVE_HUNDRED}}}}}"},
 }
@@ -71,13 +70,14 @@ MALFORMED = {
         "a.launch.xml": launch(NODE),
         "p.yaml": f"b: [&c0 [1]{DOUBLED}]\nn: {{ros__parameters: {{x: *c35}}}}",
     },
+    "groups": {"a.launch.xml": launch("<group>" * 150, "</group>" * 150)},
     "deep operands": {"a.launch.xml": launch(f'<let name="a" value="{"$(var " * 50}x{")" * 50}"/>')},
 }
 
 
 @pytest.mark.parametrize("case", CASES)
 def test_what_grows_without_end_is_cut_and_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, case: str) -> None:
-    """Includes, texts, groups, nodes and parameters are bounded, and a problem says which bound was met."""
+    """Includes, texts, nodes and parameters are bounded, and a problem says which bound was met."""
     monkeypatch.setattr(execute, "_MOST_ACTIONS", 1_000)
     monkeypatch.setattr(nodes, "_MOST_NODES", 100)
     monkeypatch.setattr(parameters, "_MOST", 2_000)
@@ -86,7 +86,7 @@ def test_what_grows_without_end_is_cut_and_said(tmp_path: Path, monkeypatch: pyt
 
 @pytest.mark.parametrize("case", MALFORMED)
 def test_files_that_expand_endlessly_are_malformed(tmp_path: Path, case: str) -> None:
-    """Aliases of YAML and nested substitutions are bounded."""
+    """Aliases of YAML, nested elements and nested substitutions are bounded."""
     assert [problem.kind for problem in evaluated(tmp_path, MALFORMED[case]).problems] == [LaunchProblemKind.MALFORMED]
 
 
