@@ -1,26 +1,24 @@
 """Interface definitions of a package: its `.msg`, `.srv`, `.action` and `.idl` files, field by field.
 
-Types, constants and defaults are read by the grammar of `rosbags`. A definition in the `.msg` notation is a list of
-lines that do not depend on each other, so the grammar is asked for one line at a time and remembers the lines it has
-seen: that gives every field its line, keeps a bad line from hiding the rest of its file, and reads the thousand
-`std_msgs/Header header` of a workspace once. Sources: wiki.ros.org/msg, wiki.ros.org/srv, wiki.ros.org/actionlib and
-docs.ros.org "About ROS 2 interfaces".
+A definition in the `.msg` notation is a list of lines that do not depend on each other, so that a bad line hides
+nothing of its file. IDL is read by the grammar of `rosbags`. Sources: wiki.ros.org/msg, wiki.ros.org/srv,
+wiki.ros.org/actionlib and docs.ros.org "About ROS 2 interfaces".
 """
 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, replace
-from functools import cache, lru_cache
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import partial
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import Field, FileKind, InterfaceDefinition, Location
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
 
-    from rosbags.typesys.base import Field as ParsedField
     from rosbags.typesys.base import Message, Type
 
     from kg.corpus.reading import Reader
@@ -119,11 +117,19 @@ _SECTIONS: Final = {
     FileKind.ACTION: ("goal", "result", "feedback"),
 }
 _SEPARATOR: Final = "---"
-_OWN_PACKAGE: Final = "_"
-"""Stands for the package of the definition in what the grammar returns, which is remembered across packages."""
-_OLD_TIMES: Final = ("time", "duration")
-_WIDE: Final = f"{_OWN_PACKAGE}/wstring"
-_REMEMBERED_LINES: Final = 20_000
+_PRIMITIVE: Final = frozenset(
+    {
+        "bool", "byte", "char", "float32", "float64", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64",
+        "uint64", "string", "wstring", "time", "duration",
+    }
+)  # fmt: skip
+_LINE: Final = re.compile(
+    r"(?:(?P<package>[A-Za-z]\w*)/(?:msg/)?)?(?P<type>[A-Za-z]\w*)(?P<bounds>(?:<=\d+)?(?:\[(?:<=)?\d*\])?)"
+    r"\s+(?P<name>[A-Za-z]\w*)(?:\s*=\s*(?P<constant>.*)|\s+(?P<default>.+))?"
+)
+"""A field or constant: the type with its bounds, the name, and what is behind it, without comment."""
+_CODE: Final = re.compile(r"""(?:[^#"']|"[^"]*"?|'[^']*'?)*""")
+"""What is before the first `#` outside of quotes."""
 
 
 def read_definitions(reader: Reader, package: PackageFolder) -> tuple[InterfaceDefinition, ...]:
@@ -151,17 +157,6 @@ class _File:
         self.reader.problem("KG118", message, self.path, line)
 
 
-@dataclass(frozen=True, slots=True)
-class _Declaration:
-    """What one line declares; `type` names the definition's own package `_`."""
-
-    name: str
-    type: str
-    default: str | None = None
-    constant: str | None = None
-    comment: str | None = None
-
-
 def _fields(file: _File) -> tuple[Field, ...]:
     sections = _SECTIONS[file.kind]
     section, fields = 0, []
@@ -173,103 +168,47 @@ def _fields(file: _File) -> tuple[Field, ...]:
                 file.malformed(f"a {file.kind.value} has {len(sections)} sections, not more", number)
                 break
         elif written and not written.startswith("#"):
-            declaration = _declaration(written)
-            if declaration is None:
+            field = _field(written, sections[section], file.package, number)
+            if field is None:
                 file.malformed(f"no field or constant: {written[:80]}", number)
-                continue
-            fields.append(_field(declaration, sections[section], file.package, number))
+            else:
+                fields.append(field)
     return tuple(fields)
 
 
-def _field(declaration: _Declaration, section: str, package: str, line: int) -> Field:
-    kind = declaration.type
-    own = f"{_OWN_PACKAGE}/"
-    return Field(
-        section,
-        declaration.name,
-        package + kind.removeprefix(_OWN_PACKAGE) if kind.startswith(own) else kind,
-        line,
-        declaration.default,
-        declaration.constant,
-        declaration.comment,
-    )
-
-
-@lru_cache(maxsize=_REMEMBERED_LINES)
-def _declaration(written: str) -> _Declaration | None:
-    """Return what a line (stripped, not empty, no comment) declares, or None where it follows no grammar."""
-    message = _grammar()(written)
-    if message is None:
-        return _bounded_wide_string(written) or _lenient_constant(written)
-    for constant in message.constants:
-        kind = constant.typ.value
-        comment = None if kind == "string" else _comment(written)
-        return _Declaration(constant.name, kind, constant=value_text(constant.value), comment=comment)
-    for field in message.fields:
-        if isinstance(field.value, str) and not _is_text(field):
-            return _lenient_constant(written)
-        default = None if field.value is None else value_text(field.value)
-        return _Declaration(field.name, _type(field, written), default, comment=_comment(written))
-    return None
-
-
-def _is_text(field: ParsedField) -> bool:
-    """Tell whether a string can be the default of a field; rosbags takes the rest of any line for one."""
-    return type_name(field.typ).removeprefix(f"{_OWN_PACKAGE}/").startswith(("string", "wstring"))
-
-
-def _bounded_wide_string(written: str) -> _Declaration | None:
-    if not written.startswith("wstring<="):
+def _field(written: str, section: str, package: str, line: int) -> Field | None:
+    """Return what a line (stripped, not empty, no comment) declares, or None if it follows no grammar."""
+    code = written[: _CODE.match(written).end()].rstrip()  # type: ignore[union-attr]  # it matches every text
+    found = _LINE.fullmatch(code)
+    if found is None:
         return None
-    narrow = _declaration(written.removeprefix("w"))
-    return narrow and replace(narrow, type=f"w{narrow.type}")
-
-
-def _lenient_constant(written: str) -> _Declaration | None:
-    """Read a constant as ROS 1 does: a name in any case, and the rest of the line as the value of a string."""
-    left, equals, value = written.partition("=")
-    message = _grammar()(left.strip()) if equals and "#" not in left else None
-    if message is None or not message.fields or message.fields[0].value is not None:
+    home, kind, constant, default = found["package"], found["type"], found["constant"], found["default"]
+    comment: str | None = written[len(code) :].strip().lstrip("#").strip() or None
+    is_text = home is None and kind in ("string", "wstring")
+    if home is None and kind not in _PRIMITIVE:
+        home = "std_msgs" if kind == "Header" else package
+    if constant is not None and is_text:  # all of the line
+        constant, comment = _unquoted(written[found.start("constant") :].strip()), None
+    elif constant is not None:
+        constant = _literal(constant) or constant
+    elif default is not None and is_text and "[" not in found["bounds"]:
+        default = _unquoted(default)
+    elif default is not None and (default := _literal(default)) is None:
         return None
-    field = message.fields[0]
-    kind = _type(field, written)
-    if kind == "string":
-        return _Declaration(field.name, kind, constant=value.strip())
-    return _Declaration(field.name, kind, constant=value.partition("#")[0].strip(), comment=_comment(written))
+    full = f"{home}/{kind}" if home is not None else kind
+    return Field(section, found["name"], f"{full}{found['bounds']}", line, default, constant, comment)
 
 
-@cache
-def _grammar() -> Callable[[str], Message | None]:
-    """Return a function from one line to the message that rosbags makes of it; rosbags is imported here, on demand."""
-    from rosbags.typesys import TypesysError  # noqa: PLC0415 - a package without definitions need not pay for it
-    from rosbags.typesys.msg import MSGParser  # noqa: PLC0415 - the same
-
-    def read(line: str) -> Message | None:
-        try:
-            return MSGParser(f"MSG: {_OWN_PACKAGE}/msg/{_OWN_PACKAGE}\n{line}").specification()[0]
-        except (TypesysError, RecursionError, ValueError):
-            return None
-
-    return read
+def _unquoted(text: str) -> str:
+    return text[1:-1] if len(text) > 1 and text[0] in "\"'" and text.find(text[0], 1) == len(text) - 1 else text
 
 
-def _type(field: ParsedField, written: str) -> str:
-    """Return the type of a field; the times of ROS 1, which rosbags takes for messages, keep their names."""
-    kind = type_name(field.typ)
-    for old in _OLD_TIMES:
-        if written.startswith(old) and not written.removeprefix(old)[0].isalnum():
-            return kind.replace(f"builtin_interfaces/{old.capitalize()}", old)
-    return kind.removeprefix(f"{_OWN_PACKAGE}/") if kind.startswith(_WIDE) else kind
-
-
-def _comment(written: str) -> str | None:
-    """Return the comment behind a declaration: what follows the first `#` outside of quotes."""
-    quote = ""
-    for position, character in enumerate(written):
-        if quote:
-            quote = "" if character == quote else quote
-        elif character in "\"'":
-            quote = character
-        elif character == "#":
-            return written[position:].lstrip("#").strip() or None
-    return None
+def _literal(text: str) -> str | None:
+    """Return a number, a truth value or a list as facts have it; None for anything else."""
+    if text.startswith("[") and text.endswith("]"):
+        items = [_literal(item.strip()) or item.strip() for item in text[1:-1].split(",") if item.strip()]
+        return f"[{', '.join(items)}]"
+    for read in (int, partial(int, base=0), float):
+        with suppress(ValueError):
+            return str(read(text))
+    return text.lower() if text.lower() in ("true", "false") else None

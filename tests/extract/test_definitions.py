@@ -156,3 +156,14 @@ def test_no_bytes_stop_the_reading(tmp_path_factory: pytest.TempPathFactory, dat
     root = tmp_path_factory.mktemp("ws")
     definitions, _ = read(root, {"msg/Any.msg": data})
     assert len(definitions) <= 1
+
+
+def test_constants_may_have_spaces_around_their_equals_sign(tmp_path: Path) -> None:
+    """A text behind `=` is a constant, in quotes or not."""
+    found = fields(tmp_path, "string AGE = 0-2\nstring KIND = \"one\"\nstring plain 'two'\nfloat64[] list [1, 2.50]\n")
+    assert [(f.name, f.constant, f.default) for f in found] == [
+        ("AGE", "0-2", None),
+        ("KIND", "one", None),
+        ("plain", None, "two"),
+        ("list", None, "[1, 2.5]"),
+    ]
