@@ -72,9 +72,6 @@ class _Frame:
     call: Location | None = None
 
 
-Handler = "Callable[[Run, list[str]], None]"
-
-
 class Run:
     """One run over a package's CMake files; `handlers` are the commands that do something, by name in lower case."""
 

@@ -39,7 +39,6 @@ class Argument:
 
     text: str
     form: str
-    line: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,20 +134,19 @@ class _Lexer:
             found.append(argument)
 
     def _argument(self, position: int) -> tuple[Argument, int]:
-        line = self.line(position)
         bracket = _BRACKET.match(self._text, position)
         closing = f"]{bracket[1]}]" if bracket else ""
         if bracket and closing not in self._unclosed:
             end = self._text.find(closing, bracket.end())
             if end >= 0:
-                return Argument(self._text[bracket.end() : end], "bracket", line), end + len(closing)
+                return Argument(self._text[bracket.end() : end], "bracket"), end + len(closing)
             self._unclosed.add(closing)
         match = _ARGUMENT.match(self._text, position)
         if match is None:
-            raise SyntaxFault("an argument is expected here", line)
+            raise SyntaxFault("an argument is expected here", self.line(position))
         form = match.lastgroup or ""
         text = _CONTINUED.sub(r"\1", match[form]) if form == "quoted" else match[form]
-        return Argument(text, form, line), match.end()
+        return Argument(text, form), match.end()
 
 
 def _blocks(commands: list[Command], faults: list[SyntaxFault]) -> list[Statement]:

@@ -10,7 +10,7 @@ import re
 from functools import lru_cache
 from typing import Final
 
-__all__ = ["LONGEST_TEXT", "is_legal", "is_prose", "shortened"]
+__all__ = ["LONGEST_TEXT", "is_prose", "shortened"]
 
 LEGAL: Final = (
     "copyright", "(c) 20", "(c) 19", "\N{COPYRIGHT SIGN}", "all rights reserved", "spdx-", "license agreement",
@@ -121,12 +121,6 @@ _MOST_FIELDS: Final = 3
 _PERSON: Final = r"(?:[A-Z][\w.'-]*\s+){1,3}[A-Z][\w'-]+"
 _PEOPLE: Final = re.compile(rf"^{_PERSON}(?:(?:\s*[,;]|\s+and)\s+{_PERSON})+\W*$")
 _SENTENCE_END: Final = re.compile(r"[.!?。]\s")
-
-
-def is_legal(text: str) -> bool:
-    """Tell whether a paragraph is (part of) a licence or a copyright notice."""
-    low = text[:_JUDGED].lower()
-    return any(phrase in low for phrase in LEGAL)
 
 
 @lru_cache(_REMEMBERED)

@@ -15,7 +15,6 @@ from kg.extract.manifests.cmake_builtins import compute
         ("7 % 4 - -1", 4),
         ("7 / 2", 3),
         ("1 / 0", None),
-        ("9 ** 9", None),
         ("x + 1", None),
         ("", None),
         ("(" * 300, None),
@@ -23,7 +22,7 @@ from kg.extract.manifests.cmake_builtins import compute
     ],
 )
 def test_expressions(expression: str, value: int | None) -> None:
-    """Whole numbers are computed with; names, powers and faults are not."""
+    """Whole numbers are computed with; names and faults are not."""
     assert compute(expression) == value
 
 

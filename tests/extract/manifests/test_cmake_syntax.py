@@ -36,8 +36,8 @@ def test_commands_and_lines() -> None:
     """Commands come in lower case with the line they start on, each argument with its own."""
     text = "# first\nSET(a\n  b)\r\n#[=[ two\nlines ]=] Project (x)\n"
     assert parse_commands(text) == [
-        Command("set", (Argument("a", "unquoted", 2), Argument("b", "unquoted", 3)), 2),
-        Command("project", (Argument("x", "unquoted", 5),), 5),
+        Command("set", (Argument("a", "unquoted"), Argument("b", "unquoted")), 2),
+        Command("project", (Argument("x", "unquoted"),), 5),
     ]
 
 

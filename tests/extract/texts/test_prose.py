@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kg.extract.texts.prose import LONGEST_TEXT, is_legal, is_prose, shortened
+from kg.extract.texts.prose import LONGEST_TEXT, is_prose, shortened
 
 PROSE = (
     "Merges the scans of two laser range finders into one.",
@@ -75,12 +75,6 @@ def test_prose_is_kept(text: str) -> None:
 def test_the_rest_is_not(text: str) -> None:
     """Licences, labels, tags, directives, templates, code, addresses and tables are no prose."""
     assert not is_prose(text)
-
-
-def test_a_licence_is_known_by_its_phrases() -> None:
-    """A paragraph of a licence is legal, one about a permit of a robot is not."""
-    assert is_legal("You may obtain a copy of the License at")
-    assert not is_legal("Permits the robot to move into the next room.")
 
 
 @given(st.text(max_size=300))

@@ -5,10 +5,8 @@ A class or function outside of the build is known by its name (`kg.extract.launc
 
 from __future__ import annotations
 
-import ast
 import posixpath
-import warnings
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
@@ -47,35 +45,14 @@ if TYPE_CHECKING:
     from kg.symbolic.form import Expression
     from kg.symbolic.state import Arguments, Frame
 
-__all__ = ["Broken", "LaunchPython", "parse"]
+__all__ = ["LaunchPython", "parse"]
 
-_MAX_BYTES = 2_000_000
 _REMEMBERED = 256
 
 
-@dataclass(frozen=True, slots=True)
-class Broken:
-    """A text that is no Python, the line and what is wrong there."""
-
-    line: int
-    message: str
-
-
 @lru_cache(maxsize=_REMEMBERED)
-def parse(file: FilePath, text: bytes) -> PythonUnit | Broken:
-    """Return the form of a Python file, or where it is broken."""
-    if len(text) > _MAX_BYTES:
-        return Broken(1, "the file is too large to be read")
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            ast.parse(text)
-    except SyntaxError as error:
-        return Broken(max(error.lineno or 1, 1), f"it is no valid Python: {error.msg}")
-    except ValueError as error:  # null bytes, texts that cannot be decoded, numbers beyond the limit
-        return Broken(1, f"it is no valid Python: {error}")
-    except (RecursionError, MemoryError):
-        return Broken(1, "it is nested too deeply to be read")
+def parse(file: FilePath, text: bytes) -> PythonUnit:
+    """Return the form of a Python file."""
     return PythonUnit(file, text, {})
 
 
@@ -102,7 +79,7 @@ class LaunchModules:
         """Return a module; None if it cannot be read."""
         content = self.files.read(file)
         made = parse(file, content) if content is not None else None
-        return None if isinstance(made, Broken) else made
+        return made if made is not None and made.error is None else None
 
     def find(self, dotted: str, unit: PythonUnit) -> PythonUnit | None:
         """Return a module as imported in a file: of the build, or beside the file."""

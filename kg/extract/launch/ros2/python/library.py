@@ -5,7 +5,6 @@ What a class of launch is given becomes an object, whose meaning is read when th
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
@@ -46,12 +45,12 @@ __all__ = ["CONFIGURATIONS", "NAMES", "PATH_METHODS", "call", "joined_path", "ma
 
 
 def read_yaml(machine: LaunchMachine, text: str, file: FilePath | None) -> Value:
-    """Return what `yaml.safe_load` gives; keys remember their lines of the file. Aliases are followed within bounds."""
+    """Return what `yaml.safe_load` or `json.load` gives, within bounds; keys remember their lines of the file."""
     try:
         node = compose_yaml(text)
         return _value(machine, node, file, yaml.SafeLoader("")) if node is not None else NULL
     except (yaml.YAMLError, ValueError, RecursionError):
-        return Unknown("a YAML text is not valid")
+        return Unknown("a YAML or JSON text is not valid")
 
 
 def _value(machine: LaunchMachine, node: yaml.Node, file: FilePath | None, loader: yaml.SafeLoader) -> Value:
@@ -71,21 +70,9 @@ def _value(machine: LaunchMachine, node: yaml.Node, file: FilePath | None, loade
     return _constructed(machine, found if found is None or isinstance(found, str | bool | int | float) else node.value)
 
 
-def read_json(machine: LaunchMachine, text: str) -> Value:
-    """Return what `json.loads` gives."""
-    try:
-        return _constructed(machine, json.loads(text))
-    except (ValueError, RecursionError):
-        return Unknown("a JSON text is not valid")
-
-
 def _constructed(machine: LaunchMachine, value: object) -> Value:
     """Return plain values of Python as those of the interpreter."""
     machine.step()
-    if isinstance(value, dict):
-        return Mapping(tuple((Text.of(str(key)), _constructed(machine, item)) for key, item in value.items()))
-    if isinstance(value, list):
-        return Sequence(tuple(_constructed(machine, item) for item in value))
     if isinstance(value, bool):
         return Truth(value)
     if isinstance(value, int | float):
@@ -233,18 +220,15 @@ def opened(language: LaunchPython, path: Value) -> Value:
     return made_of(language, _FILE, {"text": content})
 
 
-def _document(read: Callable[..., Value]) -> Callable[[LaunchPython, Fields, Arguments], Value]:
-    def apply(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
-        del given
-        of = _first(fields)
-        text = of.fields["text"] if isinstance(of, Made) and of.name == _FILE else language.settled(of)
-        known = text.known if isinstance(text, Text) else None
-        if known is None:
-            return Unknown(reason_of(text))
-        place = language.machine.places.get(id(text))
-        return read(language.machine, known, place[1] if place is not None else None)
-
-    return apply
+def _document(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
+    del given
+    of = _first(fields)
+    text = of.fields["text"] if isinstance(of, Made) and of.name == _FILE else language.settled(of)
+    known = text.known if isinstance(text, Text) else None
+    if known is None:
+        return Unknown(reason_of(text))
+    place = language.machine.places.get(id(text))
+    return read_yaml(language.machine, known, place[1] if place is not None else None)
 
 
 def _length(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
@@ -297,9 +281,8 @@ _FUNCTIONS: Final[dict[str, tuple[tuple[str, ...], Callable[[LaunchPython, Field
     "builtins.open": (("file",), _open),
     "builtins.len": (("obj",), _length),
     "builtins.dict": ((), _dictionary),
-    **dict.fromkeys(("yaml.safe_load", "yaml.load", "yaml.full_load"), (("stream",), _document(read_yaml))),
     **dict.fromkeys(
-        ("json.load", "json.loads"), (("s",), _document(lambda machine, text, _: read_json(machine, text)))
+        ("yaml.safe_load", "yaml.load", "yaml.full_load", "json.load", "json.loads"), (("stream",), _document)
     ),
     "evaluate_condition_expression": (("context", "expression"), _holds),
     "perform_substitutions": (("context", "subs"), _performed("subs")),

@@ -13,7 +13,7 @@ from kg.extract.launch.ros2.actions import Action, Group
 from kg.extract.launch.ros2.context import HOLE, place
 from kg.extract.launch.ros2.python import library
 from kg.extract.launch.ros2.python.entities import ENTITIES, NODES
-from kg.extract.launch.ros2.python.language import Broken, LaunchPython, parse
+from kg.extract.launch.ros2.python.language import LaunchPython, parse
 from kg.extract.launch.ros2.python.machine import Halt, LaunchMachine
 from kg.extract.launch.ros2.python.values import (
     Made,
@@ -222,8 +222,8 @@ def read_python(files: Files, file: FilePath, text: bytes, problems: list[Launch
     """
     reading = Reading(files, file, problems)
     unit = parse(file, text)
-    if isinstance(unit, Broken):
-        reading.note(LaunchProblemKind.MALFORMED, unit.message, reading.at(file, unit.line))
+    if unit.error is not None:
+        reading.note(LaunchProblemKind.MALFORMED, "it is no valid Python", reading.at(file, unit.error))
         return []
     names = [child for child in unit.root.named_children if child.type == "function_definition"]
     lines = (
