@@ -268,6 +268,8 @@ class _Build:
             from kg.pipeline.writing import Writing  # noqa: PLC0415 - see above
 
             trusted = self._trusted(workspace.sources, plan)
+            if self._rules is not None:
+                self._inference.watch(self._transaction)
             writing = Writing(
                 self._transaction,
                 self._cache,

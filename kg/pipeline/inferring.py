@@ -199,6 +199,13 @@ class Inference:
         self._runner = self._new_runner()
         self._runner.prepare(rules)
 
+    def watch(self, transaction: EmbeddedTransaction) -> None:
+        """Keep what a transaction writes into an empty store, so that the run in it need not read that back."""
+        from kg.rules.written import Written  # noqa: PLC0415 - numbers are loaded here
+
+        if transaction.base is None and not transaction.changed:
+            transaction.changes = Written()
+
     def _new_runner(self) -> Runner:
         from kg.graph.vocabulary import RNKG  # noqa: PLC0415 - numbers are loaded here
         from kg.rules.recording import Names  # noqa: PLC0415 - the same

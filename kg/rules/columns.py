@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from kg.rules.form import Element, Rule, Term
 
-__all__ = ["EVERYTHING", "Tables", "Wanted", "by_predicate", "read", "read_columns", "union_of", "wanted"]
+__all__ = ["EVERYTHING", "Tables", "Wanted", "by_predicate", "only", "read", "read_columns", "union_of", "wanted"]
 
 _THREADS: Final = 2
 _SMALL: Final = 20_000
@@ -119,7 +119,7 @@ def read(
             if text.count(b"\n") >= _SMALL:
                 large.append(graph)
                 continue
-            for predicate, keys in _only(what, together.keys(text, dictionary), dictionary):
+            for predicate, keys in only(what, together.keys(text, dictionary), dictionary):
                 loose.setdefault((graph, predicate), []).append(keys)
     for query, graph, text in _texts(source, _queries(what), large):
         for predicate, keys in query.keys(text, dictionary):
@@ -137,10 +137,10 @@ def _together(what: Wanted) -> _Query:
     return _Query(among=f"SELECT ?s ?p ?o {{ VALUES ?p {{ {listed} }} ?s ?p ?o }} LIMIT {_SMALL}")
 
 
-def _only(
+def only(
     what: Wanted, found: Iterable[tuple[int, NDArray[np.int64]]], dictionary: Dictionary
 ) -> Iterator[tuple[int, NDArray[np.int64]]]:
-    """Yield of what one query gave the triples that are wanted."""
+    """Yield the pairs of those predicates that are wanted, of some with the wanted objects only."""
     whole = {dictionary.intern_term(predicate) for predicate in what.predicates or ()}
     single: dict[int, list[int]] = {}
     for predicate, target in what.members:

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from kg.rules.files import RuleSet
     from kg.rules.form import Rule
     from kg.rules.recording import Names
+    from kg.rules.written import Written
     from kg.store.changes import Changes
 
 __all__ = ["Outcome", "Reasoner"]
@@ -99,22 +100,32 @@ class Reasoner:
         """Let go of what the last run left."""
         self.memory, self._maintained = None, None
 
-    def infer(self, source: Tables, changes: Changes, rule_set: RuleSet, limits: Limits) -> Outcome:
+    def infer(
+        self, source: Tables, changes: Changes, rule_set: RuleSet, limits: Limits, written: Written | None = None
+    ) -> Outcome:
         """Return what the rules taken infer, where `changes` is what happened since the generation of the memory.
 
+        `written` is what was written since the store was empty, where that is known.
         The memory is then of this outcome, and of no generation until it is given one. Raises RuleError: KG204, KG205.
         """
         excluded = {self._names.inferred, self._names.builds}
         graphs = [*(graph for graph in source.graphs() if graph not in excluded), None]
         if self.memory is None or changes.graphs is None:
-            return self._anew(source, graphs, rule_set, limits)
+            return self._anew(source, graphs, rule_set, limits, written)
         return self._again(self.memory, source, graphs, changes, rule_set, limits)
 
-    def _anew(self, source: Tables, graphs: list[NamedNode | None], rule_set: RuleSet, limits: Limits) -> Outcome:
+    def _anew(
+        self,
+        source: Tables,
+        graphs: list[NamedNode | None],
+        rule_set: RuleSet,
+        limits: Limits,
+        written: Written | None,
+    ) -> Outcome:
         begin = time.perf_counter()
         self.forget()
-        dictionary = Dictionary()
-        parts = read(source, self._what, graphs, dictionary)
+        dictionary, parts = written.take(self._what, graphs) if written is not None else (Dictionary(), {})
+        parts |= read(source, self._what, [graph for graph in graphs if graph not in parts], dictionary)
         data = self._data(rule_set, dictionary)
         asserted = union_of([*parts.values(), data])
         now = self._held(source, dictionary)

@@ -26,6 +26,7 @@ from kg.rules.inferring import Reasoner
 from kg.rules.lines import lacking, lines
 from kg.rules.recording import Names, activity
 from kg.rules.reports import Difference, RunReport, Seconds
+from kg.rules.written import Written
 from kg.store import changes
 from kg.store.changes import Changes
 from kg.store.failure import translated
@@ -117,7 +118,8 @@ class Runner:
         if incremental and memory is not None and memory.generation is not None and base is not None:
             changed = changes.since(transaction.layout, memory.generation, base)
             changed.follow(transaction.changes)
-        outcome = self._reasoner.infer(transaction, changed, rule_set, limits or Limits())
+        written = transaction.changes if isinstance(transaction.changes, Written) else None
+        outcome = self._reasoner.infer(transaction, changed, rule_set, limits or Limits(), written)
         report = self._write(transaction, outcome)
         same = outcome.mode == "incremental" and not report.added and not report.removed
         if not same or base is None or self._saved is None or base - self._saved >= _AHEAD:

@@ -52,6 +52,14 @@ class Changes:
         if self.graphs is not None:
             self.graphs.update(dict.fromkeys(graphs))
 
+    def clear(self, *graphs: str) -> None:
+        """Note that some graphs were emptied."""
+        self.replace(*graphs)
+
+    def load(self, graph: str, lines: bytes) -> None:  # noqa: ARG002 - for those who keep them
+        """Note that N-Triples were added to a graph, more than are kept here."""
+        self.replace(graph)
+
     def patch(self, graph: str, removed: bytes, added: bytes) -> None:
         """Note that triples were taken out of a graph, and then others put in."""
         if self.graphs is None:

@@ -53,7 +53,7 @@ _PLAIN: Final = re.compile(
     rb'|"(?:0|-?[1-9][0-9]{0,17})"\^\^<http://www\.w3\.org/2001/XMLSchema#integer>'
 )
 """A term that is written as it is spelt, as most are: an IRI, a string, a text in a language, an integer."""
-_STRANGE: Final = (b"\t", b"\r", b"\n\n", b"\n#", BLANK_MARK, b"<<", b"\\u", b"\\U", *_NO_CHARACTERS)
+_STRANGE: Final = (b"\n", b"\r", BLANK_MARK, b"<<", b"\\u", b"\\U", *_NO_CHARACTERS)
 
 
 def spell(term: Term) -> bytes:
@@ -114,16 +114,18 @@ def parts_of_lines(text: bytes) -> list[bytes] | None:
     What separates terms may stand inside a string too; then there are more separators than the lines have.
     """
     number = text.count(b"\n")
-    if text.count(b" .\n") != number or text[-1:] not in {b"\n", b""} or any(one in text for one in _STRANGE):
-        return None
-    if len(text.translate(None, _CONTROLS)) != len(text):
+    if text.count(b" .\n") != number or text[-1:] not in {b"\n", b""} or b"\t" in text:
         return None
     parted = text.replace(b" .\n", b"\t").replace(b"> <", b">\t<").replace(b'> "', b'>\t"')
     found = parted.split(b"\t")
     found.pop()
     if len(found) != 3 * number:
         return None
-    others = [part for part in set(found) if not _PLAIN.fullmatch(part)]
+    different = set(found)
+    once = b"\t".join(different)
+    if any(one in once for one in _STRANGE) or len(once.translate(None, _CONTROLS)) != len(once):
+        return None
+    others = [part for part in different if not _PLAIN.fullmatch(part)]
     try:
         spelt = _spelt(others)
     except SyntaxError:

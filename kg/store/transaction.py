@@ -98,7 +98,7 @@ class EmbeddedTransaction:
         """
         with translated(str(self._layout.root)):
             self._begin(frozenset(graphs))
-            self.changes.replace(*(graph.value for graph in graphs))
+            self.changes.clear(*(graph.value for graph in graphs))
             for graph, chunks in graphs.items():
                 if self._engine.contains_named_graph(graph):
                     self._engine.clear_graph(graph)
@@ -112,8 +112,12 @@ class EmbeddedTransaction:
         """
         with translated(str(self._layout.root)):
             self._begin(frozenset())
-            self.changes.replace(graph.value)
-            self._loaded += bulk.load(lambda: self._engine, graph, chunks)
+            self._loaded += bulk.load(lambda: self._engine, graph, self._noted(graph, chunks))
+
+    def _noted(self, graph: NamedNode, chunks: Iterable[bytes]) -> Iterator[bytes]:
+        for chunk in chunks:
+            self.changes.load(graph.value, chunk)
+            yield chunk
 
     def replace_small_graphs(self, graphs: Mapping[NamedNode, bytes]) -> None:
         """Give each named graph a new content, as N-Triples; all of them are loaded together.
@@ -122,9 +126,10 @@ class EmbeddedTransaction:
         """
         with translated(str(self._layout.root)):
             self._begin(frozenset(graphs))
-            self.changes.replace(*(graph.value for graph in graphs))
-            for graph in graphs:
+            self.changes.clear(*(graph.value for graph in graphs))
+            for graph, content in graphs.items():
                 self._engine.clear_graph(graph)
+                self.changes.load(graph.value, content)
             self._loaded += bulk.load_quads(lambda: self._engine, graphs)
 
     def patch_graph(self, graph: NamedNode, removed: bytes, added: bytes) -> None:
@@ -235,7 +240,7 @@ class EmbeddedTransaction:
         """Remove a graph with all it holds; nothing happens when there is none of that name."""
         with translated(str(self._layout.root)):
             self._begin(frozenset([graph]))
-            self.changes.replace(graph.value)
+            self.changes.clear(graph.value)
             self._engine.remove_graph(graph)
 
     def create_graph(self, graph: NamedNode) -> None:
@@ -249,7 +254,7 @@ class EmbeddedTransaction:
         """Take everything out of a graph, which stays."""
         with translated(str(self._layout.root)):
             self._begin(frozenset())
-            self.changes.replace(graph.value if isinstance(graph, NamedNode) else "")
+            self.changes.clear(graph.value if isinstance(graph, NamedNode) else "")
             self._engine.clear_graph(graph)
 
     def load_file(

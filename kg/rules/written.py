@@ -1,0 +1,132 @@
+"""Columns of what a transaction writes into an empty store, so that rules need not read it back."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from pyoxigraph import NamedNode, RdfFormat, parse
+
+from kg.rules.columns import EVERYTHING, by_predicate, only
+from kg.rules.engine.facts import Facts, distinct, pack, unpack
+from kg.rules.engine.terms import Dictionary
+from kg.store.changes import Changes
+from kg.store.terms import parts_of_lines, spell
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from numpy.typing import NDArray
+
+    from kg.rules.columns import Wanted
+
+__all__ = ["Written"]
+
+_BATCH_BYTES: Final = 4 << 20
+
+
+class Written(Changes):
+    """Changes of an empty store, with the triples of each graph as long as all of them are known."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._dictionary = Dictionary()
+        self._columns: dict[str, dict[int, list[NDArray[np.int64]]]] | None = {}
+        self._unknown: set[str] = set()
+        self._graph = ""
+        self._waiting: list[bytes] = []
+        self._bytes = 0
+
+    def forget(self) -> None:
+        """Note that any graph may have changed."""
+        super().forget()
+        self._columns = None
+
+    def replace(self, *graphs: str) -> None:
+        """Note that some graphs have a content that is not known."""
+        super().replace(*graphs)
+        self._unknown.update(graphs)
+
+    def clear(self, *graphs: str) -> None:
+        """Note that some graphs were emptied."""
+        super().replace(*graphs)
+        self._read()
+        self._unknown.difference_update(graphs)
+        if self._columns is not None:
+            self._columns.update({graph: {} for graph in graphs})
+
+    def load(self, graph: str, lines: bytes) -> None:
+        """Note that N-Triples were added to a graph."""
+        super().replace(graph)
+        self._add(graph, lines)
+
+    def patch(self, graph: str, removed: bytes, added: bytes) -> None:
+        """Note that triples were taken out of a graph, and then others put in."""
+        super().patch(graph, removed, added)
+        if removed.strip():
+            self._unknown.add(graph)
+        self._add(graph, added)
+
+    def _add(self, graph: str, lines: bytes) -> None:
+        if self._columns is None or graph in self._unknown:
+            return
+        if graph != self._graph:
+            self._read()
+            self._graph = graph
+        self._waiting.append(lines)
+        self._bytes += len(lines)
+        if self._bytes > _BATCH_BYTES:
+            self._read()
+
+    def _read(self) -> None:
+        """Put the lines that wait into columns."""
+        lines = b"".join(self._waiting)
+        self._waiting, self._bytes = [], 0
+        if self._columns is None or self._graph in self._unknown:
+            return
+        columns = self._columns.setdefault(self._graph, {})
+        for predicate, keys in by_predicate(_rows(lines, self._dictionary)):
+            columns.setdefault(predicate, []).append(keys)
+
+    def take(self, what: Wanted, graphs: list[NamedNode | None]) -> tuple[Dictionary, dict[NamedNode | None, Facts]]:
+        """Return the wanted triples of those graphs that are known, and keep no more from now on."""
+        self._read()
+        found: dict[NamedNode | None, Facts] = {}
+        known = self._columns or {}
+        for graph in graphs if self._columns is not None else ():
+            name = "" if graph is None else graph.value
+            if name not in self._unknown:
+                found[graph] = Facts()
+                pairs = ((one, distinct(np.concatenate(parts))) for one, parts in known.pop(name, {}).items())
+                for predicate, keys in pairs if what is EVERYTHING else only(what, pairs, self._dictionary):
+                    found[graph].replace(predicate, keys)
+        self._columns = None
+        return _compact(self._dictionary, found), found
+
+
+def _compact(dictionary: Dictionary, parts: dict[NamedNode | None, Facts]) -> Dictionary:
+    """Return a dictionary of the terms that facts have, which are changed to its identifiers."""
+    used = np.zeros(len(dictionary), bool)
+    for facts in parts.values():
+        for predicate, keys in facts:
+            used[predicate] = True
+            for ends in unpack(keys):
+                used[ends] = True
+    numbers = np.cumsum(used)
+    for graph, facts in parts.items():
+        parts[graph] = changed = Facts()
+        for predicate, keys in facts:
+            subjects, objects = unpack(keys)
+            changed.replace(int(numbers[predicate]), pack(numbers[subjects], numbers[objects]))
+    return Dictionary.of(dictionary.spellings(np.flatnonzero(used)))
+
+
+def _rows(lines: bytes, dictionary: Dictionary) -> NDArray[np.int64]:
+    """Return N-Triples as rows of identifiers, as a store spells the terms; blank nodes keep their labels."""
+    found = parts_of_lines(lines)
+    return dictionary.intern_all(_parsed(lines) if found is None else found).reshape(-1, 3)
+
+
+def _parsed(lines: bytes) -> Iterator[bytes]:
+    for triple in parse(lines, RdfFormat.N_TRIPLES, lenient=True):
+        yield from (spell(triple.subject), spell(triple.predicate), spell(triple.object))

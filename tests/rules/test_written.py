@@ -1,0 +1,100 @@
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pyoxigraph import NamedNode, RdfFormat, parse
+from rules.engine.comparing import tuples
+
+from kg.rules import written as module
+from kg.rules.columns import EVERYTHING, Wanted, read
+from kg.rules.engine.terms import Dictionary
+from kg.rules.written import Written
+from kg.store.embedded import EmbeddedStore
+
+if TYPE_CHECKING:
+    from kg.store.transaction import EmbeddedTransaction
+
+GRAPHS: Final = [NamedNode(f"urn:graph:{number}") for number in range(3)]
+OBJECTS: Final = [
+    "<urn:a>",
+    "_:b",
+    '"text"',
+    '"> \\"<"',
+    '"line\\nbreak"@en',
+    '"01"^^<http://www.w3.org/2001/XMLSchema#integer>',
+    '"1.50"^^<http://www.w3.org/2001/XMLSchema#decimal>',
+]
+WANTED: Final = Wanted(frozenset([NamedNode("urn:p")]), frozenset([(NamedNode("urn:q"), NamedNode("urn:a"))]))
+lines = st.lists(st.tuples(st.sampled_from(["urn:p", "urn:q", "urn:r"]), st.sampled_from(OBJECTS)), max_size=4).map(
+    lambda pairs: b"".join(f"<urn:s> <{predicate}> {value} .\n".encode() for predicate, value in pairs)
+)
+operations = st.lists(
+    st.tuples(
+        st.sampled_from(["load", "replace", "small", "patch", "append", "remove", "drop", "clear", "quads", "update"]),
+        st.sampled_from(GRAPHS),
+        lines,
+    ),
+    min_size=1,
+    max_size=8,
+)
+
+
+def do(transaction: EmbeddedTransaction, operation: str, graph: NamedNode, content: bytes) -> None:
+    """Change a graph in one of the ways that a transaction has."""
+    if operation == "load":
+        transaction.load(graph, [content])
+    elif operation == "replace":
+        transaction.replace_graphs({graph: [content]})
+    elif operation == "small":
+        transaction.replace_small_graphs({graph: content})
+    elif operation in {"patch", "remove"}:
+        removed = transaction.content(graph) if operation == "remove" else b""
+        transaction.patch_graph(graph, removed, content)
+    elif operation == "append":
+        transaction.append(graph, content)
+    elif operation == "drop":
+        transaction.drop_graph(graph)
+    elif operation == "clear":
+        transaction.clear_graph(graph)
+    elif operation == "quads":
+        transaction.patch_quads([], list(parse(content, RdfFormat.N_TRIPLES)))
+    else:
+        transaction.update(f"INSERT DATA {{ GRAPH {graph} {{ <urn:s> <urn:p> <urn:updated> }} }}")
+
+
+@settings(max_examples=40)
+@given(operations, st.sampled_from([EVERYTHING, WANTED]), st.sampled_from([1, 1 << 20]))
+def test_what_is_written_is_what_would_be_read(
+    changes: list[tuple[str, NamedNode, bytes]], what: Wanted, batch: int
+) -> None:
+    """Whatever a transaction does to an empty store, a graph is as it would be read back, or is left to be read."""
+    with tempfile.TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "_BATCH_BYTES", batch)
+        with EmbeddedStore.create(Path(folder)).write("test") as transaction:
+            written = transaction.changes = Written()
+            for operation, graph, content in changes:
+                do(transaction, operation, graph, content)
+            graphs = [*GRAPHS, None]
+            dictionary, found = written.take(what, graphs)
+            again = Dictionary()
+            stored = read(transaction, what, graphs, again)
+            known = {graph: tuples(facts, dictionary) for graph, facts in found.items()}
+            assert known == {graph: tuples(stored[graph], again) for graph in known}
+
+
+def test_a_graph_that_was_only_loaded_need_not_be_read(tmp_path: Path) -> None:
+    """Loads, new contents and added triples are known; a removed triple, and an update of the engine, are not."""
+    line = b"<urn:s> <urn:p> <urn:a> .\n"
+    with EmbeddedStore.create(tmp_path).write("test") as transaction:
+        transaction.changes = Written()
+        transaction.load(GRAPHS[0], [line, b"<urn:s> <urn:p> _:b .\n"])
+        transaction.replace_small_graphs({GRAPHS[1]: line})
+        transaction.append(GRAPHS[1], b"<urn:s> <urn:q> <urn:a> .\n")
+        transaction.load(GRAPHS[2], [line])
+        transaction.patch_graph(GRAPHS[2], line, b"")
+        assert transaction.changes.take(EVERYTHING, list(GRAPHS))[1].keys() == set(GRAPHS[:2])
