@@ -1,33 +1,145 @@
-"""Functions of Python that compute something of known values: numbers, orders, sums, and what holds for all items."""
+"""Functions of Python and its libraries that compute something of their arguments alone."""
 
 from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
+from kg.extract.python import paths, texts
+from kg.symbolic import containers
+from kg.symbolic.containers import COMMAND_LINE, is_unknown_parameter, key_of
 from kg.symbolic.operators import compute, plain, truth
-from kg.symbolic.values import Number, Sequence, Text, Truth, Unknown, Value, number
+from kg.symbolic.values import (
+    Kind,
+    Mapping,
+    Number,
+    Sequence,
+    Text,
+    Truth,
+    TypeValue,
+    Unknown,
+    Value,
+    as_text,
+    concatenate,
+    join,
+    number,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
+    from collections.abc import Mapping as Names
 
-__all__ = ["FUNCTIONS"]
+__all__ = ["FUNCTIONS", "NAMED", "countable", "elements", "from_environment", "is_open"]
 
 _COMPUTED: Final = Unknown("it is computed when the program runs")
 _LONGEST_NUMBER: Final = 40
 _MOST_ITEMS: Final = 5_000
 
 
-def _whole(values: list[Value], items: Callable[[Value], list[Value] | None]) -> Value:
+def elements(of: Value) -> list[Value]:
+    """Return what a loop over a value gives."""
+    if isinstance(of, Mapping):
+        keys = [key for key, _ in of.items]
+        return keys if keys or of.parameter is None else [key_of(of.parameter)]
+    if isinstance(of, Text) and of.known is not None and of.parameter is None:
+        return [replace(of, parts=(letter,)) for letter in of.known[:_MOST_ITEMS]]
+    return containers.elements(of)
+
+
+def is_open(of: Value) -> bool:
+    """Check whether a container may have more items."""
+    return isinstance(of, Sequence | Mapping) and of.open
+
+
+def _first(values: list[Value]) -> Value:
+    return values[0] if values else _COMPUTED
+
+
+def _string(values: list[Value]) -> Value:
+    return concatenate(texts.stringified(values[0])) if values else Text.of("")
+
+
+def _listed(values: list[Value]) -> Value:
+    """`list(x)`, `tuple(x)`, `set(x)`."""
+    if not values:
+        return Sequence(())
+    of = values[0]
+    if (isinstance(of, Mapping) and of.items) or (isinstance(of, Text) and of.known is not None):
+        return Sequence(tuple(elements(of)), is_open(of))
+    return of
+
+
+def countable(value: Value) -> list[Value] | None:
+    """Return the items of a value, if all are known; None for others."""
+    known = isinstance(value, Sequence | Mapping) and not value.open
+    known = known or (isinstance(value, Text) and value.known is not None)
+    return elements(value) if known or is_unknown_parameter(value) else None
+
+
+def _zip(values: list[Value]) -> Value:
+    columns = [countable(value) for value in values]
+    known = [column for column in columns if column is not None]
+    if len(known) != len(columns):
+        return _COMPUTED
+    return Sequence(tuple(Sequence(row) for row in zip(*known, strict=False)))
+
+
+def _range(values: list[Value]) -> Value:
+    bounds = [int(value.value) for value in values if isinstance(value, Number)]
+    if not bounds or len(bounds) != len(values) or len(bounds) > 3 or bounds[2:] == [0]:  # noqa: PLR2004 - start, stop, step
+        return _COMPUTED
+    numbers = range(*bounds)
+    return Sequence(tuple(map(number, numbers))) if not numbers[_MOST_ITEMS:] else Unknown("a range is too long")
+
+
+def _length(values: list[Value]) -> Value:
+    of = values[0] if values else _COMPUTED
+    if isinstance(of, Sequence) and of.parameter == "argv":
+        return Unknown("it is the number of arguments", "argc")
+    if isinstance(of, Sequence | Mapping) and not of.open and (of.items or of.parameter is None):
+        return number(len(of.items), of.parameter)
+    return number(len(of.known), of.parameter) if isinstance(of, Text) and of.known is not None else _COMPUTED
+
+
+def _evaluated(values: list[Value]) -> Value:
+    return values[0] if values and isinstance(values[0], Truth | Number) else _COMPUTED
+
+
+def _join_names(values: list[Value]) -> Value:
+    """The joins of names; a private name starts anew."""
+    private = [index for index, one in enumerate(values) if isinstance(one, Text) and one.shown.startswith("~")]
+    return paths.joined(values[private[-1] if private else 0 :])
+
+
+def _path(apply: Callable[[Text], Value]) -> Callable[[list[Value]], Value]:
+    """Return a function of one path."""
+
+    def called(values: list[Value]) -> Value:
+        return apply(as_text(values[0])) if values else _COMPUTED
+
+    return called
+
+
+def _typed(kind: str) -> Callable[[list[Value]], Value]:
+    """`get_message_class("package/Type")` and its like."""
+
+    def apply(values: list[Value]) -> Value:
+        name = values[0].known if values and isinstance(values[0], Text) else None
+        parts = name.split("/") if name else []
+        return TypeValue(Kind((parts[0], kind, parts[-1]))) if len(parts) > 1 else _COMPUTED
+
+    return apply
+
+
+def _whole(values: list[Value]) -> Value:
     """`int(x)`."""
-    del items
     return _converted(values, lambda value: number(int(value)))
 
 
-def _floating(values: list[Value], items: Callable[[Value], list[Value] | None]) -> Value:
+def _floating(values: list[Value]) -> Value:
     """`float(x)`."""
-    del items
     return _converted(values, lambda value: Number(float(value), repr(float(value))))
 
 
@@ -42,17 +154,15 @@ def _converted(values: list[Value], convert: Callable[[str | float], Value]) -> 
         return Unknown(f"`{known}` is no number")
 
 
-def _truth(values: list[Value], items: Callable[[Value], list[Value] | None]) -> Value:
+def _truth(values: list[Value]) -> Value:
     """`bool(x)`."""
-    del items
     of = values[0] if values else Truth(False)
     held = truth(of)
     return held if isinstance(held, Truth) else of
 
 
-def _absolute(values: list[Value], items: Callable[[Value], list[Value] | None]) -> Value:
+def _absolute(values: list[Value]) -> Value:
     """`abs(x)`."""
-    del items
     of = values[0] if values else _COMPUTED
     if not isinstance(of, Number):
         return of
@@ -68,25 +178,14 @@ def _plain(found: list[Value] | None) -> list[str] | list[float] | None:
     return numbers if len(numbers) == len(found or ()) else None
 
 
-def _sorted(values: list[Value], items: Callable[[Value], list[Value] | None]) -> Value:
-    """`sorted(x)`; items that are not known stay where they are."""
-    found = items(values[0]) if values else None
-    if found is None:
-        return values[0] if values else _COMPUTED
-    order = _plain(found)
-    if order is None:
-        return Sequence(tuple(found))
-    return Sequence(tuple(one for _, _, one in sorted(zip(order, itertools.count(), found, strict=False))))
-
-
-def _reversed(values: list[Value], items: Callable[[Value], list[Value] | None]) -> Value:
-    found = items(values[0]) if values else None
+def _reversed(values: list[Value]) -> Value:
+    found = countable(values[0]) if values else None
     return Sequence(tuple(reversed(found))) if found is not None else values[0] if values else _COMPUTED
 
 
-def _sum(values: list[Value], items: Callable[[Value], list[Value] | None]) -> Value:
+def _sum(values: list[Value]) -> Value:
     """`sum(x, start)`."""
-    found = items(values[0]) if values else None
+    found = countable(values[0]) if values else None
     if found is None:
         return _COMPUTED
     start = values[1] if len(values) > 1 else number(0)
@@ -94,8 +193,8 @@ def _sum(values: list[Value], items: Callable[[Value], list[Value] | None]) -> V
 
 
 def _extreme(choose: Callable[[Iterable[int], Callable[[int], float]], int]) -> Callable[..., Value]:
-    def apply(values: list[Value], items: Callable[[Value], list[Value] | None]) -> Value:
-        found = items(values[0]) if len(values) == 1 else values
+    def apply(values: list[Value]) -> Value:
+        found = countable(values[0]) if len(values) == 1 else values
         numbers = [one.value for one in found or () if isinstance(one, Number)]
         if not found or len(numbers) < len(found):
             return _COMPUTED
@@ -105,8 +204,8 @@ def _extreme(choose: Callable[[Iterable[int], Callable[[int], float]], int]) -> 
 
 
 def _all_of(wanted: bool) -> Callable[..., Value]:  # noqa: FBT001 - `all` or `any`
-    def apply(values: list[Value], items: Callable[[Value], list[Value] | None]) -> Value:
-        held = {truth(one) for one in (items(values[0]) if values else None) or [_COMPUTED]}
+    def apply(values: list[Value]) -> Value:
+        held = {truth(one) for one in (countable(values[0]) if values else None) or [_COMPUTED]}
         if Truth(not wanted) in held:
             return Truth(not wanted)
         return Truth(wanted) if held <= {Truth(wanted)} else Unknown("not all are known")
@@ -114,27 +213,31 @@ def _all_of(wanted: bool) -> Callable[..., Value]:  # noqa: FBT001 - `all` or `a
     return apply
 
 
-def _chain(values: list[Value], items: Callable[[Value], list[Value] | None]) -> Value:
+def _chain(values: list[Value]) -> Value:
     """`itertools.chain(*x)`."""
-    columns = [items(value) for value in values]
+    columns = [countable(value) for value in values]
     return Sequence(tuple(one for column in columns for one in column or ()), open=None in columns)
 
 
-def _product(values: list[Value], items: Callable[[Value], list[Value] | None]) -> Value:
+def _product(values: list[Value]) -> Value:
     """`itertools.product(*x)`."""
-    columns = [items(value) for value in values]
+    columns = [countable(value) for value in values]
     known = [column for column in columns if column is not None]
     if len(known) < len(columns) or math.prod(map(len, known)) > _MOST_ITEMS:
         return _COMPUTED
     return Sequence(tuple(Sequence(row) for row in itertools.product(*known)))
 
 
-FUNCTIONS: Final[dict[str, Callable[[list[Value], Callable[[Value], list[Value] | None]], Value]]] = {
+FUNCTIONS: Final[dict[str, Callable[[list[Value]], Value]]] = {
+    **{f"builtins.{name}": _listed for name in ("list", "tuple", "set", "frozenset", "iter")},
+    **{f"builtins.{name}": _string for name in ("str", "unicode", "repr")},
+    **{f"builtins.{name}": _range for name in ("range", "xrange")},
+    **dict.fromkeys(("builtins.zip", "itertools.izip"), _zip),
+    "builtins.len": _length,
     "builtins.int": _whole,
     "builtins.float": _floating,
     "builtins.bool": _truth,
     "builtins.abs": _absolute,
-    "builtins.sorted": _sorted,
     "builtins.reversed": _reversed,
     "builtins.sum": _sum,
     "builtins.min": _extreme(lambda indexes, value: min(indexes, key=value)),
@@ -143,5 +246,76 @@ FUNCTIONS: Final[dict[str, Callable[[list[Value], Callable[[Value], list[Value] 
     "builtins.any": _all_of(False),
     "itertools.chain": _chain,
     "itertools.product": _product,
+    **dict.fromkeys(("rospy.numpy_msg.numpy_msg", "copy.copy", "copy.deepcopy"), _first),
+    "ast.literal_eval": _evaluated,
+    "collections.defaultdict": lambda values: Mapping((), default=values[0] if values else None),
+    **{name: _path(apply) for name, apply in paths.FUNCTIONS.items()},
+    **{f"pathlib.{name}": paths.joined for name in ("Path", "PurePath", "PosixPath")},
+    **dict.fromkeys(("os.path.join", "posixpath.join"), paths.joined),
+    **{f"{package}.names.ns_join": _join_names for package in ("rosgraph", "roslib", "rospy")},
+    **{f"roslib.message.get_{name}_class": _typed(kind) for name, kind in (("message", "msg"), ("service", "srv"))},
+    **{
+        f"rosidl_runtime_py.utilities.get_{name}": _typed(kind)
+        for name, kind in (("message", "msg"), ("service", "srv"), ("action", "action"))
+    },
+    **dict.fromkeys(("rospy.myargv", "rospy.client.myargv", "rclpy.utilities.remove_ros_args"), lambda _: COMMAND_LINE),
 }
-"""Functions by name, with their arguments and what gives the items of a value, if all are known."""
+"""Functions by name."""
+
+
+def _sorted(values: list[Value], named: Names[str, Value]) -> Value:
+    """`sorted(x, reverse=False)`; items that are not known stay where they are."""
+    found = countable(values[0]) if values else None
+    if found is None:
+        return values[0] if values else _COMPUTED
+    order = _plain(found)
+    if order is not None:
+        found = [one for _, _, one in sorted(zip(order, itertools.count(), found, strict=False))]
+    return Sequence(tuple(found[::-1] if named.get("reverse") == Truth(True) else found))
+
+
+def _enumerate(values: list[Value], named: Names[str, Value]) -> Value:
+    items = countable(values[0]) if values else None
+    start = named.get("start", values[1] if len(values) > 1 else number(0))
+    if items is None or not isinstance(start, Number):
+        return (
+            Sequence(tuple(Sequence((_COMPUTED, one)) for one in elements(values[0])), open=True)
+            if values
+            else _COMPUTED
+        )
+    return Sequence(tuple(Sequence((number(start.value + index), item)) for index, item in enumerate(items)))
+
+
+def _dictionary(values: list[Value], named: Names[str, Value]) -> Value:
+    pairs: tuple[tuple[Value, Value], ...] = ()
+    is_open = False
+    if values and isinstance(values[0], Mapping):
+        pairs, is_open = values[0].items, values[0].open
+    elif values and isinstance(values[0], Sequence):
+        rows = [item.items for item in values[0].items if isinstance(item, Sequence)]
+        pairs = tuple((row[0], row[1]) for row in rows if len(row) == 2)  # noqa: PLR2004 - key and value
+        is_open = values[0].open or len(pairs) < len(values[0].items)
+    elif values:
+        return _COMPUTED
+    return Mapping((*pairs, *((Text.of(name), value) for name, value in named.items())), is_open)
+
+
+def _environment(values: list[Value], named: Names[str, Value]) -> Value:
+    """`os.environ.get("NAME", default)` and `os.getenv`: what the environment gives, or the default."""
+    default = values[1] if len(values) > 1 else named.get("default")
+    unknown = from_environment(values[0] if values else _COMPUTED)
+    return join(unknown, default) if isinstance(default, Text) else unknown
+
+
+def from_environment(name: Value) -> Value:
+    """Return a variable of the environment."""
+    return Text.hole("it comes from the environment", name.known or "" if isinstance(name, Text) else "")
+
+
+NAMED: Final[dict[str, Callable[[list[Value], Names[str, Value]], Value]]] = {
+    "builtins.sorted": _sorted,
+    "builtins.enumerate": _enumerate,
+    **dict.fromkeys(("builtins.dict", "collections.OrderedDict"), _dictionary),
+    **dict.fromkeys(("os.environ.get", "os.getenv"), _environment),
+}
+"""Functions with arguments by name."""

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, cast
 
 from kg.extract.python import library
 from kg.extract.python.calls import Calls
+from kg.extract.python.functions import elements
 from kg.extract.python.modules import BUILTINS, GENERATED, mentions_ros
 from kg.extract.python.texts import percent
 from kg.symbolic import form
@@ -62,7 +63,7 @@ class Python:
     machine: Machine
     calls_of: type[Calls] = Calls
     counted = staticmethod(counted)
-    elements = staticmethod(library.elements)
+    elements = staticmethod(elements)
 
     def __init__(self, modules: Modules, main: PythonUnit | None = None) -> None:
         self.modules = modules

@@ -6,7 +6,8 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.python import functions, paths, texts
+from kg.extract.python import paths, texts
+from kg.extract.python.functions import FUNCTIONS, NAMED, countable, elements, from_environment, is_open
 from kg.facts import Resolution
 from kg.holes import Hole, label_of
 from kg.symbolic import containers
@@ -29,9 +30,7 @@ from kg.symbolic.values import (
     Unknown,
     Value,
     alternatives,
-    as_text,
     combinations,
-    concatenate,
     join,
     number,
     over,
@@ -44,7 +43,7 @@ if TYPE_CHECKING:
     from kg.symbolic.form import Expression
     from kg.symbolic.state import Arguments
 
-__all__ = ["CONSTANTS", "call", "element", "elements", "member", "method", "object_method"]
+__all__ = ["CONSTANTS", "call", "element", "member", "method", "object_method"]
 
 _COMPUTED: Final = Unknown("it is computed when the program runs")
 _NOTHING: Final = NULL
@@ -74,33 +73,19 @@ CONSTANTS: Final[dict[str, Value]] = {
 # Elements
 
 
-def elements(of: Value) -> list[Value]:
-    """Return what a loop over a value gives."""
-    if isinstance(of, Mapping):
-        keys = [key for key, _ in of.items]
-        return keys if keys or of.parameter is None else [key_of(of.parameter)]
-    if isinstance(of, Text) and of.known is not None and of.parameter is None:
-        return [replace(of, parts=(letter,)) for letter in of.known[:_MOST_ITEMS]]
-    return containers.elements(of)
-
-
 def element(of: Value, key: Value) -> Value:
     """Return the element of a container at a key."""
     if isinstance(of, Object):
         return Unknown("it is an element of an object")
     if isinstance(of, TypeValue) and of.kind.names == ("os", "environ"):
-        return _from_environment(key)
+        return from_environment(key)
     if isinstance(of, Sequence | Text) and isinstance(key, Number) and key.value < 0 and not is_unset(of):
         items = elements(of) if not isinstance(of, Text) or of.known is not None else []
         count = int(-key.value)
-        return items[-count] if len(items) >= count and not _is_open(of) else Unknown("it is one of the last elements")
+        return items[-count] if len(items) >= count and not is_open(of) else Unknown("it is one of the last elements")
     if isinstance(of, Text) and of.known is not None and isinstance(key, Number) and key.value < len(of.known):
         return replace(of, parts=(of.known[int(key.value)],))
     return containers.element(of, key)
-
-
-def _is_open(of: Value) -> bool:
-    return isinstance(of, Sequence | Mapping) and of.open
 
 
 def member(of: Value, name: str) -> Value | None:
@@ -116,194 +101,13 @@ def member(of: Value, name: str) -> Value | None:
 def call(language: Python, names: tuple[str, ...], given: Arguments) -> Value | None:
     """Return the result of a function outside of the sources, by its full name; None for other functions."""
     path = ".".join(names)
-    apply = _FUNCTIONS.get(path)
+    apply, named = FUNCTIONS.get(path), NAMED.get(path)
     if apply is not None:
-        return language.machine.over(given.values, lambda *row: apply(list(row), given))
+        return language.machine.over(given.values, lambda *row: apply(list(row)))
+    if named is not None:
+        return language.machine.over(given.values, lambda *row: named(list(row), given.named))
     special = _SPECIAL.get(path)
     return special(language, given) if special is not None else None
-
-
-def _first(values: list[Value], given: Arguments) -> Value:
-    del given
-    return values[0] if values else _COMPUTED
-
-
-def _string(values: list[Value], given: Arguments) -> Value:
-    del given
-    return concatenate(texts.stringified(values[0])) if values else Text.of("")
-
-
-def _listed(values: list[Value], given: Arguments) -> Value:
-    """`list(x)`, `tuple(x)`, `set(x)`."""
-    del given
-    if not values:
-        return Sequence(())
-    of = values[0]
-    if (isinstance(of, Mapping) and of.items) or (isinstance(of, Text) and of.known is not None):
-        return Sequence(tuple(elements(of)), _is_open(of))
-    return of
-
-
-def _countable(value: Value) -> list[Value] | None:
-    known = isinstance(value, Sequence | Mapping) and not value.open
-    known = known or (isinstance(value, Text) and value.known is not None)
-    return elements(value) if known or is_unknown_parameter(value) else None
-
-
-def _zip(values: list[Value], given: Arguments) -> Value:
-    del given
-    columns = [_countable(value) for value in values]
-    known = [column for column in columns if column is not None]
-    if len(known) != len(columns):
-        return _COMPUTED
-    return Sequence(tuple(Sequence(row) for row in zip(*known, strict=False)))
-
-
-def _enumerate(values: list[Value], given: Arguments) -> Value:
-    items = _countable(values[0]) if values else None
-    start = given.named.get("start", values[1] if len(values) > 1 else number(0))
-    if items is None or not isinstance(start, Number):
-        return (
-            Sequence(tuple(Sequence((_COMPUTED, one)) for one in elements(values[0])), open=True)
-            if values
-            else _COMPUTED
-        )
-    return Sequence(tuple(Sequence((number(start.value + index), item)) for index, item in enumerate(items)))
-
-
-def _range(values: list[Value], given: Arguments) -> Value:
-    del given
-    bounds = [int(value.value) for value in values if isinstance(value, Number)]
-    if not bounds or len(bounds) != len(values) or len(bounds) > 3 or bounds[2:] == [0]:  # noqa: PLR2004 - start, stop, step
-        return _COMPUTED
-    numbers = range(*bounds)
-    return Sequence(tuple(map(number, numbers))) if not numbers[_MOST_ITEMS:] else Unknown("a range is too long")
-
-
-def _length(values: list[Value], given: Arguments) -> Value:
-    del given
-    of = values[0] if values else _COMPUTED
-    if isinstance(of, Sequence) and of.parameter == "argv":
-        return Unknown("it is the number of arguments", "argc")
-    if isinstance(of, Sequence | Mapping) and not of.open and (of.items or of.parameter is None):
-        return number(len(of.items), of.parameter)
-    return number(len(of.known), of.parameter) if isinstance(of, Text) and of.known is not None else _COMPUTED
-
-
-def _dictionary(values: list[Value], given: Arguments) -> Value:
-    pairs: tuple[tuple[Value, Value], ...] = ()
-    is_open = False
-    if values and isinstance(values[0], Mapping):
-        pairs, is_open = values[0].items, values[0].open
-    elif values and isinstance(values[0], Sequence):
-        rows = [item.items for item in values[0].items if isinstance(item, Sequence)]
-        pairs = tuple((row[0], row[1]) for row in rows if len(row) == 2)  # noqa: PLR2004 - key and value
-        is_open = values[0].open or len(pairs) < len(values[0].items)
-    elif values:
-        return _COMPUTED
-    return Mapping((*pairs, *((Text.of(name), value) for name, value in given.named.items())), is_open)
-
-
-def _truth(values: list[Value], given: Arguments) -> Value:
-    del given
-    return values[0] if values and isinstance(values[0], Truth | Number) else _COMPUTED
-
-
-def _join_names(values: list[Value], given: Arguments) -> Value:
-    """The joins of names; a private name starts anew."""
-    del given
-    private = [index for index, one in enumerate(values) if isinstance(one, Text) and one.shown.startswith("~")]
-    return paths.joined(values[private[-1] if private else 0 :])
-
-
-def _join_path(values: list[Value], given: Arguments) -> Value:
-    del given
-    return paths.joined(values)
-
-
-def _function(apply: Callable[..., Value]) -> Callable[[list[Value], Arguments], Value]:
-    """Return a function of `kg.extract.python.functions`; `reverse=True` turns the order of its items round."""
-
-    def called(values: list[Value], given: Arguments) -> Value:
-        made = apply(values, _countable)
-        backwards = given.named.get("reverse") == Truth(True)
-        return replace(made, items=made.items[::-1]) if backwards and isinstance(made, Sequence) else made
-
-    return called
-
-
-def _path(apply: Callable[[Text], Value]) -> Callable[[list[Value], Arguments], Value]:
-    """Return a function of one path."""
-
-    def called(values: list[Value], given: Arguments) -> Value:
-        del given
-        return apply(as_text(values[0])) if values else _COMPUTED
-
-    return called
-
-
-def _default(values: list[Value], given: Arguments) -> Value:
-    """`defaultdict(factory)`."""
-    del given
-    return Mapping((), default=values[0] if values else None)
-
-
-def _typed(kind: str) -> Callable[[list[Value], Arguments], Value]:
-    """`get_message_class("package/Type")` and its like."""
-
-    def apply(values: list[Value], given: Arguments) -> Value:
-        del given
-        name = values[0].known if values and isinstance(values[0], Text) else None
-        parts = name.split("/") if name else []
-        return TypeValue(Kind((parts[0], kind, parts[-1]))) if len(parts) > 1 else _COMPUTED
-
-    return apply
-
-
-def _environment(values: list[Value], given: Arguments) -> Value:
-    """`os.environ.get("NAME", default)` and `os.getenv`: what the environment gives, or the default."""
-    default = values[1] if len(values) > 1 else given.named.get("default")
-    unknown = _from_environment(values[0] if values else _COMPUTED)
-    return join(unknown, default) if isinstance(default, Text) else unknown
-
-
-def _from_environment(name: Value) -> Value:
-    return Text.hole("it comes from the environment", name.known or "" if isinstance(name, Text) else "")
-
-
-def _command_line(values: list[Value], given: Arguments) -> Value:
-    del values, given
-    return COMMAND_LINE
-
-
-_FUNCTIONS: Final[dict[str, Callable[[list[Value], Arguments], Value]]] = {
-    **{f"builtins.{name}": _listed for name in ("list", "tuple", "set", "frozenset", "iter")},
-    **{f"builtins.{name}": _string for name in ("str", "unicode", "repr")},
-    **{name: _function(apply) for name, apply in functions.FUNCTIONS.items()},
-    **{name: _path(apply) for name, apply in paths.FUNCTIONS.items()},
-    **{f"pathlib.{name}": _join_path for name in ("Path", "PurePath", "PosixPath")},
-    **{f"builtins.{name}": _range for name in ("range", "xrange")},
-    "builtins.zip": _zip,
-    "itertools.izip": _zip,
-    "builtins.enumerate": _enumerate,
-    "builtins.len": _length,
-    "builtins.dict": _dictionary,
-    "collections.OrderedDict": _dictionary,
-    "collections.defaultdict": _default,
-    "rospy.numpy_msg.numpy_msg": _first,
-    "copy.copy": _first,
-    "copy.deepcopy": _first,
-    "ast.literal_eval": _truth,
-    **dict.fromkeys(("os.path.join", "posixpath.join"), _join_path),
-    **dict.fromkeys(("os.environ.get", "os.getenv"), _environment),
-    **{f"{package}.names.ns_join": _join_names for package in ("rosgraph", "roslib", "rospy")},
-    "roslib.message.get_message_class": _typed("msg"),
-    "roslib.message.get_service_class": _typed("srv"),
-    "rosidl_runtime_py.utilities.get_message": _typed("msg"),
-    "rosidl_runtime_py.utilities.get_service": _typed("srv"),
-    "rosidl_runtime_py.utilities.get_action": _typed("action"),
-    **dict.fromkeys(("rospy.myargv", "rospy.client.myargv", "rclpy.utilities.remove_ros_args"), _command_line),
-}
 
 
 def _attribute(language: Python, given: Arguments) -> Value:
@@ -340,7 +144,7 @@ def _partial(language: Python, given: Arguments) -> Value:
 
 def _mapped(language: Python, given: Arguments) -> Value:
     """`map(function, items)`."""
-    items = _countable(given.values[1]) if len(given.values) > 1 else None
+    items = countable(given.values[1]) if len(given.values) > 1 else None
     if items is None:
         language.escape(given.values)
         return _COMPUTED
