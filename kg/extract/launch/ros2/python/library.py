@@ -104,10 +104,15 @@ _CLASSES: Final[Names[str, tuple[str, ...]]] = {
 def call(language: LaunchPython, kind: Kind, given: Arguments) -> Value | None:
     """Return what a function or class gives that is not in the build; None for others."""
     path, name = ".".join(kind.names), kind.name
-    known = _FUNCTIONS.get(path) or (_FUNCTIONS.get(name) if kind.names[0] != "builtins" else None)
-    if known is not None:
-        names, apply = known
-        fields = _bound(names, given)
+    outside = path if kind.names[0] == "builtins" else name
+    of_one = _OF_ONE.get(path) or _OF_ONE.get(outside)
+    if of_one is not None:
+        fields = _bound(("context",) if name in _WITH_CONTEXT else (), given)
+        fields.pop("context", None)
+        return language.machine.over((_first(fields),), lambda value: of_one(language, value))
+    apply = _FUNCTIONS.get(path) or _FUNCTIONS.get(outside)
+    if apply is not None:
+        fields = _bound((), given)
         return language.machine.over(
             fields.values(), lambda *row: apply(language, dict(zip(fields, row, strict=True)), given)
         )
@@ -168,28 +173,17 @@ def _join(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
     return joined_path(tuple(fields.values()))
 
 
-def _share(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
-    del given
-    name = language.settled(_first(fields))
+def _share(language: LaunchPython, name: Value) -> Value:
+    name = language.settled(name)
     known = name.known if isinstance(name, Text) else None
     return Text.of(f"package://{known}") if known is not None else later("find-pkg-share", launch_text(name))
 
 
-def _prefix(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
-    del language, given
-    return later("find-pkg-prefix", launch_text(_first(fields)))
-
-
 def _variable(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
     del given
-    name, default = launch_text(_first(fields)), fields.get("default")
+    name, default = launch_text(_first(fields)), fields.get("default", fields.get("*1"))
     made = later("env", name, launch_text(default)) if isinstance(default, Text) else later("env", name)
     return language.settled(made) if language.reading.context is not None else made
-
-
-def _exists(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
-    del given
-    return exists(language, _first(fields))
 
 
 def exists(language: LaunchPython, path: Value) -> Value:
@@ -199,11 +193,6 @@ def exists(language: LaunchPython, path: Value) -> Value:
     if known is not None and language.reading.find(known) is not None:
         return Truth(True)
     return Unknown(f"whether the file {known or 'named here'} exists")
-
-
-def _open(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
-    del given
-    return opened(language, _first(fields))
 
 
 def opened(language: LaunchPython, path: Value) -> Value:
@@ -220,9 +209,7 @@ def opened(language: LaunchPython, path: Value) -> Value:
     return made_of(language, _FILE, {"text": content})
 
 
-def _document(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
-    del given
-    of = _first(fields)
+def _document(language: LaunchPython, of: Value) -> Value:
     text = of.fields["text"] if isinstance(of, Made) and of.name == _FILE else language.settled(of)
     known = text.known if isinstance(text, Text) else None
     if known is None:
@@ -251,18 +238,17 @@ def _dictionary(language: LaunchPython, fields: Fields, given: Arguments) -> Val
     return replace(made, items=tuple(pairs))
 
 
-def _holds(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
+def _holds(language: LaunchPython, expression: Value) -> Value:
     """`evaluate_condition_expression(context, expression)`."""
-    del given
-    value = language.reading.perform(fields.get("expression", NULL))
+    value = language.reading.perform(expression)
     known = value.known.strip().lower() if isinstance(value, Text) and value.known is not None else ""
     if known in ("true", "1", "false", "0"):
         return Truth(known in ("true", "1"))
     return Unknown(reason_of(value))
 
 
-def _performed(name: str) -> Callable[[LaunchPython, Fields, Arguments], Value]:
-    return lambda language, fields, _: language.reading.perform(fields.get(name, NULL))
+def _performed(language: LaunchPython, of: Value) -> Value:
+    return language.reading.perform(of)
 
 
 def _exit(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
@@ -272,30 +258,32 @@ def _exit(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
     return EXIT
 
 
-_FUNCTIONS: Final[dict[str, tuple[tuple[str, ...], Callable[[LaunchPython, Fields, Arguments], Value]]]] = {
-    **dict.fromkeys(("os.path.join", "pathlib.Path", "pathlib.PurePath", "pathlib.PosixPath"), ((), _join)),
-    **dict.fromkeys(("get_package_share_directory", "get_package_share_path"), (("package_name",), _share)),
-    "get_package_prefix": (("package_name",), _prefix),
-    **dict.fromkeys(("os.getenv", "os.environ.get"), (("key", "default"), _variable)),
-    **dict.fromkeys(("os.path.exists", "os.path.isfile"), (("path",), _exists)),
-    "builtins.open": (("file",), _open),
-    "builtins.len": (("obj",), _length),
-    "builtins.dict": ((), _dictionary),
-    **dict.fromkeys(
-        ("yaml.safe_load", "yaml.load", "yaml.full_load", "json.load", "json.loads"), (("stream",), _document)
-    ),
-    "evaluate_condition_expression": (("context", "expression"), _holds),
-    "perform_substitutions": (("context", "subs"), _performed("subs")),
-    "perform_typed_substitution": (("context", "value"), _performed("value")),
-    "normalize_to_list_of_substitutions": (
-        ("subs",),
-        lambda language, fields, given: made_of(language, "TextSubstitution", {"text": _first(fields)}, given),
-    ),
-    **dict.fromkeys(("sys.exit", "builtins.exit", "builtins.quit"), ((), _exit)),
+_OF_ONE: Final[dict[str, Callable[[LaunchPython, Value], Value]]] = {
+    **dict.fromkeys(("get_package_share_directory", "get_package_share_path"), _share),
+    "get_package_prefix": lambda _, name: later("find-pkg-prefix", launch_text(name)),
+    **dict.fromkeys(("os.path.exists", "os.path.isfile"), exists),
+    "builtins.open": opened,
+    **dict.fromkeys(("yaml.safe_load", "yaml.load", "yaml.full_load", "json.load", "json.loads"), _document),
+    "evaluate_condition_expression": _holds,
+    **dict.fromkeys(("perform_substitutions", "perform_typed_substitution"), _performed),
 }
-"""Functions that are evaluated at once: the names of their parameters, and what they give."""
+"""Functions that are evaluated at once, of their first argument but the context."""
+_WITH_CONTEXT: Final = frozenset(
+    {"evaluate_condition_expression", "perform_substitutions", "perform_typed_substitution"}
+)
+_FUNCTIONS: Final[dict[str, Callable[[LaunchPython, Fields, Arguments], Value]]] = {
+    **dict.fromkeys(("os.path.join", "pathlib.Path", "pathlib.PurePath", "pathlib.PosixPath"), _join),
+    **dict.fromkeys(("os.getenv", "os.environ.get"), _variable),
+    "builtins.len": _length,
+    "builtins.dict": _dictionary,
+    "normalize_to_list_of_substitutions": lambda language, fields, given: made_of(
+        language, "TextSubstitution", {"text": _first(fields)}, given
+    ),
+    **dict.fromkeys(("sys.exit", "builtins.exit", "builtins.quit"), _exit),
+}
+"""Others that are evaluated at once."""
 
-NAMES: Final = frozenset({*_CLASSES, *(name for name in _FUNCTIONS if "." not in name)})
+NAMES: Final = frozenset({*_CLASSES, *(name for name in (*_OF_ONE, *_FUNCTIONS) if "." not in name)})
 
 
 # Methods
