@@ -26,8 +26,6 @@ if TYPE_CHECKING:
 __all__ = ["evaluate"]
 
 _MOST_DEPTH: Final = 100
-_MOST_INCLUDES: Final = 2000
-"""Of one configuration; files that include each other several times are read again each time."""
 _MOST_LEVELS: Final = 150
 """Of groups and includes in one another, each of which takes frames of the interpreter's stack."""
 _ROS1: Final = 1
@@ -60,7 +58,6 @@ class _Evaluation:
         self._arguments: dict[str, LaunchArgument] = {}
         self._open: list[tuple[FilePath, tuple[tuple[str, str], ...]]] = []
         self._levels = 0
-        self._is_cut = False
         self._readers = {"node": read_node, "test": read_node, "param": read_param, "rosparam": read_rosparam}
 
     def run(self, file: FilePath) -> None:
@@ -117,7 +114,7 @@ class _Evaluation:
 
     def _elements(self, scope: Scope, parent: Element) -> None:
         for element in parent.children:
-            if not self._state.count(scope, element):
+            if not self._state.allows(scope, element.line, "elements"):
                 return
             reader = self._readers.get(element.tag)
             if reader is not None:
@@ -211,10 +208,7 @@ class _Evaluation:
 
     def _include(self, scope: Scope, inner: Scope, element: Element) -> None:
         state = self._state
-        if len(state.includes) >= _MOST_INCLUDES:
-            if not self._is_cut:
-                state.limit(scope, element.line, f"the configuration has more than {_MOST_INCLUDES} includes")
-            self._is_cut = True
+        if not state.allows(scope, element.line, "includes"):
             return
         written = state.text(scope, element, "file")
         if written is None:

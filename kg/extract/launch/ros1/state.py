@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
+from kg.extract.launch.budget import MOST, Budget
 from kg.extract.launch.files import Found
 from kg.extract.launch.ros1.parameterfile import HOLE, canonical, global_namespace, join, shown, truth
 from kg.extract.launch.ros1.substitute import Substituter
@@ -148,18 +149,7 @@ class Scope:
         return None
 
 
-_MOST_NODES: Final = 20_000
-_MOST_PARAMETERS: Final = 200_000
 _MOST_PROBLEMS: Final = 2000
-_MOST_ELEMENTS: Final = 200_000
-_MOST_PLACES: Final = 2_000_000
-_PLACES_OF_A_REMAP: Final = 20
-"""Lines that nodes, remappings and parameters are told with, those of the includes that led to them too."""
-_MOST_CACHED: Final = 1 << 18
-_COST_OF_LARGE: Final = 4
-"""So much more files count that are larger than what is kept of those read before."""
-_MOST_BYTES: Final = 16 << 20
-"""Read of files, each time that one is included or loaded."""
 
 
 class State:
@@ -186,7 +176,7 @@ class State:
         """There are as many parameters as can be kept; no more are read."""
         self.is_whole = True
         """Nothing was left out because of a limit, so that what is not found is not there."""
-        self._elements = self._places = self._bytes = 0
+        self._budget = Budget()
 
     def location(self, scope: Scope, line: int, file: FilePath | None = None) -> Location:
         """Return the location of a line of the file that is evaluated, or of another one."""
@@ -252,12 +242,9 @@ class State:
             self.refused(scope, element, f"'{attribute}' is neither true nor false: '{text}'")
         return text.lower() == "true"
 
-    def count(self, scope: Scope, element: Element) -> bool:
-        """Tell whether one more element may be evaluated; includes can repeat each other endlessly."""
-        self._elements += 1
-        if self._elements == _MOST_ELEMENTS + 1:
-            self.limit(scope, element.line, f"the configuration has more than {_MOST_ELEMENTS} elements")
-        return self._elements <= _MOST_ELEMENTS
+    def allows(self, scope: Scope, line: int, what: str, amount: int = 1) -> bool:
+        """Count something; tell whether there may be so much of it."""
+        return self._budget.allows(lambda message: self.limit(scope, line, message), what, amount)
 
     def limit(self, scope: Scope, line: int, message: str) -> None:
         """Record that something is not read on."""
@@ -266,19 +253,10 @@ class State:
 
     def add_node(self, scope: Scope, node: StartedNode) -> None:
         """Add a node; where it is one too many, nothing more is read."""
-        if len(self.nodes) >= _MOST_NODES:
-            self.limit(scope, node.location.line, f"the configuration has more than {_MOST_NODES} nodes")
-        elif not self._has_room(node.chain, *(remap.chain for remap in node.remaps), remaps=len(node.remaps)):
-            self.limit(scope, node.location.line, "nodes, remappings and parameters are more than can be kept")
-        else:
+        if self._budget.allows_node(lambda message: self.limit(scope, node.location.line, message), node):
             self.nodes.append(node)
-            return
-        self._elements = _MOST_ELEMENTS + 1
-
-    def _has_room(self, *chains: tuple[Location, ...], remaps: int = 0) -> bool:
-        """Tell whether facts with these chains of includes may be kept, and count them."""
-        self._places += len(chains) + sum(map(len, chains)) + _PLACES_OF_A_REMAP * remaps
-        return self._places <= _MOST_PLACES
+        else:
+            self.allows(scope, node.location.line, "elements", MOST["elements"])
 
     def add_leaf(
         self, name: str, leaf: Leaf, location: Location, chain: tuple[Location, ...], reason: str | None = None
@@ -288,18 +266,19 @@ class State:
             return
         for key in leaf.keys:
             name = join(name, key)
-        if len(self.parameters) < _MOST_PARAMETERS and self._has_room(chain):
-            absolute = shown(canonical(name))
+        absolute = shown(canonical(name))
+
+        def cut(message: str) -> None:
+            self.has_all_parameters, self.is_whole = True, False
+            self.problems[LaunchProblem(LaunchProblemKind.LIMIT, message, location, chain)] = None
+
+        if self._budget.allows(cut, "parameters") and self._budget.allows(cut, "places", 1 + len(chain)):
             self.plugins.pop(absolute, None)
             if leaf.plugins:
                 self.plugins[absolute] = tuple(replace(one, parameter=absolute) for one in leaf.plugins)
             self.parameters.append(
                 LaunchParameter(absolute, leaf.value, location, chain, leaf.type, leaf.reason or reason)
             )
-        else:
-            self.has_all_parameters, self.is_whole = True, False
-            message = f"the configuration has more than {_MOST_PARAMETERS} parameters, or too many"
-            self.problems[LaunchProblem(LaunchProblemKind.LIMIT, message, location, chain)] = None
 
     def locate(self, scope: Scope, line: int, text: str) -> tuple[FilePath | None, str | None]:
         """Return the file that a text names, or None and why there is none, which is a problem."""
@@ -313,13 +292,8 @@ class State:
 
     def open(self, scope: Scope, line: int, file: FilePath) -> bytes | None:
         """Return the text of a file, which is recorded as read; None, and a problem, when it cannot be read."""
-        if self._bytes > _MOST_BYTES:
-            return None
         data = self.files.read(file)
-        size = len(data or b"")
-        self._bytes += size if size <= _MOST_CACHED else _COST_OF_LARGE * size
-        if self._bytes > _MOST_BYTES:
-            self.limit(scope, line, f"the configuration reads more than {_MOST_BYTES} bytes of files")
+        if not self.allows(scope, line, "bytes of files", len(data or b"")):
             return None
         if data is None:
             self.limit(scope, line, f"the file {file.path} is not read: it is binary or too large")

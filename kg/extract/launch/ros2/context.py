@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
 from kg.corpus.files import FilePath
+from kg.extract.launch.budget import Budget
 from kg.extract.launch.files import SCHEME
 from kg.facts import LaunchProblem, LaunchProblemKind, Location
 from kg.holes import ANONYMOUS
@@ -25,9 +26,6 @@ if TYPE_CHECKING:
     from kg.facts import LaunchArgument, LaunchInclude, LaunchParameter, LaunchPlugin, Remap, StartedNode
 
 __all__ = ["HOLE", "Context", "Found", "GlobalFile", "Scope", "find", "place", "read", "unreadable"]
-
-_MOST_PLACES: Final = 2_000_000
-_PLACES_OF_A_REMAP: Final = 20
 
 HOLE: Final = ANONYMOUS
 """Stands in a text for a part that cannot be known."""
@@ -77,28 +75,11 @@ class Found:
     """What nodes are given of each entry of a parameter file, since many nodes are given the same files."""
     containers: dict[int, str] = field(default_factory=dict)
     """The absolute names of containers by the identity of the action that starts them."""
-    actions: int = 0
-    """How many actions were executed, for the limit of them."""
-    is_cut: bool = False
-    """There were too many actions."""
-    parameters: int = 0
-    """How many parameters nodes were given, for the limit of them."""
     printed: tuple[LaunchPlugin, ...] = ()
     """The plugins of the robot description that the text performed last is."""
     described: dict[tuple[str, Location, tuple[Location, ...]], tuple[LaunchPlugin, ...]] = field(default_factory=dict)
     """The plugins of descriptions by name and place of the parameters that hold them."""
-    substitutions: int = 0
-    """How many substitutions were performed, for the limit of them."""
-    places: int = 0
-    """How many lines nodes, remappings, parameters and includes are told with, for the limit of them."""
-    bytes: int = 0
-    """How much of files was read, for the limit of it."""
-
-    def has_room(self, node: StartedNode) -> bool:
-        """Tell whether a node may be kept with its remappings and parameters, and count their lines."""
-        chains = [node.chain, *(one.chain for one in node.remaps), *(one.chain for one in node.parameters)]
-        self.places += len(chains) + sum(map(len, chains)) + _PLACES_OF_A_REMAP * len(node.remaps)
-        return self.places <= _MOST_PLACES
+    budget: Budget = field(default_factory=Budget)
 
 
 class Context:
@@ -158,6 +139,14 @@ class Context:
     ) -> None:
         """Note what is wrong or not known, at the action that is executed unless a `location` is given."""
         self.found.problems.setdefault(LaunchProblem(kind, message, location or self.location, self.chain, subject))
+
+    def limit(self, message: str) -> None:
+        """Note that something is larger than what is read."""
+        self.problem(LaunchProblemKind.LIMIT, message)
+
+    def allows(self, what: str, amount: int = 1) -> bool:
+        """Count something; tell whether there may be so much of it."""
+        return self.found.budget.allows(self.limit, what, amount)
 
     def unresolved(self, message: str, subject: str | None = None) -> str:
         """Note that something cannot be known, and return what stands for it."""

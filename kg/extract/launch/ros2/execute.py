@@ -43,8 +43,6 @@ __all__ = ["dialect_by_ending", "evaluate", "include"]
 Tree = tuple["Sequence[Action]", "tuple[LaunchProblem, ...]"]
 
 _MOST_TREES: Final = 4_000
-_MOST_BYTES: Final = 64 << 20
-"""Read of launch files for one configuration, each time that one is included."""
 
 _MARKUP: Final[dict[tuple[str, FilePath, LaunchDialect, bytes], Tree]] = {}
 """Files of XML and YAML by all that their trees depend on: the source that they are read for, their name, language
@@ -72,9 +70,7 @@ def read_actions(context: Context, file: FilePath, dialect: LaunchDialect) -> Se
         unreadable(context, file)
         return ()
     context.found.files.setdefault(file)
-    context.found.bytes += len(content)
-    if context.found.bytes > _MOST_BYTES:
-        context.problem(LaunchProblemKind.LIMIT, f"more than {_MOST_BYTES} bytes of launch files are read")
+    if not context.allows("bytes of files", len(content)):
         return ()
     actions, problems = (
         _python(context, file, content)
@@ -110,13 +106,11 @@ def _python(context: Context, file: FilePath, content: bytes) -> Tree:
 
 
 _DEEPEST_FILE: Final = 100
-_MOST_INCLUDES: Final = 5_000
 
 
 def include(context: Context, action: Include, run: Callable[[Sequence[Action]], None]) -> None:
     """Execute the file of an include with `run`; note it as an include whether there is such a file or not."""
-    if len(context.found.includes) >= _MOST_INCLUDES:
-        context.problem(LaunchProblemKind.LIMIT, f"more than {_MOST_INCLUDES} files are included")
+    if not context.allows("includes"):
         return
     written = HOLE if action.path is None else context.perform(action.path)
     reason = action.reason if action.path is None else None
@@ -192,7 +186,6 @@ def _require(context: Context, name: str, given: set[str], file: FilePath) -> No
         context.scope.configurations.setdefault(name, HOLE)
 
 
-_MOST_ACTIONS: Final = 50_000
 _ACTIONS_OF_A_FUNCTION: Final = 25
 """How many actions the body of an `OpaqueFunction` counts for, as it is read each time."""
 _MOST_DEPTH: Final = 200
@@ -201,14 +194,10 @@ _MOST_DEPTH: Final = 200
 def run(context: Context, actions: Sequence[Action], depth: int = 0) -> None:
     """Execute actions in order; `depth` counts the groups around them."""
     if depth > _MOST_DEPTH:
-        context.problem(LaunchProblemKind.LIMIT, f"groups are nested deeper than {_MOST_DEPTH} levels")
+        context.limit(f"groups are nested deeper than {_MOST_DEPTH} levels")
         return
     for action in actions:
-        context.found.actions += 1
-        if context.found.actions > _MOST_ACTIONS:
-            if not context.found.is_cut:
-                context.found.is_cut = True
-                context.problem(LaunchProblemKind.LIMIT, f"more than {_MOST_ACTIONS} actions are executed")
+        if not context.allows("actions"):
             return
         with context.at(action.location):
             held = True if action.condition is None else holds(context, action.condition)
@@ -223,7 +212,7 @@ def _execute(context: Context, action: Action, depth: int) -> None:
     if isinstance(action, kinds.Group):
         _group(context, action, depth)
     elif isinstance(action, kinds.Opaque):
-        context.found.actions += _ACTIONS_OF_A_FUNCTION
+        context.allows("actions", _ACTIONS_OF_A_FUNCTION)
         run(context, action.run(context), depth + 1)
     elif isinstance(action, kinds.Include):
         include(context, action, lambda actions: run(context, actions, 0))
@@ -364,7 +353,7 @@ def evaluate(
     try:
         run(context, read_actions(context, file, dialect))
     except RecursionError:
-        context.problem(LaunchProblemKind.LIMIT, "something is nested too deep to be read")
+        context.limit("something is nested too deep to be read")
     owner = files.reader.workspace.owner(file)
     found = context.found
     nodes = without_others(found.nodes)

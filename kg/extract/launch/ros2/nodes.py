@@ -91,7 +91,6 @@ def _rule(line: CommandLine, rule: str) -> None:
         line.remaps.append((source, target))
 
 
-_MOST_NODES: Final = 20_000
 _KINDS: Final = {
     "node": StartKind.NODE,
     "lifecycle-node": StartKind.LIFECYCLE_NODE,
@@ -241,11 +240,7 @@ def _record(context: Context, start: _Start) -> str:
 
 
 def _append(context: Context, node: StartedNode) -> None:
-    if len(context.found.nodes) >= _MOST_NODES:
-        context.problem(LaunchProblemKind.LIMIT, f"more than {_MOST_NODES} nodes are started")
-    elif not context.found.has_room(node):
-        context.problem(LaunchProblemKind.LIMIT, "nodes, remappings and parameters are more than can be kept")
-    else:
+    if context.found.budget.allows_node(context.limit, node):
         context.found.nodes.append(node)
 
 

@@ -184,7 +184,6 @@ def _converted(text: str) -> tuple[str | None, str | None]:
 
 
 _ALL: Final = "/**"
-_MOST: Final = 200_000
 _AT_RUN_TIME: Final = "it depends on what is known only when it runs"
 _UNREAD: Final = "what its parameter file says is not known"
 _Given: TypeAlias = tuple[str, LaunchParameter, LaunchParameter]
@@ -239,9 +238,7 @@ def node_parameters(
         own = owned[key]
         if asked.loaded and own is False:
             continue
-        context.found.parameters += 1
-        if context.found.parameters > _MOST:
-            context.problem(LaunchProblemKind.LIMIT, f"the nodes are given more than {_MOST} parameters")
+        if not context.allows("parameters"):
             break
         known = merged.setdefault("" if asked.loaded else key, {})
         known.pop(parameter.name, None)

@@ -59,7 +59,6 @@ def described(found: Found, nodes: Iterable[StartedNode]) -> Iterator[LaunchPlug
                 yield from (replace(plugin, parameter=absolute) for plugin in held)
 
 
-_MOST: Final = 1_000
 _MOST_CHARACTERS: Final = 5_000_000
 
 
@@ -150,8 +149,7 @@ def _made(context: Context, recipe: tuple[object, ...]) -> str | None:
 def _named(context: Context, path: str, made: Generated) -> str:
     """Keep what was made, and return its name."""
     known = context.found.generated
-    if len(known) >= _MOST:
-        context.problem(LaunchProblemKind.LIMIT, f"more than {_MOST} files are made")
+    if not context.allows("generated files"):
         return HOLE
     name = f"{path.partition('#')[0]}#{len(known) + 1}"
     known[name] = made
@@ -159,8 +157,6 @@ def _named(context: Context, path: str, made: Generated) -> str:
 
 
 _MOST_TEXT: Final = 200_000
-_MOST_SUBSTITUTIONS: Final = 500_000
-"""Of one configuration; Python code can put the same one into many others, and those into many."""
 _TRUE: Final = {"true", "1"}
 _FALSE: Final = {"false", "0"}
 _PYTHON: Final = Dialect()
@@ -170,7 +166,7 @@ def perform(context: Context, text: Text) -> str:
     """Return a text with its substitutions performed in the context of now; what cannot be known is `{}`."""
     parts = [part if isinstance(part, str) else _perform(context, part) for part in text]
     if sum(map(len, parts)) > _MOST_TEXT:
-        context.problem(LaunchProblemKind.LIMIT, f"a text grows over {_MOST_TEXT} characters")
+        context.limit(f"a text grows over {_MOST_TEXT} characters")
         return HOLE
     return "".join(parts)
 
@@ -190,10 +186,7 @@ def holds(context: Context, condition: Condition) -> bool | None:
 def _perform(context: Context, part: Substitution) -> str:
     if isinstance(part.file, ParameterFile):
         return rewritten_file(context, part.file)
-    context.found.substitutions += 1
-    if context.found.substitutions > _MOST_SUBSTITUTIONS:
-        if context.found.substitutions == _MOST_SUBSTITUTIONS + 1:
-            context.problem(LaunchProblemKind.LIMIT, f"more than {_MOST_SUBSTITUTIONS} substitutions are performed")
+    if not context.allows("substitutions"):  # Python can put the same one into many others, and those into many
         return HOLE
     known = _KINDS.get(part.kind)
     if known is None:
@@ -260,8 +253,6 @@ def _eval(context: Context, expression: Text, _modules: Text = ()) -> str:
 
 
 def _command(context: Context, command: Text, _on_error: Text = ()) -> str:
-    from kg.extract.launch.ros2.substitute import describe  # noqa: PLC0415  (which needs this module)
-
     text = perform(context, command)
     try:
         words = shlex.split(text)

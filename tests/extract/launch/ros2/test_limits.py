@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from kg.corpus.files import FilePath
 from kg.corpus.reading import Reader
 from kg.corpus.workspace import Workspace, scan
+from kg.extract.launch.budget import MOST
 from kg.extract.launch.files import Files
-from kg.extract.launch.ros2 import execute, nodes, parameters
 from kg.extract.launch.ros2.execute import dialect_by_ending, evaluate
 from kg.facts import LaunchProblemKind, Repository
 
@@ -78,9 +78,8 @@ MALFORMED = {
 @pytest.mark.parametrize("case", CASES)
 def test_what_grows_without_end_is_cut_and_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, case: str) -> None:
     """Includes, texts, nodes and parameters are bounded, and a problem says which bound was met."""
-    monkeypatch.setattr(execute, "_MOST_ACTIONS", 1_000)
-    monkeypatch.setattr(nodes, "_MOST_NODES", 100)
-    monkeypatch.setattr(parameters, "_MOST", 2_000)
+    for what, most in {"actions": 1_000, "nodes": 100, "parameters": 2_000}.items():
+        monkeypatch.setitem(MOST, what, most)
     assert LaunchProblemKind.LIMIT in {problem.kind for problem in evaluated(tmp_path, CASES[case]).problems}
 
 
