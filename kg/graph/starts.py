@@ -21,17 +21,25 @@ if TYPE_CHECKING:
     from kg.graph.ntriples import Writer
     from kg.graph.scope import Scope
 
-__all__ = ["STARTS", "Start", "start_of"]
+__all__ = ["STARTS", "Start", "start_of", "starts_apart"]
 
 STARTS: Final = "starts"
 """The name of the graph that has them."""
 _BYTES: Final = 12
 
 
-def start_of(line: bytes, iris: Iris) -> str | None:
-    """Return the IRI of the start that a line of N-Triples describes; None where it is about something else."""
-    if not line.startswith(f"<{iris.base}start/".encode()):
-        return None
+def starts_apart(content: bytes, iris: Iris) -> tuple[list[bytes], list[bytes]]:
+    """Return the lines of N-Triples about anything else, and those that describe starts, in their order."""
+    beginning = f"<{iris.base}start/".encode()
+    others: list[bytes] = []
+    starts: list[bytes] = []
+    for line in content.splitlines(keepends=True):
+        (starts if line.startswith(beginning) else others).append(line)
+    return others, starts
+
+
+def start_of(line: bytes) -> str:
+    """Return the IRI of the start that a line of N-Triples describes."""
     return line.partition(b">")[0].partition(b"#")[0][1:].decode()
 
 

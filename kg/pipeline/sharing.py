@@ -62,25 +62,29 @@ def keep_shared(
 
 
 def keep_starts(
-    transaction: EmbeddedTransaction, iris: Iris, described: set[bytes], changed: Iterable[bytes] | None = None
+    transaction: EmbeddedTransaction,
+    iris: Iris,
+    described: set[bytes],
+    changed: tuple[Iterable[bytes], Iterable[bytes]] | None = None,
 ) -> None:
     """Give the graph of starts those that instances of the store have; `described` are lines about new ones.
 
-    `changed` are the lines of systems that came or went, None where that is not known.
+    `changed` are the lines of systems that went and that came, None where that is not known.
     """
     graph = NamedNode(iris.graph(STARTS))
     if changed is not None:
-        named = {match[1].decode() for line in changed if (match := _START.search(line))}
-        used = {start for start in named if transaction.query(f"ASK {{ ?instance {v.STARTED_WITH} <{start}> }}")}
-        removed = b"".join(_lines_of(transaction, graph, start) for start in sorted(named - used))
-        added = b"".join(sorted(line for line in described if start_of(line, iris) in used)) if used else b""
+        before, used = ({match[1].decode() for line in lines if (match := _START.search(line))} for lines in changed)
+        left = before - used
+        used |= {start for start in left if transaction.query(f"ASK {{ ?instance {v.STARTED_WITH} <{start}> }}")}
+        removed = b"".join(_lines_of(transaction, graph, start) for start in sorted(left - used))
+        added = b"".join(sorted(line for line in described if start_of(line) in used)) if used else b""
         if removed or added:
             transaction.patch_graph(graph, removed, added)
         return
     found: Any = transaction.query(_STARTED)
     wanted = {row["start"].value for row in found}
     present = set(transaction.content(graph).splitlines(keepends=True))
-    unused = {line for line in present if start_of(line, iris) not in wanted}
+    unused = {line for line in present if start_of(line) not in wanted}
     _change(transaction, graph, present, unused, described - present)
 
 

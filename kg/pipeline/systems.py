@@ -15,7 +15,7 @@ import msgspec
 from pyoxigraph import NamedNode
 
 from kg.graph.reading import data_files, node_records, programs
-from kg.graph.starts import STARTS, start_of
+from kg.graph.starts import STARTS, starts_apart
 from kg.graph.systems import system_triples
 from kg.pipeline import cache
 from kg.pipeline.catalogue import Catalogue
@@ -68,12 +68,15 @@ def update_systems(  # noqa: PLR0913, PLR0917 - all that systems depend on
     sources = {source for source, _ in packages} | set(last.packages)
     known = tuple(iris.launch_graph(source, "") for source in sources)
     gone = [graph for graph in sorted(present) if known and graph.startswith(known) and graph not in work.graphs]
-    starts: list[bytes] = []
-    own = {graph: _without_starts(content, iris, starts) for graph, content in work.contents.items()}
+    starts = set[bytes]()
+    own: dict[str, list[bytes]] = {}
+    for graph, content in work.contents.items():
+        own[graph], described = starts_apart(content, iris)
+        starts.update(described)
     read = bool(intact) and present.intersection((*own, *gone)) <= intact
-    changed = _write(transaction, {**own, **dict.fromkeys(gone, b"")}, intact)
+    changed = _write(transaction, own | {graph: [] for graph in gone}, intact)
     if own or gone:
-        keep_starts(transaction, iris, set(starts), changed if read else None)
+        keep_starts(transaction, iris, starts, changed if read else None)
     systems = work.systems()
     return systems, replace(totals(systems), changed=len(work.contents) + len(gone))
 
@@ -95,36 +98,33 @@ def _catalogue(
     return Catalogue(folder, packages, others, programs(transaction), data)
 
 
-def _without_starts(content: bytes, iris: Iris, starts: list[bytes]) -> bytes:
-    """Return the lines of a system that are its own; those about what instances are started with go to `starts`."""
-    own: list[bytes] = []
-    for line in content.splitlines(keepends=True):
-        (starts if start_of(line, iris) else own).append(line)
-    return b"".join(own)
+def _write(
+    transaction: EmbeddedTransaction, contents: Mapping[str, list[bytes]], intact: set[str]
+) -> tuple[list[bytes], list[bytes]]:
+    """Give graphs the lines that they are to have, and take those out that are to have none; return what differs.
 
-
-def _write(transaction: EmbeddedTransaction, contents: Mapping[str, bytes], intact: set[str]) -> list[bytes]:
-    """Give graphs the triples that they are to have, and take those out that are to have none; return what differs.
-
-    Those of `intact` are there and hold most of them; what others hold is not known, and counts as nothing.
+    These are the lines that went and those that came. Those of `intact` are there and hold most of them; what others
+    hold is not known, and counts as nothing.
     """
     anew: dict[NamedNode, bytes] = {}
-    changed: list[bytes] = []
+    gone: list[bytes] = []
+    came: list[bytes] = []
     for name, content in contents.items():
         graph = NamedNode(name)
-        wanted = set(content.splitlines(keepends=True))
+        wanted = set(content)
         held = set(transaction.content(graph).splitlines(keepends=True)) if name in intact else set[bytes]()
         removed, added = held - wanted, wanted - held
-        changed += (*removed, *added)
+        gone += removed
+        came += added
         if not wanted:
             transaction.drop_graph(graph)
         elif (len(removed) + len(added)) * _SMALL > len(wanted):
-            anew[graph] = content
+            anew[graph] = b"".join(content)
         else:
             transaction.patch_graph(graph, b"".join(sorted(removed)), b"".join(sorted(added)))
     if anew:
         transaction.replace_small_graphs(anew)
-    return changed
+    return gone, came
 
 
 def used_packages(configurations: Iterable[LaunchConfiguration]) -> set[str]:

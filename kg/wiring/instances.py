@@ -258,5 +258,6 @@ def _complete(draft: Draft, interfaces: Iterable[InstanceInterface], *, tool: bo
 
 def _names_plugins(name: str, given: LaunchParameter) -> bool:
     """Tell whether a parameter says what is loaded, in a way that is not known."""
-    known = given.value is not None and not is_partial(str(parsed(given.value)))
-    return _PLUGIN_PARAMETER.fullmatch(name) is not None and not known
+    if _PLUGIN_PARAMETER.fullmatch(name) is None:
+        return False
+    return given.value is None or is_partial(str(parsed(given.value)))

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 __all__ = ["run_trees"]
 
+_SCHEME: Final = "package:"
+"""Begins the names of installed files; most values need not be parsed."""
 _UNKNOWN: Final = "no parameter names a behavior tree that is in the sources"
 
 
@@ -80,7 +82,8 @@ def _files(draft: Draft, node: NodeType, types: NodeTypes) -> Iterator[tuple[str
     given = {name.removeprefix(f"{draft.place.full}/"): one.value for name, one in draft.set_here}
     for parameter in node.parameters:
         name = (parameter.name or "").removeprefix("~/")
-        path = shown(given.get(name, parameter.default))
+        value = given.get(name, parameter.default)
+        path = shown(value) if value is not None and _SCHEME in value else None
         file = types.data_file(path) if path is not None else None
         if file is not None and is_tree(file):
             yield parameter.name or "", file
