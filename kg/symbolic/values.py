@@ -310,6 +310,9 @@ def options(values: Iterable[Value], choice: object) -> Value:
                 break
         else:
             return first
+    solid = [value for value in values if type(value) is not Unknown or value.parameter is not None]
+    if len(solid) == 1 and any(type(one) is not Truth for one in alternatives(solid[0])):
+        return solid[0]  # as `_any_of`, which leaves out what is not known
     found: list[tuple[Value, Way]] = []
     for index, value in enumerate(values):
         option = frozenset([(choice, index)])
