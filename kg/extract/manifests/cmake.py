@@ -58,7 +58,7 @@ class Collected:
     reconfigure_files: dict[str, None] = field(default_factory=dict)
     plugin_executables: dict[str, str] = field(default_factory=dict)
     """Names of plugins and of the executables that run them alone."""
-    plugin_files: dict[str, tuple[str | None, Location]] = field(default_factory=dict)
+    plugin_files: dict[str, None] = field(default_factory=dict)
 
     def run_alone(self, plugins: Iterable[PluginClass]) -> list[PluginClass]:
         """Return the plugins with the executables that run them; those are then no targets of their own.
@@ -217,7 +217,7 @@ class _Targets:
         """pluginlib_export_plugin_description_file(category path)."""
         path = run.files.locate(words[1], run.folder) if len(words) > 1 else None
         if path:
-            self.model.plugin_files.setdefault(path, (words[0], run.location))
+            self.model.plugin_files[path] = None
 
     def install(self, run: Run, words: list[str]) -> None:
         if words[:1] in (["PROGRAMS"], ["FILES"]):

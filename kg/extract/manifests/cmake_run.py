@@ -147,21 +147,9 @@ class Run:
 
     def arguments(self, command: Command) -> list[str]:
         """Return the arguments after evaluation; `certain` then tells whether all of them are known for sure."""
-        found: list[str] = []
-        self.certain = True
-        for argument in command.arguments:
-            if argument.form in {"bracket", "paren"}:
-                found.append(argument.text)
-                continue
-            text, certain = self.scope.expand(argument.text)
-            self._work += len(text)
-            self.certain = self.certain and certain
-            if argument.form == "quoted":
-                found.append(text)
-            else:
-                found.extend(split_list(text))
-        self._work += _WORD * len(found)
-        return found
+        tokens = self._tokens(command)
+        self.certain = all(token.certain for token in tokens)
+        return [token.text for token in tokens if token.text or token.quoted]
 
     def _command(self, command: Command) -> _Flow:
         name = command.name
@@ -255,16 +243,19 @@ class Run:
         return _Flow.NEXT
 
     def _tokens(self, command: Command) -> list[Token]:
+        """Return the arguments after evaluation; one that is not certain and empty is there for its doubt."""
         tokens: list[Token] = []
         for argument in command.arguments:
             if argument.form in {"bracket", "paren"}:
                 tokens.append(Token(argument.text, quoted=argument.form == "bracket"))
                 continue
             text, certain = self.scope.expand(argument.text)
+            self._work += len(text)
             if argument.form == "quoted":
                 tokens.append(Token(text, quoted=True, certain=certain))
             else:
                 tokens.extend(Token(part, certain=certain) for part in split_list(text) or ([] if certain else [""]))
+        self._work += _WORD * len(tokens)
         return tokens
 
     def _foreach(self, opener: Command, body: list[Statement]) -> _Flow:

@@ -28,8 +28,6 @@ __all__ = [
 
 _PATTERNS: Final = """
 (call) @call
-(function_definition) @function
-(assignment) @assign
 (import_statement) @import
 (import_from_statement) @import
 """
@@ -51,7 +49,7 @@ def parse(source: bytes) -> Tree:
 
 
 def captures(root: Node) -> dict[str, list[Node]]:
-    """Return the calls, functions, assignments and imports of a file by kind, outer ones first."""
+    """Return the calls and imports of a file by kind, outer ones first."""
     found = QueryCursor(_query(_PATTERNS)).captures(root)
     for nodes in found.values():  # they come in the order of their addresses
         nodes.sort(key=lambda node: (node.start_byte, -node.end_byte))

@@ -38,6 +38,7 @@ __all__ = [
     "leaf_of",
     "read_scalar",
     "read_tree",
+    "read_value",
     "shown",
     "truth",
 ]
@@ -213,12 +214,17 @@ def read_tree(text: str) -> ParameterTree:
 
 def read_scalar(text: str) -> object:
     """Return the value of a YAML text in one line; the text itself when it is none."""
-    if len(text) > _MOST_VALUE:
-        return text
     try:
-        return _Walk().value(compose_yaml(text, _Loader), 0)
+        return read_value(text) if len(text) <= _MOST_VALUE else text
     except ValueError:
         return text
+
+
+def read_value(text: str) -> object:
+    """Return the value of a YAML text; `ValueError` for one that is wrong or too large."""
+    if len(text) > MOST_TEXT:
+        raise YamlFault(f"is longer than {MOST_TEXT} characters", is_large=True)
+    return _Walk().value(compose_yaml(text, _Loader), 0)
 
 
 def leaf_of(value: object, line: int = 1, keys: tuple[str, ...] = ()) -> Leaf:

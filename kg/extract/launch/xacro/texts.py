@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from kg.extract.launch.expressions import (
     MISSING,
@@ -21,7 +21,7 @@ from kg.extract.launch.expressions import (
     is_builtin,
 )
 from kg.extract.launch.files import SCHEME, Found
-from kg.extract.launch.ros1.parameterfile import HOLE, MOST_CHARACTERS, automatic, read_tree, shown
+from kg.extract.launch.ros1.parameterfile import HOLE, MOST_CHARACTERS, read_value, shown
 from kg.extract.launch.xacro.table import Table
 from kg.facts import LaunchProblemKind
 
@@ -33,8 +33,6 @@ if TYPE_CHECKING:
     from kg.extract.launch.ros1.substitute import Note, Substituter
 
 __all__ = ["Around", "Loading", "Texts"]
-
-_MOST_TEXT: Final = 1 << 20
 
 
 class Loading:
@@ -62,19 +60,13 @@ class Loading:
         """Return a file of YAML as dictionaries; `NotKnownError` where there is none that can be read."""
         file = self.find(written, folder).file
         data = self.data(file) if file is not None else None
-        if data is None or len(data) > _MOST_TEXT:
+        try:
+            found = read_value(data.decode()) if data is not None else None
+        except ValueError:
+            found = None
+        if not isinstance(found, dict):
             raise NotKnownError
-        tree = read_tree(data.decode())
-        if not tree.is_mapping or tree.problems:
-            raise NotKnownError
-        whole: dict[str, Any] = {}
-        for leaf in tree.leaves:
-            inner = whole
-            for key in leaf.keys[:-1]:
-                inner = inner.setdefault(key, {})
-            value = leaf.value
-            inner[leaf.keys[-1]] = HOLE if value is None else automatic(value.strip("'\"") if leaf.type else value)
-        return whole
+        return found
 
 
 _TOKEN: Final = re.compile(r"\$\$+(?=[{(])|\$\{[^}]*\}|\$\([^)]*\)|[^$]+|\$")
