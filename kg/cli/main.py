@@ -20,6 +20,8 @@ def run() -> None:
 
 def _run() -> None:
     _mend_streams()
+    # Before numpy is loaded: its matrices are small here, and the threads that it starts for them only spin.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from kg.cli.supervising import MemoryLimitError, address_space, is_out_of_memory, supervise  # noqa: PLC0415 - as below
 
     try:
