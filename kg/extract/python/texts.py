@@ -42,6 +42,7 @@ _METHODS: Final = _KEPT | {
 }  # fmt: skip
 _LONGEST_TO_REPLACE: Final = 2_000
 _LONGEST_FORMAT: Final = 6
+_DIRECTIVE: Final = re.compile(r"%(?:\((?P<key>[^()]*)\))?(?P<flags>[#0\- +.\d*]*)(?P<kind>[a-zA-Z%])")
 _SPECIFICATION: Final = re.compile(r"[-+ #0<>^=,]*\d{0,3}(?:\.\d{1,3})?[a-zA-Z%]?|.[<>^=]\d{0,3}")
 """A format of a width that a program can mean."""
 
@@ -63,32 +64,19 @@ def percent(template: Value, value: Value) -> Value:
         return over((template, *items), lambda one, *row: percent(one, Sequence(row) if whole else row[0]))
     if not isinstance(template, Text) or template.known is None:
         return concatenate(template, _HOLE)
+    pairs = value.items if isinstance(value, Mapping) else ()
+    of_keys = {own.known: held for own, held in pairs if isinstance(own, Text)}
     pieces: list[Value] = []
-    waiting, rest = list(items), template.known
-    while "%" in rest:
-        before, _, rest = rest.partition("%")
-        pieces.append(Text.of(before))
-        piece, rest = _directive(rest, waiting, value)
-        pieces.append(piece)
-    return _carried(template, concatenate(*pieces, Text.of(rest)))
-
-
-def _directive(rest: str, waiting: list[Value], whole: Value) -> tuple[Value, str]:
-    """Return what the directive at the start of `rest` (after `%`) gives, and the text behind it."""
-    if rest.startswith("%"):
-        return Text.of("%"), rest[1:]
-    key = None
-    if rest.startswith("(") and ")" in rest:
-        key, _, rest = rest[1:].partition(")")
-    flags = len(rest) - len(rest.lstrip("#0- +.123456789*"))
-    directive, kind = rest[:flags], rest[flags : flags + 1]
-    value: Value | None
-    if key is not None:
-        pairs = whole.items if isinstance(whole, Mapping) else ()
-        value = next((held for own, held in pairs if isinstance(own, Text) and own.known == key), None)
-    else:
-        value = waiting.pop(0) if waiting else None
-    return _converted(value, directive, kind), rest[flags + 1 :]
+    waiting, end = iter(items), 0
+    for found in _DIRECTIVE.finditer(template.known):
+        pieces.append(Text.of(template.known[end : found.start()]))
+        end = found.end()
+        if found["kind"] == "%":
+            pieces.append(Text.of("%"))
+        else:
+            given = next(waiting, None) if found["key"] is None else of_keys.get(found["key"])
+            pieces.append(_converted(given, found["flags"], found["kind"]))
+    return _carried(template, concatenate(*pieces, Text.of(template.known[end:])))
 
 
 def _converted(value: Value | None, flags: str, kind: str) -> Value:
