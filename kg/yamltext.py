@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from yaml import Node
 
-__all__ = ["LOADER", "Walk", "YamlFault", "compose_yaml", "load_yaml"]
+__all__ = ["LOADER", "Walk", "YamlFault", "compose_yaml", "fault_of", "load_yaml"]
 
 LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
@@ -48,11 +48,16 @@ def compose_yaml(text: str, loader: Any = LOADER) -> Node | None:
         _require_shallow(text, loader)
         return yaml.compose(text, Loader=loader)
     except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        problem = str(getattr(error, "problem", None) or error).partition("\n")[0]
-        raise YamlFault(f"is no YAML: {problem}", mark.line + 1 if mark else None) from error
+        raise fault_of(error) from error
     except RecursionError as error:
         raise YamlFault("is nested too deep", is_large=True) from error
+
+
+def fault_of(error: yaml.YAMLError) -> YamlFault:
+    """Return an error of the parser, or of a constructor of values, as what is wrong with the text."""
+    mark = getattr(error, "problem_mark", None)
+    problem = str(getattr(error, "problem", None) or error).partition("\n")[0]
+    return YamlFault(f"is no YAML: {problem}", mark.line + 1 if mark else None)
 
 
 class Walk:

@@ -18,7 +18,7 @@ import yaml
 
 from kg.extract.launch.expressions import HOLE, Dialect, ExpressionError, UnsupportedError, evaluate_text
 from kg.holes import ANONYMOUS
-from kg.yamltext import LOADER, Walk, YamlFault, compose_yaml
+from kg.yamltext import LOADER, Walk, YamlFault, compose_yaml, fault_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -288,6 +288,8 @@ class _Walk(Walk):
             return
         try:
             yield leaf_of(self.value(node, depth), line, keys)
+        except YamlFault:
+            raise
         except ValueError as error:
             self.problems.append((f"the value is wrong: {error}", line))
 
@@ -310,7 +312,10 @@ class _Walk(Walk):
         if len(node.value) > _MOST_VALUE:
             raise ValueError(f"it has more than {_MOST_VALUE} characters")
         self._constructor.constructed_objects.clear()
-        value: object = self._constructor.construct_object(node)
+        try:
+            value: object = self._constructor.construct_object(node)
+        except yaml.YAMLError as error:
+            raise fault_of(error) from error
         return value
 
     def _mapping(self, node: yaml.MappingNode, depth: int) -> dict[object, tuple[yaml.Node, int]]:

@@ -10,6 +10,7 @@ from extract.launch.ros1.records import evaluated
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from kg.extract.launch.ros1.parameterfile import read_tree
 from kg.facts import LaunchProblemKind
 
 if TYPE_CHECKING:
@@ -173,3 +174,11 @@ def test_names_that_no_file_can_have(tmp_path: Path) -> None:
     found = evaluated(tmp_path, {"main.launch": f"<launch>{text}</launch>"})
     assert all(one.path is None for one in found.includes)
     assert len(found.includes) == len(strange)
+
+
+def test_a_tag_that_yaml_does_not_know_is_malformed() -> None:
+    """A value of an unknown tag ends the reading of its text, and is told with its line."""
+    tree = read_tree("a: 1\nb: !include c\nd: 2\n")
+    assert [leaf.keys for leaf in tree.leaves] == [("a",)]
+    assert [line for _, line in tree.problems] == [2]
+    assert not tree.too_large
