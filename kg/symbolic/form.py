@@ -14,8 +14,6 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from kg.corpus.files import FilePath
 
 __all__ = [
@@ -422,7 +420,7 @@ class Unit:
 
     key: FilePath
     """Identifies the file in the build."""
-    uses: Sequence[tuple[str, ...]] = ()
+    uses: tuple[tuple[str, ...], ...] = ()
     """Namespaces whose names are visible without their scope."""
 
     @property

@@ -314,7 +314,7 @@ class Machine:
     def _rejoin(self, left: list[tuple[str, Written, tuple[str, ...]]], ends: tuple[str, ...]) -> None:
         """Write what sides of branches wrote that left some code by one of `ends`, after this code."""
         here = [one for one in left if one[0] in ends]
-        self._left += [one for one in left if one[0] not in (*ends, "raise")]
+        self._left += [one for one in left if one[0] != "raise" and one[0] not in ends]
         if here:
             self.merge([{}, *(side for _, side, _ in here)], [(), *(terms for _, _, terms in here)])
 

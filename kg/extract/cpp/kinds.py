@@ -254,7 +254,7 @@ class Kinds:
         if len(kinds) < 2 or any(k.cls is None and len(k.names) == 1 and k.name not in _PLAIN for k in kinds):  # noqa: PLR2004 - a pair
             return Unknown("it depends on a type")
         classes, outside = self.chain(kinds[1])
-        if same or kinds[0].names in [kinds[1].names, *(base.names for base in outside)]:
+        if same or kinds[0].names in {one.names for one in (kinds[1], *outside)}:
             return Truth(kinds[0].names == kinds[1].names or not same)
         return Truth(any(cls is kinds[0].cls for cls, _ in classes))
 

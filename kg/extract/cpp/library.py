@@ -61,7 +61,7 @@ __all__ = [
     "type_of",
 ]
 
-TEXTS: Final = frozenset({"string", "basic_string", "string_view", "path", "String", "QString"})
+TEXTS: Final[frozenset[str]] = frozenset({"string", "basic_string", "string_view", "path", "String", "QString"})
 _CUT: Final = "it is cut when the program runs"
 _LAST_SLASH: Final = Unknown("it is the place of the last slash")
 """The place of the last slash in the namespace of the node."""
@@ -72,7 +72,7 @@ LISTS: Final = frozenset(
     }
 )  # fmt: skip
 MAPS: Final = frozenset({"M_string", "map", "unordered_map", "multimap"})
-NUMBERS: Final = frozenset(
+NUMBERS: Final[frozenset[str]] = frozenset(
     {
         "int", "double", "float", "size_t", "unsigned", "long", "short", "uint8_t", "uint16_t", "uint32_t",
         "uint64_t", "int8_t", "int16_t", "int32_t", "int64_t",

@@ -140,7 +140,7 @@ class Linker:
             near += [one for one in self.project.find(unit.key, kind, name) if one is not own]
             # A name that a header only declares is defined in another file of the program.
             found = near + [one for one in self._bodies.get((kind, name), ()) if one not in near]
-            if not found and kind == "class" and name in own.declared:
+            if not found and kind == "class" and own.declares(name):
                 # The whole class is in a header that other files of the program include.
                 files = [one.key for one in self.units.values()]
                 found = list(dict.fromkeys(one for file in files for one in self.project.find(file, kind, name)))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final, TypeAlias, cast
 
 from kg.extract.cpp import syntax
@@ -144,9 +143,8 @@ class CppUnit(Unit):
         self.macros: dict[str, Macro] = {}
         self.namespaces: dict[str, _Scope] = {}
         """Other names for namespaces."""
-        self.uses: list[_Scope] = []
-        """Namespaces of `using namespace`."""
         self.enumerators: set[str] = set()
+        self._declared: frozenset[bytes] | None = None
         self.registrations: list[Node] = []
         self.adapted: dict[str, list[tuple[_Scope, Type]]] = defaultdict(list)
         """Types that stand for a message, by their last name: their scope as written, and the message."""
@@ -168,10 +166,11 @@ class CppUnit(Unit):
         }
         """All names that the file declares, except for members that are not types, and those of files it includes."""
 
-    @cached_property
-    def declared(self) -> frozenset[str]:
-        """The names of the classes that it declares without saying what they have."""
-        return frozenset(name.decode() for name in _DECLARED.findall(self.source))
+    def declares(self, name: str) -> bool:
+        """Return whether it declares a class of a name without saying what it has."""
+        if self._declared is None:
+            self._declared = frozenset(_DECLARED.findall(self.source))
+        return name.encode() in self._declared
 
     def aliases(self, name: str) -> list[tuple[_Scope, Type, _Scope]]:
         """Return the types that `using` or `typedef` gives a name: scope, type, template parameters."""
@@ -262,7 +261,7 @@ class CppUnit(Unit):
             return
         names = tuple(name for name in syntax.text(named[0]).replace(" ", "").split("::") if name)
         if any(c.type == "namespace" for c in node.children):
-            self.uses.append(names)
+            self.uses = (*self.uses, names)
         elif len(names) > 1 and names[-1] != names[-2]:
             self._aliases[names[-1]].append((scope, Type(names), ()))
 

@@ -81,9 +81,6 @@ class LaunchMachine(Machine):
     """The interpretation of one launch file."""
 
     language: LaunchPython
-    most_turns = 2_000
-    most_repeats = 24
-    counts_endless = True
 
     def more(self) -> None:
         """Allow as many steps as one reading may take."""
@@ -91,6 +88,7 @@ class LaunchMachine(Machine):
 
     def start(self) -> None:
         """Begin the work."""
+        self.most_turns, self.most_repeats, self.counts_endless = 2_000, 24, True
         self.more()
         self._forks = count()
         self._heights: list[int] = [0]
