@@ -1,10 +1,11 @@
 """Measures what a build costs, beside only parsing the same files, and prints the ratios.
 
-    python benchmarks/build CHECKOUT [--repeat 3] [--output figures.json] [--stages | --growth]
+    python benchmarks/build CHECKOUT [--repeat 3] [--output figures.json] [--stages | --parts | --growth]
 
 With `--stages` it measures extraction alone: processor seconds of each stage in one process, their ratio to parsing,
-and the memory of that process. Without texts, wiring, rules and the store. With `--growth` it extracts growing parts of
-the checkout, and a generated package of growing size, and prints the exponents of their processor times.
+and the memory of that process. Without texts, wiring, rules and the store. With `--parts` it measures the parts of a
+whole cold build in one process, texts, wiring, rules and the store among them. With `--growth` it extracts growing
+parts of the checkout, and a generated package of growing size, and prints the exponents of their processor times.
 
 Every measurement is a process of its own; of several the smallest counts, since whatever else the machine does only
 adds. CPU is that of the process and of all it started, user and system. Memory is the largest sum, over all
@@ -55,6 +56,8 @@ def main() -> None:
             figures = growth(checkout, Path(folder), options.repeat)
         elif options.stages:
             figures = _stages(checkout, options.repeat)
+        elif options.parts:
+            figures = _parts(checkout, options.repeat)
         else:
             figures = _figures(checkout, Path(folder), options.repeat)
     for name, value in figures.items():
@@ -68,6 +71,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument("checkout", type=Path, help="a checkout, for example of autoware.universe at b8ce82e")
     parser.add_argument("--repeat", type=int, default=3, help="how often each is measured")
     parser.add_argument("--stages", action="store_true", help="measure the stages of extraction alone")
+    parser.add_argument("--parts", action="store_true", help="measure the parts of a cold build in one process")
     parser.add_argument("--growth", action="store_true", help="measure how extraction grows with the sources")
     parser.add_argument("--output", type=Path, help="a file for the figures, as JSON")
     return parser.parse_args()
@@ -90,6 +94,22 @@ def _stages(checkout: Path, repeat: int) -> dict[str, object]:
         "extraction / parsing (at most 5)": round(total / parsing, 1),
         **{f"{stage}, CPU s": round(seconds, 2) for stage, seconds in staged["seconds"].items()},
         "peak MB (at most 350)": round(max(one["megabytes"] for one in whole)),
+    }
+
+
+def _parts(checkout: Path, repeat: int) -> dict[str, object]:
+    parse = _least([measure(python("-c", PARSE, str(checkout))) for _ in range(repeat)], "cpu")
+    program = python(str(Path(__file__).with_name("parts.py")), str(checkout))
+    runs = [json.loads(measure(program).output) for _ in range(repeat)]
+    best = min(runs, key=lambda run: sum(run["seconds"].values()))
+    total = round(sum(best["seconds"].values()), 2)
+    return {
+        "checkout": checkout.name,
+        "reading and parsing, with start, CPU s": parse,
+        "build, CPU s": total,
+        "build / parse": round(total / parse, 1),
+        **{f"{part}, CPU s": round(seconds, 2) for part, seconds in best["seconds"].items()},
+        "peak MB of the one process": round(max(run["megabytes"] for run in runs)),
     }
 
 

@@ -15,12 +15,12 @@ import gc
 import json
 import resource
 import time
-from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import tree_sitter_cpp
 import tree_sitter_python
+from clock import Clock, Stages
 from tree_sitter import Language, Parser
 
 from kg.corpus.reading import Reader
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
     from kg.corpus.files import Source
 
-STAGES: dict[str, list[tuple[Any, str]]] = {
+STAGES: Stages = {
     "reading files": [(Reader, "read")],
     "parsing C++": [(syntax, "parse")],
     "lowering C++": [(CppUnit, "__init__"), (CppUnit, "lower_body"), (CppUnit, "expand")],
@@ -65,52 +65,19 @@ CODE: dict[FileKind, Callable[[], object]] = {
 """The kinds of files that are parsed, with their grammars."""
 
 
-class Clock:
-    """Processor seconds by stage; a stage stops while one inside of it runs."""
-
-    def __init__(self) -> None:
-        self.seconds = dict.fromkeys([*STAGES, "rest"], 0.0)
-        self._stage = "rest"
-        self._since = time.process_time()
-
-    def enter(self, stage: str) -> str:
-        """Begin a stage; return the one that ran."""
-        now = time.process_time()
-        self.seconds[self._stage] += now - self._since
-        before, self._stage, self._since = self._stage, stage, now
-        return before
-
-    def timed(self, stage: str, function: Callable[..., Any]) -> Callable[..., Any]:
-        """Return a function that is charged to a stage."""
-
-        @wraps(function)
-        def run(*arguments: object, **named: object) -> object:
-            if self._stage == stage:
-                return function(*arguments, **named)
-            before = self.enter(stage)
-            try:
-                return function(*arguments, **named)
-            finally:
-                self.enter(before)
-
-        return run
-
-
 def main() -> None:
     """Read all packages of a checkout and print the figures."""
     options = _options()
-    clock = Clock()
+    clock = Clock(STAGES)
     texts.read_descriptions = _no_texts
-    for stage, functions in () if options.whole else STAGES.items():
-        for holder, name in functions:
-            setattr(holder, name, clock.timed(stage, getattr(holder, name)))
+    if not options.whole:
+        clock.attach()
     gc.set_threshold(100_000)  # as the workers of a build
     sources = scan_tree(options.checkout)
     workspace = RecordingWorkspace(sources)
     workspace.prepare()
     gc.freeze()
-    clock.enter("rest")
-    clock.seconds["rest"] = 0.0
+    clock.begin()
     whole = [(source, one) for source in sources for one in source.packages]
     packages = sorted(whole, key=lambda pair: pair[1].path)[:: options.every]
     for source, one in sorted(packages, key=lambda pair: -sum(entry.bytes for entry in pair[1].files)):

@@ -100,8 +100,9 @@ class Written(Changes):
                 pairs = ((one, distinct(np.concatenate(parts))) for one, parts in known.pop(name, {}).items())
                 for predicate, keys in pairs if what is EVERYTHING else only(what, pairs, self._dictionary):
                     found[graph].replace(predicate, keys)
-        self._columns = None
-        return _compact(self._dictionary, found), found
+        dictionary = _compact(self._dictionary, found)
+        self._columns, self._dictionary = None, Dictionary()
+        return dictionary, found
 
 
 def _compact(dictionary: Dictionary, parts: dict[NamedNode | None, Facts]) -> Dictionary:
