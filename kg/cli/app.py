@@ -1,57 +1,11 @@
 """The commands of `kg`, in the order that `kg --help` lists them."""
 
-from typing import Annotated, Any, Final
+from typing import Annotated, Final
 
 import typer
 
-from kg.cli.commands import (
-    build,
-    channels,
-    completions,
-    compose,
-    config,
-    corpus,
-    demo,
-    diff,
-    doctor,
-    evaluate,
-    evaluate_exercises,
-    exchange,
-    explain,
-    extract,
-    graph,
-    impact,
-    instances,
-    lint,
-    lists,
-    mcp,
-    node,
-    nodes,
-    ontology,
-    param,
-    query,
-    robot,
-    robot_driving,
-    robot_programs,
-    robot_simulate,
-    rules,
-    rules_check,
-    rules_compile,
-    rules_diff,
-    rules_lsp,
-    rules_reports,
-    rules_run,
-    rules_testing,
-    rules_watch,
-    search,
-    serve,
-    shell,
-    stats,
-    update,
-    why,
-)
 from kg.cli.diagnostics import MODE, Mode
-from kg.cli.group import KgCommand, KgGroup
+from kg.cli.group import KgGroup, Later
 from kg.cli.options import Store, from_setting
 from kg.cli.output import json_lines, write
 from kg.cli.session import Session
@@ -75,88 +29,287 @@ Data goes to standard output, words go to standard error. Exit codes:
 Start with `kg demo`, or with `kg build FOLDER` and then `kg search "what you need"`.
 """
 
-COMMANDS: Final[tuple[tuple[str, str, Any], ...]] = (
-    ("Start", "demo", demo.demo),
-    ("Start", "build", build.build),
-    ("Start", "status", build.status),
-    ("Ask", "nodes", nodes.nodes),
-    ("Ask", "node", node.node),
-    ("Ask", "search", search.search),
-    ("Ask", "compose", compose.compose),
-    ("Ask", "instances", instances.instances),
-    ("Ask", "graph", graph.graph),
-    ("Ask", "diff", diff.diff),
-    ("Ask", "impact", impact.impact),
-    ("Ask", "query", query.query),
-    ("Ask", "why", why.why),
-    ("Ask", "why-not", why.why_not),
-    ("Ask", "lint", lint.lint),
-    ("Ask", "stats", stats.stats),
-    ("Ask", "serve", serve.serve),
-    ("Ask", "shell", shell.shell),
-    ("Ask", "mcp", mcp.mcp),
-    ("Ask", "packages", lists.packages),
-    ("Ask", "topic", channels.topic),
-    ("Ask", "service", channels.service),
-    ("Ask", "action", channels.action),
-    ("Ask", "param", param.param),
-    ("Ask", "topics", lists.topics),
-    ("Ask", "services", lists.services),
-    ("Ask", "actions", lists.actions),
-    ("Look after it", "export", exchange.export),
-    ("Look after it", "import", exchange.import_files),
-    ("Look after it", "update", update.update),
-    ("Look after it", "forget", exchange.forget),
-    ("Look after it", "backup", update.backup),
-    ("Look after it", "restore", update.restore),
-    ("Look after it", "completions", completions.completions),
-    ("Look after it", "doctor", doctor.doctor),
-    ("Look after it", "explain", explain.explain),
+COMMANDS: Final = (
+    Later(
+        "Start",
+        "demo",
+        "demo:demo",
+        "Build an example workspace, ask it five questions, prove what a rule inferred, and check its launch files.",
+    ),
+    Later("Start", "build", "build:build", "Read ROS packages into the store."),
+    Later("Start", "status", "build:status", "List the sources in the store, and what has changed since."),
+    Later("Ask", "nodes", "nodes:nodes", "List every node with how many interfaces it has."),
+    Later("Ask", "node", "node:node", "Show one node: its interface, with lines of code.", "NodeCommand"),
+    Later("Ask", "search", "search:search", "Find nodes by what they do, with the reasons."),
+    Later("Ask", "compose", "compose:compose", "Find chains of nodes that turn one type of messages into another."),
+    Later(
+        "Ask",
+        "instances",
+        "instances:instances",
+        "List every node that launch files start, with the name it has then.",
+    ),
+    Later("Ask", "graph", "graph:graph", "Show who talks to whom when a launch file is started."),
+    Later("Ask", "diff", "diff:diff", "Show what changed in interfaces and wiring between two commits."),
+    Later("Ask", "impact", "impact:impact", "Show what breaks if a name is renamed, removed or changed."),
+    Later("Ask", "query", "query:query", "Ask in SPARQL, or by a stored query."),
+    Later("Ask", "why", "why:why", "Show why a fact holds: the rules that derive it, down to the line of code."),
+    Later("Ask", "why-not", "why:why_not", "Show why a fact does not hold: what each rule that could derive it lacks."),
+    Later("Ask", "lint", "lint:lint", "Report what is wrong in the wiring of launch files."),
+    Later("Ask", "stats", "stats:stats", "Count entities, triples, neighbours and paths of the graph."),
+    Later("Ask", "serve", "serve:serve", "Serve the store: pages for people, a SPARQL endpoint for programs."),
+    Later(
+        "Ask",
+        "shell",
+        "shell:shell",
+        "Ask and look around on the whole terminal: tree, queries, evidence, why, search, rules.",
+    ),
+    Later("Ask", "mcp", "mcp:mcp", "Serve coding assistants over the Model Context Protocol."),
+    Later("Ask", "packages", "lists:packages", "List the packages with what was found in each."),
+    Later(
+        "Ask",
+        "topic",
+        "channels:topic",
+        "Show who publishes and subscribes to a topic, in every launch file and in code.",
+    ),
+    Later(
+        "Ask",
+        "service",
+        "channels:service",
+        "Show who offers and calls a service, in every launch file and in code; as `kg topic`.",
+    ),
+    Later(
+        "Ask",
+        "action",
+        "channels:action",
+        "Show who offers and calls an action, in every launch file and in code; as `kg topic`.",
+    ),
+    Later(
+        "Ask",
+        "param",
+        "param:param",
+        "Show which nodes declare a parameter, and the value that it has in every launch file.",
+    ),
+    Later("Ask", "topics", "lists:topics", "List the topics, their types and how many nodes use them."),
+    Later(
+        "Ask",
+        "services",
+        "lists:services",
+        "List the services, their types and how many nodes use them; `kg service NAME` shows one.",
+    ),
+    Later(
+        "Ask",
+        "actions",
+        "lists:actions",
+        "List the actions, their types and how many nodes use them; `kg action NAME` shows one.",
+    ),
+    Later("Look after it", "export", "exchange:export", "Write the graph as RDF."),
+    Later("Look after it", "import", "exchange:import_files", "Add files of RDF to the store."),
+    Later("Look after it", "update", "update:update", "Change the store in SPARQL."),
+    Later("Look after it", "forget", "exchange:forget", "Take sources out of the store."),
+    Later("Look after it", "backup", "update:backup", "Copy the store, also while it is written."),
+    Later("Look after it", "restore", "update:restore", "Put a backup in the place of all that the store holds."),
+    Later(
+        "Look after it",
+        "completions",
+        "completions:completions",
+        "Print what lets a shell complete commands, options, and names of the store.",
+    ),
+    Later("Look after it", "doctor", "doctor:doctor", "Check the installation and the store."),
+    Later("Look after it", "explain", "explain:explain", "Say what an error code means."),
+)
+RULE_COMMANDS: Final = (
+    Later("Write", "new", "rules:new", "Begin a rule: a file that runs as it stands, and examples that pass."),
+    Later(
+        "Write",
+        "list",
+        "rules:list_rules",
+        "List the rules in force: those of kg, of installed packs, and your own.",
+    ),
+    Later(
+        "Write",
+        "show",
+        "rules:show_rule",
+        "Show one rule: its documentation, its text, what it reads and derives, and its place among the rules.",
+    ),
+    Later(
+        "Write",
+        "lsp",
+        "rules_lsp:lsp",
+        "Serve editors: errors as you type, completion, documentation, definitions.",
+    ),
+    Later("Try", "check", "rules_check:check", "Check rules: names, safety, strata, what never fires, documentation."),
+    Later(
+        "Try",
+        "test",
+        "rules_testing:try_rules",
+        "Run the examples beside rules, and show what differs; exit code 1 when one fails.",
+    ),
+    Later(
+        "Try",
+        "diff",
+        "rules_diff:diff",
+        "Show what rules as they are on disk add to the store and take from it; exit code 1 when there is anything.",
+    ),
+    Later(
+        "Try",
+        "watch",
+        "rules_watch:watch",
+        "Check and test rules whenever they are saved, and show what they would change in the store.",
+    ),
+    Later("Run", "run", "rules_run:run", "Run the rules in force, and write what they infer into the store."),
+    Later(
+        "Look at",
+        "compile",
+        "rules_compile:compile_rule",
+        "Print a rule as it is evaluated, or in another notation.",
+    ),
+    Later("Look at", "graph", "rules_reports:graph", "Draw which rules feed which, as SVG, Mermaid or JSON."),
+    Later(
+        "Look at",
+        "profile",
+        "rules_reports:profile",
+        "Run the rules in memory and show what each costs: seconds, triples, rounds; the dearest first.",
+    ),
+    Later(
+        "Look at",
+        "coverage",
+        "rules_reports:coverage",
+        "Show which rules, and which parts of rules, never did anything on this store.",
+    ),
+)
+ROBOT_COMMANDS: Final = (
+    Later(
+        "Look",
+        "capabilities",
+        "robot:capabilities",
+        "List what a robot can sense, do and know, and through which topic, service or action.",
+    ),
+    Later(
+        "Look",
+        "watch",
+        "robot:watch",
+        "Keep a running robot in the store, in step with it, and say what came and went.",
+    ),
+    Later(
+        "Drive",
+        "read",
+        "robot_driving:read",
+        "Read what a robot senses or knows, a line for each value, until Ctrl-C.",
+    ),
+    Later("Drive", "do", "robot_driving:do", "Let a robot do something, and wait until it is done."),
+    Later("Program", "run", "robot_programs:run", "Carry out a program on a robot, and write what happens."),
+    Later(
+        "Program",
+        "check",
+        "robot_programs:check",
+        "Check a program: names, kinds and units, limits, what is never reached or never ends, nodes that are dead.",
+    ),
+    Later(
+        "Program",
+        "convert",
+        "robot_programs:convert",
+        "Write a program as text, as JSON, or as the code that an expert would write for it, in ROS 1 or ROS 2.",
+    ),
+    Later(
+        "Try",
+        "simulate",
+        "robot_simulate:simulate",
+        "Simulate a robot, which nodes of ROS speak for: a wheeled one in an office, or a drone over a field.",
+    ),
+)
+CORPUS_COMMANDS: Final = (
+    Later(
+        "Commands",
+        "select",
+        "corpus:select",
+        "Select projects from a table by criteria, and compare the selection with RNKG's.",
+    ),
+    Later(
+        "Commands",
+        "fetch",
+        "corpus:fetch",
+        "Fetch repositories, each at one commit, and pin the commits in a lock file.",
+    ),
+)
+EVALUATIONS: Final = (
+    Later(
+        "Commands",
+        "completeness",
+        "evaluate:completeness",
+        "Count what references name, or the code calls, and the graph knows.",
+    ),
+    Later(
+        "Commands",
+        "correctness",
+        "evaluate:correctness",
+        "Compare the relations of nodes with references: precision, recall and F1.",
+    ),
+    Later("Commands", "sample", "evaluate:sample", "Draw facts for a person to judge, or score such a sheet."),
+    Later(
+        "Commands",
+        "search",
+        "evaluate:search",
+        "Compare the search with other ways to find nodes: NDCG@1 and NDCG@5.",
+    ),
+    Later(
+        "Commands",
+        "exercises",
+        "evaluate_exercises:exercises",
+        "Compare programs of capabilities with code that does the same, by four exercises for two simulated robots.",
+    ),
+)
+ONTOLOGY_COMMANDS: Final = (
+    Later(
+        "Commands",
+        "check",
+        "ontology:check",
+        "Reason over ontologies with HermiT (OWL 2 DL): each alone, then all together; exit code 1 for a "
+        "contradiction.",
+    ),
+    Later(
+        "Commands",
+        "validate",
+        "ontology:validate",
+        "Hold the data of the store against SHACL shapes; exit code 1 when it does not conform.",
+    ),
+)
+EXTRACT_COMMANDS: Final = (
+    Later(
+        "Commands",
+        "check",
+        "extract:check",
+        "Check descriptions of framework calls: columns, types, argument numbers, rows that never match.",
+    ),
+)
+CONFIG_COMMANDS: Final = (
+    Later("Commands", "show", "config:show", "Show every setting with its value and where the value comes from."),
 )
 
-RULE_COMMANDS: Final[tuple[tuple[str, str, Any], ...]] = (
-    ("Write", "new", rules.new),
-    ("Write", "list", rules.list_rules),
-    ("Write", "show", rules.show_rule),
-    ("Write", "lsp", rules_lsp.lsp),
-    ("Try", "check", rules_check.check),
-    ("Try", "test", rules_testing.try_rules),
-    ("Try", "diff", rules_diff.diff),
-    ("Try", "watch", rules_watch.watch),
-    ("Run", "run", rules_run.run),
-    ("Look at", "compile", rules_compile.compile_rule),
-    ("Look at", "graph", rules_reports.graph),
-    ("Look at", "profile", rules_reports.profile),
-    ("Look at", "coverage", rules_reports.coverage),
-)
-"""The commands of `kg rules`, in the order that its help lists them."""
 
-ROBOT_COMMANDS: Final[tuple[tuple[str, str, Any], ...]] = (
-    ("Look", "capabilities", robot.capabilities),
-    ("Look", "watch", robot.watch),
-    ("Drive", "read", robot_driving.read),
-    ("Drive", "do", robot_driving.do),
-    ("Program", "run", robot_programs.run),
-    ("Program", "check", robot_programs.check),
-    ("Program", "convert", robot_programs.convert),
-    ("Try", "simulate", robot_simulate.simulate),
-)
-"""The commands of `kg robot`, in the order that its help lists them: the panel, the name and the function."""
+RULES: Final = """Write rules, try them and run them over the store.
 
-CORPUS_COMMANDS: Final[tuple[tuple[str, Any], ...]] = (("select", corpus.select), ("fetch", corpus.fetch))
-"""The commands of `kg corpus`, in the order that its help lists them."""
+A rule is a file in a folder of rules; its examples stand beside it. Folders of your own are those of the setting
+`rules`, by default rules/ beside kg.toml or in the working folder. A new rule in five steps:
 
-EVALUATIONS: Final[tuple[tuple[str, Any], ...]] = (
-    ("completeness", evaluate.completeness),
-    ("correctness", evaluate.correctness),
-    ("sample", evaluate.sample),
-    ("search", evaluate.search),
-    ("exercises", evaluate_exercises.exercises),
-)
-"""The commands of `kg eval`, in the order that its help lists them."""
+    kg rules new wiring/listens-to        writes a rule and its examples
+    kg rules check wiring/listens-to      is it well written?
+    kg rules test wiring/listens-to       does it do what its examples say?
+    kg rules diff wiring/listens-to       what would it change in this store?
+    kg rules run                          change it
+"""
+ROBOT: Final = """Say what a robot can do, and let it do so.
+
+A robot is a running ROS system: its master, domain or router is given by --robot, else by the setting `robot`, else by
+ROS_MASTER_URI or ROS_DOMAIN_ID. `kg robot simulate office` starts one to try.
+"""
+
+
+class _Root(KgGroup):
+    later = COMMANDS
+
 
 app = typer.Typer(
-    cls=KgGroup,
+    cls=_Root,
     epilog=EPILOGUE,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -223,33 +376,52 @@ def kg(  # noqa: PLR0913 - the options before the command
         write(context.get_help())
 
 
-config_app = typer.Typer(cls=KgGroup, rich_markup_mode=None)
-config_app.callback(invoke_without_command=True)(config.config)
-config_app.command("show", cls=KgCommand)(config.show)
-for _panel, _name, _function in COMMANDS:
-    _class = node.NodeCommand if _name == "node" else KgCommand
-    app.command(_name, cls=_class, rich_help_panel=_panel)(_function)
-rules_app = typer.Typer(cls=KgGroup, rich_markup_mode=None, help=rules.HELP)
-for _panel, _name, _function in RULE_COMMANDS:
-    rules_app.command(_name, cls=KgCommand, rich_help_panel=_panel)(_function)
-app.add_typer(rules_app, name="rules", rich_help_panel="Ask")
-robot_app = typer.Typer(cls=KgGroup, rich_markup_mode=None, help=robot.HELP)
-for _panel, _name, _function in ROBOT_COMMANDS:
-    robot_app.command(_name, cls=KgCommand, rich_help_panel=_panel)(_function)
-app.add_typer(robot_app, name="robot", rich_help_panel="Ask")
-corpus_app = typer.Typer(cls=KgGroup, rich_markup_mode=None, help=corpus.HELP)
-for _name, _function in CORPUS_COMMANDS:
-    corpus_app.command(_name, cls=KgCommand)(_function)
-app.add_typer(corpus_app, name="corpus", rich_help_panel="Start")
-eval_app = typer.Typer(cls=KgGroup, rich_markup_mode=None, help=evaluate.HELP)
-for _name, _function in EVALUATIONS:
-    eval_app.command(_name, cls=KgCommand)(_function)
-app.add_typer(eval_app, name="eval", rich_help_panel="Ask")
-ontology_app = typer.Typer(cls=KgGroup, rich_markup_mode=None, help="Check ontologies, and data against shapes.")
-ontology_app.command("check", cls=KgCommand)(ontology.check)
-ontology_app.command("validate", cls=KgCommand)(ontology.validate)
-extract_app = typer.Typer(cls=KgGroup, rich_markup_mode=None, help="Check descriptions of framework calls.")
-extract_app.command("check", cls=KgCommand)(extract.check)
-app.add_typer(extract_app, name="extract", rich_help_panel="Look after it")
-app.add_typer(ontology_app, name="ontology", rich_help_panel="Look after it")
-app.add_typer(config_app, name="config", rich_help_panel="Look after it")
+class _Rules(KgGroup):
+    later = RULE_COMMANDS
+
+
+class _Robot(KgGroup):
+    later = ROBOT_COMMANDS
+
+
+class _Corpus(KgGroup):
+    later = CORPUS_COMMANDS
+
+
+class _Evaluations(KgGroup):
+    later = EVALUATIONS
+
+
+class _Extract(KgGroup):
+    later = EXTRACT_COMMANDS
+
+
+class _Ontology(KgGroup):
+    later = ONTOLOGY_COMMANDS
+
+
+class _Config(KgGroup):
+    later = CONFIG_COMMANDS
+
+
+def _config(context: typer.Context) -> None:
+    """Show settings and where they come from."""
+    if context.invoked_subcommand is None:
+        from kg.cli.commands.config import show  # noqa: PLC0415 - start-up time
+
+        show(context)
+
+
+for _name, _class, _panel, _help in (
+    ("rules", _Rules, "Ask", RULES),
+    ("robot", _Robot, "Ask", ROBOT),
+    ("corpus", _Corpus, "Start", "Select repositories from a table of projects, and fetch them."),
+    ("eval", _Evaluations, "Ask", "Measure the graph and the search against references and the code."),
+    ("extract", _Extract, "Look after it", "Check descriptions of framework calls."),
+    ("ontology", _Ontology, "Look after it", "Check ontologies, and data against shapes."),
+):
+    _group = typer.Typer(cls=_class, rich_markup_mode=None, help=_help)
+    app.add_typer(_group, name=_name, rich_help_panel=_panel)
+_group = typer.Typer(cls=_Config, rich_markup_mode=None)
+_group.callback(invoke_without_command=True)(_config)
+app.add_typer(_group, name="config", rich_help_panel="Look after it")

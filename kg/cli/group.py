@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import sys
-from typing import Any, Final
+from collections import UserDict
+from importlib import import_module
+from typing import Any, Final, NamedTuple
 
+import typer
 from typer.core import TyperCommand, TyperGroup
+from typer.main import get_command
 
 from kg.cli.guard import guarded, hang_up
-from kg.cli.manual import page, plain
+from kg.cli.manual import first_paragraph, page, plain
 from kg.errors import UsageError
 from kg.similar import asked, did_you_mean
 
-__all__ = ["CALLED", "KgCommand", "KgGroup"]
+__all__ = ["CALLED", "KgCommand", "KgGroup", "Later"]
 
 CALLED: Final = {
     "init": ("build",),
@@ -59,8 +63,61 @@ class KgCommand(TyperCommand):
         return plain(page(self, ctx))
 
 
+class Later(NamedTuple):
+    """A command whose module, of `kg.cli.commands`, is imported when the command is needed."""
+
+    panel: str
+    name: str
+    place: str
+    """Its module and function: `lists:topics`."""
+    sentence: str
+    """The first paragraph of its help."""
+    kind: str = ""
+    """Its class, in the same module; `KgCommand` by default."""
+
+    def load(self) -> Any:
+        """Return the command."""
+        module, _, function = self.place.partition(":")
+        found = import_module(f"kg.cli.commands.{module}")
+        alone = typer.Typer(add_completion=False, rich_markup_mode=None)
+        kind = getattr(found, self.kind) if self.kind else KgCommand
+        alone.command(self.name, cls=kind, rich_help_panel=self.panel)(getattr(found, function))
+        return get_command(alone)
+
+
+class _Commands(UserDict[str, Any]):
+    """The commands of a group by name: those that are loaded when they are looked up, then groups below."""
+
+    def __getitem__(self, name: str) -> Any:
+        held = self.data[name]
+        if isinstance(held, Later):
+            held = self.data[name] = held.load()
+        return held
+
+    def entries(self) -> list[tuple[str, str, str]]:
+        """Return the panel, the name and the first paragraph of each command; nothing is imported."""
+        found = []
+        for name, held in self.data.items():
+            if isinstance(held, Later):
+                found.append((held.panel, name, held.sentence))
+            elif not held.hidden:
+                found.append((getattr(held, "rich_help_panel", None) or "Commands", name, first_paragraph(held)))
+        return found
+
+
 class KgGroup(TyperGroup):
     """A group of commands, and `kg` itself."""
+
+    later: tuple[Later, ...] = ()
+    """The commands in it."""
+
+    def __init__(self, *, commands: Any = None, **given: Any) -> None:
+        super().__init__(**given)
+        self.commands = _Commands({one.name: one for one in self.later} | (commands or {}))
+
+    def list_commands(self, ctx: Any) -> list[str]:  # noqa: ARG002 - called by typer
+        """Return the names of the commands."""
+        return list(self.commands)
 
     def get_params(self, ctx: Any) -> Any:
         """Return the options, those for completion and `--help` among them."""

@@ -11,7 +11,7 @@ import textwrap
 from dataclasses import dataclass
 from typing import Any, Final
 
-__all__ = ["Entry", "Page", "page", "plain"]
+__all__ = ["Entry", "Page", "first_paragraph", "page", "plain"]
 
 _WIDEST: Final = 100
 _INDENT: Final = "  "
@@ -72,12 +72,14 @@ def _option(param: Any) -> str:
 
 def _command_sections(group: Any) -> list[tuple[str, tuple[Entry, ...]]]:
     sections: dict[str, list[Entry]] = {}
-    for name, command in getattr(group, "commands", {}).items():
-        if not command.hidden:
-            title = getattr(command, "rich_help_panel", None) or "Commands"
-            first = inspect.cleandoc(command.help or "").split("\n\n")[0]
-            sections.setdefault(title, []).append(Entry(name, " ".join(first.split())))
+    for panel, name, sentence in group.commands.entries() if hasattr(group, "commands") else ():
+        sections.setdefault(panel, []).append(Entry(name, sentence))
     return [(title, tuple(entries)) for title, entries in sections.items()]
+
+
+def first_paragraph(command: Any) -> str:
+    """Return the first paragraph of a command's help."""
+    return " ".join(inspect.cleandoc(command.help or "").split("\n\n")[0].split())
 
 
 def plain(manual: Page, columns: int | None = None) -> str:

@@ -2,11 +2,14 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
+from typer.main import get_command
 
+from kg.cli.app import app
 from kg.cli.group import CALLED
+from kg.cli.manual import first_paragraph
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -137,3 +140,22 @@ def test_any_character_can_be_said(kg: Program) -> None:
     run = kg("explain", "KÄ1", PYTHONIOENCODING="ascii")
     assert run.code == 1
     assert "K\\xc41" in run.err
+
+
+def test_help_says_of_each_command_what_the_command_says() -> None:
+    """The lists in `--help` are made without importing the commands: their sentences are those of the commands."""
+    pending: list[Any] = [get_command(app)]
+    while pending:
+        group = pending.pop()
+        listed = {name: sentence for _, name, sentence in group.commands.entries()}
+        loaded = dict(group.commands.items())
+        assert listed == {name: first_paragraph(command) for name, command in loaded.items() if not command.hidden}
+        pending += [command for command in loaded.values() if hasattr(command, "commands")]
+
+
+def test_a_command_imports_no_other_command(kg: Program) -> None:
+    """A command starts without the modules of all others."""
+    program = "import sys; from kg.cli.app import app; app(['explain', 'KG301'], standalone_mode=False)"
+    listing = f"import atexit, sys; atexit.register(lambda: print(*sys.modules)); {program}"
+    loaded = {name for name in kg.python("-c", listing).out.split() if name.startswith("kg.cli.commands.")}
+    assert loaded == {"kg.cli.commands.explain"}

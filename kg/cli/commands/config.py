@@ -8,13 +8,7 @@ from kg.cli.options import Json
 from kg.cli.output import Column, json_lines, print_table
 from kg.cli.session import session
 
-__all__ = ["config", "setting_rows", "show"]
-
-
-def config(context: typer.Context) -> None:
-    """Show settings and where they come from."""
-    if context.invoked_subcommand is None:
-        show(context)
+__all__ = ["setting_rows", "show"]
 
 
 def setting_rows(context: typer.Context) -> list[dict[str, object]]:

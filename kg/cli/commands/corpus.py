@@ -17,9 +17,8 @@ if TYPE_CHECKING:
     from kg.corpus.fetching_list import Wanted
     from kg.corpus.selection import Selection
 
-__all__ = ["HELP", "fetch", "select"]
+__all__ = ["fetch", "select"]
 
-HELP: Final = "Select repositories from a table of projects, and fetch them."
 _MOST_JOBS: Final = 64
 """No server is asked for more at a time."""
 

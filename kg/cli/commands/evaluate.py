@@ -1,7 +1,7 @@
 """`kg eval`: how complete and how right the graph is, and how well nodes are found, as RNKG evaluates it."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -20,9 +20,8 @@ if TYPE_CHECKING:
     from kg.evaluate.linking import Ground
     from kg.settings import Settings
 
-__all__ = ["HELP", "completeness", "correctness", "sample", "search"]
+__all__ = ["completeness", "correctness", "sample", "search"]
 
-HELP: Final = "Measure the graph and the search against references and the code."
 
 References = Annotated[
     list[str] | None,

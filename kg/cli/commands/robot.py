@@ -1,6 +1,6 @@
 """`kg robot`: what a robot can do, and the store in step with it."""
 
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -14,13 +14,7 @@ if TYPE_CHECKING:
     from kg.robot.live.asking import Subject
     from kg.settings import Settings
 
-__all__ = ["HELP", "capabilities", "watch"]
-
-HELP: Final = """Say what a robot can do, and let it do so.
-
-A robot is a running ROS system: its master, domain or router is given by --robot, else by the setting `robot`, else by
-ROS_MASTER_URI or ROS_DOMAIN_ID. `kg robot simulate office` starts one to try.
-"""
+__all__ = ["capabilities", "watch"]
 
 Live = Annotated[bool, typer.Option("--live", help="The running robot; what is meant where nothing else is named.")]
 Package = Annotated[

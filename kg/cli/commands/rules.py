@@ -18,19 +18,7 @@ if TYPE_CHECKING:
     from kg.rules.authoring.library import Entry, Library
     from kg.rules.files import Documentation
 
-__all__ = ["HELP", "Chosen", "list_rules", "new", "show_rule"]
-
-HELP = """Write rules, try them and run them over the store.
-
-A rule is a file in a folder of rules; its examples stand beside it. Folders of your own are those of the setting
-`rules`, by default rules/ beside kg.toml or in the working folder. A new rule in five steps:
-
-    kg rules new wiring/listens-to        writes a rule and its examples
-    kg rules check wiring/listens-to      is it well written?
-    kg rules test wiring/listens-to       does it do what its examples say?
-    kg rules diff wiring/listens-to       what would it change in this store?
-    kg rules run                          change it
-"""
+__all__ = ["Chosen", "list_rules", "new", "show_rule"]
 
 Name = Annotated[
     str, typer.Argument(metavar="RULE", help="FAMILY/NAME, NAME alone, or a file.", autocompletion=rule_names)
