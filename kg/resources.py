@@ -17,7 +17,6 @@ __all__ = ["digest", "folder"]
 
 _BYTES: Final = 16
 _BYTECODE: Final = "__pycache__"
-_COMPILED: Final = (".pyc", ".so")
 
 _PACKAGE = Path(__file__).resolve().parent
 
@@ -29,7 +28,7 @@ def folder(name: str) -> Path:
 
 
 def digest(roots: Iterable[Path]) -> str:
-    """Return the digest of the names and contents of files and of all below folders, but what is compiled."""
+    """Return the digest of the names and contents of files and of all below folders, but Python's bytecode."""
     found = hashlib.blake2b(digest_size=_BYTES)
     for root in roots:
         for path in sorted(_files(root)):
@@ -45,4 +44,4 @@ def _files(root: Path) -> Iterable[Path]:
         yield root
     for folder_path, folders, names in os.walk(root):
         folders[:] = [name for name in folders if name != _BYTECODE]
-        yield from (Path(folder_path, name) for name in names if not name.endswith(_COMPILED))
+        yield from (Path(folder_path, name) for name in names if not name.endswith(".pyc"))

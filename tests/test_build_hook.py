@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import sys
 from types import ModuleType, SimpleNamespace
@@ -48,7 +47,7 @@ def hook(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
     shutil.copytree(ROOT / "frontend", tmp_path / "frontend", ignore=shutil.ignore_patterns("node_modules"))
     namespace: dict[str, Any] = {"__name__": "hatch_build"}
     exec((ROOT / "hatch_build.py").read_text("utf-8"), namespace)  # noqa: S102 - no package has it
-    made = namespace["PackageHook"]()
+    made = namespace["LibrariesHook"]()
     made.root, made.app = str(tmp_path), _App()
     return made
 
@@ -87,60 +86,3 @@ def _loaded(path: Path) -> dict[str, Any]:
     namespace: dict[str, Any] = {"__name__": "frontend_build", "__file__": str(path)}
     exec(path.read_text("utf-8"), namespace)  # noqa: S102 - a script of the checkout
     return namespace
-
-
-_COMPILER = """
-REQUIRED = ("a compiler",)
-class CompileError(Exception): ...
-def build(root, folder):
-    made = folder / "machine.so"
-    made.touch()
-    if (root / "broken").exists():
-        raise CompileError("line 7 is wrong")
-    return {made: "kg/symbolic/machine.so"}
-"""
-
-
-@pytest.fixture
-def wheel(hook: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
-    """The hook for a wheel, with a compiler that takes no time."""
-    (tmp_path / "hatch_compile.py").write_text(_COMPILER)
-    monkeypatch.delenv("KG_COMPILE", raising=False)
-    hook.target_name = "wheel"
-    return hook
-
-
-def test_a_wheel_is_pure_unless_it_is_to_be_compiled(wheel: Any) -> None:
-    """Nothing is compiled, and nothing needed for it, where nobody asks for it."""
-    data: dict[str, Any] = {"force_include": {}}
-    wheel.initialize("standard", data)
-    assert data == {"force_include": {}}
-    assert wheel.dependencies() == []
-
-
-def test_a_compiled_wheel_is_of_one_platform(wheel: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    """With KG_COMPILE the libraries are in the wheel, and its name says for what machine it is."""
-    monkeypatch.setenv("KG_COMPILE", "1")
-    data: dict[str, Any] = {"force_include": {}}
-    wheel.initialize("standard", data)
-    (library,) = data["force_include"]
-    assert data == {"force_include": {library: "kg/symbolic/machine.so"}, "pure_python": False, "infer_tag": True}
-    assert wheel.dependencies() == ["a compiler"]
-    wheel.finalize("standard", data, "")
-    assert not os.path.exists(library)  # noqa: PTH110 - hatchling takes texts
-
-
-def test_an_editable_installation_is_not_compiled(wheel: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Who changes the code sees the change."""
-    monkeypatch.setenv("KG_COMPILE", "1")
-    data: dict[str, Any] = {"force_include": {}}
-    wheel.initialize("editable", data)
-    assert data == {"force_include": {}}
-
-
-def test_what_cannot_be_compiled_is_said(wheel: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A compilation that was asked for and fails ends the build, with the words of the compiler and the way out."""
-    monkeypatch.setenv("KG_COMPILE", "1")
-    (tmp_path / "broken").touch()
-    with pytest.raises(_AbortedError, match="line 7 is wrong\nInstall a C compiler, or build without KG_COMPILE"):
-        wheel.initialize("standard", {"force_include": {}})

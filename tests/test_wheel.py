@@ -8,13 +8,15 @@ import os
 import shutil
 import subprocess
 import sys
-import sysconfig
 import venv
 import zipfile
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 from repository import ROOT
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 pytestmark = pytest.mark.slow
 
@@ -112,30 +114,3 @@ def test_the_demo_runs_in_an_empty_folder(installed: Path, tmp_path: Path) -> No
     answer = run(installed / "kg", "demo", folder=tmp_path, **_OFFLINE)
     assert "scan_filter_nodelet.cpp:30" in answer
     assert "flight_controller" in answer
-
-
-@pytest.fixture(scope="module")
-def compiled(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Install a compiled wheel, with what its tests need; return the folder of programs."""
-    if shutil.which("cc") is None or not Path(sysconfig.get_path("include"), "Python.h").is_file():
-        pytest.skip("a C compiler with the headers of Python is not installed")
-    dist, home = tmp_path_factory.mktemp("dist"), tmp_path_factory.mktemp("compiled")
-    run(sys.executable, "-m", "build", "--wheel", "--outdir", dist, ROOT, folder=dist, KG_COMPILE="1")
-    (wheel,) = dist.glob("*.whl")
-    assert not wheel.name.endswith("-any.whl")
-    venv.create(home, with_pip=True)
-    tools = ("pytest", "pytest-timeout", "pytest-xdist", "hypothesis")
-    run(home / "bin" / "pip", "install", "--quiet", "--disable-pip-version-check", wheel, *tools, folder=home)
-    return home / "bin"
-
-
-def test_a_compiled_installation_says_so(compiled: Path, tmp_path: Path) -> None:
-    """It builds a store, and `kg doctor` names the compiled modules."""
-    run(compiled / "kg", "--store", "store", "build", ROOT / "examples" / "workspace", folder=tmp_path)
-    assert "with compiled modules" in run(compiled / "kg", "--store", "store", "doctor", folder=tmp_path)
-
-
-def test_a_compiled_installation_reads_what_the_code_says(compiled: Path) -> None:
-    """The tests of the interpreter and of extraction pass on the compiled modules."""
-    rooms = ("tests/symbolic", "tests/extract/cpp", "tests/extract/test_cases.py")
-    run(compiled / "pytest", "-q", "-n", "auto", "-p", "no:cacheprovider", *rooms, folder=ROOT, PYTHONSAFEPATH="1")

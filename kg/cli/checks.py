@@ -8,7 +8,6 @@ import subprocess
 import sys
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, requires, version
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -66,9 +65,7 @@ def _language(settings: Settings) -> Check:
 
 
 def _python() -> Check:
-    spec = find_spec("kg.symbolic.machine")
-    compiled = "" if spec is None or str(spec.origin).endswith(".py") else ", with compiled modules of kg"
-    return Check("Python", "ok", f"{platform.python_version()} at {sys.executable}{compiled}")
+    return Check("Python", "ok", f"{platform.python_version()} at {sys.executable}")
 
 
 def _dependencies() -> Iterator[Check]:
