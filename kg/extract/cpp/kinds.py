@@ -61,7 +61,7 @@ class Kinds:
 
     def kind(self, kind: Type, frame: Frame, depth: int = 0) -> Kind | Value:
         """Return what a type means in a frame: a `Kind`, or the value of a template parameter."""
-        if frame.templated and not (_is_name(kind) and frame.bound_type(kind.names[0]) is None):
+        if frame.templated:
             return self._meant(kind, frame, depth)
         key = (id(kind), frame.unit, frame.scope, depth)
         known = self._plain.get(key)
@@ -314,11 +314,6 @@ def _with_types(kind: Kind, frame: Frame) -> Kind:
 
 def _as_value(found: Kind | Value) -> Value:
     return TypeValue(found) if isinstance(found, Kind) else found
-
-
-def _is_name(kind: Type) -> bool:
-    """Return whether a type is only a name, without template arguments."""
-    return bool(kind.names) and not (kind.arguments or kind.outer or kind.names[0].startswith("decltype("))
 
 
 def _is_plain(kind: Type) -> bool:
