@@ -311,8 +311,8 @@ def options(values: Iterable[Value], choice: object) -> Value:
         else:
             return first
     solid = [value for value in values if type(value) is not Unknown or value.parameter is not None]
-    if len(solid) == 1 and any(type(one) is not Truth for one in alternatives(solid[0])):
-        return solid[0]  # what is not known is left out, as in `_any_of`, so that no choice remains
+    if len(solid) == 1 and type(solid[0]) is not Truth and type(solid[0]) is not Either:
+        return solid[0]  # as `_any_of`, which leaves out what is not known
     found: list[tuple[Value, Way]] = []
     for index, value in enumerate(values):
         option = frozenset([(choice, index)])

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from kg.facts import Resolution
 from kg.holes import Hole
+from kg.symbolic import values as abstract
 from kg.symbolic.values import (
     MOST_ALTERNATIVES,
     Either,
@@ -17,6 +18,7 @@ from kg.symbolic.values import (
     Unknown,
     Value,
     alternatives,
+    combinations,
     concatenate,
     join,
     number,
@@ -71,6 +73,14 @@ def test_the_order_of_joined_values_does_not_matter(values: list[Value], random:
 def test_known_values_stay_beside_unknown_ones(values: list[Value], unknown: Value) -> None:
     """A value that is known on one side of a branch is kept where the other side is not known."""
     assert options(join(*values, unknown)) == set(values)
+
+
+def test_alternatives_of_one_side_are_not_combined_with_the_other_side() -> None:
+    """Where the other side of a branch does not know a value, the alternatives of this side stay on this side."""
+    name = abstract.options([join(Text.of("a"), Text.of("b")), Unknown("it is read")], "branch")
+    topic = abstract.options([Text.of("here"), Text.of("there")], "branch")
+    found = {(one, other) for one, other in combinations([name, topic])}
+    assert found == {(Text.of("a"), Text.of("here")), (Text.of("b"), Text.of("here"))}
 
 
 @given(WORDS)
