@@ -11,7 +11,7 @@ from kg.cli.output import json_lines, write
 from kg.cli.session import Session
 from kg.errors import Exit
 
-__all__ = ["COMMANDS", "app"]
+__all__ = ["app"]
 
 EPILOGUE: Final = """
 Data goes to standard output, words go to standard error. Exit codes:
@@ -304,12 +304,13 @@ ROS_MASTER_URI or ROS_DOMAIN_ID. `kg robot simulate office` starts one to try.
 """
 
 
-class _Root(KgGroup):
-    later = COMMANDS
+def _group(later: tuple[Later, ...]) -> type[KgGroup]:
+    """Return the class of a group with some commands."""
+    return type("Group", (KgGroup,), {"later": later})
 
 
 app = typer.Typer(
-    cls=_Root,
+    cls=_group(COMMANDS),
     epilog=EPILOGUE,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -376,34 +377,6 @@ def kg(  # noqa: PLR0913 - the options before the command
         write(context.get_help())
 
 
-class _Rules(KgGroup):
-    later = RULE_COMMANDS
-
-
-class _Robot(KgGroup):
-    later = ROBOT_COMMANDS
-
-
-class _Corpus(KgGroup):
-    later = CORPUS_COMMANDS
-
-
-class _Evaluations(KgGroup):
-    later = EVALUATIONS
-
-
-class _Extract(KgGroup):
-    later = EXTRACT_COMMANDS
-
-
-class _Ontology(KgGroup):
-    later = ONTOLOGY_COMMANDS
-
-
-class _Config(KgGroup):
-    later = CONFIG_COMMANDS
-
-
 def _config(context: typer.Context) -> None:
     """Show settings and where they come from."""
     if context.invoked_subcommand is None:
@@ -412,16 +385,16 @@ def _config(context: typer.Context) -> None:
         show(context)
 
 
-for _name, _class, _panel, _help in (
-    ("rules", _Rules, "Ask", RULES),
-    ("robot", _Robot, "Ask", ROBOT),
-    ("corpus", _Corpus, "Start", "Select repositories from a table of projects, and fetch them."),
-    ("eval", _Evaluations, "Ask", "Measure the graph and the search against references and the code."),
-    ("extract", _Extract, "Look after it", "Check descriptions of framework calls."),
-    ("ontology", _Ontology, "Look after it", "Check ontologies, and data against shapes."),
+for _name, _commands, _panel, _help in (
+    ("rules", RULE_COMMANDS, "Ask", RULES),
+    ("robot", ROBOT_COMMANDS, "Ask", ROBOT),
+    ("corpus", CORPUS_COMMANDS, "Start", "Select repositories from a table of projects, and fetch them."),
+    ("eval", EVALUATIONS, "Ask", "Measure the graph and the search against references and the code."),
+    ("extract", EXTRACT_COMMANDS, "Look after it", "Check descriptions of framework calls."),
+    ("ontology", ONTOLOGY_COMMANDS, "Look after it", "Check ontologies, and data against shapes."),
 ):
-    _group = typer.Typer(cls=_class, rich_markup_mode=None, help=_help)
-    app.add_typer(_group, name=_name, rich_help_panel=_panel)
-_group = typer.Typer(cls=_Config, rich_markup_mode=None)
-_group.callback(invoke_without_command=True)(_config)
-app.add_typer(_group, name="config", rich_help_panel="Look after it")
+    _below = typer.Typer(cls=_group(_commands), rich_markup_mode=None, help=_help)
+    app.add_typer(_below, name=_name, rich_help_panel=_panel)
+_settings = typer.Typer(cls=_group(CONFIG_COMMANDS), rich_markup_mode=None)
+_settings.callback(invoke_without_command=True)(_config)
+app.add_typer(_settings, name="config", rich_help_panel="Look after it")
