@@ -25,6 +25,7 @@ from clock import Clock, Stages
 
 from kg import settings
 from kg.extract import texts
+from kg.language import annotating
 from kg.pipeline import build, cache, pool, reasoning, systems, work, writing
 from kg.rules.inferring import Reasoner
 from kg.rules.running import Runner
@@ -42,7 +43,7 @@ if TYPE_CHECKING:
 PARTS: Stages = {
     "extraction": [(work, "extract_package")],
     "reading texts": [(texts, "read_descriptions")],
-    "loading the language model": [(build, "prepare")],
+    "loading the language model": [(annotating, "prepare")],
     "tagging texts": [(work, "annotate")],
     "triples of packages": [(work, "package_parts"), (work, "split"), (work, "known_as"), (work, "count")],
     "cache": [(cache, name) for name in ("pack", "store", "launches", "triples", "shared", "keep_only")],

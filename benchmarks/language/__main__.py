@@ -23,7 +23,7 @@ from treebank import Sentence, read_tagged, read_treebank, reference
 
 from kg.facts.places import Location
 from kg.facts.texts import Description, DescriptionKind
-from kg.language import annotate
+from kg.language.annotating import annotate
 from kg.language.loading import SHIPPED, pipeline
 
 SENTENCES: Final = Path(__file__).resolve().parents[2] / "tests" / "language" / "cases" / "ros-sentences.txt"
@@ -32,7 +32,7 @@ import time
 began = time.process_time()
 import spacy
 imported = time.process_time()
-from kg.language import prepare
+from kg.language.annotating import prepare
 prepare({model!r})
 print(imported - began, time.process_time() - imported)
 """

@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import CATALOGUE, KgError, StoreError
-from kg.language import describe, prepare
+from kg.language.annotating import prepare
+from kg.language.loading import describe
 from kg.render.text import count
 from kg.resources import folder
 from kg.store.opening import layout_of

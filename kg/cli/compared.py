@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -64,8 +64,6 @@ def sides(named: Sequence[str], repository: str | None) -> Sides:
 
 def stores(asked: Sides, settings: Settings) -> tuple[EmbeddedStore, EmbeddedStore]:
     """Return both stores; commits that were not read before are read now. Raises as `kg.pipeline.revisions` does."""
-    from dataclasses import replace  # noqa: PLC0415 - start-up time
-
     from kg.cli.progress import for_people  # noqa: PLC0415 - start-up time
     from kg.pipeline.revisions import merge_base, resolve, revision_store  # noqa: PLC0415 - start-up time
     from kg.store.opening import existing  # noqa: PLC0415 - start-up time

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kg.errors import CATALOGUE, KgError
+from kg.settings import load
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -35,7 +36,6 @@ def nodes(incomplete: str) -> list[str]:
 
     def names() -> list[str]:
         from kg.graph.reading import node_names  # noqa: PLC0415 - start-up time
-        from kg.settings import load  # noqa: PLC0415 - start-up time
         from kg.store.opening import reading  # noqa: PLC0415 - start-up time
 
         with reading(load()) as snapshot:
@@ -49,7 +49,6 @@ def packages(incomplete: str) -> list[str]:
 
     def names() -> list[str]:
         from kg.graph.overview import package_names  # noqa: PLC0415 - start-up time
-        from kg.settings import load  # noqa: PLC0415 - start-up time
         from kg.store.opening import reading  # noqa: PLC0415 - start-up time
 
         with reading(load()) as snapshot:
@@ -65,7 +64,6 @@ def features(kind: str) -> Callable[[str], list[str]]:
         def names() -> list[str]:
             from kg.search.filters import known  # noqa: PLC0415 - start-up time
             from kg.search.searching import open_search  # noqa: PLC0415 - start-up time
-            from kg.settings import load  # noqa: PLC0415 - start-up time
             from kg.store.opening import existing  # noqa: PLC0415 - start-up time
 
             whole = known(kind, open_search(existing(load())).names)
@@ -81,7 +79,6 @@ def queries(incomplete: str) -> list[str]:
 
     def names() -> list[str]:
         from kg.query.stored import discover  # noqa: PLC0415 - start-up time
-        from kg.settings import load  # noqa: PLC0415 - start-up time
 
         return list(discover(load().queries))
 
@@ -93,7 +90,6 @@ def rules(incomplete: str) -> list[str]:
 
     def names() -> list[str]:
         from kg.rules.authoring.library import Library  # noqa: PLC0415 - start-up time
-        from kg.settings import load  # noqa: PLC0415 - start-up time
 
         return list(Library.of(load()).entries)
 
@@ -105,7 +101,6 @@ def launches(incomplete: str) -> list[str]:
 
     def names() -> list[str]:
         from kg.graph.systems_reading import system_names  # noqa: PLC0415 - start-up time
-        from kg.settings import load  # noqa: PLC0415 - start-up time
         from kg.store.opening import reading  # noqa: PLC0415 - start-up time
 
         with reading(load()) as snapshot:
@@ -139,7 +134,6 @@ def parameters(incomplete: str) -> list[str]:
 
     def names() -> list[str]:
         from kg.graph.parameters_reading import declared_names, set_names  # noqa: PLC0415 - start-up time
-        from kg.settings import load  # noqa: PLC0415 - start-up time
         from kg.store.opening import reading  # noqa: PLC0415 - start-up time
 
         with reading(load()) as snapshot:
@@ -153,7 +147,6 @@ def _channels(kind: str, incomplete: str) -> list[str]:
 
     def names() -> list[str]:
         from kg.graph.channels_reading import names as known  # noqa: PLC0415 - start-up time
-        from kg.settings import load  # noqa: PLC0415 - start-up time
         from kg.store.opening import reading  # noqa: PLC0415 - start-up time
 
         with reading(load()) as snapshot:

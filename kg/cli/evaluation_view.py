@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kg.cli.diagnostics import note, say
 from kg.cli.output import Column, listing, write_bytes
+from kg.errors import Place, UsageError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -27,8 +29,6 @@ def deliver(table: Table, *, json: bool, output: str | None) -> None:
     for sentence in table.notes:
         note(sentence)
     if output:
-        from pathlib import Path  # noqa: PLC0415 - the branch that needs it
-
         from kg.evaluate.writing import write  # noqa: PLC0415 - the same
 
         written = write(table, Path(output).expanduser())
@@ -40,9 +40,6 @@ def write_text(text: str, output: str | None) -> None:
     if output is None or output == "-":
         write_bytes(text.encode("utf-8"))
         return
-    from pathlib import Path  # noqa: PLC0415 - the branch that needs it
-
-    from kg.errors import Place, UsageError  # noqa: PLC0415 - the same
 
     try:
         Path(output).expanduser().write_text(text, "utf-8")

@@ -24,7 +24,6 @@ from kg.errors import SourceError
 from kg.facts import FileKind
 from kg.graph.iris import Iris
 from kg.graph.shared import SHARED
-from kg.language import prepare
 from kg.pipeline import cache
 from kg.pipeline.calls import checked_calls
 from kg.pipeline.inferring import Inference, digest
@@ -316,6 +315,8 @@ class _Build:
         if model or (self._jobs > 1 and not all(task.earlier for task in tasks)):
             # Once for all workers, which are forked; a single one loads it with the first text that it meets, and
             # where all packages were read before, most of their texts are tagged.
+            from kg.language.annotating import prepare  # noqa: PLC0415 - a build without changes tags nothing
+
             prepare(model)
         job = Job(workspace, self._settings.base, self._settings.max_file_bytes, model, self._cache, calls)
         return Pool(job, tasks, self._jobs)

@@ -18,7 +18,7 @@ from kg import resources
 from kg.corpus.files import FilePath
 from kg.corpus.reading import load, mark
 from kg.corpus.workspace import INSTALLED
-from kg.language import identity
+from kg.language.loading import identity
 from kg.pipeline import cache
 from kg.pipeline.calls import call_files, read_calls
 from kg.pipeline.recording import answer

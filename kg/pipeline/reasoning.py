@@ -12,7 +12,7 @@ from pyoxigraph import NamedNode, RdfFormat, parse
 from kg import resources
 from kg.errors import RuleError
 from kg.graph.iris import Iris
-from kg.graph.ontology_files import ontology_triples
+from kg.graph.ontology_files import default_ontologies, ontology_triples
 from kg.graph.vocabulary import RNKG
 from kg.pipeline.inferring import digest
 from kg.query.prefixes import PREFIXES
@@ -232,7 +232,6 @@ def _ontology_line(fact: Triple) -> Evidence | None:
 
 @lru_cache(maxsize=1)
 def _ontology_statements() -> dict[str, Statement]:
-    from kg.graph.ontology_files import default_ontologies  # noqa: PLC0415 - only explanations need it
     from kg.rules.documents import statements  # noqa: PLC0415 - the same
 
     return statements(default_ontologies())

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Final
 
 from kg.extract.package import ExtractSettings, extract_package
 from kg.facts import DataFile, Known, Problem, Resolution
-from kg.graph import Iris, count
+from kg.graph.builds import count
+from kg.graph.iris import Iris
 from kg.graph.packages import package_parts
 from kg.graph.shared import split
-from kg.language import annotate
+from kg.language.annotating import annotate
 from kg.pipeline import cache
 from kg.pipeline.known import known_as
 from kg.pipeline.report import PackageResult

@@ -16,9 +16,11 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 from pyoxigraph import NamedNode
 
 from kg.errors import Place, StoreError
-from kg.graph import BuildRecord, Counts, Iris, build_triples, repository_triples
 from kg.graph import vocabulary as v
+from kg.graph.builds import BuildRecord, Counts, build_triples
+from kg.graph.iris import Iris
 from kg.graph.ontology_files import ontology_triples
+from kg.graph.sources import repository_triples
 from kg.pipeline import cache
 from kg.pipeline.sharing import keep_shared, patch_shared
 from kg.pipeline.state import discard

@@ -31,7 +31,9 @@ from kg.facts import (
     Role,
     SourceFile,
 )
-from kg.graph import BuildRecord, Iris, count, source_triples
+from kg.graph.builds import BuildRecord, count
+from kg.graph.iris import Iris
+from kg.graph.sources import source_triples
 from kg.graph.vocabulary import PREFIXES
 
 IRIS: Final = Iris()

@@ -3,7 +3,7 @@ from __future__ import annotations
 from graph.samples import BUILD, FACTS, IRIS, ROVER, loaded, true
 
 from kg.facts import Problem
-from kg.graph import build_triples, count
+from kg.graph.builds import build_triples, count
 
 
 def test_a_build_tells_what_was_read_when_and_by_what() -> None:

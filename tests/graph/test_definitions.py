@@ -4,8 +4,8 @@ import pytest
 from graph.samples import IRIS, REPOSITORY, ROVER, loaded, rows, sample, true
 
 from kg.facts import Field, InterfaceDefinition, Location, Package, PackageFacts
-from kg.graph import source_triples
 from kg.graph.definitions import message_of
+from kg.graph.sources import source_triples
 
 
 def test_a_definition_is_of_its_type_and_stands_in_its_file() -> None:

@@ -6,7 +6,7 @@ import pytest
 from graph.samples import IRIS, REPOSITORY, ROVER, end, loaded, rows, sample, true
 
 from kg.facts import Location, NodeKind, NodeType, Package, PackageFacts, Qos, Resolution, Role
-from kg.graph import source_triples
+from kg.graph.sources import source_triples
 
 NODE = f"<node/{ROVER}/rover_base/driver>"
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 from graph.samples import IRIS, MAIN, REPOSITORY, ROVER, loaded, rows, sample, true
 
 from kg.facts import Location, NodeKind, NodeType, Package, PackageFacts
-from kg.graph import source_triples
+from kg.graph.sources import source_triples
 
 
 def test_a_node_says_what_it_is_and_where() -> None:

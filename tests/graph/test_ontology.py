@@ -7,9 +7,10 @@ import pytest
 from graph.samples import BUILD, FACTS, IRIS, REPOSITORY, loaded, rows
 
 from kg.errors import GraphError
-from kg.graph import build_triples, source_triples
+from kg.graph.builds import build_triples
 from kg.graph.ontology import check, ontology_triples, validate
 from kg.graph.ontology_files import ONTOLOGIES, shapes_file
+from kg.graph.sources import source_triples
 
 EXAMPLES = tuple(sorted((Path(__file__).parent / "onto-ros").glob("*.ttl")))
 HEAD = """

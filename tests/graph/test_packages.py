@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from pyoxigraph import BlankNode, RdfFormat, parse
 
 from kg.facts import PackageFacts
-from kg.graph import package_triples
+from kg.graph.packages import package_triples
 
 PACKAGE = f"<package/{ROVER}/rover_base>"
 

@@ -4,7 +4,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kg.facts import Interface, Location, NodeKind, NodeType, Package, PackageFacts, Resolution, Role
-from kg.graph import Iris, package_triples
+from kg.graph.iris import Iris
+from kg.graph.packages import package_triples
 from kg.graph.shared import split
 
 IRIS = Iris()

@@ -30,9 +30,9 @@ from kg.facts import (
     StartKind,
     System,
 )
-from kg.graph import source_triples
 from kg.graph import vocabulary as v
 from kg.graph.reading import NodeRecord, node_records
+from kg.graph.sources import source_triples
 from kg.graph.systems import system_triples
 from kg.graph.systems_reading import system_names, systems
 

@@ -11,8 +11,7 @@ from patience import patient
 
 from kg.facts.places import Location
 from kg.facts.texts import Description, DescriptionKind
-from kg.language import annotate
-from kg.language.annotating import LONGEST_TEXT, STOP_WORDS, sentences
+from kg.language.annotating import LONGEST_TEXT, STOP_WORDS, annotate, sentences
 
 SOME_WORDS = (
     "robot",
@@ -121,7 +120,8 @@ def test_texts_that_are_no_language_are_left_alone() -> None:
 def test_nothing_to_tag_loads_nothing() -> None:
     """Packages without descriptions, or with empty ones, do not pay for spaCy."""
     code = (
-        "import sys; from kg.language import annotate, identity; from kg.facts.texts import *;"
+        "import sys; from kg.language.annotating import annotate; from kg.language.loading import identity;"
+        "from kg.facts.texts import *;"
         "from kg.facts.places import Location; import kg.pipeline.work;"
         "annotate([]); annotate([Description('', DescriptionKind.WIKI, Location('a', 1))]); identity('');"
         "assert 'spacy' not in sys.modules and 'thinc' not in sys.modules"

@@ -8,8 +8,8 @@ import spacy
 from kg.errors import UsageError
 from kg.facts.places import Location
 from kg.facts.texts import Description, DescriptionKind
-from kg.language import annotate, describe, identity, prepare
-from kg.language.loading import SHIPPED, pipeline
+from kg.language.annotating import annotate, prepare
+from kg.language.loading import SHIPPED, describe, identity, pipeline
 
 if TYPE_CHECKING:
     from pathlib import Path

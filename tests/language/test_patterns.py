@@ -8,7 +8,7 @@ from language import sentences
 from kg.errors import UsageError
 from kg.facts.places import Location
 from kg.facts.texts import Description, DescriptionKind
-from kg.language import annotate
+from kg.language.annotating import annotate
 from kg.language.loading import pipeline
 from kg.language.patterns import PhraseFinder, read_patterns
 

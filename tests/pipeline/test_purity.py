@@ -19,7 +19,7 @@ from pyoxigraph import RdfFormat
 
 from kg.corpus.workspace import scan_tree
 from kg.graph.vocabulary import PREFIXES
-from kg.language import prepare
+from kg.language.annotating import prepare
 from kg.pipeline import pool, writing
 from kg.pipeline.build import build
 from kg.pipeline.pending import pending

@@ -1,6 +1,8 @@
 """`kg build`: read sources into the store. `kg status`: what stands in it, and what has changed since."""
 
+from dataclasses import asdict
 from pathlib import Path
+from time import sleep
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
@@ -117,8 +119,6 @@ def _build(named: list[str], given: "Settings", *, problems: bool, infer: bool, 
 
 def _watch(given: "Settings", *, problems: bool, infer: bool, json: bool) -> None:
     """Build again whenever a source has changed, until Ctrl-C, which is how watching ends."""
-    from time import sleep  # noqa: PLC0415 - start-up time
-
     from kg.pipeline.pending import pending  # noqa: PLC0415 - start-up time
 
     layout = layout_of(given)
@@ -191,6 +191,5 @@ def _row(state: "SourceState", changed: dict[str, tuple[str, ...] | None]) -> tu
 
 
 def _object(state: "SourceState", changed: dict[str, tuple[str, ...] | None]) -> dict[str, Any]:
-    from dataclasses import asdict  # noqa: PLC0415 - start-up time
 
     return {**asdict(state), "changed": changed.get(state.name)}

@@ -1,11 +1,14 @@
 """`kg completions`: what lets a shell complete commands, options and names."""
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
+from typer.completion import get_completion_script  # type: ignore[attr-defined]
 
 from kg.cli.output import write
 from kg.errors import UsageError
+from kg.similar import did_you_mean
 
 __all__ = ["completions"]
 
@@ -25,11 +28,6 @@ def completions(shell: Shell = None) -> None:
         kg completions fish > ~/.config/fish/completions/kg.fish
     """
     import os  # noqa: PLC0415 - start-up time
-    from pathlib import Path  # noqa: PLC0415 - start-up time
-
-    from typer.completion import get_completion_script  # type: ignore[attr-defined]  # noqa: PLC0415 - start-up time
-
-    from kg.similar import did_you_mean  # noqa: PLC0415 - start-up time
 
     known = ("bash", "zsh", "fish", "powershell", "pwsh")
     asked = shell or Path(os.environ.get("SHELL", "")).name

@@ -9,7 +9,7 @@ from kg.cli.diagnostics import note
 from kg.cli.numbers import size, whole
 from kg.cli.options import Json
 from kg.cli.output import json_lines, listing, terminal, write
-from kg.errors import Exit, UsageError
+from kg.errors import Exit, Place, UsageError
 from kg.render.text import count
 
 if TYPE_CHECKING:
@@ -114,7 +114,6 @@ def _tables(found: "Selection") -> None:
 
 
 def _write_list(path: Path, found: "Selection") -> None:
-    from kg.errors import Place  # noqa: PLC0415 - the branch that needs it
 
     lines = [f"# {count(len(found.kept), 'project')} of {found.dataset.path.name}, by {found.criteria.path.name}"]
     try:

@@ -14,7 +14,8 @@ from kg.cli.remarks import Form, Level, require_known
 from kg.cli.session import session
 from kg.cli.systems import Arguments, Environment, Launch, Variants, given, tell_left_out
 from kg.errors import Exit, UsageError
-from kg.store.opening import reading
+from kg.render.text import count
+from kg.store.opening import layout_of, reading
 
 if TYPE_CHECKING:
     from kg.lint.running import Checked, Question
@@ -121,7 +122,6 @@ def _require_provable(*, stored: bool, form: str) -> None:
 def _prove(context: typer.Context, checked: "Checked", settings: "Settings") -> None:
     """Show the proof of each finding."""
     from kg.cli.commands.why import why as prove  # noqa: PLC0415 - start-up time
-    from kg.store.opening import layout_of  # noqa: PLC0415 - start-up time
 
     for finding in checked.report.findings:
         write("")
@@ -192,7 +192,6 @@ def _keep(checked: "Checked", file: Path) -> None:
     """Write a baseline, and say so; that findings are in it is no failure."""
     from kg.lint.baseline import written  # noqa: PLC0415 - start-up time
     from kg.lint.report import merged  # noqa: PLC0415 - start-up time
-    from kg.render.text import count  # noqa: PLC0415 - start-up time
 
     _save(file, written(checked.report.raw))
     say(f"{count(len(merged(checked.report.raw)), 'finding')} written to {file}")

@@ -1,5 +1,6 @@
 """`kg ontology`: are the ontologies free of contradictions, and does the data conform to their shapes?"""
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -56,8 +57,6 @@ def validate(context: typer.Context, *, shapes: Shapes = None, json: Json = Fals
 
     Needs `pip install 'kg-ros[ontology]'`. Large stores take minutes.
     """
-    from dataclasses import asdict  # noqa: PLC0415 - start-up time
-
     from pyoxigraph import RdfFormat  # noqa: PLC0415 - start-up time
 
     from kg.graph import ontology  # noqa: PLC0415 - start-up time

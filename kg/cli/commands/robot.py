@@ -1,5 +1,6 @@
 """`kg robot`: what a robot can do, and the store in step with it."""
 
+from contextlib import ExitStack
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -63,8 +64,6 @@ def capabilities(  # noqa: PLR0913 - the options of a command
         kg robot capabilities --package turtle_tf --launch rover.launch
         kg robot capabilities --why drivingAtVelocity
     """
-    from contextlib import ExitStack  # noqa: PLC0415 - start-up time
-
     from kg.cli.robot_view import show_added, show_capabilities, show_proofs  # noqa: PLC0415 - start-up time
     from kg.robot.live.asking import launched, of_package  # noqa: PLC0415 - start-up time
 

@@ -4,7 +4,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from kg.cli.diagnostics import note, report
 from kg.cli.options import Exclusive, Families, Json, Places, Robot, Rules, Store, WatchdogSeconds
+from kg.cli.output import json_lines, write
 from kg.cli.session import session
 from kg.cli.systems import Arguments, Environment, Launch, given
 from kg.errors import Exit, UsageError
@@ -57,7 +59,6 @@ def run(  # noqa: PLR0913 - the options of a command
         kg robot run mail.kgp --dry-run
         kg robot run mail.kgp --robot ros1://turtle:11311 --seconds 60 --json
     """
-    from kg.cli.diagnostics import report  # noqa: PLC0415 - start-up time
     from kg.cli.interruptible import interruptible  # noqa: PLC0415 - start-up time
     from kg.cli.numbers import seconds as number_of_seconds  # noqa: PLC0415 - start-up time
     from kg.cli.program_view import Log, error_at, read, show_problems  # noqa: PLC0415 - start-up time
@@ -114,7 +115,6 @@ def check(  # noqa: PLR0913 - the options of a command
         kg robot check mail.kgp --robot ros1://turtle:11311
         kg robot check mail.kgp --launch rover.launch --places office.toml
     """
-    from kg.cli.diagnostics import note  # noqa: PLC0415 - start-up time
     from kg.cli.program_view import read, show_problems  # noqa: PLC0415 - start-up time
     from kg.robot.programs.check import check as problems_of  # noqa: PLC0415 - start-up time
     from kg.robot.programs.doubts import doubts  # noqa: PLC0415 - start-up time
@@ -161,8 +161,6 @@ def convert(  # noqa: PLR0913 - the options of a command
     """
     from msgspec import to_builtins  # noqa: PLC0415 - start-up time
 
-    from kg.cli.diagnostics import note  # noqa: PLC0415 - start-up time
-    from kg.cli.output import json_lines, write  # noqa: PLC0415 - start-up time
     from kg.robot.programs.files import load  # noqa: PLC0415 - start-up time
     from kg.robot.programs.form import encode  # noqa: PLC0415 - start-up time
     from kg.robot.programs.metrics import code_metrics, foreign_types  # noqa: PLC0415 - start-up time

@@ -2,6 +2,7 @@
 
 import os
 import sys
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import typer
@@ -40,8 +41,6 @@ def lsp(context: typer.Context, *, rules: Rules = None, rule_families: Families 
 
 def _context(settings: "Settings") -> "Context":
     """Return what rules are checked against; without the store's data, whose checks take longer than a key press."""
-    from dataclasses import replace  # noqa: PLC0415 - start-up time
-
     from kg.pipeline.reasoning import check_context, rule_folders  # noqa: PLC0415 - start-up time
     from kg.rules.checks.run import beside, read_all  # noqa: PLC0415 - start-up time
     from kg.rules.folders import families_in_force  # noqa: PLC0415 - start-up time

@@ -1,5 +1,6 @@
 """`kg stats`: the figures of the graph."""
 
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Final
 
 import typer
@@ -28,8 +29,6 @@ def stats(context: typer.Context, *, json: Json = False, store: Store = None) ->
     Beside the figures of the RNKG paper stand ours, counted as it does: repositories, packages, nodes, topics,
     services, messages, hardware, functions, and the relations between these.
     """
-    from dataclasses import asdict  # noqa: PLC0415 - start-up time
-
     from kg.cli.corpus_view import compared, rnkg_rows  # noqa: PLC0415 - start-up time
     from kg.query.counting import counted  # noqa: PLC0415 - start-up time
     from kg.query.stats import statistics  # noqa: PLC0415 - start-up time

@@ -1,6 +1,7 @@
 """`kg update`: SPARQL updates. `kg backup` and `kg restore`: copies of the store."""
 
 import sys
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -69,8 +70,6 @@ def backup(context: typer.Context, target: Target, *, json: Json = False, store:
         kg backup monday
         kg backup monday.nq.gz
     """
-    from dataclasses import asdict  # noqa: PLC0415 - start-up time
-
     from kg.store.backups import back_up  # noqa: PLC0415 - start-up time
 
     settings = session(context).settings(store=store)
