@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from kg.rules.engine.facts import Facts, Keys
     from kg.rules.engine.plan import Match, Node
 
-__all__ = ["Pairs", "Reading", "joined", "match", "spread"]
+__all__ = ["Reading", "joined", "match", "spread"]
 
 _LOW: Final = 0xFFFFFFFF
 _MANY: Final = 512
@@ -161,18 +161,19 @@ def _none_free(table: Table, subject: Node, value: Node, pairs: Pairs) -> Table:
     return table if there[0] else table.take(slice(0, 0))
 
 
-def joined(table: Table, atom: Match, pairs: Pairs) -> float | None:
-    """Count the rows of a join with pairs of which one end is a column of the table; None for another atom."""
-    if not isinstance(atom.subject, str) or not isinstance(atom.object, str):
+def joined(table: Table, atom: Match, reading: Reading) -> tuple[str, NDArray[np.integer]] | None:
+    """Count for each row the pairs that an atom joins it with, one of whose ends is a column of the table.
+
+    Return the column that the other end becomes, and the counts; None for another atom.
+    """
+    if not (isinstance(atom.subject, str) and isinstance(atom.predicate, int) and isinstance(atom.object, str)):
         return None
     subjects, objects = table.columns.get(atom.subject), table.columns.get(atom.object)
-    if subjects is not None and objects is not None:
+    if (subjects is None) == (objects is None):
         return None
-    known, by_object = (objects, True) if subjects is None else (subjects, False)
-    if known is None:
-        return None
-    begin, end = pairs.ranges(known, by_object=by_object)
-    return float((end - begin).sum(dtype=np.int64))
+    known, free, by_object = (objects, atom.subject, True) if subjects is None else (subjects, atom.object, False)
+    begin, end = reading.pairs(atom.predicate).ranges(known, by_object=by_object)  # type: ignore[arg-type]  # one is known
+    return free, end - begin
 
 
 def spread(atom: Match, facts: Facts, *, subject: bool, value: bool, predicate: bool) -> tuple[float, float]:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from operator import itemgetter
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from kg.rules.engine.groups import grouped
-from kg.rules.engine.matching import Pairs, Reading, joined, match, spread
+from kg.rules.engine.matching import Reading, joined, match, spread
 from kg.rules.engine.plan import Assign, Block, Grouped, Match, Nested, Rows, Structure, Test
 from kg.rules.engine.shortcuts import has_shortcut
 from kg.rules.engine.tables import CHUNK, UNIT, Table, TooManyRowsError, concatenate, distinct_rows, join
@@ -33,6 +34,9 @@ _DEDUPLICATE: Final = 2048
 
 _COUNTED: Final = 64
 """With fewer rows the estimates serve."""
+
+_GAIN: Final = 1.5
+"""Rows take joins of their own where all of them by one join would give this many times the rows."""
 
 _SEED: Final = 4096
 """An aggregate is restricted to the groups asked for when there are no more of them."""
@@ -77,16 +81,31 @@ class Solver:
         """
         yield from self._run(seeds, body.steps, outputs, bag=bag)
 
-    def _run(self, table: Table, steps: tuple[Step, ...], outputs: frozenset[str], *, bag: bool) -> Iterator[Table]:
+    def _run(
+        self,
+        table: Table,
+        steps: tuple[Step, ...],
+        outputs: frozenset[str],
+        *,
+        bag: bool,
+        first: Step | None = None,
+    ) -> Iterator[Table]:
+        """Run steps, `first` before the others where it is given."""
         while table.rows and steps:
-            step = self._next(table, steps)
+            ways = [(table, first)] if first else self._next(table, steps)
+            if len(ways) > 1:
+                for part, step in ways:
+                    yield from self._run(part, steps, outputs, bag=bag, first=step)
+                return
+            ((table, step),) = ways
+            first = None
             rest = _without(steps, step)
             self.shop.clock.check()
             try:
                 table = self._after(table, step, rest, outputs, bag=bag)
             except TooManyRowsError as error:
                 for piece in np.array_split(np.arange(table.rows), min(table.rows, error.rows // CHUNK + 1)):
-                    yield from self._run(table.take(piece), steps, outputs, bag=bag)
+                    yield from self._run(table.take(piece), steps, outputs, bag=bag, first=step)
                 return
             steps = rest
             if isinstance(step, Grouped | Block) and len(parts := _by_unbound(table, step.names & _binding(rest))) > 1:
@@ -109,11 +128,13 @@ class Solver:
             return distinct_rows(kept)
         return kept if kept.columns else Table({}, min(kept.rows, 1))
 
-    def _next(self, table: Table, steps: tuple[Step, ...]) -> Step:
+    def _next(self, table: Table, steps: tuple[Step, ...]) -> list[tuple[Table, Step]]:
         """Return the step to run next: the one after which the fewest rows are expected.
 
         Stop at the first step estimated empty: on small changes most bodies end there. A term may have many times the
-        pairs of a mean one, so if the rows become more, what each join gives is counted.
+        pairs of a mean one, so if the rows become more, what each join gives is counted. Where two joins give the same
+        column, each row takes the one that gives fewer: a body that is a cycle then costs no more than the shorter
+        side of each row (as joins by variables do: Ngo, Re and Rudra 2014), whichever terms have very many pairs.
         """
         best: tuple[Step, float] | None = None
         sizes: list[tuple[Step, float]] = []
@@ -129,16 +150,30 @@ class Solver:
         if best is None:
             raise RuntimeError(steps)
         if best[1] <= table.rows or table.rows < _COUNTED:
-            return best[0]
-        return min(sizes, key=lambda pair: self._counted(table, *pair))[0]
+            return [(table, best[0])]
+        joins = {step: found for step, _ in sizes if isinstance(step, Match) and (found := self._joined(table, step))}
+        counted = ((step, float(joins[step][1].sum(dtype=np.int64)) if step in joins else size) for step, size in sizes)
+        step, size = min(counted, key=itemgetter(1))
+        if step not in joins or size <= table.rows:
+            return [(table, step)]
+        column, least = joins.pop(step)
+        ways = [step]
+        chosen = np.zeros(table.rows, np.int8)
+        for other, (free, counts) in joins.items():
+            if free == column:
+                chosen[counts < least] = len(ways)
+                least = np.minimum(least, counts)
+                ways.append(other)
+        if least.sum(dtype=np.int64) * _GAIN > size:
+            return [(table, step)]
+        parts = ((table.take(chosen == number), way) for number, way in enumerate(ways))
+        return [(part, way) for part, way in parts if part.rows]
 
-    def _counted(self, table: Table, step: Step, estimate: float) -> float:
-        """Return the rows after a step, counted where that is a join whose one end is known; else their estimate."""
-        if not isinstance(step, Match) or not isinstance(step.predicate, int):
-            return estimate
-        pairs = Pairs(self.view.sources[step.number], step.predicate, len(self.shop.dictionary))
-        found = joined(table, step, pairs)
-        return estimate if found is None else found
+    def _joined(self, table: Table, step: Match) -> tuple[str, NDArray[np.integer]] | None:
+        return joined(table, step, self._reading(step, frozenset()))
+
+    def _reading(self, step: Match, needed: frozenset[str]) -> Reading:
+        return Reading(self.view.sources[step.number], len(self.shop.dictionary), needed, self.shop.hidden)
 
     def _estimate(self, table: Table, step: Step) -> float | None:
         """Estimate the rows after a step; None while it cannot run. Cheap tests come before joins, dear ones after."""
@@ -173,9 +208,7 @@ class Solver:
 
     def _apply(self, table: Table, step: Step, needed: frozenset[str]) -> Table:
         if isinstance(step, Match):
-            terms = len(self.shop.dictionary)
-            reading = Reading(self.view.sources[step.number], terms, needed, self.shop.hidden)
-            return match(table, step, reading)
+            return match(table, step, self._reading(step, needed))
         if isinstance(step, Test):
             return table.take(self.shop.expressions.holds(step.expression, table, step.columns, self.shop.clock))
         if isinstance(step, Assign):

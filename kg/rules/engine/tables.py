@@ -34,6 +34,11 @@ CHUNK: Final = 1 << 21
 """Rows that a join gives at once, about: one that would give over twice as many is to be done in pieces."""
 
 
+_MANY: Final = 1 << 16
+_FACTOR: Final = np.uint64(0x9E3779B97F4A7C15)
+"""Two to the 64th, by the golden ratio."""
+
+
 class TooManyRowsError(Exception):
     """A join of a table with more than one row would give too many rows at once."""
 
@@ -115,9 +120,28 @@ def concatenate(tables: Sequence[Table], names: Iterable[str]) -> Table:
 
 
 def among(values: Keys, ordered: Keys) -> NDArray[np.bool_]:
-    """Tell for each value whether the sorted array has it."""
+    """Tell for each value whether the sorted array has it.
+
+    Of many values, most of those that it lacks are told by a table of a bit of each hash, a tenth of the time.
+    """
     if not ordered.size:
         return np.zeros(values.size, bool)
+    if values.size > max(_MANY, 4 * ordered.size):
+        bits = ordered.size.bit_length() + 4
+        seen = np.zeros(1 << bits, bool)
+        seen[_hashes(ordered, bits)] = True
+        found = seen[_hashes(values, bits)]
+        found[found] = _searched(values[found], ordered)
+        return found
+    return _searched(values, ordered)
+
+
+def _hashes(keys: Keys, bits: int) -> NDArray[np.uint64]:
+    """Return the high bits of a product, by which neighbours are far apart (Knuth 1973, section 6.4)."""
+    return (keys.view(np.uint64) * _FACTOR) >> np.uint64(64 - bits)
+
+
+def _searched(values: Keys, ordered: Keys) -> NDArray[np.bool_]:
     found = np.searchsorted(ordered, values)
     found[found == ordered.size] = 0
     same: NDArray[np.bool_] = ordered[found] == values

@@ -1,6 +1,9 @@
 from __future__ import annotations
 
+import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from pyoxigraph import Literal, NamedNode
 from rules.engine.comparing import columns, inferred, tuples
 from rules.engine.oracle import Fact, infer
@@ -8,6 +11,7 @@ from rules.forms import atoms, expression, rule, triples
 from rules.forms import test as kept_if
 
 from kg.errors import RuleError
+from kg.rules.engine import tables
 from kg.rules.engine.evaluate import Limits, Program, evaluate
 from kg.rules.engine.terms import Dictionary
 from kg.rules.form import AUXILIARY, Aggregate, Assignment, Atom, Column, EngineBlock, Expression, Values, Variable
@@ -131,6 +135,24 @@ def test_a_join_that_grows_is_chosen_by_the_rows_of_the_terms_at_hand() -> None:
     meeting = rule("?n :meets ?m", "?n :at ?h . ?h :member ?m . ?n :friend ?m")
     (report,) = evaluate(Program([meeting]), dictionary, columns(facts("\n".join(lines)), dictionary)).reports
     assert (report.derived, max(report.matched)) == (100, 200)
+
+
+def test_a_cycle_costs_the_shorter_side_of_each_row() -> None:
+    """A hub with 500 neighbours each way is in 500 triangles, not in 250,000 paths that have to be looked at."""
+    lines = [f":in{n} :to :hub\n:hub :to :out{n}\n:out{n} :to :in{n}" for n in range(500)]
+    dictionary = Dictionary()
+    triangle = rule("?x :with ?y", "?x :to ?y . ?y :to ?z . ?z :to ?x")
+    (report,) = evaluate(Program([triangle]), dictionary, columns(facts("\n".join(lines)), dictionary)).reports
+    assert (report.derived, sum(report.matched)) == (1500, 4500)
+
+
+@given(st.lists(st.integers(0, 99)), st.sets(st.integers(0, 99)))
+def test_what_a_sorted_array_has_is_told_for_few_and_many(values: list[int], ordered: set[int]) -> None:
+    """The table of hashes leaves out only what is not there."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(tables, "_MANY", 0)
+        found = tables.among(np.array(values * 5, np.int64), np.array(sorted(ordered), np.int64))
+    assert found.tolist() == [value in ordered for value in values * 5]
 
 
 def test_large_joins_are_done_in_pieces() -> None:
