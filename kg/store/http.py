@@ -7,15 +7,20 @@ update that mints blank nodes must not run twice.
 from __future__ import annotations
 
 import base64
+import shutil
 import time
 import urllib.request
 from dataclasses import dataclass
 from http.client import HTTPException
-from typing import Final
+from tempfile import SpooledTemporaryFile
+from typing import IO, TYPE_CHECKING, Final, cast
 from urllib.error import HTTPError, URLError
 from urllib.parse import unquote, urlencode, urlsplit, urlunsplit
 
 from kg.errors import Place, StoreError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
 
 __all__ = ["Answer", "Endpoint"]
 
@@ -24,14 +29,16 @@ _FIRST_PAUSE: Final = 0.1
 """Seconds before the second attempt; each further pause is twice as long."""
 _LONGEST_LINE: Final = 300
 _ANYTHING: Final = "*/*"
+_IN_MEMORY: Final = 16 << 20
+"""Bytes of an answer; a larger one goes to a temporary file."""
 
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What a server answered: the media type without parameters, and the body."""
+    """What a server answered: the media type without parameters, and the body, of which a file holds what is large."""
 
     media_type: str
-    body: bytes
+    body: IO[bytes]
 
 
 class _NoRedirects(urllib.request.HTTPRedirectHandler):
@@ -65,26 +72,17 @@ class Endpoint:
             self._headers["Authorization"] = "Basic " + base64.b64encode(pair.encode()).decode()
         self._opener = urllib.request.build_opener(_NoRedirects)
 
-    def post(
-        self,
-        body: bytes,
-        media_type: str,
-        *,
-        accept: str = _ANYTHING,
-        parameters: dict[str, str] | None = None,
-        timeout: float | None = None,
-    ) -> Answer:
-        """Send `body` and return the answer.
+    def post(self, fields: Mapping[str, str], *, accept: str = _ANYTHING, timeout: float | None = None) -> Answer:
+        """Send the fields of a form, which every server understands, and return the answer.
 
-        What accepts an answer is a query and is sent again when the connection broke half way; an update is not.
+        Virtuoso waits for ever for a body that is a query by itself, the other way of the protocol. What accepts an
+        answer is a query and is sent again when the connection broke half way; an update is not.
 
         Raises:
             StoreError: KG225 with the status and the first line of the server's words, or why there is no connection.
         """
-        separator = "&" if urlsplit(self._url).query else "?"
-        url = self._url + (separator + urlencode(parameters) if parameters else "")
-        headers = {**self._headers, "Content-Type": media_type, "Accept": accept}
-        request = urllib.request.Request(url, body, headers, method="POST")  # noqa: S310 - http or https, see __init__
+        headers = {**self._headers, "Content-Type": "application/x-www-form-urlencoded", "Accept": accept}
+        request = urllib.request.Request(self._url, urlencode(fields).encode(), headers, method="POST")  # noqa: S310 - http or https, see __init__
         repeatable = accept != _ANYTHING
         seconds = timeout or self.timeout
         for attempt in range(_ATTEMPTS):
@@ -100,7 +98,10 @@ class Endpoint:
 
     def _send(self, request: urllib.request.Request, timeout: float) -> Answer:
         with self._opener.open(request, timeout=timeout) as response:
-            return Answer(response.headers.get_content_type(), response.read())
+            body = SpooledTemporaryFile(_IN_MEMORY)  # noqa: SIM115 - closed with the answer
+            shutil.copyfileobj(response, body)
+            body.seek(0)
+            return Answer(response.headers.get_content_type(), cast("IO[bytes]", body))
 
     def _refused(self, error: HTTPError) -> StoreError:
         with error:

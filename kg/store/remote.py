@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import re
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Final, Self, cast
+from typing import IO, TYPE_CHECKING, Final, Self, cast
 from uuid import uuid4
 
 from pyoxigraph import (
@@ -42,8 +42,8 @@ if TYPE_CHECKING:
 
 __all__ = ["RemoteSnapshot", "RemoteStore"]
 
-_REFUSED: Final = r"answered (?:404|405|415|501) "
-"""What servers answer to an update where they take queries."""
+_REFUSED: Final = r"answered (?:(?:404|405|415|501) |400 .*(?:query must be set|[Mm]issing|[Nn]o query))"
+"""What servers answer to an update where they take queries; one that lacks the field `query` is Oxigraph's 400."""
 _ACCEPT: Final = "application/sparql-results+json, application/n-triples, text/turtle;q=0.5"
 
 
@@ -81,9 +81,8 @@ class RemoteStore:
 
     def update(self, text: str, *, timeout: float | None = None) -> None:
         """Run one request of SPARQL Update now; never sent twice."""
-        media_type = "application/sparql-update"
         try:
-            self._updates.post(text.encode(), media_type, timeout=timeout)
+            self._updates.post({"update": text}, timeout=timeout)
         except StoreError as error:
             if self._one_address and re.search(_REFUSED, error.message):
                 hint = "This address takes queries only; name the one for updates too, with --update-url."
@@ -117,13 +116,8 @@ class RemoteSnapshot:
         which is sent, and Fuseki a setting of the data set (`unionDefaultGraph`).
         """
         declared = "".join(f"PREFIX {prefix}: <{iri}>\n" for prefix, iri in (prefixes or {}).items())
-        answer = self._endpoint.post(
-            (declared + text).encode(),
-            "application/sparql-query",
-            accept=_ACCEPT,
-            parameters={"union-default-graph": "true"} if union else None,
-            timeout=timeout,
-        )
+        fields = {"query": declared + text} | ({"union-default-graph": "true"} if union else {})
+        answer = self._endpoint.post(fields, accept=_ACCEPT, timeout=timeout)
         return self._parsed(answer)
 
     def rows(self, text: str) -> QuerySolutions:
@@ -180,7 +174,7 @@ class RemoteSnapshot:
         raise StoreError("KG225", message, place=place, hint="Check that the address is the one for SPARQL queries.")
 
 
-def _triples(body: bytes, rdf_format: RdfFormat) -> QueryTriples:
+def _triples(body: IO[bytes], rdf_format: RdfFormat) -> QueryTriples:
     """Return the triples of an answer in the engine's own kind of result, which can only be made by a query."""
     store = Store()
     store.bulk_extend(parse(body, rdf_format))

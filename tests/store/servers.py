@@ -18,7 +18,19 @@ from ports import own_port
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["oxigraph_server"]
+__all__ = ["oxigraph_server", "virtuoso_server"]
+
+VIRTUOSO = """
+[Parameters]
+ServerPort = {sql}
+NumberOfBuffers = 10000
+MaxDirtyBuffers = 6000
+ServerThreads = 10
+[HTTPServer]
+ServerPort = {http}
+ServerRoot = .
+ServerThreads = 5
+"""
 
 
 @contextmanager
@@ -40,12 +52,37 @@ def oxigraph_server() -> Iterator[str]:
             process.wait()
 
 
-def _wait(address: str) -> None:
-    end = time.monotonic() + patient(10)
+@contextmanager
+def virtuoso_server(folder: Path) -> Iterator[str]:
+    """Run Virtuoso in a folder and yield the address of its SPARQL endpoint, which anybody may update.
+
+    Skip the test where the programs of Debian's package are not installed.
+    """
+    programs = [shutil.which(name) for name in ("virtuoso-t", "isql-vt")]
+    if None in programs:
+        pytest.skip("Virtuoso is not installed (apt-get install virtuoso-opensource-7-bin)")
+    with own_port() as sql, own_port() as http:
+        (folder / "virtuoso.ini").write_text(VIRTUOSO.format(sql=sql, http=http))
+        command = [str(programs[0]), "+configfile", "virtuoso.ini", "+foreground"]
+        process = subprocess.Popen(command, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        try:
+            address = f"http://127.0.0.1:{http}/sparql"
+            _wait(f"{address}?query=ASK%7B%7D", 60)
+            grant = 'GRANT SPARQL_UPDATE TO "SPARQL";'
+            admin = [str(programs[1]), f"127.0.0.1:{sql}", "dba", "dba", f"exec={grant}"]
+            subprocess.run(admin, check=True, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+            yield address
+        finally:
+            process.terminate()
+            process.wait()
+
+
+def _wait(address: str, seconds: float = 10) -> None:
+    end = time.monotonic() + patient(seconds)
     while time.monotonic() < end:
         try:
             with urllib.request.urlopen(address, timeout=patient(5)):  # noqa: S310 - a server of the test
                 return
         except OSError:
             time.sleep(0.05)
-    pytest.fail("oxigraph did not start")
+    pytest.fail(f"{address} did not start")

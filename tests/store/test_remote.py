@@ -57,8 +57,12 @@ def test_a_server_keeps_to_the_interface(store: RemoteStore) -> None:
     assert _use(store) == (1, b"<urn:a> <urn:b> <urn:d> .\n")
 
 
-def test_each_kind_of_query_gives_its_kind_of_result(store: RemoteStore) -> None:
+@pytest.mark.parametrize("in_memory", [1, 1 << 20], ids=["through a file", "in memory"])
+def test_each_kind_of_query_gives_its_kind_of_result(
+    store: RemoteStore, monkeypatch: pytest.MonkeyPatch, in_memory: int
+) -> None:
     """SELECT, ASK and CONSTRUCT over the union of graphs give what the embedded engine gives."""
+    monkeypatch.setattr("kg.store.http._IN_MEMORY", in_memory)
     _use(store)
     snapshot: Snapshot = store.read()
     rows = snapshot.query("SELECT ?o { ?s ?p ?o }")

@@ -21,6 +21,12 @@ if TYPE_CHECKING:
 __all__ = ["Sources", "gather", "predicates_of"]
 
 _ANY: Final = "?s ?p ?o"
+_OF_VIRTUOSO: Final = (
+    "<http://www.openlinksw.com/schemas/virtrdf#>",
+    "<http://localuriqaserver/sparql>",
+    "<http://www.w3.org/ns/ldp#>",
+)
+"""Graphs of each of its databases, where its settings and vocabularies stand."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,9 +45,10 @@ class Sources:
 
     @classmethod
     def all_but(cls, inferred: NamedNode, snapshot: RemoteSnapshot) -> Sources:
-        """Return all graphs but `inferred`, what is below it, and its sibling `builds`."""
+        """Return all graphs but `inferred`, what is below it, its sibling `builds`, and those of the server's own."""
         builds = f"<{inferred.value.rpartition('/')[0]}/builds>"
-        condition = f'?g NOT IN ({inferred}, {builds}) && !STRSTARTS(STR(?g), "{inferred.value}/")'
+        left = ", ".join([str(inferred), builds, *_OF_VIRTUOSO])
+        condition = f'?g NOT IN ({left}) && !STRSTARTS(STR(?g), "{inferred.value}/")'
         asked = f"SELECT DISTINCT ?g WHERE {{ GRAPH ?g {{ {_ANY} }} FILTER({condition}) }}"
         named = (row["g"] for row in snapshot.rows(asked))
         return cls(tuple(graph for graph in named if isinstance(graph, NamedNode)), condition, default=True)
@@ -82,10 +89,15 @@ def _default_pattern(store: RemoteStore, graphs: Graphs) -> str | None:
     probe = f"{graphs.stated} {graphs.stated} {graphs.stated}"
     store.update(f"INSERT DATA {{ GRAPH {graphs.stated} {{ {probe} }} }}")
     snapshot = store.read()
-    union = bool(snapshot.query(f"ASK {{ {probe} }}", union=False))
-    store.update(f"DROP GRAPH {graphs.stated}")
+    union = _some(snapshot, probe)
+    store.update(f"DROP SILENT GRAPH {graphs.stated}")
     pattern = f"{_ANY} FILTER NOT EXISTS {{ GRAPH ?g {{ {_ANY} }} }}" if union else _ANY
-    return pattern if snapshot.query(f"ASK {{ {pattern} }}", union=False) else None
+    return pattern if _some(snapshot, pattern) else None
+
+
+def _some(snapshot: RemoteSnapshot, pattern: str) -> bool:
+    """Tell whether a pattern has a solution; to ASK, Virtuoso answers with a row."""
+    return next(iter(snapshot.rows(f"SELECT * WHERE {{ {pattern} }} LIMIT 1")), None) is not None
 
 
 def _stated(graphs: Graphs, rule_set: RuleSet) -> Iterator[str]:
