@@ -67,7 +67,6 @@ class Reasoner:
         self._digest = ""
         self._program = Program(())
         self._what = EVERYTHING
-        self._asserted = Facts()
         self._maintained: Maintained | None = None
 
     @property
@@ -93,8 +92,6 @@ class Reasoner:
             self.forget()
         if self.memory is None and self._cache is not None:
             self.memory = memories.load(self._cache, digest)
-            if self.memory is not None:
-                self._asserted = union_of([*self.memory.graphs.values(), self._data(rule_set, self.memory.dictionary)])
 
     def forget(self) -> None:
         """Let go of what the last run left."""
@@ -129,18 +126,16 @@ class Reasoner:
         data = self._data(rule_set, dictionary)
         asserted = union_of([*parts.values(), data])
         now = self._held(source, dictionary)
-        return self._full(Memory(None, self._digest, dictionary, parts), asserted, data, now, begin, limits)
+        return self._full(Memory(None, self._digest, dictionary, parts, asserted), data, now, begin, limits)
 
-    def _full(  # noqa: PLR0913, PLR0917 - all that evaluation depends on
-        self, memory: Memory, asserted: Facts, data: Facts, now: Facts, begin: float, limits: Limits
-    ) -> Outcome:
+    def _full(self, memory: Memory, data: Facts, now: Facts, begin: float, limits: Limits) -> Outcome:
         middle = time.perf_counter()
-        found = evaluate(self._program, memory.dictionary, asserted, limits=limits)
+        found = evaluate(self._program, memory.dictionary, memory.asserted, limits=limits)
         memory.inferred = found.inferred
         then = _shown(memory, data)
-        self.memory, self._asserted, self._maintained = memory, asserted, None
+        self.memory, self._maintained = memory, None
         seconds = (middle - begin, time.perf_counter() - middle)
-        return Outcome(memory.dictionary, asserted, now, then, "full", tuple(found.reports), *seconds)
+        return Outcome(memory.dictionary, memory.asserted, now, then, "full", tuple(found.reports), *seconds)
 
     def _again(  # noqa: PLR0913, PLR0917 - all that evaluation depends on
         self,
@@ -153,32 +148,37 @@ class Reasoner:
     ) -> Outcome:
         begin = time.perf_counter()
         data = self._data(rule_set, memory.dictionary)
-        if self._names.inferred.value in (changes.graphs or {}):
-            now = self._held(source, memory.dictionary)
-        else:
-            now = _shown(memory, data)
+        now = self._held_since(memory, data, source, changes)
         parts, touched = _Rereading(memory, source, self._what).graphs(graphs, changes)
-        asserted = self._asserted.copy()
+        asserted = memory.asserted.copy()
         for predicate in touched:
             columns = [part.keys(predicate) for part in (*parts.values(), data)]
             asserted.replace(predicate, distinct(np.concatenate(columns)))
-        inserted, deleted = lacking(asserted, self._asserted), lacking(self._asserted, asserted)
-        following = Memory(None, self._digest, memory.dictionary, parts, memory.inferred)
+        inserted, deleted = lacking(asserted, memory.asserted), lacking(memory.asserted, asserted)
+        following = Memory(None, self._digest, memory.dictionary, parts, asserted, memory.inferred)
         if (len(inserted) + len(deleted)) * _LARGE > len(asserted):
-            return self._full(following, asserted, data, now, begin, limits)
+            return self._full(following, data, now, begin, limits)
         middle = time.perf_counter()
         if len(inserted) or len(deleted):
             following.inferred = self._maintain(memory, inserted, deleted, limits)
         then = _shown(following, data)
-        self.memory, self._asserted = following, asserted
+        self.memory = following
         seconds = (middle - begin, time.perf_counter() - middle)
         return Outcome(memory.dictionary, asserted, now, then, "incremental", (), *seconds)
 
     def _maintain(self, memory: Memory, inserted: Facts, deleted: Facts, limits: Limits) -> Facts:
         if self._maintained is None:
-            self._maintained = Maintained(self._program, memory.dictionary, self._asserted, memory.inferred)
+            self._maintained = Maintained(self._program, memory.dictionary, memory.asserted, memory.inferred)
         self._maintained.apply(inserted, deleted, limits=limits)
         return self._maintained.inferred
+
+    def _held_since(self, memory: Memory, data: Facts, source: Tables, changes: Changes) -> Facts:
+        """Return what the graph of inferred triples holds, from what it held when a memory was left."""
+        known = _shown(memory, data)
+        patches = (changes.graphs or {}).get(self._names.inferred.value, [])
+        if patches is None:
+            return self._held(source, memory.dictionary)
+        return patched(known, patches, EVERYTHING, memory.dictionary)[0] if patches else known
 
     def _held(self, source: Tables, dictionary: Dictionary) -> Facts:
         """Return what the graph of inferred triples holds: as a rule, what these rules may infer and nothing else."""

@@ -2,13 +2,14 @@
 
     .kg/cache/columns/12        of the run that saw, or made, generation 12
 
-A process that stays keeps it in memory. A file holds one line of JSON, the spellings of all terms joined by ends of
-lines, and the arrays as they are in memory; a digest over all of it tells a damaged one.
+A process that stays keeps it in memory. A file holds a header of JSON and the arrays and spellings as they are in
+memory. It is mapped, and what a small change needs of it is read; a digest over sums of its pages tells a damaged one.
 """
 
 from __future__ import annotations
 
 import json
+import mmap
 from dataclasses import dataclass, field
 from hashlib import blake2b
 from typing import TYPE_CHECKING, Final
@@ -17,11 +18,10 @@ import numpy as np
 from pyoxigraph import NamedNode
 
 from kg.rules.engine.facts import Facts
-from kg.rules.engine.terms import Dictionary
+from kg.rules.engine.terms import Dictionary, Kept
 from kg.store.layout import write_atomically
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from pathlib import Path
 
     from kg.rules.engine.facts import Keys
@@ -30,21 +30,27 @@ __all__ = ["Memory", "load", "save"]
 
 _FOLDER: Final = "columns"
 _DIGEST_BYTES: Final = 16
-_INFERRED: Final = "inferred"
-"""Stands for what was inferred among the names of graphs, which are IRIs, or empty for the default graph."""
+_FORM: Final = b"kg columns 2"
+"""Goes into the digest; another one for each arrangement of the file."""
+_HEADER: Final = _DIGEST_BYTES + 8
+"""Where the header begins, behind its length."""
+_WORDS: Final = 512
+"""Words of eight bytes of a page."""
 
 
 @dataclass(slots=True)
 class Memory:
     """The state after a run: the generation it is of, and the digest of the rules and names that it ran with.
 
-    `inferred` holds auxiliary triples too, which are not in the store.
+    `asserted` is what any of the graphs and the files of rules state. `inferred` holds auxiliary triples too, which
+    are not in the store.
     """
 
     generation: int | None
     digest: str
     dictionary: Dictionary
     graphs: dict[NamedNode | None, Facts] = field(default_factory=dict)
+    asserted: Facts = field(default_factory=Facts)
     inferred: Facts = field(default_factory=Facts)
 
 
@@ -52,19 +58,26 @@ def save(cache: Path, memory: Memory) -> None:
     """Write a memory below the folder `cache` and remove those of other runs; OSError when it cannot be written."""
     folder = cache / _FOLDER
     folder.mkdir(parents=True, exist_ok=True)
-    sections: list[tuple[str, int, int]] = []
     arrays: list[Keys] = []
-    for name, facts in _parts(memory):
+    begins: dict[int, int] = {}
+    sections: list[list[tuple[int, int, int]]] = []
+    size = 0
+    for facts in (memory.inferred, memory.asserted, *memory.graphs.values()):
+        sections.append([])
         for predicate, keys in facts:
-            sections.append((name, predicate, keys.size))
-            arrays.append(keys)
-    spellings = b"\n".join(memory.dictionary.spellings(range(1, len(memory.dictionary))))
+            if id(keys) not in begins:
+                begins[id(keys)] = size
+                arrays.append(keys)
+                size += keys.size
+            sections[-1].append((predicate, begins[id(keys)], keys.size))
+    kept = Kept.of(memory.dictionary.spellings(range(1, len(memory.dictionary))))
     graphs = ["" if graph is None else graph.value for graph in memory.graphs]
-    header = {"digest": memory.digest, "graphs": graphs, "sections": sections, "spellings": len(spellings)}
-    # Arrays begin at a multiple of eight bytes.
-    line = json.dumps(header).encode()
-    line += b" " * (-(_DIGEST_BYTES + len(line) + 1 + len(spellings)) % 8) + b"\n"
-    content = b"".join([line, spellings, *(keys.tobytes() for keys in arrays)])
+    header = {"digest": memory.digest, "graphs": graphs, "sections": sections, "keys": size, "terms": len(kept)}
+    line = json.dumps(header, separators=(",", ":")).encode()
+    line += b" " * (-len(line) % 8)  # arrays begin at a multiple of eight bytes
+    length = len(line).to_bytes(_HEADER - _DIGEST_BYTES, "little")
+    tables = [keys.data for keys in arrays] + [kept.ends.data, kept.sums.data, kept.order.data]
+    content = b"".join([length, line, *tables, kept.text])
     write_atomically(folder / str(memory.generation), _digest(content) + content, durable=False)
     for path in folder.iterdir():
         if path.name != str(memory.generation):
@@ -78,29 +91,35 @@ def load(cache: Path, digest: str) -> Memory | None:
     if not numbers:
         return None
     try:
-        content = (folder / str(max(numbers))).read_bytes()
-    except OSError:
+        with (folder / str(max(numbers))).open("rb") as file:
+            content = memoryview(mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ))
+    except (OSError, ValueError):  # an empty file cannot be mapped
         return None
-    if _digest(memoryview(content)[_DIGEST_BYTES:]) != content[:_DIGEST_BYTES]:
+    if _digest(content[_DIGEST_BYTES:]) != content[:_DIGEST_BYTES]:
         return None
-    end = content.index(b"\n", _DIGEST_BYTES)
-    header = json.loads(content[_DIGEST_BYTES:end])
+    return _read(content, max(numbers), digest)
+
+
+def _read(content: memoryview, generation: int, digest: str) -> Memory | None:
+    """Return what a sound file holds; None where it is of other rules."""
+    size = int.from_bytes(content[_DIGEST_BYTES:_HEADER], "little")
+    place = _HEADER + size
+    header = json.loads(content[_HEADER:place].tobytes())
     if header["digest"] != digest:
         return None
-    place = end + 1 + header["spellings"]
-    dictionary = Dictionary.of(content[end + 1 : place].split(b"\n"))
-    memory = Memory(max(numbers), digest, dictionary, {_graph(name): Facts() for name in header["graphs"]})
-    for name, predicate, size in header["sections"]:
-        keys = np.frombuffer(content, np.int64, size, place)
-        place += keys.nbytes
-        (memory.inferred if name == _INFERRED else memory.graphs[_graph(name)]).replace(predicate, keys)
-    return memory
 
-
-def _parts(memory: Memory) -> Iterator[tuple[str, Facts]]:
-    for graph, facts in memory.graphs.items():
-        yield "" if graph is None else graph.value, facts
-    yield _INFERRED, memory.inferred
+    terms = header["terms"]
+    keys = np.frombuffer(content, np.int64, header["keys"], place)
+    ends = np.frombuffer(content, np.int64, terms + 1, place := place + keys.nbytes)
+    sums = np.frombuffer(content, np.uint32, terms, place := place + ends.nbytes)
+    order = np.frombuffer(content, np.uint32, terms, place := place + sums.nbytes)
+    dictionary = Dictionary(Kept(content[place + order.nbytes :], ends, sums, order))
+    inferred, asserted, *parts = (
+        Facts({predicate: keys[begin : begin + size] for predicate, begin, size in section})
+        for section in header["sections"]
+    )
+    graphs = dict(zip(map(_graph, header["graphs"]), parts, strict=True))
+    return Memory(generation, digest, dictionary, graphs, asserted, inferred)
 
 
 def _graph(name: str) -> NamedNode | None:
@@ -108,4 +127,9 @@ def _graph(name: str) -> NamedNode | None:
 
 
 def _digest(content: bytes | memoryview) -> bytes:
-    return blake2b(content, digest_size=_DIGEST_BYTES).digest()
+    """Return a digest that any change of a byte changes: of the sums of the words of each page."""
+    words = np.frombuffer(content, np.uint64, len(content) // 8)
+    pages = words[: words.size // _WORDS * _WORDS].reshape(-1, _WORDS)
+    found = blake2b(pages.sum(axis=1).tobytes(), digest_size=_DIGEST_BYTES, person=_FORM)
+    found.update(content[pages.nbytes :])
+    return found.digest()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import groupby
+from operator import itemgetter
 from typing import TYPE_CHECKING
 
 from pyoxigraph import Quad, RdfFormat, Store, parse
@@ -47,11 +49,11 @@ def patched(
 ) -> tuple[Facts, set[int]]:
     """Return the columns of a graph after patches, and the predicates that these name."""
     found, touched = facts.copy(), set[int]()
-    for removed, added in patches:
-        for text, change in ((removed, found.remove), (added, found.add)):
-            for predicate, keys in _columns(text, what, dictionary):
-                change(predicate, keys)
-                touched.add(predicate)
+    parts = ((adds, text) for patch in patches for adds, text in enumerate(patch) if text.strip())
+    for adds, together in groupby(parts, itemgetter(0)):  # each reading costs more than a few triples
+        for predicate, keys in _columns(b"".join(text for _, text in together), what, dictionary):
+            (found.add if adds else found.remove)(predicate, keys)
+            touched.add(predicate)
     return found, touched
 
 

@@ -20,6 +20,7 @@ from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Final
 
 from kg.rules import memory as memories
+from kg.rules.dependencies import volatile
 from kg.rules.engine.evaluate import Limits
 from kg.rules.filing import run_files
 from kg.rules.inferring import Reasoner
@@ -121,8 +122,8 @@ class Runner:
         written = transaction.changes if isinstance(transaction.changes, Written) else None
         outcome = self._reasoner.infer(transaction, changed, rule_set, limits or Limits(), written)
         report = self._write(transaction, outcome)
-        same = outcome.mode == "incremental" and not report.added and not report.removed
-        if not same or base is None or self._saved is None or base - self._saved >= _AHEAD:
+        ahead = base is None or self._saved is None or base - self._saved >= _AHEAD
+        if ahead or outcome.mode == "full" or None in (changed.graphs or {}).values() or _lasting(report):
             self._saved = None
         return report
 
@@ -135,21 +136,21 @@ class Runner:
             self._saved = memory.generation
 
     def remember(self, generation: int | None, *, save: bool = True) -> None:
-        """Keep what the last run read and inferred for the next one: it is of this generation of the store.
-
-        Where little happened since it was saved and the same is inferred, the next process does that again.
-        """
+        """Keep what the last run read and inferred for the next one: it is of this generation of the store."""
         memory = self._reasoner.memory
         if memory is None or generation is None:
             return
         memory.generation = generation
-        if save and self._saved is None:
+        if save:
             self.save()
 
     def save(self) -> None:
-        """Write what is remembered to the cache, for the next process."""
+        """Write what is remembered to the cache, for the next process.
+
+        Where little happened since it was saved, that process does it again instead.
+        """
         memory = self._reasoner.memory
-        if self._cache is not None and memory is not None and memory.generation is not None:
+        if self._saved is None and self._cache is not None and memory is not None and memory.generation is not None:
             with translated(str(self._cache)):
                 memories.save(self._cache, memory)
             self._saved = memory.generation
@@ -195,6 +196,12 @@ class Runner:
             derived[one.rule.name] += one.derived
         found = activity(self._names, _started(outcome, ended), ended, len(outcome.then), +derived)
         transaction.append(self._names.builds, found)
+
+
+def _lasting(report: RunReport) -> bool:
+    """Tell whether a run should not be done again: it took long, or would not give the same."""
+    changed = report.added + report.removed
+    return changed > _FEW or (changed > 0 and any(map(volatile, report.applied)))
 
 
 def _started(outcome: Outcome, ended: datetime) -> datetime:

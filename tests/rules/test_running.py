@@ -139,6 +139,31 @@ def test_a_damaged_cache_is_not_used(store: EmbeddedStore) -> None:
     assert figures(run(store, FAMILY, NAMES)) == ("full", 7, 0, 0)
 
 
+def test_small_changes_are_done_again_by_later_processes_until_there_are_many(store: EmbeddedStore) -> None:
+    """What a run left is not written anew for each change; what is inferred is right all the same."""
+    with store.write("test") as transaction:
+        transaction.patch_graph(B, b"", parents(*((number, number + 1) for number in range(100, 300, 2))))
+    run(store, FAMILY, NAMES)
+    left = {change: _changed_by_another_process(store, change) for change in range(5, 25)}
+    assert left[5] == left[6] == left[7] != left[24]
+    kept = inferred(store)
+    with store.write("test") as transaction:
+        transaction.drop_graph(NAMES.inferred)
+    run(store, FAMILY, NAMES)
+    assert inferred(store) == kept
+
+
+def _changed_by_another_process(store: EmbeddedStore, number: int) -> str:
+    """Add a child with its rules, and return the name of the file that the next process starts from."""
+    runner = Runner(NAMES, store.layout.cache)
+    with store.write("test") as transaction:
+        transaction.patch_graph(A, b"", parents((number - 1, number)))
+        assert runner.run_within(transaction, FAMILY).mode == "incremental"
+    runner.remember(store.layout.current())
+    (path,) = (store.layout.cache / "columns").iterdir()
+    return path.name
+
+
 def test_blank_nodes_of_heads_keep_their_labels(store: EmbeddedStore) -> None:
     """A rule that makes blank nodes gives the same ones in every run, and the store has them under these names."""
     rules = rule_set(("family/knows", Atom(X, KNOWS, BlankNode("one")), (Atom(X, PARENT, Y),)))

@@ -140,8 +140,9 @@ class Facts:
     one array when somebody asks for it: a recursion of many rounds that only adds does not copy everything each time.
     """
 
-    def __init__(self) -> None:
-        self._keys: dict[int, Keys] = {}
+    def __init__(self, keys: dict[int, Keys] | None = None) -> None:
+        """`keys` are the pairs of each predicate that has any: sorted, each once."""
+        self._keys: dict[int, Keys] = keys if keys is not None else {}
         self._runs: dict[int, list[Keys]] = {}
         self._flipped: dict[int, Keys] = {}
         self._starts: dict[tuple[int, bool], NDArray[np.int32]] = {}

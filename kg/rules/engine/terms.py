@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING, Final, cast
+from zlib import crc32
 
 import numpy as np
 from pyoxigraph import Triple
@@ -16,7 +19,7 @@ if TYPE_CHECKING:
 
     from kg.store.terms import Term
 
-__all__ = ["BLANK", "IRI", "LITERAL", "MAX_TERMS", "TRIPLE", "Dictionary"]
+__all__ = ["BLANK", "IRI", "LITERAL", "MAX_TERMS", "TRIPLE", "Dictionary", "Kept"]
 
 MAX_TERMS = 1 << 31
 """Two identifiers share one signed integer of 64 bits."""
@@ -32,25 +35,94 @@ _KINDS[0x5F::0x100] = BLANK
 _KINDS[0x22::0x100] = LITERAL
 
 
+_FEW: Final = 10_000
+"""Where more kept terms than this are looked up one by one, all of them are read."""
+
+
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """The spellings of terms 1, 2, ... as they stand in a file, to be read one by one."""
+
+    text: memoryview
+    """All spellings, without anything between them."""
+    ends: NDArray[np.int64]
+    """Where each begins, and where the last one ends."""
+    sums: NDArray[np.uint32]
+    """The CRC-32 of each, sorted."""
+    order: NDArray[np.uint32]
+    """For each of these its place among the terms, from 0."""
+
+    @classmethod
+    def of(cls, spellings: Sequence[bytes]) -> Kept:
+        """Return different spellings as they are to stand in a file."""
+        ends = np.zeros(len(spellings) + 1, np.int64)
+        np.cumsum(np.fromiter(map(len, spellings), np.int64, len(spellings)), out=ends[1:])
+        sums = np.fromiter(map(crc32, spellings), np.uint32, len(spellings))
+        order = np.argsort(sums, kind="stable").astype(np.uint32)
+        return cls(memoryview(b"".join(spellings)), ends, sums[order], order)
+
+    def __len__(self) -> int:
+        return self.order.size
+
+    def spelling(self, identifier: int) -> bytes:
+        """Return the spelling of a term."""
+        return bytes(self.text[self.ends[identifier - 1] : self.ends[identifier]])
+
+    def find(self, spelling: bytes) -> int | None:
+        """Return the identifier of a term."""
+        wanted = np.uint32(crc32(spelling))
+        for place in range(self.sums.searchsorted(wanted), self.sums.searchsorted(wanted, "right")):
+            identifier = int(self.order[place]) + 1
+            if self.spelling(identifier) == spelling:
+                return identifier
+        return None
+
+    def spellings(self) -> list[bytes]:
+        """Return all of them."""
+        text, ends = bytes(self.text), self.ends.tolist()
+        return [text[begin:end] for begin, end in pairwise(ends)]
+
+
 class _Identifiers(dict[bytes, int]):
     """Gives a spelling that it does not have the next identifier; looking up stays in C for those that it has."""
 
-    def __init__(self, spellings: list[bytes]) -> None:
+    def __init__(self, spellings: list[bytes | None], kept: Kept | None = None) -> None:
         super().__init__()
         self._spellings = spellings
+        self._kept = kept
+        self._asked = 0
 
     def __missing__(self, spelling: bytes) -> int:
-        identifier = self[spelling] = len(self._spellings)
-        self._spellings.append(spelling)
+        identifier = self.find(spelling)
+        if identifier is None:
+            identifier = len(self._spellings)
+            self._spellings.append(spelling)
+        self[spelling] = identifier
         return identifier
+
+    def find(self, spelling: bytes) -> int | None:
+        """Return the identifier of a spelling that is known."""
+        found = self.get(spelling)
+        if found is not None or self._kept is None:
+            return found
+        self._asked += 1
+        if self._asked <= _FEW:
+            return self._kept.find(spelling)
+        every = self._kept.spellings()
+        self._spellings[1 : len(every) + 1] = every
+        self.update(zip(every, range(1, len(every) + 1), strict=True))
+        self._kept = None
+        return self.get(spelling)
 
 
 class Dictionary:
     """Spellings to identifiers and back. Identifiers count from 1; 0 stands for "unbound"."""
 
-    def __init__(self) -> None:
-        self._spellings: list[bytes] = [b""]
-        self._identifiers = _Identifiers(self._spellings)
+    def __init__(self, kept: Kept | None = None) -> None:
+        """With `kept`, its terms are known, and read when they are asked for."""
+        self._kept = kept
+        self._spellings: list[bytes | None] = [b"", *[None] * (len(kept) if kept else 0)]
+        self._identifiers = _Identifiers(self._spellings, kept)
         self._kinds = np.zeros(1, np.int8)
         self._parts: dict[int, tuple[int, int, int]] = {}
 
@@ -79,21 +151,30 @@ class Dictionary:
 
     def find(self, spelling: bytes) -> int | None:
         """Return the identifier of a term that is known, without making one."""
-        return self._identifiers.get(spelling)
+        return self._identifiers.find(spelling)
 
     def spelling(self, identifier: int) -> bytes:
         """Return how a term is spelt in N-Triples."""
-        return self._spellings[identifier]
+        found = self._spellings[identifier]
+        return self._read(identifier) if found is None else found
+
+    def _read(self, identifier: int) -> bytes:
+        assert self._kept is not None  # noqa: S101 - nothing else leaves a spelling out
+        found = self._spellings[identifier] = self._kept.spelling(identifier)
+        return found
 
     def spellings(self, identifiers: NDArray[np.int64] | Sequence[int]) -> list[bytes]:
         """Return the spellings of many terms, in their order."""
         every = self._spellings
-        found = identifiers.tolist() if isinstance(identifiers, np.ndarray) else identifiers
-        return [every[identifier] for identifier in found]
+        numbers = identifiers.tolist() if isinstance(identifiers, np.ndarray) else identifiers
+        found = [every[identifier] for identifier in numbers]
+        if self._kept is not None and None in found:
+            return [self._read(number) if one is None else one for number, one in zip(numbers, found, strict=True)]
+        return cast("list[bytes]", found)
 
     def term(self, identifier: int) -> Term:
         """Return a term as one of pyoxigraph's."""
-        return of_spelling(self._spellings[identifier])
+        return of_spelling(self.spelling(identifier))
 
     def kinds(self, identifiers: NDArray[np.int64]) -> NDArray[np.int8]:
         """Return the kind of each term. Only spellings of terms that are asked for the first time are looked at."""
@@ -104,17 +185,15 @@ class Dictionary:
             self._kinds = grown
         found: NDArray[np.int8] = self._kinds[identifiers]
         if not found.all():
-            every = self._spellings
             missing = np.unique(identifiers[found == 0])
-            beginnings = b"".join([every[identifier][:2] or b"\0\0" for identifier in missing.tolist()])
+            beginnings = b"".join([spelling[:2] or b"\0\0" for spelling in self.spellings(missing)])
             self._kinds[missing] = _KINDS[np.frombuffer(beginnings, "<u2")]
             found = self._kinds[identifiers]
         return found
 
     def intern_triple(self, subject: int, predicate: int, value: int) -> int:
         """Return the identifier of the triple term of three terms."""
-        every = self._spellings
-        found = self.intern(b"<<( %s %s %s )>>" % (every[subject], every[predicate], every[value]))
+        found = self.intern(b"<<( %s %s %s )>>" % tuple(self.spellings((subject, predicate, value))))
         self._parts[found] = (subject, predicate, value)
         return found
 
@@ -124,7 +203,7 @@ class Dictionary:
         if found is None:
             triple = self.term(identifier)
             if not isinstance(triple, Triple):
-                raise TypeError(self._spellings[identifier])
+                raise TypeError(self.spelling(identifier))
             found = (
                 self.intern_term(triple.subject),
                 self.intern_term(triple.predicate),

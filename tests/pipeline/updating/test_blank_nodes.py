@@ -80,7 +80,7 @@ def change(here: Bench, kind: str, name: str, edges: list[Pair]) -> None:
         case _:
             target = folder / f"{len(list(folder.iterdir()))}-{name}"
             back_up(here.store.layout, target)
-            here.update("CLEAR GRAPH :g")
+            here.update("CLEAR SILENT GRAPH :g")
             restore(here.store, target)
             run_on_store(here.settings)
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pyoxigraph import BlankNode, Literal, NamedNode, Triple
 
-from kg.rules.engine.terms import BLANK, IRI, LITERAL, TRIPLE, Dictionary
+from kg.rules.engine.terms import BLANK, IRI, LITERAL, TRIPLE, Dictionary, Kept
 from kg.store.terms import spell
 
 if TYPE_CHECKING:
@@ -58,3 +58,24 @@ def test_strings_of_any_characters_survive(text: str) -> None:
     """Control characters, quotes and all of Unicode are spelt so that they are read back."""
     dictionary = Dictionary()
     assert dictionary.term(dictionary.intern_term(Literal(text))) == Literal(text)
+
+
+texts = st.lists(st.binary(max_size=3), unique=True, max_size=40)
+
+
+@given(texts, texts, st.integers(0, 5))
+def test_kept_terms_are_those_that_were_kept(kept: list[bytes], asked: list[bytes], few: int) -> None:
+    """A dictionary that reads its terms when they are asked for gives the identifiers of one that has them."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("kg.rules.engine.terms._FEW", few)
+        lazy, eager = Dictionary(Kept.of(kept)), Dictionary.of(kept)
+        assert [lazy.find(one) for one in asked] == [eager.find(one) for one in asked]
+        assert lazy.intern_all(asked).tolist() == eager.intern_all(asked).tolist()
+        numbers = range(len(eager))
+        assert lazy.spellings(numbers) == eager.spellings(numbers) == [lazy.spelling(number) for number in numbers]
+
+
+def test_kept_terms_with_one_checksum_are_told_apart() -> None:
+    """These two spellings have the same CRC-32."""
+    kept = Kept.of([b"plumless", b"buckeroo"])
+    assert [kept.find(one) for one in (b"plumless", b"buckeroo", b"other")] == [1, 2, None]
