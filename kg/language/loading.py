@@ -7,8 +7,6 @@ from __future__ import annotations
 
 import json
 from functools import cache
-from importlib.metadata import PackageNotFoundError
-from importlib.metadata import version as installed_version
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -50,8 +48,10 @@ def identity(model: str) -> str:
         files = sorted(path for path in folder.rglob("*") if path.is_file())
         stats = ((path, path.stat()) for path in files)
         return " ".join(f"{path.relative_to(folder)} {one.st_size} {one.st_mtime_ns}" for path, one in stats)
+    from importlib.metadata import PackageNotFoundError, version  # noqa: PLC0415 - start-up time
+
     try:
-        return f"{model} {installed_version(model)}"
+        return f"{model} {version(model)}"
     except (PackageNotFoundError, ValueError):
         return model
 

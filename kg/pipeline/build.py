@@ -122,7 +122,7 @@ class _Build:
         self._state = load(self._cache)
         self._jobs = settings.jobs or os.cpu_count() or 1
         self._started = datetime.now(UTC)
-        self._rules = digest(settings) if rules else None
+        self._rules = digest(settings, self._cache) if rules else None
         self._inference = Inference(store, settings)
 
     def run(self, named: tuple[str, ...]) -> BuildReport:
@@ -132,7 +132,7 @@ class _Build:
         roots = named or self._state.roots
         sources = gather(roots, self._store.layout.checkouts, self._report, again=not named)
         workspace = RecordingWorkspace(sources, installed_folders(self._settings))
-        now = version(self._settings)
+        now = version(self._settings, self._cache)
         calls = checked_calls(self._settings)  # after the version: a file that changes between them is read again
         plan = make_plan(workspace, self._state, self._cache, now, self._settings.max_file_bytes)
         self._jobs = max(1, min(self._jobs, len(plan.read)))

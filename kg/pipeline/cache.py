@@ -13,16 +13,14 @@ import json
 import zlib
 from typing import TYPE_CHECKING, Final
 
-import msgspec
-
-from kg.facts import Description, LaunchConfiguration
-from kg.graph.nodes import Stated
 from kg.store.layout import write_atomically
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from pathlib import Path
 
+    from kg.facts import Description, LaunchConfiguration
+    from kg.graph.nodes import Stated
     from kg.pipeline.recording import Lookup
 
 __all__ = ["descriptions", "exists", "keep_only", "launches", "lookups", "nodes", "pack", "shared", "store", "triples"]
@@ -45,8 +43,10 @@ def pack(  # noqa: PLR0913, PLR0917 - the parts of a result
 
     With them go the configurations of the package's launch files, its annotated descriptions, and its node types.
     """
+    from msgspec import msgpack  # noqa: PLC0415 - a build without changes opens no result
+
     listed = json.dumps([[*lookup, answer] for lookup, answer in sorted(found.items())], separators=(",", ":"))
-    encode = msgspec.msgpack.encode
+    encode = msgpack.encode
     parts = [
         zlib.compress(part, _LEVEL)
         for part in (listed.encode(), common, encode(configurations), encode(texts), encode(stated), content)
@@ -79,20 +79,32 @@ def lookups(folder: Path, name: str) -> dict[Lookup, str] | None:
 
 def launches(folder: Path, name: str) -> tuple[LaunchConfiguration, ...] | None:
     """Return the configurations of a package's launch files; None when the result is not there or damaged."""
+    from msgspec import msgpack  # noqa: PLC0415 - a build without changes opens no result
+
+    from kg.facts import LaunchConfiguration  # noqa: PLC0415 - the same
+
     part = _part(folder, name, _LAUNCHES)
-    return None if part is None else msgspec.msgpack.decode(part, type=tuple[LaunchConfiguration, ...])
+    return None if part is None else msgpack.decode(part, type=tuple[LaunchConfiguration, ...])
 
 
 def descriptions(folder: Path, name: str) -> tuple[Description, ...]:
     """Return the annotated descriptions of a package; none when the result is not there or damaged."""
+    from msgspec import msgpack  # noqa: PLC0415 - a build without changes opens no result
+
+    from kg.facts import Description  # noqa: PLC0415 - the same
+
     part = _part(folder, name, _DESCRIPTIONS)
-    return () if part is None else msgspec.msgpack.decode(part, type=tuple[Description, ...])
+    return () if part is None else msgpack.decode(part, type=tuple[Description, ...])
 
 
 def nodes(folder: Path, name: str) -> tuple[Stated, ...]:
     """Return the node types of a package; none when the result is not there or damaged."""
+    from msgspec import msgpack  # noqa: PLC0415 - a build without changes opens no result
+
+    from kg.graph.nodes import Stated  # noqa: PLC0415 - the same
+
     part = _part(folder, name, _NODES)
-    return () if part is None else msgspec.msgpack.decode(part, type=tuple[Stated, ...])
+    return () if part is None else msgpack.decode(part, type=tuple[Stated, ...])
 
 
 def exists(folder: Path, name: str) -> bool:

@@ -8,20 +8,18 @@ in the graph of inferred triples follows from the rules that ran, and is never l
 from __future__ import annotations
 
 import json
-import os
-import time
-from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from functools import lru_cache
 from hashlib import blake2b
-from pathlib import Path
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import NamedNode
 
 from kg import resources
 from kg.errors import RuleError
 from kg.graph.iris import Iris
+from kg.graph.vocabulary import RNKG
+from kg.pipeline.kept import installations, kept, settled, states
 from kg.pipeline.report import Inferred
 from kg.rules.folders import families_in_force, user_folders
 from kg.rules.reading import packs, rule_files
@@ -29,8 +27,10 @@ from kg.store.failure import translated
 from kg.store.layout import write_atomically
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Mapping
+    from pathlib import Path
 
+    from kg.pipeline.kept import State
     from kg.rules.reports import RunReport
     from kg.rules.running import Runner
     from kg.settings import Settings
@@ -41,56 +41,34 @@ if TYPE_CHECKING:
 __all__ = ["Inference", "LastRun", "add_ontologies", "costs", "digest", "last_run", "note_run", "unchanged"]
 
 _LAST: Final = "rules"
-_SETTLED: Final = 2_000_000_000
-"""Nanoseconds after which a file that changes again is certain to have another time."""
+_DIGEST: Final = "rules-digest"
+"""The file of the cache in which the digest of the rules is kept, and the next one for whether there are packs."""
+_PACKS: Final = "packs"
 
 
-def digest(settings: Settings) -> str:
+def digest(settings: Settings, cache: Path | None = None) -> str:
     """Return what changes whenever a file of a rule in force changes, comes or goes.
+
+    It is kept in the folder `cache` for the next process, where one is given.
 
     Raises:
         RuleError: KG208 for a pack that cannot be loaded, KG231 for a folder of rules that is closed.
         UsageError: KG002 for a folder or a family of the settings that is not there.
     """
-    folders = (resources.folder("rules"), *(pack.folder for pack in packs()), *user_folders(settings))
-    states = tuple(state for folder in folders for state in _states(folder))
-    settled = time.time_ns() - max((state.changed for state in states), default=0) > _SETTLED
-    return (_digest if settled else _digest.__wrapped__)(families_in_force(settings), folders, states)
+    installed = (pack.folder for pack in packs()) if _has_packs(cache) else ()
+    folders = (resources.folder("rules"), *installed, *user_folders(settings))
+    seen, families = tuple(state for folder in folders for state in states(folder)), families_in_force(settings)
+    made = _digest if settled(seen) else _digest.__wrapped__
+    return kept(cache and cache / _DIGEST, seen, (families, folders), lambda: made(families, folders, seen))
 
 
-class _State(NamedTuple):
-    """A file as its folder tells it; times in nanoseconds."""
-
-    path: str
-    number: int
-    size: int
-    modified: int
-    changed: int
-
-
-def _states(folder: Path | str) -> Iterator[_State]:
-    """Yield the state of each file below a folder, or of a file; what cannot be looked at is told where it is read."""
-    try:
-        entries = sorted(os.scandir(folder), key=lambda entry: entry.name)
-    except NotADirectoryError:
-        yield _state(str(folder), Path(folder).stat())
-        return
-    except OSError:
-        return
-    for entry in entries:
-        if entry.is_dir(follow_symlinks=False):
-            yield from _states(entry.path)
-        else:
-            with suppress(OSError):
-                yield _state(entry.path, entry.stat())
-
-
-def _state(path: str, found: os.stat_result) -> _State:
-    return _State(path, found.st_ino, found.st_size, found.st_mtime_ns, found.st_ctime_ns)
+def _has_packs(cache: Path | None) -> bool:
+    """Tell whether packs of rules are installed, without looking for them where there were none before."""
+    return kept(cache and cache / _PACKS, tuple(installations()), "", lambda: str(bool(packs()))) == str(True)
 
 
 @lru_cache(maxsize=4)
-def _digest(families: tuple[str, ...], folders: tuple[Path, ...], _states: tuple[_State, ...]) -> str:
+def _digest(families: tuple[str, ...], folders: tuple[Path, ...], _seen: tuple[State, ...]) -> str:
     """Return the digest of the rules, read again only where the state of a file is another."""
     found = blake2b(repr(families).encode(), digest_size=16)
     for folder in folders:
@@ -154,7 +132,7 @@ def unchanged(settings: Settings, layout: Layout) -> LastRun | None:
     found = last_run(layout.cache)
     if found is None or found.generation != layout.current() or found.base != settings.base:
         return None
-    return found if found.digest == digest(settings) else None
+    return found if found.digest == digest(settings, layout.cache) else None
 
 
 def _content(path: Path) -> bytes:
@@ -207,7 +185,6 @@ class Inference:
             transaction.changes = Written()
 
     def _new_runner(self) -> Runner:
-        from kg.graph.vocabulary import RNKG  # noqa: PLC0415 - numbers are loaded here
         from kg.rules.recording import Names  # noqa: PLC0415 - the same
         from kg.rules.running import Runner  # noqa: PLC0415 - the same
 

@@ -35,7 +35,7 @@ def pending(layout: Layout, settings: Settings) -> dict[str, tuple[str, ...] | N
     except SourceError:
         return found
     workspace = Workspace(sources, installed_folders(settings))
-    plan = make_plan(workspace, state, layout.cache, version(settings), settings.max_file_bytes)
+    plan = make_plan(workspace, state, layout.cache, version(settings, layout.cache), settings.max_file_bytes)
     for source in sources:
         name = source.repository.name
         found[name] = tuple(package.name for one, package in plan.read if one.repository.name == name)
@@ -48,7 +48,7 @@ def rules_changed(layout: Layout, settings: Settings) -> bool:
     Raises as `kg.pipeline.inferring.digest`.
     """
     last = last_run(layout.cache)
-    return last is not None and last.digest != digest(settings)
+    return last is not None and last.digest != digest(settings, layout.cache)
 
 
 def _roots(state: State, layout: Layout) -> list[str]:

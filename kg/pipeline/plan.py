@@ -10,7 +10,6 @@ from __future__ import annotations
 import hashlib
 import sys
 from dataclasses import dataclass, field, replace
-from importlib.metadata import version as installed_version
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -21,6 +20,7 @@ from kg.corpus.workspace import INSTALLED
 from kg.language.loading import identity
 from kg.pipeline import cache
 from kg.pipeline.calls import call_files, read_calls
+from kg.pipeline.kept import installations, kept, states
 from kg.pipeline.recording import answer
 
 if TYPE_CHECKING:
@@ -48,6 +48,8 @@ LIBRARIES: Final = (
 """The distributions that results depend on."""
 
 _BYTES: Final = 16
+_VERSION: Final = "version"
+"""The file of the cache in which the version of code, data and libraries is kept."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,18 +62,27 @@ class Plan:
     reused: dict[Key, PackageState] = field(default_factory=dict)
 
 
-def version(settings: Settings) -> str:
+def version(settings: Settings, folder: Path | None = None) -> str:
     """Return what stands for the code and data of `kg`, its libraries, and the settings that results depend on.
 
     Code and data count by their contents, so that an installation of the same files has the same version. So do the
-    users' descriptions of framework calls. Raises as `kg.pipeline.calls.read_calls`.
+    users' descriptions of framework calls. What stands for code, data and libraries is kept in the cache `folder`, as
+    long as no file of them changes. Raises as `kg.pipeline.calls.read_calls`.
     """
     package = Path(__file__).resolve().parent.parent
-    own = resources.digest([*(package / name for name in CODE), resources.folder("ontology")])
-    libraries = [f"{name} {installed_version(name)}" for name in ("kg-ros", *LIBRARIES)]
+    own = [*(package / name for name in CODE), resources.folder("ontology")]
+    files = (*(state for root in own for state in states(root)), *installations())
+    place = folder and folder / _VERSION
+    installed = kept(place, files, sys.version, lambda: _digest([resources.digest(own), *_libraries()]))
     set_to = [settings.base, str(settings.max_file_bytes), identity(settings.nlp_model)]
     set_to += read_calls(call_files(settings)).values()
-    return _digest([own, sys.version, *libraries, *set_to])
+    return _digest([installed, sys.version, *set_to])
+
+
+def _libraries() -> list[str]:
+    from importlib.metadata import version as installed_version  # noqa: PLC0415 - a build without changes asks for none
+
+    return [f"{name} {installed_version(name)}" for name in ("kg-ros", *LIBRARIES)]
 
 
 def shape(sources: Iterable[Source]) -> str:

@@ -8,8 +8,6 @@ import sys
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from importlib.metadata import entry_points
-from inspect import getfile
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
@@ -234,6 +232,8 @@ def packs() -> tuple[Pack, ...]:
 @lru_cache(maxsize=1)
 def _declared(_places: tuple[str, ...], _times: tuple[int, ...]) -> tuple[EntryPoint, ...]:
     """Return the entry points of packs, looked for again when something was installed: every package is opened."""
+    from importlib.metadata import entry_points  # noqa: PLC0415 - start-up time
+
     return tuple(entry_points(group=ENTRY_POINTS))
 
 
@@ -246,6 +246,8 @@ def _changed(place: str) -> int:
 
 
 def _pack(entry: EntryPoint) -> Pack:
+    from inspect import getfile  # noqa: PLC0415 - start-up time
+
     hint = f"Reinstall or remove the package that declares it: {entry.value}."
     try:
         loaded = entry.load()

@@ -91,7 +91,7 @@ class Bench:
         return Bench(self.source, EmbeddedStore.create(self.store.layout.root.with_name(name)))
 
 
-def _settings_only(settings: Settings) -> str:
+def _settings_only(settings: Settings, _folder: Path | None = None) -> str:
     """Return what stands for the settings that results depend on, without code and libraries, which do not change."""
     return (
         f"{settings.base} {settings.max_file_bytes} {settings.nlp_model} {[*read_calls(call_files(settings)).values()]}"

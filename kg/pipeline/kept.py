@@ -1,0 +1,85 @@
+"""What was computed from files of an installation, kept between processes as long as none of these files changes."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import sys
+import time
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from kg.store.failure import translated
+from kg.store.layout import write_atomically
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+__all__ = ["State", "installations", "kept", "settled", "states"]
+
+_SETTLED: Final = 2_000_000_000
+"""Nanoseconds after which a file that changes again is certain to have another time."""
+_BYTES: Final = 16
+
+
+class State(NamedTuple):
+    """A file as its folder tells it; times in nanoseconds. Whatever changes a file sets the time `changed`."""
+
+    path: str
+    number: int
+    size: int
+    modified: int
+    changed: int
+
+
+def states(root: Path | str) -> Iterator[State]:
+    """Yield the state of each file below a folder, or of a file; none of what cannot be looked at."""
+    try:
+        entries = sorted(os.scandir(root), key=lambda entry: entry.name)
+    except NotADirectoryError:
+        yield _state(str(root), Path(root).stat())
+        return
+    except OSError:
+        return
+    for entry in entries:
+        if not entry.is_dir(follow_symlinks=False):
+            with suppress(OSError):
+                yield _state(entry.path, entry.stat())
+        elif entry.name != "__pycache__":
+            yield from states(entry.path)
+
+
+def installations() -> Iterator[State]:
+    """Yield the states of the folders of installed packages: installing or removing one changes its folder."""
+    for place in sys.path:
+        with suppress(OSError):
+            yield _state(place, Path(place).stat())
+
+
+def settled(seen: tuple[State, ...]) -> bool:
+    """Tell whether the next change of any of some files gives it another state: all changed a while ago."""
+    return time.time_ns() - max((state.changed for state in seen), default=0) > _SETTLED
+
+
+def kept(place: Path | None, seen: tuple[State, ...], what: object, make: Callable[[], str]) -> str:
+    """Return the text that `make` gives, from the file `place` where it gave it for the same `what` and states `seen`.
+
+    Without a place it is made each time. StoreError KG304, KG306 when it cannot be written.
+    """
+    if place is None or not settled(seen):
+        return make()
+    key = hashlib.blake2b(repr((seen, what)).encode(), digest_size=_BYTES).hexdigest()
+    with suppress(OSError, ValueError):
+        before, _, text = place.read_text("utf-8").partition(" ")
+        if before == key:
+            return text
+    text = make()
+    with translated(str(place)):
+        place.parent.mkdir(parents=True, exist_ok=True)
+        write_atomically(place, f"{key} {text}".encode(), durable=False)
+    return text
+
+
+def _state(path: str, found: os.stat_result) -> State:
+    return State(path, found.st_ino, found.st_size, found.st_mtime_ns, found.st_ctime_ns)
