@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -65,17 +66,34 @@ _Found = tuple[RuleSet, tuple[RuleError, ...]]
 """Rules, and the errors of the files that cannot be used."""
 
 
-def rules_in_force(settings: Settings, broken: list[RuleError] | None = None) -> RuleSet:
+def rules_in_force(settings: Settings, broken: list[RuleError] | None = None, *, cache: Path | None = None) -> RuleSet:
     """Return the rules that `kg` ships, those of installed packs and those of the user's folders.
 
-    Files that cannot be used are left out and their errors added to `broken`, where it is given.
+    Files that cannot be used are left out and their errors added to `broken`, where it is given. With a folder `cache`
+    rules come without texts and documentation, and are kept there for the next process where it can be written.
 
     Raises:
         RuleError: KG201 and others of KG2xx for a file that cannot be used, without `broken`.
         UsageError: KG002 for a folder or a family of the settings that is not there.
     """
-    found = _read(rule_folders(settings), packs(), families_in_force(settings), digest(settings))
-    return _sound(found, broken)
+    made_of = (rule_folders(settings), packs(), families_in_force(settings), digest(settings))
+    return _sound(_read(*made_of) if cache is None else _read_before(cache, *made_of), broken)
+
+
+@lru_cache(maxsize=2)
+def _read_before(
+    cache: Path, folders: tuple[Path, ...], installed: tuple[Pack, ...], families: tuple[str, ...], mark: str
+) -> _Found:
+    """Return rules as `_read` has them, from the folder `cache` where they are kept there."""
+    whole = f"{_code()} {folders} {installed} {families} {mark}"
+    kept = compiled.load(cache, whole, cut=False)
+    if kept is not None:
+        return kept, ()
+    found, broken = _read(folders, installed, families, mark)
+    if not broken:
+        with suppress(OSError):  # a store that can only be read
+            found = compiled.save(cache, whole, found, cut=False)
+    return found, broken
 
 
 def _sound(found: _Found, broken: list[RuleError] | None) -> RuleSet:

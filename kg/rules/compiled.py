@@ -1,8 +1,9 @@
-"""Rules as they were read and cut last, kept for the next process: a small change costs less than reading them.
+"""Rules as they were read last, kept for the next process: a small change or a proof costs less than reading them.
 
-    .kg/cache/compiled
+    .kg/cache/compiled        cut to the axioms of the store, in their order: what evaluation needs
+    .kg/cache/uncut           as their files have them: what proofs need
 
-The file holds what the rules were made of, as a digest, one of the rest, and the rules pickled. Only the classes of the
+A file holds what the rules were made of, as a digest, one of the rest, and the rules pickled. Only the classes of the
 internal form and of terms are made from it, so a file that somebody else put there can do no harm.
 """
 
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 __all__ = ["load", "save"]
 
 _NAME: Final = "compiled"
+_UNCUT: Final = "uncut"
 _BYTES: Final = 16
 _CLASSES: Final = frozenset(
     {
@@ -57,13 +59,13 @@ class _Reader(pickle.Unpickler):
         return super().find_class(module, name)
 
 
-def load(cache: Path, mark: str) -> RuleSet | None:
+def load(cache: Path, mark: str, *, cut: bool = True) -> RuleSet | None:
     """Return the rules below the folder `cache` that were made of what `mark` stands for; None without such.
 
-    They stand in one file without text, as it is evaluation that needs them.
+    They stand in one file without text or documentation.
     """
     try:
-        content = (cache / _NAME).read_bytes()
+        content = (cache / (_NAME if cut else _UNCUT)).read_bytes()
     except OSError:
         return None
     head, packed = content[: 2 * _BYTES], content[2 * _BYTES :]
@@ -75,23 +77,27 @@ def load(cache: Path, mark: str) -> RuleSet | None:
         return None
 
 
-def save(cache: Path, mark: str, rule_set: RuleSet) -> RuleSet:
-    """Keep rules, and return them as `load` will.
+def save(cache: Path, mark: str, rule_set: RuleSet, *, cut: bool = True) -> RuleSet:
+    """Keep rules, and return them as `load` will; those that are not `cut` have no order yet.
 
     Raises OSError when they cannot be written, and RuleError KG202, KG204 where they have no order.
     """
-    parts = (rule_set.rules, rule_set.data, tuple(stratify(rule_set.rules, bounded=True)), rule_set.digest)
+    strata = tuple(stratify(rule_set.rules, bounded=True)) if cut else ()
+    prefixes = {name: iri for file in rule_set.files for name, iri in (file.prefixes or {}).items()}
+    parts = (rule_set.rules, rule_set.data, prefixes, strata, rule_set.digest)
     written = io.BytesIO()
     _Writer(written, pickle.HIGHEST_PROTOCOL).dump(parts)
     packed = written.getvalue()
     content = _digest(mark.encode()) + _digest(packed) + packed
     cache.mkdir(parents=True, exist_ok=True)
-    write_atomically(cache / _NAME, content, durable=False)
+    write_atomically(cache / (_NAME if cut else _UNCUT), content, durable=False)
     return _together(*parts)
 
 
-def _together(rules: tuple[Rule, ...], data: Any, strata: tuple[Stratum, ...], digest: str) -> RuleSet:
-    return RuleSet((RuleFile(_NAME, Path(_NAME), "", Documentation(), rules, data),), strata, digest)
+def _together(
+    rules: tuple[Rule, ...], data: Any, prefixes: dict[str, str], strata: tuple[Stratum, ...], digest: str
+) -> RuleSet:
+    return RuleSet((RuleFile(_NAME, Path(_NAME), "", Documentation(), rules, data, prefixes),), strata, digest)
 
 
 def _digest(content: bytes) -> bytes:

@@ -18,6 +18,8 @@ from kg.views.evidence import places
 from kg.views.why_tree import Telling
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from pyoxigraph import Triple
 
     from kg.rules.files import RuleSet
@@ -101,14 +103,20 @@ def why_not(  # noqa: PLR0913 - a fact, and how far it is followed
 
 
 def explaining(
-    snapshot: EmbeddedSnapshot, settings: Settings, broken: list[RuleError] | None = None
+    snapshot: EmbeddedSnapshot,
+    settings: Settings,
+    broken: list[RuleError] | None = None,
+    *,
+    cache: Path | None = None,
 ) -> tuple[RuleSet, View]:
     """Return the rules in force, and the store as explanations with these rules see it.
+
+    With the folder `cache` of the store, the rules are without their texts and documentation, and kept there.
 
     Files that cannot be used are left out, since why a fact holds does not wait until another rule is mended; their
     errors are added to `broken`.
     """
-    rules = rules_in_force(settings, [] if broken is None else broken)
+    rules = rules_in_force(settings, [] if broken is None else broken, cache=cache)
     prefixes = {name: iri for file in rules.files for name, iri in (file.prefixes or {}).items()} | PREFIXES
     return rules, View(snapshot, explained_vocabulary(settings.base), rules.rules, prefixes=prefixes)
 

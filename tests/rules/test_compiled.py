@@ -43,6 +43,20 @@ def test_the_order_of_rules_and_their_digest_come_back(tmp_path: Path, shipped: 
     assert loaded.digest == loaded.kept_digest == shipped.digest
 
 
+def test_rules_are_kept_uncut_beside_those_that_are_cut(tmp_path: Path, shipped: RuleSet) -> None:
+    """Rules that have no order yet come back with the prefixes of their files, and those kept for evaluation stay."""
+    compiled.save(tmp_path, "mark", shipped)
+    uncut = discover([resources.folder("rules")])
+    saved = compiled.save(tmp_path, "mark", uncut, cut=False)
+    loaded = compiled.load(tmp_path, "mark", cut=False)
+    assert loaded == saved
+    assert (loaded.rules, loaded.data, loaded.strata) == (uncut.rules, uncut.data, ())
+    assert loaded.files[0].prefixes == {name: iri for one in uncut.files for name, iri in (one.prefixes or {}).items()}
+    kept = compiled.load(tmp_path, "mark")
+    assert kept is not None
+    assert kept.rules == shipped.rules
+
+
 def test_rules_of_something_else_are_none(tmp_path: Path, shipped: RuleSet) -> None:
     """Rules that were made of other files, and a file that is damaged or not there, give none."""
     assert compiled.load(tmp_path, "mark") is None

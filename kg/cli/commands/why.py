@@ -11,10 +11,11 @@ from kg.cli.output import json_lines, write
 from kg.cli.query_text import pairs, query_meant
 from kg.cli.session import session
 from kg.errors import Exit, UsageError
-from kg.store.opening import reading
+from kg.store.opening import existing
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
+    from pathlib import Path
 
     from kg.errors import RuleError
     from kg.rules.explain.proof import Proof
@@ -79,8 +80,9 @@ def why(  # noqa: PLR0913 - the options of a command
     """
     form = _form("json" if json else form)
     settings = session(context).settings(store=store, rules=rules, rule_families=rule_families)
-    with reading(settings) as snapshot:
-        known, view = _known(snapshot, settings)
+    kept = existing(settings)
+    with kept.read() as snapshot:
+        known, view = _known(snapshot, settings, kept.layout.cache)
         if query is not None:
             if words:
                 raise UsageError("KG003", "give a fact or a query, not both", hint="See `kg why --help`.")
@@ -163,8 +165,9 @@ def why_not(  # noqa: PLR0913 - the options of a command
     from kg.rules.explain.why_not import why_not as explained  # noqa: PLC0415 - start-up time
 
     settings = session(context).settings(store=store, rules=rules, rule_families=rule_families)
-    with reading(settings) as snapshot:
-        known, view = _known(snapshot, settings)
+    kept = existing(settings)
+    with kept.read() as snapshot:
+        known, view = _known(snapshot, settings, kept.layout.cache)
         found, held = facts(snapshot, *_three(words), prefixes=view.prefixes)
         if held:
             note(f"{view.sentence(found[0])}: the store holds it; `kg why` explains it")
@@ -184,12 +187,12 @@ def _form(name: str) -> str:
     return name
 
 
-def _known(snapshot: "EmbeddedSnapshot", settings: "Settings") -> "tuple[tuple[Rule, ...], View]":
+def _known(snapshot: "EmbeddedSnapshot", settings: "Settings", cache: "Path") -> "tuple[tuple[Rule, ...], View]":
     """Return the rules in force, and the store as explanations with these rules see it; rules left out are named."""
     from kg.views.why import explaining  # noqa: PLC0415 - start-up time
 
     broken: list[RuleError] = []
-    rules, view = explaining(snapshot, settings, broken)
+    rules, view = explaining(snapshot, settings, broken, cache=cache)
     for error in broken:
         report(error, "warning")
     return rules.rules, view
@@ -197,7 +200,6 @@ def _known(snapshot: "EmbeddedSnapshot", settings: "Settings") -> "tuple[tuple[R
 
 def _show(proofs: "list[Proof]", view: "View", form: str, snapshot: "EmbeddedSnapshot") -> None:
     from kg.rules.explain.export import mermaid, proof_object  # noqa: PLC0415 - start-up time
-    from kg.rules.explain.picture import picture  # noqa: PLC0415 - start-up time
     from kg.rules.explain.text import proof_lines  # noqa: PLC0415 - start-up time
 
     if form == "json":
@@ -205,6 +207,8 @@ def _show(proofs: "list[Proof]", view: "View", form: str, snapshot: "EmbeddedSna
     elif form == "mermaid":
         write(mermaid(proofs, view).rstrip())
     elif form == "svg":
+        from kg.rules.explain.picture import picture  # noqa: PLC0415 - start-up time
+
         write(picture(proofs, view).rstrip())
     else:
         from kg.cli.trees import print_tree  # noqa: PLC0415 - start-up time

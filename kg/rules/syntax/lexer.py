@@ -43,8 +43,7 @@ _ESCAPE: Final = r"\\(?:u[0-9A-Fa-f]{4}|U[0-9A-Fa-f]{8})"
 _ECHAR: Final = rf"(?:\\[tbnrf\\\"']|{_ESCAPE})"
 _IN_LOCAL: Final = r"%[0-9A-Fa-f]{2}|\\[_~.\-!$&'()*+,;=/?\#@%]"
 _LOCAL: Final = rf"(?:[^{_NEVER}]|{_IN_LOCAL})"
-_TOKEN: Final = re.compile(
-    rf"""
+_TOKEN: Final = rf"""
     (?:[\x20\t\n\r]++|\#[^\n\r]*+)*+
     (?:(?P<iri><(?:[^\x00-\x20<>"{{}}|^`\\]++|{_ESCAPE})*+>)
     | (?P<string>'''(?:'{{0,2}}(?:[^'\\]|{_ECHAR}))*''' | \"\"\"(?:"{{0,2}}(?:[^"\\]|{_ECHAR}))*\"\"\"
@@ -57,9 +56,7 @@ _TOKEN: Final = re.compile(
           :(?:(?:[^{_NEVER_FIRST}-]|{_IN_LOCAL})(?:{_LOCAL}|\.++(?={_LOCAL}))*+)?)
     | (?P<word>[A-Za-z_][A-Za-z0-9_]*)
     | (?P<sign>\^\^|&&|\|\||!=|>=|<=|<<\(|\)>>|<<|>>|\{{\||\|\}}|.))
-    """,
-    re.VERBOSE | re.DOTALL,
-)
+    """
 _KINDS: Final = {
     "iri": Kind.IRI,
     "string": Kind.STRING,
@@ -74,9 +71,15 @@ _SHORT: Final = {"t": "\t", "b": "\b", "n": "\n", "r": "\r", "f": "\f"}
 _UNESCAPE: Final = re.compile(r"\\(?:u([0-9A-Fa-f]{4})|U([0-9A-Fa-f]{8})|(.))", re.DOTALL)
 
 
+@lru_cache(maxsize=1)
+def _token() -> re.Pattern[str]:
+    """Return the expression for a token. Rules that are kept compiled are evaluated without it."""
+    return re.compile(_TOKEN, re.VERBOSE | re.DOTALL)
+
+
 def token_at(text: str, position: int) -> Token:
     """Return the first token at or behind `position`; one with the text `END` when there is none."""
-    match = _TOKEN.match(text, position)
+    match = _token().match(text, position)
     if match is None or match.lastgroup is None:
         return Token(Kind.SIGN, END, len(text), len(text))
     kind = match.lastgroup
