@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Final
 import msgspec
 from pyoxigraph import NamedNode
 
+from kg.graph import vocabulary as v
 from kg.graph.reading import data_files, node_records, programs
 from kg.graph.starts import STARTS, starts_apart
 from kg.graph.systems import system_triples
@@ -42,6 +43,9 @@ __all__ = ["node_types", "update_systems", "used_packages"]
 
 _SMALL: Final = 2
 """A graph is patched when less than one in so many of its triples change."""
+_BATCH_BYTES: Final = 16 << 20
+"""Graphs are written together as soon as they have so much content."""
+_STARTED_WITH: Final = f" {v.STARTED_WITH} ".encode()
 
 
 def update_systems(  # noqa: PLR0913, PLR0917 - all that systems depend on
@@ -62,23 +66,19 @@ def update_systems(  # noqa: PLR0913, PLR0917 - all that systems depend on
     present = {graph.value for graph in transaction.graphs()}
     intact = set[str]() if touched is None or iris.graph(STARTS) in touched else present - touched
     work = _Work(_catalogue(transaction, folder, iris, packages, present), iris, last, version, intact)
+    writing = _Writing(transaction, iris, present, intact)
     for key in sorted(packages):
         if packages[key].counts.get("launches"):
             work.package(folder, key, packages[key].result)
+            writing.take(work.contents)
+            work.contents = {}
     sources = {source for source, _ in packages} | set(last.packages)
     known = tuple(iris.launch_graph(source, "") for source in sources)
     gone = [graph for graph in sorted(present) if known and graph.startswith(known) and graph not in work.graphs]
-    starts = set[bytes]()
-    own: dict[str, list[bytes]] = {}
-    for graph, content in work.contents.items():
-        own[graph], described = starts_apart(content, iris)
-        starts.update(described)
-    read = bool(intact) and present.intersection((*own, *gone)) <= intact
-    changed = _write(transaction, own | {graph: [] for graph in gone}, intact)
-    if own or gone:
-        keep_starts(transaction, iris, starts, changed if read else None)
+    writing.take(dict.fromkeys(gone, b""))
+    writing.finish()
     systems = work.systems()
-    return systems, replace(totals(systems), changed=len(work.contents) + len(gone))
+    return systems, replace(totals(systems), changed=writing.changed)
 
 
 def _catalogue(
@@ -98,33 +98,65 @@ def _catalogue(
     return Catalogue(folder, packages, others, programs(transaction), data)
 
 
-def _write(
-    transaction: EmbeddedTransaction, contents: Mapping[str, list[bytes]], intact: set[str]
-) -> tuple[list[bytes], list[bytes]]:
-    """Give graphs the lines that they are to have, and take those out that are to have none; return what differs.
+class _Writing:
+    """Writes graphs of systems in batches, so that the content of few is held at a time; `changed` counts them."""
 
-    These are the lines that went and those that came. Those of `intact` are there and hold most of them; what others
-    hold is not known, and counts as nothing.
-    """
-    anew: dict[NamedNode, bytes] = {}
-    gone: list[bytes] = []
-    came: list[bytes] = []
-    for name, content in contents.items():
-        graph = NamedNode(name)
-        wanted = set(content)
-        held = set(transaction.content(graph).splitlines(keepends=True)) if name in intact else set[bytes]()
+    def __init__(self, transaction: EmbeddedTransaction, iris: Iris, present: set[str], intact: set[str]) -> None:
+        self.changed = 0
+        self._transaction = transaction
+        self._iris = iris
+        self._present = present
+        self._intact = intact
+        self._read = bool(intact)
+        """Whether all graphs that were written held what the last build left."""
+        self._waiting: dict[NamedNode, bytes] = {}
+        self._bytes = 0
+        self._starts = set[bytes]()
+        self._gone: list[bytes] = []
+        self._came: list[bytes] = []
+
+    def take(self, contents: Mapping[str, bytes]) -> None:
+        """Give graphs the N-Triples that they are to have, and take those out that are to have none.
+
+        Those of `intact` are there and hold most of them; what others hold is not known, and counts as nothing.
+        """
+        for name, content in contents.items():
+            own, described = starts_apart(content, self._iris)
+            self._starts.update(described)
+            self._give(name, own)
+            self._read = self._read and (name not in self._present or name in self._intact)
+        self.changed += len(contents)
+        if self._bytes > _BATCH_BYTES:
+            self._flush()
+
+    def _give(self, name: str, content: list[bytes]) -> None:
+        graph, wanted = NamedNode(name), set(content)
+        held = set(self._transaction.content(graph).splitlines(keepends=True)) if name in self._intact else set[bytes]()
         removed, added = held - wanted, wanted - held
-        gone += removed
-        came += added
+        self._gone += filter(_starts_something, removed)
+        self._came += filter(_starts_something, added)
         if not wanted:
-            transaction.drop_graph(graph)
+            self._transaction.drop_graph(graph)
         elif (len(removed) + len(added)) * _SMALL > len(wanted):
-            anew[graph] = b"".join(content)
+            self._waiting[graph] = b"".join(content)
+            self._bytes += len(self._waiting[graph])
         else:
-            transaction.patch_graph(graph, b"".join(sorted(removed)), b"".join(sorted(added)))
-    if anew:
-        transaction.replace_small_graphs(anew)
-    return gone, came
+            self._transaction.patch_graph(graph, b"".join(sorted(removed)), b"".join(sorted(added)))
+
+    def _flush(self) -> None:
+        self._transaction.replace_small_graphs(self._waiting)
+        self._waiting, self._bytes = {}, 0
+
+    def finish(self) -> None:
+        """Write what waits, and what the systems are started with."""
+        if self._waiting:
+            self._flush()
+        if self.changed:
+            keep_starts(self._transaction, self._iris, self._starts, (self._gone, self._came) if self._read else None)
+
+
+def _starts_something(line: bytes) -> bool:
+    return _STARTED_WITH in line
 
 
 def used_packages(configurations: Iterable[LaunchConfiguration]) -> set[str]:
