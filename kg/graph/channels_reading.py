@@ -16,7 +16,7 @@ from kg.graph.iris import Iris
 from kg.graph.ntriples import literal
 from kg.graph.queries import select
 from kg.graph.reading import facts
-from kg.graph.systems_reading import partial_systems, system_names
+from kg.graph.systems_reading import partial_systems
 from kg.graph.usual_ends import channels_by_system, unstated_ends
 
 if TYPE_CHECKING:
@@ -43,6 +43,8 @@ CLASSES: Final = {
     "action": f"{v.ACTION_SERVER} {v.ACTION_CLIENT}",
 }
 """The classes of the ends of each kind of channel."""
+_AMONG: Final = {kind: classes.replace(" ", ", ") for kind, classes in CLASSES.items()}
+"""The same for a filter: the engine begins with VALUES, and each class has many ends."""
 _NAMES: Final = """
 SELECT DISTINCT ?name WHERE {
   VALUES ?class { %s }
@@ -59,14 +61,14 @@ SELECT DISTINCT ?name WHERE {
 _CALLED: Final = """
 SELECT DISTINCT ?name WHERE {
   VALUES ?name { %s }
-  VALUES ?class { %s }
   ?end rnkg:connectsTo/rdfs:label ?name ; rnkg:declaredBy ?code .
   ?code a ?class .
+  FILTER(?class IN (%s))
 }"""
 _WRITTEN: Final = """
 SELECT DISTINCT ?name WHERE {
-  VALUES ?class { %s }
   ?declared rnkg:name %s ; a ?class .
+  FILTER(?class IN (%s))
   ?end rnkg:declaredBy ?declared ; rnkg:connectsTo/rdfs:label ?name .
 }"""
 _AT: Final = """
@@ -75,8 +77,8 @@ GRAPH ?graph {
   ?part rnkg:connectsTo ?channel ; rnkg:declaredBy ?code .
   ?instance ros:hasComponent ?part .
 }
-VALUES ?class { %s }
-?code a ?class ."""
+?code a ?class .
+FILTER(?class IN (%s))"""
 _FINDINGS: Final = """
 SELECT ?system ?code ?severity ?message ?subject WHERE {
   ?finding rnkg:mainSubject %s ; a rnkg:Finding ; rnkg:inConfiguration ?system ; rnkg:code ?code ;
@@ -106,7 +108,7 @@ def channels_called(graph: Queryable, called: Iterable[str]) -> list[tuple[str, 
     """Return the topics, services and actions of some absolute names, as kind and name, sorted."""
     meant = set(called)
     listed = " ".join(map(literal, sorted(meant)))
-    found = {(kind, name) for kind, classes in CLASSES.items() for name in _column(graph, _CALLED % (listed, classes))}
+    found = {(kind, name) for kind, classes in _AMONG.items() for name in _column(graph, _CALLED % (listed, classes))}
     found |= {(end.role.channel, end.name) for name in meant for end in unstated_ends(graph, name)}
     return sorted(found)
 
@@ -119,7 +121,7 @@ def names_in(graph: Queryable, kind: str, systems: Iterable[str]) -> list[str]:
 
 def names_written(graph: Queryable, kind: str, written: str) -> list[str]:
     """Return the names that ends have whose name in the code is `written`, in systems and started alone, sorted."""
-    return sorted(_column(graph, _WRITTEN % (CLASSES[kind], literal(written))))
+    return sorted(_column(graph, _WRITTEN % (literal(written), _AMONG[kind])))
 
 
 def ends_in_code(graph: Queryable, kind: str, name: str, base: str) -> list[tuple[NodeReference, Interface]]:
@@ -135,9 +137,9 @@ def systems_at(graph: Queryable, kind: str, name: str, base: str) -> list[System
 
     Instances that do not use it are left out, and so are parameters and remappings that did not name an end.
     """
-    pattern = _AT % (literal(name), CLASSES[kind])
+    pattern = _AT % (literal(name), _AMONG[kind])
     usual = [end for end in unstated_ends(graph, name) if end.role.channel == kind]
-    return partial_systems(graph, system_names(graph), [(v.HAS_COMPONENT, pattern)], base, usual)
+    return partial_systems(graph, None, [(v.HAS_COMPONENT, pattern)], base, usual)
 
 
 def findings_about(graph: Queryable, name: str) -> dict[tuple[str, str, str], tuple[list[str], list[str]]]:

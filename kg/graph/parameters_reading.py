@@ -35,7 +35,7 @@ SELECT DISTINCT ?setting ?owner ?name WHERE {
   { ?owner rnkg:startedWith/rnkg:hasSetting ?setting }
   UNION { ?owner a rnkg:LaunchConfiguration ; rnkg:hasSetting ?setting }
   ?setting rnkg:name ?name .
-  FILTER(CONTAINS(?name, %s))
+  %s
 }"""
 _PROPERTIES: Final = """
 SELECT ?subject ?predicate ?object WHERE {
@@ -108,18 +108,21 @@ def declarations(
     return dict(sorted(kept.items(), key=lambda one: (one[1][0], str(one[1][1].access), str(one[1][1].location))))
 
 
-def set_parameters(graph: Queryable, part: str) -> list[SetParameter]:
-    """Return the parameters that files set and whose absolute name has a `part`."""
-    rows = [[term.value for term in row] for row in select(graph, _SET % literal(part))]
+def set_parameters(graph: Queryable, name: str) -> list[SetParameter]:
+    """Return the parameters that files set and that have a name, as the node knows it or absolute."""
+    text = literal(name)
+    # An absolute name is looked up; another one is the end of absolute names, all of which are read.
+    those = f"VALUES ?name {{ {text} }}" if name.startswith("/") else f"FILTER(STRENDS(?name, {text}))"
+    rows = [[term.value for term in row] for row in select(graph, _SET % those)]
     owners = {start.iri: start for start in _starts(graph, {owner for _, owner, _ in rows})}
     properties = _properties(graph, {setting for setting, _, _ in rows})
     found = []
-    for setting, owner, name in rows:
+    for setting, owner, full in rows:
         own, start = properties[setting], owners.get(owner)
         found.append(
             SetParameter(
-                name=name.removeprefix(f"{start.name}/") if start else name,
-                absolute=name,
+                name=full.removeprefix(f"{start.name}/") if start else full,
+                absolute=full,
                 value=one(own, v.VALUE),
                 reason=one(own, v.REASON),
                 location=_place(own),
@@ -128,6 +131,7 @@ def set_parameters(graph: Queryable, part: str) -> list[SetParameter]:
                 declared=one(own, v.SETS),
             )
         )
+    found = [one for one in found if name in {one.name, one.absolute}]
     return sorted(found, key=lambda one: (one.absolute, one.system, str(one.location)))
 
 

@@ -39,6 +39,7 @@ from kg.facts import (
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of, likely_chain
 from kg.graph.iris import RUNNING, Iris
+from kg.graph.ntriples import literal
 from kg.graph.queries import select
 from kg.graph.reading import Queryable, end_of, facts, grouped, one, qualities, references, type_of, word
 from kg.graph.starts import STARTS
@@ -56,6 +57,7 @@ __all__ = ["SystemName", "included", "partial_systems", "started_names", "system
 _NAMES: Final = """
 SELECT ?name ?path ?repository ?ros WHERE {
   GRAPH ?launch {
+    %s
     ?configuration rnkg:launchDialect ?dialect ; rnkg:ofPackage ?package ; rnkg:name ?name ; rnkg:path ?path ;
                    rnkg:rosVersion ?ros .
   }
@@ -63,11 +65,13 @@ SELECT ?name ?path ?repository ?ros WHERE {
 }"""
 _RUNNING: Final = """
 SELECT ?name ?path ?ros WHERE {
+  %s
   ?configuration a rnkg:RunningSystem ; rnkg:name ?name ; rnkg:path ?path ; rnkg:rosVersion ?ros .
 }"""
 _INCLUDED: Final = "SELECT DISTINCT ?one ?name WHERE { ?other rnkg:includes ?one . ?one rnkg:name ?name }"
 _STARTED: Final = """
 SELECT DISTINCT ?name ?system WHERE {
+  %s
   ?configuration rnkg:hasInstance/rnkg:name ?name ; rnkg:name ?system .
 }"""
 _NO_LABELS: Final[Mapping[str, str]] = MappingProxyType({})
@@ -113,10 +117,18 @@ class SystemName:
     ros: int
 
 
-def system_names(graph: Queryable) -> list[SystemName]:
-    """Return the configurations of the store, sorted by source and path, those of running systems too."""
-    rows = [(row["repository"].value, row) for row in select(graph, _NAMES)]
-    rows += [(RUNNING, row) for row in select(graph, _RUNNING)]
+def system_names(
+    graph: Queryable, iris: Collection[str] | None = None, named: Collection[str] | None = None
+) -> list[SystemName]:
+    """Return the configurations of the store, sorted by source and path, those of running systems too.
+
+    With `iris` or `named` only those of these IRIs or names.
+    """
+    those = "" if iris is None else f"VALUES ?configuration {{ {' '.join(str(NamedNode(iri)) for iri in iris)} }}"
+    if named is not None:
+        those += f" VALUES ?name {{ {' '.join(map(literal, sorted(named)))} }}"
+    rows = [(row["repository"].value, row) for row in select(graph, _NAMES % those)]
+    rows += [(RUNNING, row) for row in select(graph, _RUNNING % those)]
     return sorted(
         SystemName(repository, row["path"].value, row["name"].value, int(row["ros"].value)) for repository, row in rows
     )
@@ -128,10 +140,10 @@ def included(graph: Queryable, labels: Mapping[str, str] = _NO_LABELS) -> frozen
     return frozenset(labels.get(row["one"].value, row["name"].value) for row in rows)
 
 
-def started_names(graph: Queryable) -> dict[str, list[str]]:
-    """Return the absolute names of all instances, each with the configurations that start it, sorted."""
+def started_names(graph: Queryable, name: str | None = None) -> dict[str, list[str]]:
+    """Return the absolute names of instances, each with the configurations that start it, sorted; or one `name`."""
     found: dict[str, set[str]] = {}
-    for row in select(graph, _STARTED):
+    for row in select(graph, _STARTED % ("" if name is None else f"VALUES ?name {{ {literal(name)} }}")):
         found.setdefault(row["name"].value, set()).add(row["system"].value)
     return {name: sorted(found[name]) for name in sorted(found)}
 
@@ -146,14 +158,14 @@ def systems(graph: Queryable, names: Iterable[SystemName], base: str) -> list[Sy
 
 def partial_systems(  # noqa: PLR0913 - the parts of systems
     graph: Queryable,
-    names: Iterable[SystemName],
+    names: Iterable[SystemName] | None,
     parts: Iterable[tuple[str, str]],
     base: str,
-    usual: Iterable[UsualEnd] = (),
+    usual: Collection[UsualEnd] = (),
     *,
     launches: bool = False,
 ) -> list[System]:
-    """Return the systems of these names that have some `parts`, with these and their instances alone.
+    """Return the systems of these names (None: of any) that have some `parts`, with these and their instances alone.
 
     `parts` are relations, each with a pattern that binds the ?part of an ?instance, and the ?graph of that. Settings
     belong to what the instance is started with. `usual` are ends that are not stated. What named an end is there as
@@ -161,12 +173,14 @@ def partial_systems(  # noqa: PLR0913 - the parts of systems
     are there, with their arguments and includes.
     """
     iris = Iris(base)
-    meant = {iris.configuration(one.repository, one.path): one for one in names}
     rows = [
         (*(term.value for term in row), v.bare(relation))
         for relation, pattern in parts
         for row in select(graph, _PARTS % pattern)
     ]
+    if names is None:
+        names = system_names(graph, {row[1] for row in rows} | {end.system for end in usual})
+    meant = {iris.configuration(one.repository, one.path): one for one in names}
     rows = [row for row in rows if row[1] in meant]
     graphs = {iri: iris.system_graph(name.repository, name.path) for iri, name in meant.items()}
     unstated = [end for end in usual if end.system in meant]

@@ -9,6 +9,8 @@ from collections import defaultdict
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 from urllib.parse import unquote
 
+from pyoxigraph import Literal, NamedNode
+
 from kg.facts import InstanceInterface, Resolution
 from kg.graph import vocabulary as v
 from kg.graph.interfaces import SHAPES
@@ -33,11 +35,15 @@ SELECT DISTINCT ?system ?channel ?name WHERE {
 }"""
 _STATED: Final = """
 SELECT ?instance ?code WHERE {
-  GRAPH ?g { ?instance rnkg:without|(ros:hasComponent/(rnkg:declaredBy|rnkg:overrides)) ?code }
+  GRAPH ?g {
+    %s
+    ?instance rnkg:without|(ros:hasComponent/(rnkg:declaredBy|rnkg:overrides)) ?code
+  }
 }"""
 _STARTED: Final = """
 SELECT ?system ?instance ?name ?namespace ?type WHERE {
   GRAPH ?g {
+    %s
     ?system rnkg:hasInstance ?instance ; rnkg:declaredIn ?file . ?instance rnkg:instanceOf ?type ; rnkg:name ?name .
     OPTIONAL { ?instance rnkg:namespace ?namespace }
   }
@@ -45,6 +51,7 @@ SELECT ?system ?instance ?name ?namespace ?type WHERE {
 _IMPLICIT: Final = """
 SELECT ?node ?code ?class ?name ?origin ?type WHERE {
   GRAPH ?g {
+    %s
     ?node a rnkg:NodeType ; ros:hasComponent ?code .
     ?code rnkg:implicit true ; rnkg:name ?name ; rnkg:origin ?origin ; a ?class .
     OPTIONAL { ?code ros:hasMessage|rnkg:hasServiceType|rnkg:hasActionType ?type }
@@ -94,28 +101,49 @@ class UsualEnd(NamedTuple):
 
 def unstated_ends(graph: Queryable, name: str | None = None, types: Collection[str] | None = None) -> list[UsualEnd]:
     """Return the usual ends that systems have without stating them, or those of one absolute name, or of some types."""
+    if name is None:
+        implicit, started = list(_values(graph, _IMPLICIT % "")), list(_values(graph, _STARTED % ""))
+    else:
+        implicit, started = _near(graph, name)
     usual: defaultdict[str, list[tuple[str, Role, str, str | None]]] = defaultdict(list)
-    for node, code, role, own, origin, kind in _values(graph, _IMPLICIT):
-        meant = name is None or name.endswith(own.lstrip("~"))
-        if not (meant and origin.startswith(_ORIGINS) and role in _ROLES):
+    for node, code, role, own, origin, kind in implicit:
+        if not (origin.startswith(_ORIGINS) and role in _ROLES):
             continue
         label = "/".join(unquote(kind).rsplit("/", 2)[-2:]) if kind else None
         if types is None or label in types:
             usual[node].append((code, _ROLES[role], own, label))
-    if not usual:
-        return []
-    stated: defaultdict[str, set[str]] = defaultdict(set)
-    for instance, code in _values(graph, _STATED):
-        stated[instance].add(code)
     found = []
-    for system, instance, full, namespace, node in _values(graph, _STARTED):
+    for system, instance, full, namespace, node in started:
         place = Place(namespace or namespace_of(full), "", private=full)
         found += [
             UsualEnd(system, instance, node, code, role, place.resolve(own), label)
-            for code, role, own, label in usual[node]
-            if code not in stated[instance]
+            for code, role, own, label in usual.get(node, ())
         ]
-    return [end for end in found if name in {None, end.name}]
+    found = [end for end in found if name in {None, end.name}]
+    if not found:
+        return []
+    those = "" if name is None else _listed("instance", {NamedNode(end.instance) for end in found})
+    stated = set(_values(graph, _STATED % those))
+    return [end for end in found if (end.instance, end.code) not in stated]
+
+
+def _near(graph: Queryable, name: str) -> tuple[list[Any], list[Any]]:
+    """Return the implicit ends, and the instances, of which an end with an absolute name can come, and few others.
+
+    The name of such an end is that of the instance and a private name, or it ends in the name that the code has.
+    """
+    parts = name.strip("/").split("/")
+    owners = {Literal("/" + "/".join(parts[: at + 1])) for at in range(len(parts))}
+    started = set(_values(graph, _STARTED % _listed("name", owners)))
+    implicit = set(_values(graph, _IMPLICIT % _listed("node", {NamedNode(row[4]) for row in started})))
+    written = {Literal("/".join(parts[at:])) for at in range(len(parts))} | {Literal(name)}
+    others = set(_values(graph, _IMPLICIT % _listed("name", written)))
+    started.update(_values(graph, _STARTED % _listed("type", {NamedNode(row[0]) for row in others})))
+    return sorted(implicit | others, key=str), sorted(started, key=str)
+
+
+def _listed(variable: str, terms: Collection[NamedNode | Literal]) -> str:
+    return f"VALUES ?{variable} {{ {' '.join(sorted(map(str, terms)))} }}"
 
 
 def channels_by_system(graph: Queryable) -> dict[str, set[tuple[str, str]]]:

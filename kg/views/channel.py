@@ -6,15 +6,24 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import UsageError
-from kg.graph.channels_reading import ends_in_code, findings_about, names, names_in, names_written, systems_at
+from kg.graph.channels_reading import (
+    channels_called,
+    ends_in_code,
+    findings_about,
+    names,
+    names_in,
+    names_written,
+    systems_at,
+)
 from kg.graph.iris import Iris
 from kg.graph.overview import channels
 from kg.graph.records import end_object, interface_object
+from kg.graph.systems_reading import system_names
 from kg.names import normalise
 from kg.views.evidence import places
 from kg.views.names import unknown
 from kg.views.system_rows import set_at
-from kg.views.systems import chosen_systems, known_names
+from kg.views.systems import chosen_systems
 from kg.views.wording import TITLES, quality
 
 if TYPE_CHECKING:
@@ -111,19 +120,26 @@ def channels_meant(
     """
     if kind not in _KINDS:
         raise UsageError("KG003", f"`{kind}` is not a kind of name", hint=f"Use {', '.join(_KINDS)}.")
-    known = names(snapshot, kind, implicit=True) if systems is None else names_in(snapshot, kind, systems)
     written = normalise(name.strip())
-    found = [one for one in names_written(snapshot, kind, written) if one in known]
+    found = names_written(snapshot, kind, written)
     absolute = written if written.startswith("/") else f"/{written}"
-    if absolute in known:
+    if systems is None:
+        there = (kind, absolute) in channels_called(snapshot, [absolute])
+    else:
+        known = names_in(snapshot, kind, systems)
+        found, there = [one for one in found if one in known], absolute in known
+    if there:
         return absolute, [one for one in found if one != absolute]
-    if not found and written.strip("/~"):
-        part = name.strip().lower()
-        found = [one for one in known if one.lower().startswith(part) or (part[0] != "/" and part in one.lower())]
-        explicit = set(names(snapshot, kind))
-        found = [one for one in found if one in explicit] or found
     if not found:
-        raise unknown(kind, name, known, otherwise=f"`kg {kind}s` lists the {kind}s.")
+        # Only a part of a name, or one that is not there, needs all names.
+        known = names(snapshot, kind, implicit=True) if systems is None else known
+        if written.strip("/~"):
+            part = name.strip().lower()
+            found = [one for one in known if one.lower().startswith(part) or (part[0] != "/" and part in one.lower())]
+            explicit = set(names(snapshot, kind))
+            found = [one for one in found if one in explicit] or found
+        if not found:
+            raise unknown(kind, name, known, otherwise=f"`kg {kind}s` lists the {kind}s.")
     return (found[0], []) if len(found) == 1 else (None, found)
 
 
@@ -131,10 +147,11 @@ def _findings(
     snapshot: EmbeddedSnapshot, settings: Settings, name: str, systems: frozenset[str] | None
 ) -> list[dict[str, Any]]:
     iris = Iris(settings.base)
-    named = {iris.configuration(one.repository, one.path): one.name for one in known_names(snapshot)}
-    named = {iri: name for iri, name in named.items() if systems is None or iri in systems}
+    about = findings_about(snapshot, name)
+    those = {iri for _, where in about.values() for iri in where if systems is None or iri in systems}
+    named = {iris.configuration(one.repository, one.path): one.name for one in system_names(snapshot, those)}
     found = []
-    for (code, severity, message), (subjects, where) in findings_about(snapshot, name).items():
+    for (code, severity, message), (subjects, where) in about.items():
         inside = sorted({named[one] for one in where if one in named})
         if code in _MISMATCHES and inside:
             found.append(

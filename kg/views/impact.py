@@ -101,7 +101,7 @@ def _types(snapshot: EmbeddedSnapshot, world: StoredWorld, name: str) -> Iterato
 
 def _nodes(snapshot: EmbeddedSnapshot, world: StoredWorld, name: str) -> Iterator[Subject]:
     if name.startswith("/"):
-        yield from (Subject(Kind.NODE, name) for _ in range(name in started_names(snapshot)))
+        yield from (Subject(Kind.NODE, name) for _ in range(name in started_names(snapshot, name)))
         return
     for record in world.nodes:
         if name in {record.node.name, f"{record.package}/{record.node.name}"}:
@@ -113,7 +113,7 @@ def _parameters(snapshot: EmbeddedSnapshot, world: StoredWorld, name: str) -> It
         yield Subject(Kind.PARAMETER, name)
     splits = [(name[:at], name[at + 1 :]) for at, sign in enumerate(name) if sign == "."]
     for owner, inner in splits:
-        if owner.startswith("/") and owner in started_names(snapshot):
+        if owner.startswith("/") and owner in started_names(snapshot, owner):
             yield Subject(Kind.PARAMETER, inner, owner)
         for record in world.nodes:
             if names_node(record, owner) and any(same_parameter(one.name, inner) for one in record.node.parameters):

@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kg.errors import UnknownNameError, UsageError
+from kg.graph.ntriples import literal
+from kg.query.prefixes import PREFIXES
 from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
@@ -25,10 +27,13 @@ def known_package(graph: Queryable, name: str) -> None:
     """Raise KG001 unless the store has a package of this name (`name` or `repository:name`)."""
     from kg.graph.overview import packages  # noqa: PLC0415 - start-up time
 
+    repository, _, own = name.rpartition(":")
+    owner = f"?r rnkg:contains ?p ; rnkg:name {literal(repository)} ." if repository else ""
+    if graph.query(f"ASK {{ ?p a rnkg:Package ; rnkg:name {literal(own)} . {owner} }}", prefixes=dict(PREFIXES)):
+        return
     known = packages(graph)
     names = [one.name for one in known] + [f"{one.repository}:{one.name}" for one in known]
-    if name not in names:
-        raise unknown("package", name, names, otherwise="`kg packages` lists the packages.")
+    raise unknown("package", name, names, otherwise="`kg packages` lists the packages.")
 
 
 def one_node(graph: Queryable, name: str) -> list[NodeRecord]:
@@ -69,15 +74,18 @@ def starting_system(graph: Queryable, name: str, launch: str | None) -> str:
     from kg.graph.systems_reading import started_names, system_names  # noqa: PLC0415 - start-up time
     from kg.pipeline.launch_names import matching, unknown_launch  # noqa: PLC0415 - start-up time
 
-    started = started_names(graph)
+    found = started_names(graph, name).get(name, [])
     if launch is not None:
-        known = system_names(graph)
-        meant = {one.name for one in matching(known, launch)}
-        if not meant:
-            raise unknown_launch(known, launch)
-        started = {key: kept for key, found in started.items() if (kept := [one for one in found if one in meant])}
-    found = started.get(name, [])
+        starting = matching(system_names(graph, named=found), launch)
+        found = [one for one in found if one in {each.name for each in starting}]
     if not found:
+        started = started_names(graph)
+        if launch is not None:
+            known = system_names(graph)
+            meant = {one.name for one in matching(known, launch)}
+            if not meant:
+                raise unknown_launch(known, launch)
+            started = {key: systems for key, systems in started.items() if not meant.isdisjoint(systems)}
         raise unknown("instance", name, started, otherwise="`kg instances` lists the instances.")
     if len(found) > 1:
         ways = "\n".join(f"`kg node {name} --launch {one}`" for one in found)

@@ -49,7 +49,7 @@ def parameter(snapshot: EmbeddedSnapshot, settings: Settings, *, name: str, syst
     """
     written = name.strip().removeprefix("~/")
     last, absolute = written.rpartition("/")[2], written.startswith("/")
-    found = [one for one in set_parameters(snapshot, last) if written in {one.name, one.absolute}] if last else []
+    found = set_parameters(snapshot, written) if last else []
     known = declared_names(snapshot)
     declared = {one for one in known if last and _is(one.removeprefix("~/"), written)}
     declared = declared or {one for one in known if not found and _may_be(one, written)}

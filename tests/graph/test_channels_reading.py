@@ -9,10 +9,11 @@ import pytest
 from workspaces import example
 
 from kg.graph.channels_reading import CLASSES, ends_in_code, names, names_written, systems_at
-from kg.graph.iris import DEFAULT_BASE
+from kg.graph.iris import DEFAULT_BASE, Iris
 from kg.graph.parameters_reading import set_parameters
 from kg.graph.reading import node_records
-from kg.graph.systems_reading import system_names, systems
+from kg.graph.systems_reading import started_names, system_names, systems
+from kg.graph.usual_ends import unstated_ends
 from kg.holes import is_known
 from kg.settings import load
 from kg.store.opening import reading
@@ -92,12 +93,16 @@ def test_names_of_frameworks_are_there_on_request(snapshot: EmbeddedSnapshot) ->
     assert "/drone1/gimbal/get_parameters" in names(snapshot, "service", implicit=True)
 
 
+def _set(snapshot: EmbeddedSnapshot, name: str) -> set[tuple[str, str | None, str, str | None]]:
+    """Return name, value, place and node of what files set that has a name."""
+    return {
+        (one.absolute, one.value, str(one.location), one.start.name if one.start else None)
+        for one in set_parameters(snapshot, name)
+    }
+
+
 def test_parameters_of_one_name_are_those_of_whole_systems(snapshot: EmbeddedSnapshot) -> None:
     """What files set is the same, with place and start, as reading all systems gives."""
-    found = {
-        (one.absolute, one.value, str(one.location), one.start.name if one.start else None)
-        for one in set_parameters(snapshot, "")
-    }
     whole = systems(snapshot, system_names(snapshot), DEFAULT_BASE)
     own = {
         (p.name, p.set.value, str(p.set.location), one.name)
@@ -107,4 +112,38 @@ def test_parameters_of_one_name_are_those_of_whole_systems(snapshot: EmbeddedSna
     }
     shared = {(p.name, p.value, str(p.location), None) for s in whole for p in s.shared_parameters}
     assert own
-    assert found == own | shared
+    for name in {name for name, *_ in own | shared}:
+        expected = {row for row in own | shared if row[0] == name}
+        assert _set(snapshot, name) == expected
+        for relative in {name.removeprefix(f"{start}/") for *_, start in expected if start}:
+            assert expected <= _set(snapshot, relative)
+    assert _set(snapshot, "/nowhere/rate") == set()
+
+
+def test_usual_ends_of_one_name_are_those_of_all(snapshot: EmbeddedSnapshot) -> None:
+    """Looked up by its name, an end that systems need not state is the one that reading all of them gives."""
+    every = unstated_ends(snapshot)
+    names = {end.name for end in every}
+    assert len(names) > 1
+    for name in {*names, "/", "/nowhere/at_all"}:
+        assert sorted(unstated_ends(snapshot, name), key=str) == sorted(
+            (end for end in every if end.name == name), key=str
+        )
+
+
+def test_systems_of_some_iris_have_the_names_of_these(snapshot: EmbeddedSnapshot) -> None:
+    """The names of some configurations are the same as among those of all."""
+    every = system_names(snapshot)
+    iris = Iris(DEFAULT_BASE)
+    one = every[0]
+    assert system_names(snapshot, [iris.configuration(one.repository, one.path)]) == [one]
+    assert system_names(snapshot, []) == []
+    assert system_names(snapshot, named=[one.name]) == [each for each in every if each.name == one.name]
+
+
+def test_starts_of_one_name_are_those_among_all(snapshot: EmbeddedSnapshot) -> None:
+    """Who starts an instance is the same whether it is asked for or found among all."""
+    every = started_names(snapshot)
+    assert len(every) > 1
+    assert all(started_names(snapshot, name) == {name: found} for name, found in every.items())
+    assert started_names(snapshot, "/nowhere") == {}

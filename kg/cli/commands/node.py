@@ -124,7 +124,7 @@ def _instance(  # noqa: PLR0913 - the options of the command
 
     with reading(settings) as snapshot:
         chosen = starting_system(snapshot, name, launch)
-        names = [one for one in system_names(snapshot) if one.name == chosen]
+        names = system_names(snapshot, named=[chosen])
         found = systems(snapshot, names, settings.base)
         links = Links.of(sources(snapshot))
     pairs = [(system, one) for system in found for one in system.instances if one.name == name]
