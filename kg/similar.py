@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from difflib import SequenceMatcher, get_close_matches
+from heapq import nlargest
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -12,6 +13,10 @@ __all__ = ["asked", "did_you_mean", "similar"]
 
 _FEW = 3
 _ALIKE = 0.6
+_MANY = 1000
+"""So many names are compared letter by letter."""
+_PIECE = 3
+"""Letters."""
 
 
 def similar(name: str, known: Iterable[str], limit: int = _FEW) -> list[str]:
@@ -21,11 +26,21 @@ def similar(name: str, known: Iterable[str], limit: int = _FEW) -> list[str]:
     """
     wanted = name.strip().lower()
     names = {candidate.lower(): candidate for candidate in sorted(set(known), reverse=True)}
+    if len(names) > _MANY:
+        names = {candidate: names[candidate] for candidate in _nearest(wanted, names)}
     close = get_close_matches(wanted, names, n=limit, cutoff=_ALIKE)
     last = wanted.rpartition("/")[2]
     parts = [candidate for candidate in names if last and (last in candidate or candidate in wanted)]
     parts.sort(key=lambda candidate: (-SequenceMatcher(None, wanted, candidate).ratio(), candidate))
     return [names[candidate] for candidate in dict.fromkeys([*close, *parts])][:limit]
+
+
+def _nearest(wanted: str, names: Iterable[str]) -> list[str]:
+    """Return the names that share most pieces with the one wanted, in their order: comparing all takes too long."""
+    pieces = {wanted[at : at + _PIECE] for at in range(max(len(wanted) - _PIECE + 1, 1))}
+    ranks = {name: sum(piece in name for piece in pieces) / (len(wanted) + len(name)) for name in names}
+    kept = set(nlargest(_MANY, ranks, key=ranks.__getitem__))
+    return [name for name in ranks if name in kept]
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import Literal, NamedNode
 
@@ -10,6 +10,7 @@ from kg.errors import UsageError
 from kg.query.binding import bind
 from kg.query.core import run
 from kg.query.result import Solutions
+from kg.query.runner import DeadlineError
 from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
     from kg.store.terms import Term
 
 __all__ = ["ask", "row", "suggestion"]
+
+_PATIENCE: Final = 3.0
+"""Seconds: so long a suggestion is looked for."""
 
 
 def ask(
@@ -62,11 +66,15 @@ def suggestion(
     """Return what was probably meant when a query with `values` found nothing.
 
     The query is asked again without each value in turn; when its column of that name does not have the value, the
-    values alike that it has are suggested.
+    values alike that it has are suggested. A query that takes long without the value gives no suggestion.
     """
     for name in values:
         terms = query.bind({key: value for key, value in values.items() if key != name})
-        result = run(snapshot, query.text, parameters=terms, timeout=timeout, path=str(query.path))
+        patience = min(timeout or _PATIENCE, _PATIENCE)
+        try:
+            result = run(snapshot, query.text, parameters=terms, timeout=patience, path=str(query.path))
+        except DeadlineError:
+            return None
         if not isinstance(result, Solutions) or name not in result.variables:
             continue
         column = result.variables.index(name)
