@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, cast
 
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Dataset", "Evaluation", "Prepared", "prepare"]
 
-_FRESH: Final = ("now", "rand", "uuid", "bnode")
+_FRESH: Final = re.compile("now|rand|uuid|bnode")
 """Functions, STRUUID among them, that give another value at each call, or at each query."""
 
 
@@ -121,7 +122,7 @@ def prepare(text: str, parameters: Mapping[str, NamedNode | Literal], path: str 
         typed=text,
         bound=bind(text, parameters),
         # Where the engine needs no blank between two words, the lexer takes them for one.
-        repeatable=not any(fresh in word for word in words for fresh in _FRESH),
+        repeatable=not any(map(_FRESH.search, words)),
         names_data=any(word.startswith("from") for word in words),
         path=path,
     )

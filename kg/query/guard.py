@@ -45,12 +45,16 @@ def check(tokens: Iterable[Token], text: str, path: str = "query") -> None:
         if _is_call(previous, token, depth):
             raise _refusal("KG502", _SERVER, text, token, path)
         previous = token
-        sign = token.text if token.kind is Kind.SIGN else ""
-        depth = max(0, depth + (sign in _OPENING) - (sign in _CLOSING))
-        unary = unary + len(sign) if sign in _UNARY else 0
+        if token.kind is Kind.SIGN:
+            sign = token.text
+            depth = max(0, depth + (sign in _OPENING) - (sign in _CLOSING))
+            unary = unary + len(sign) if sign in _UNARY else 0
+            chain += sign == "{" or sign in _OPERATORS
+        else:
+            unary = 0
+            chain += token.kind is Kind.WORD and token.text.lower() in _PATTERNS
         if depth > MAX_DEPTH or unary > MAX_DEPTH:
             raise _refusal("KG516", f"the query nests deeper than {MAX_DEPTH}", text, token, path)
-        chain += sign == "{" or sign in _OPERATORS or token.text.lower() in _PATTERNS
         if chain > MAX_CHAIN:
             raise _refusal("KG516", f"the query has more than {MAX_CHAIN} operators and patterns", text, token, path)
 

@@ -47,10 +47,11 @@ class Token(NamedTuple):
 
 _IRI = re.compile(r"<(?:[^\x00-\x20<>\"{}|^`\\]|\\u[0-9A-Fa-f]{4}|\\U[0-9A-Fa-f]{8})*>")
 _NAME_CHARS = r"(?:[\w·‿⁀-]|%[0-9A-Fa-f]{2}|\\[_~.\-!$&'()*+,;=/?#@%]|:)"
+_BETWEEN = re.compile(r"(?:[\x20\t\n\r]+|#[^\n\r]*)*+")
+"""Blanks and comments."""
 _TOKEN = re.compile(
     rf"""
-    (?P<skip>[\x20\t\n\r]+|\#[^\n\r]*)
-    | (?P<string>'''(?:'{{0,2}}(?:[^'\\]|\\.))*''' | \"\"\"(?:"{{0,2}}(?:[^"\\]|\\.))*\"\"\"
+    (?: (?P<string>'''(?:'{{0,2}}(?:[^'\\]|\\.))*''' | \"\"\"(?:"{{0,2}}(?:[^"\\]|\\.))*\"\"\"
         | '(?:[^'\\\n\r]|\\.)*' | "(?:[^"\\\n\r]|\\.)*")
     | (?P<variable>[?$]\w[\w·‿⁀]*)
     | (?P<tag>@[A-Za-z]+(?:-[A-Za-z0-9]+)*)
@@ -59,6 +60,7 @@ _TOKEN = re.compile(
         :(?:{_NAME_CHARS}(?:{_NAME_CHARS}|\.++(?={_NAME_CHARS}))*)?)
     | (?P<word>[^\W\d]\w*)
     | (?P<sign>\^\^|&&|\|\||[!<>]=|.)
+    )(?:[\x20\t\n\r]+|\#[^\n\r]*)*+
     """,
     re.VERBOSE | re.DOTALL,
 )
@@ -71,6 +73,7 @@ _KINDS = {
     "word": Kind.WORD,
     "sign": Kind.SIGN,
 }
+_OPENING: Final = frozenset({"{", "[", "<<"})
 _CLOSING: Final = {")": "(", "]": "[", "}": "{", ">>": "<<"}
 _TERM_WORDS: Final = frozenset({"a", "true", "false", "undef"})
 _BEGIN_EXPRESSIONS: Final = frozenset({"select", "group", "order", "having"})
@@ -93,27 +96,35 @@ def normalise(text: str) -> str:
 def tokens(text: str) -> Iterator[Token]:
     """Yield the tokens of a normalised query without blanks and comments; nothing is refused here."""
     levels = [_Level("", expression=True)]
-    previous: list[Token] = []
-    position = 0
+    previous: tuple[Token, ...] = ()
+    position = _behind(text, 0)
     while position < len(text):
-        token = _angle(text, position, levels[-1], previous) if text[position] == "<" else None
-        if token is None:
+        token = _angle(text, position, levels[-1], previous) if text[position] in "<>" else None
+        if token is not None:
+            position = _behind(text, token.end)
+        else:
             match = _TOKEN.match(text, position)
-            if match is None or match.lastgroup is None:
+            if match is None or (group := match.lastgroup) is None:
                 break
+            token = Token(_KINDS[group], match[group], position, match.end(group))
             position = match.end()
-            if match.lastgroup == "skip":
-                continue
-            token = Token(_KINDS[match.lastgroup], match.group(), match.start(), match.end())
-        token = _closing_quoted_triple(text, token, levels[-1])
-        position = token.end
         yield token
-        _track(token, levels, previous)
-        previous = [*previous[-1:], token]
+        if token.kind is Kind.SIGN or token.kind is Kind.WORD:
+            _track(token, levels, previous)
+        previous = (*previous[-1:], token)
 
 
-def _angle(text: str, position: int, level: _Level, previous: list[Token]) -> Token | None:
-    """Return the IRI, the operator or the beginning of a quoted triple at a `<`."""
+def _behind(text: str, position: int) -> int:
+    """Return where the next token begins."""
+    match = _BETWEEN.match(text, position)
+    return match.end() if match else position
+
+
+def _angle(text: str, position: int, level: _Level, previous: tuple[Token, ...]) -> Token | None:
+    """Return the IRI, the operator, or the beginning or end of a quoted triple at a `<` or `>`; None for others."""
+    if text[position] == ">":
+        closes = level.bracket == "<<" and text.startswith(">>", position)
+        return Token(Kind.SIGN, ">>", position, position + 2) if closes else None
     if level.expression and level.bracket == "(" and previous and _is_operand(previous[-1]):
         end = position + (2 if text.startswith("<=", position) else 1)
         return Token(Kind.SIGN, text[position:end], position, end)
@@ -125,20 +136,14 @@ def _angle(text: str, position: int, level: _Level, previous: list[Token]) -> To
     return None
 
 
-def _closing_quoted_triple(text: str, token: Token, level: _Level) -> Token:
-    if level.bracket == "<<" and token.text == ">" and text.startswith(">>", token.start):
-        return Token(Kind.SIGN, ">>", token.start, token.start + 2)
-    return token
-
-
 def _is_operand(token: Token) -> bool:
     if token.kind is Kind.WORD:
         return token.text.lower() in _TERM_WORDS
     return token.kind is not Kind.SIGN or token.text in {")", "]", "}", ">>"}
 
 
-def _track(token: Token, levels: list[_Level], previous: list[Token]) -> None:
-    """Follow brackets and the clauses of a query, which decide where expressions stand."""
+def _track(token: Token, levels: list[_Level], previous: tuple[Token, ...]) -> None:
+    """Follow brackets and clauses by a sign or a word; they decide where expressions stand."""
     level = levels[-1]
     if token.kind is Kind.WORD:
         word = token.text.lower()
@@ -146,17 +151,17 @@ def _track(token: Token, levels: list[_Level], previous: list[Token]) -> None:
             level.expression = True
         elif word in _END_EXPRESSIONS and level.bracket in {"", "{"}:
             level.expression = level.bracket == ""
-    elif token.kind is Kind.SIGN and token.text in {"{", "[", "<<"}:
+    elif token.text in _OPENING:
         levels.append(_Level(token.text, expression=False))
         if token.text == "{" and level.bracket == "{":
             level.expression = False
-    elif token.kind is Kind.SIGN and token.text == "(":
+    elif token.text == "(":
         levels.append(_Level("(", expression=_opens_expression(level, previous)))
-    elif token.kind is Kind.SIGN and _CLOSING.get(token.text) == level.bracket != "":
+    elif _CLOSING.get(token.text) == level.bracket != "":
         levels.pop()
 
 
-def _opens_expression(level: _Level, previous: list[Token]) -> bool:
+def _opens_expression(level: _Level, previous: tuple[Token, ...]) -> bool:
     """Tell whether a `(` in `level`, behind the tokens `previous`, holds an expression (or arguments)."""
     if not previous:
         return True
