@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections import OrderedDict
 from typing import TYPE_CHECKING, Final, NamedTuple
 
@@ -112,13 +113,14 @@ class Pointer:
 
     def __init__(self, layout: Layout) -> None:
         self._layout = layout
+        self._path = str(layout.pointer)
         self._seen: tuple[int, int] | None = None
         self._snapshot: str | None = None
 
     def snapshot(self) -> str | None:
         """Return the identity of the data in force; None when there is none, or it cannot be told."""
         try:
-            status = self._layout.pointer.stat()
+            status = os.stat(self._path)  # noqa: PTH116 - for each request, at half the cost
             seen = (status.st_ino, status.st_mtime_ns)
             if seen != self._seen:
                 number = self._layout.current()

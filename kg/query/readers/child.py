@@ -17,6 +17,7 @@ from pyoxigraph import Literal, NamedNode
 from kg.errors import KgError, QueryError
 from kg.query.evaluation import Dataset, prepare
 from kg.query.formats import write_boolean, write_graph, write_rows
+from kg.query.readers.cache import Pointer
 from kg.query.readers.messages import (
     Call,
     Configuration,
@@ -74,6 +75,7 @@ class _Reader:
     def __init__(self, configuration: Configuration, answers: BinaryIO) -> None:
         self._configuration = configuration
         self._layout = Layout(Path(configuration.root))
+        self._pointer = Pointer(self._layout)
         self._answers = answers
         self._snapshot: EmbeddedSnapshot | None = None
         self._threads = threading.active_count()
@@ -111,15 +113,14 @@ class _Reader:
         if kind not in question.formats:
             raise QueryError("KG504", f"the query answers {kind}, which no format asked for can hold")
         head = Head(kind, question.formats[kind], snapshot.identity, evaluation.variables, prepared.repeatable)
-        count, more = self._write(head, evaluation, question)
-        self._end(count, began, more=more)
-
-    def _write(self, head: Head, evaluation: Evaluation, question: Question) -> tuple[int, bool]:
-        """Say the head and the parts; return how many rows these hold, and whether there were more."""
         parts = Parts(self._answers, head, question.size)
+        count, more = self._write(parts, head, evaluation, question)
+        parts.end(self._end(count, began, more=more))
+
+    def _write(self, parts: Parts, head: Head, evaluation: Evaluation, question: Question) -> tuple[int, bool]:
+        """Write the parts; return how many rows these hold, and whether there were more."""
         if isinstance(evaluation.found, bool):
             write_boolean(head.format, parts.take, value=evaluation.found)
-            parts.flush()
             return 1, False
         pulse = Pulse(self._answers)
         window: Window[Any] = Window(evaluation.found, offset=question.offset, most=question.rows, tick=pulse.tick)
@@ -127,7 +128,6 @@ class _Reader:
             write_graph(head.format, cast("Iterable[Triple]", window), parts.take)
         else:
             write_rows(head.format, evaluation.variables, cast("Iterable[Row]", window), parts.take)
-        parts.flush()
         return window.count, window.more
 
     def _call(self, call: Call) -> None:
@@ -139,16 +139,15 @@ class _Reader:
         found = functions[call.name](snapshot, self._settings, **call.arguments)
         parts = Parts(self._answers, Head("json", "json", snapshot.identity, repeatable=False), None)
         parts.take(msgspec.json.encode(found))
-        parts.flush()
-        self._end(1, began)
+        parts.end(self._end(1, began))
 
     @cached_property
     def _settings(self) -> Settings:
         return load({"store": self._configuration.root, **self._configuration.settings})
 
-    def _end(self, count: int, began: float, *, more: bool = False) -> None:
-        """Say that the answer is whole."""
-        self._send(End(count, time.perf_counter() - began, more, self._is_spent()))
+    def _end(self, count: int, began: float, *, more: bool = False) -> End:
+        """Return the end of a whole answer."""
+        return End(count, time.perf_counter() - began, more, self._is_spent())
 
     def _is_spent(self) -> bool:
         """Tell whether a request left this process large or at work, so that another one had better begin anew."""
@@ -156,7 +155,7 @@ class _Reader:
 
     def _current(self) -> EmbeddedSnapshot:
         """Return the content that is in force now."""
-        if self._snapshot is not None and self._snapshot.generation != self._layout.current():
+        if self._snapshot is not None and self._snapshot.identity != self._pointer.snapshot():
             self._snapshot.close()
             self._snapshot = None
         if self._snapshot is None:
@@ -200,8 +199,9 @@ def _cap_memory(most: int | None) -> None:
 
 
 def _resident_bytes() -> int:
-    """Return how much memory this process holds, 0 where the system does not tell."""
-    return _memory_bytes(1)
+    """Return how much memory this process holds, 0 where the system does not tell or it never held much."""
+    most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return _memory_bytes(1) if most << 10 > _LARGE_BYTES else 0
 
 
 def _memory_bytes(column: int) -> int:

@@ -20,6 +20,7 @@ __all__ = ["Fleet"]
 class Fleet:
     """Readers made by `spawner`, of which `ready` are kept idle, so that no request has to wait for one to start.
 
+    Up to twice as many stay: where requests come and go, none is ended only to be started again.
     A reader whose priority was lowered is not used again. `spawned` is how many there were so far, `ended` how many of
     these by what ended them.
     """
@@ -29,6 +30,7 @@ class Fleet:
         self._ready = ready
         self._idle: list[Process] = []
         self._used: set[Process] = set()
+        self._behind: set[Process] = set()
         self._filling: asyncio.Task[None] | None = None
         self._closing = False
         self.spawned = 0
@@ -53,20 +55,25 @@ class Fleet:
     def put(self, process: Process) -> None:
         """Take a reader back that is ready for the next request."""
         self._used.discard(process)
-        if process.ended or process.nice or self._closing or len(self._idle) > self._ready:
+        if process.ended or process.nice or self._closing or len(self._idle) >= 2 * self._ready:
             self._close(process, "retired")
         else:
             self._idle.append(process)
+            if process in self._behind:
+                process.send(frame(Refresh()))
+        self._behind.discard(process)
         self.fill()
 
     def drop(self, process: Process, cause: str) -> None:
         """End a reader that still does something, and note the cause."""
         self._used.discard(process)
+        self._behind.discard(process)
         self._close(process, cause)
         self.fill()
 
     def refresh(self) -> None:
-        """Let the readers with nothing to do take note that the data has changed; the others do so afterwards."""
+        """Notify idle readers that the data has changed; busy ones are notified when they are done."""
+        self._behind = set(self._used)
         for process in self._idle:
             process.send(frame(Refresh()))
 
@@ -99,7 +106,11 @@ class Fleet:
     async def _fill(self) -> None:
         try:
             while (missing := self._ready - len(self._idle)) > 0:
-                self._idle[:0] = await asyncio.gather(*(self._spawn() for _ in range(missing)))
+                fresh = await asyncio.gather(*(self._spawn() for _ in range(missing)))
+                for process in fresh:
+                    # The data may have changed since it was opened.
+                    process.send(frame(Refresh()))
+                self._idle[:0] = fresh
         except QueryError:
             # Whoever needs a reader tries again and is told.
             return

@@ -9,7 +9,7 @@ from kg.errors import QueryError
 from kg.query.readers.messages import Progress, frame
 
 if TYPE_CHECKING:
-    from kg.query.readers.messages import Head
+    from kg.query.readers.messages import End, Head
 
 __all__ = ["Parts", "Pulse"]
 
@@ -40,17 +40,18 @@ class Parts:
         self._held.append(data)
         self._held_bytes += len(data)
         if self._held_bytes >= _PART_BYTES:
-            self.flush()
+            self._send()
 
-    def flush(self) -> None:
-        """Say what is held; behind the last of it the answer can end."""
-        if self._head is not None:
-            self._answers.write(frame(self._head))
-            self._head = None
-        if self._held:
-            self._answers.write(frame(b"".join(self._held)))
-            self._held, self._held_bytes = [], 0
+    def end(self, end: End) -> None:
+        """Send what is held, and the end of the answer, as one piece."""
+        self._send(frame(end))
+
+    def _send(self, behind: bytes = b"") -> None:
+        head = b"" if self._head is None else frame(self._head)
+        part = frame(b"".join(self._held)) if self._held else b""
+        self._answers.write(head + part + behind)
         self._answers.flush()
+        self._head, self._held, self._held_bytes = None, [], 0
 
 
 class Pulse:

@@ -37,6 +37,9 @@ class _Starting:
     async def receive(self) -> Ready:
         return await self.ready
 
+    def send(self, _data: bytes) -> None:
+        pass
+
     def close(self) -> None:
         self.closed = True
 
@@ -52,6 +55,34 @@ class _Spawner:
 
     async def close(self) -> None:
         pass
+
+
+class _Spawners:
+    """Starts readers that are ready at once."""
+
+    async def spawn(self) -> _Starting:
+        process = _Starting()
+        process.ready.set_result(Ready(7))
+        return process
+
+    async def close(self) -> None:
+        pass
+
+
+def test_readers_stay_where_requests_come_and_go() -> None:
+    """Requests that come two at a time again and again start no reader once there are enough, and end none."""
+
+    async def run() -> None:
+        fleet = Fleet(cast("Any", _Spawners()), 3)
+        for _ in range(20):
+            taken = [await fleet.take(lambda _: None) for _ in range(2)]
+            await until(lambda: fleet.idle >= 3)
+            for process in taken:
+                fleet.put(process)
+        assert (fleet.spawned <= 6, dict(fleet.ended)) == (True, {})
+        await fleet.close()
+
+    asyncio.run(run())
 
 
 @pytest.mark.parametrize("told", [False, True])
