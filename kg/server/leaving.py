@@ -31,26 +31,49 @@ async def while_connected(receive: Receive, work: Awaitable[_T]) -> _T:
         ClientLeftError: the client did.
         RequestError: KG525, KG532 for the body of a request of which none was expected.
     """
-    running = asyncio.ensure_future(work)
+    watch = _Watch(receive)
+    later = watch.loop.call_later(_PATIENCE, watch.begin)
     try:
-        await asyncio.wait({running}, timeout=_PATIENCE)
-        if not running.done():
-            watcher = asyncio.ensure_future(_disconnect(receive))
-            try:
-                await asyncio.wait({running, watcher}, return_when=asyncio.FIRST_COMPLETED)
-                if not running.done():
-                    watcher.result()
-            finally:
-                watcher.cancel()
-        if running.done():
-            return running.result()
-        raise ClientLeftError
+        return await work
+    except asyncio.CancelledError:
+        if watch.ended and watch.task.uncancel() == 0:
+            # What it raises is why, else the client left.
+            watch.ended.result()
+            raise ClientLeftError from None
+        raise
     finally:
-        if not running.done():
-            running.cancel()
-            await asyncio.wait({running})
+        later.cancel()
+        watch.stop()
 
 
-async def _disconnect(receive: Receive) -> None:
-    while (await receive())["type"] != "http.disconnect":
-        pass
+class _Watch:
+    """Cancels the task that made it when the client leaves; it begins once most requests are answered."""
+
+    def __init__(self, receive: Receive) -> None:
+        self.loop = asyncio.get_running_loop()
+        task = asyncio.current_task()
+        assert task is not None  # noqa: S101 - a coroutine runs in one
+        self.task = task
+        self.ended: asyncio.Task[None] | None = None
+        self._receive = receive
+        self._watcher: asyncio.Task[None] | None = None
+
+    def begin(self) -> None:
+        """Watch from now on."""
+        self._watcher = self.loop.create_task(self._disconnect())
+        self._watcher.add_done_callback(self._end)
+
+    def stop(self) -> None:
+        """Watch no more."""
+        if self._watcher is not None:
+            self._watcher.remove_done_callback(self._end)
+            self._watcher.cancel()
+
+    def _end(self, watcher: asyncio.Task[None]) -> None:
+        if not watcher.cancelled():
+            self.ended = watcher
+            self.task.cancel()
+
+    async def _disconnect(self) -> None:
+        while (await self._receive())["type"] != "http.disconnect":
+            pass

@@ -47,15 +47,24 @@ class Metrics:
         self._snapshot = Gauge("kg_snapshot", "The generation of the data in force.", registry=registry)
         self._age = Gauge("kg_snapshot_age_seconds", "Seconds since it came into force.", registry=registry)
 
+        self._children: dict[tuple[str, int], Counter] = {}
+        self._outcomes: dict[str, Counter] = {}
+
     def count(self, method: str, found: Record) -> None:
         """Count a request that has been answered."""
-        self._requests.labels(method if method in _METHODS else "other", str(found.status)).inc()
+        key = (method if method in _METHODS else "other", found.status)
+        if key not in self._children:
+            self._children[key] = self._requests.labels(key[0], str(found.status))
+        self._children[key].inc()
         self._bytes.inc(found.sent)
         if found.query is not None:
-            self._queries.labels(found.outcome).inc()
+            if found.outcome not in self._outcomes:
+                self._outcomes[found.outcome] = self._queries.labels(found.outcome)
+            self._outcomes[found.outcome].inc()
             self._seconds.observe(found.seconds)
             self._rows.inc(found.rows or 0)
-            self._cached.inc(found.cached)
+            if found.cached:
+                self._cached.inc()
 
     def text(self, request: Request) -> bytes:
         """Return all figures, those of the readers and the store as they are now."""

@@ -13,10 +13,10 @@ from urllib.parse import urlencode
 
 import msgspec
 
-from kg.query.readers.messages import Question
+from kg.query.readers.messages import Question, frame
 from kg.server.errors import RequestError
 from kg.server.negotiation import choose
-from kg.server.parameters import FORM, Parameters, body_text, in_utf8, media_type
+from kg.server.parameters import FORM, Parameters, address, body_text, in_utf8, media_type
 from kg.server.safety.tokens import is_trusted
 from kg.server.state import state
 
@@ -68,7 +68,7 @@ class Asked:
 def digest(question: Question, choices: Mapping[str, Choice]) -> str:
     """Return what tells requests apart whose answers are not the same bytes."""
     sent = sorted((kind, choice.content_type) for kind, choice in choices.items())
-    return hashlib.sha256(repr((msgspec.structs.astuple(question), sent)).encode("utf-8", "replace")).hexdigest()[:24]
+    return hashlib.sha256(frame(question) + msgspec.msgpack.encode(sent)).hexdigest()[:24]
 
 
 async def asked(request: Request) -> Asked | None:
@@ -118,19 +118,19 @@ async def _asked(request: Request) -> Asked | None:
 
 async def _said(request: Request) -> tuple[Parameters, str | None]:
     """Return the parameters of a request and the text of its query."""
-    address = request.scope["query_string"]
+    said = request.scope["query_string"]
     if request.method in {"GET", "HEAD"}:
-        parameters = Parameters(address)
+        parameters = Parameters(said)
         return parameters, parameters.one("query")
     kind = media_type(request)
     if kind == QUERY:
-        parameters = Parameters(address)
+        parameters = Parameters(said)
         if "query" in parameters:
             raise RequestError("KG520", "there is a query in the address and another in the body")
         return parameters, await body_text(request)
     if kind == FORM:
         in_utf8(request)
-        parameters = Parameters(address, await request.body())
+        parameters = Parameters(said, await request.body())
         return parameters, parameters.one("query")
     told = f"`{kind}`" if kind else "no media type"
     raise RequestError("KG524", f"the body has {told}", hint=f"Send {QUERY} or {FORM} in Content-Type.")
@@ -151,7 +151,7 @@ def _question(request: Request, parameters: Parameters, text: str, choices: Mapp
         offset=parameters.whole("offset") or 0,
         snapshot=parameters.one("snapshot"),
         size=options.answer_bytes,
-        base=str(request.url.replace(query="", fragment="")),
+        base=address(request),
     )
 
 

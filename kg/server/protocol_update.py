@@ -10,7 +10,7 @@ from starlette.responses import Response
 
 from kg.server.errors import RequestError
 from kg.server.methods import route
-from kg.server.parameters import FORM, Parameters, body_text, in_utf8, media_type
+from kg.server.parameters import FORM, Parameters, address, body_text, in_utf8, media_type
 from kg.server.preconditions import on_condition
 from kg.server.state import state
 
@@ -59,7 +59,7 @@ async def _update(request: Request) -> Response:
         text,
         parameters.all("using-graph-uri"),
         parameters.all("using-named-graph-uri"),
-        base=str(request.url.replace(query="", fragment="")),
+        base=address(request),
         seconds=patience(request, parameters),
     )
     updated = await on_condition(request, parameters, lambda snapshot: update(snapshot=snapshot))
@@ -68,15 +68,15 @@ async def _update(request: Request) -> Response:
 
 async def _said(request: Request) -> tuple[Parameters, str | None]:
     """Return the parameters of a request and the text of its update."""
-    address = request.scope["query_string"]
+    said = request.scope["query_string"]
     kind = media_type(request)
-    if "update" in Parameters(address):
+    if "update" in Parameters(said):
         raise RequestError("KG520", "an update stands in the body of a request, not in its address")
     if kind == _UPDATE:
-        return Parameters(address), await body_text(request)
+        return Parameters(said), await body_text(request)
     if kind == FORM:
         in_utf8(request)
-        parameters = Parameters(address, await request.body())
+        parameters = Parameters(said, await request.body())
         return parameters, parameters.one("update")
     told = f"`{kind}`" if kind else "no media type"
     raise RequestError("KG524", f"the body has {told}", hint=f"Send {_UPDATE} or {FORM} in Content-Type.")

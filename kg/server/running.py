@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -45,7 +46,7 @@ def serve(settings: Settings, options: Options, announce: Callable[[str], None] 
         proxy_headers=False,
     )
     host = f"[{options.host}]" if ":" in options.host else options.host
-    ready = partial(announce, f"http://{host}:{listening.getsockname()[1]}/")
+    ready = partial(_begin, announce, f"http://{host}:{listening.getsockname()[1]}/")
     server = Server(
         config,
         grace=options.grace,
@@ -55,6 +56,12 @@ def serve(settings: Settings, options: Options, announce: Callable[[str], None] 
         end=partial(_end, app),
     )
     server.run(sockets=[listening])
+
+
+def _begin(announce: Callable[[str], None], address: str) -> None:
+    """Announce the address; what was loaded until now is never garbage, and need not be looked at again."""
+    gc.freeze()
+    announce(address)
 
 
 async def _leave(app: Starlette) -> None:

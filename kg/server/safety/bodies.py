@@ -92,7 +92,8 @@ def _counting(receive: Receive, most: int) -> Receive:
         if whole:
             return await receive()
         try:
-            message = await asyncio.wait_for(receive(), _PAUSE)
+            async with asyncio.timeout(_PAUSE):
+                message = await receive()
         except TimeoutError:
             raise _too_slow() from None
         size += len(message.get("body", b""))

@@ -13,7 +13,7 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass, field
 from http import HTTPStatus
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, cast
 
 from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
 
@@ -36,6 +36,8 @@ STALLED_SECONDS: Final = 60.0
 """How long a client may take nothing of its answer."""
 LINGER_SECONDS: Final = 2.0
 """How long we listen, and throw away, after we have said no: closing at once would take our answer from the client."""
+JOINED_BYTES: Final = 4096
+"""A piece of an answer that is larger is sent at once."""
 LINGER_BYTES: Final = 1 << 20
 """How much we throw away meanwhile."""
 
@@ -72,6 +74,49 @@ class Crowd:
             self.waiting.pop(address, None)
 
 
+class _Joined:
+    """A transport that sends head and body of an answer as one piece: each piece wakes the client.
+
+    Pieces are held until `flush`, the next turn of the event loop, or until they are many bytes.
+    """
+
+    def __init__(self, transport: asyncio.Transport, loop: asyncio.AbstractEventLoop) -> None:
+        self._transport = transport
+        self._loop = loop
+        self._held: list[bytes] = []
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._transport, name)
+
+    def write(self, data: bytes) -> None:
+        """Send soon; what is written behind goes along."""
+        if self._held:
+            self._held.append(data)
+            self.flush()
+        elif len(data) < JOINED_BYTES:
+            self._held.append(data)
+            self._loop.call_soon(self.flush)
+        else:
+            self._transport.write(data)
+
+    def flush(self) -> None:
+        """Send what is held."""
+        if self._held:
+            data = b"".join(self._held)
+            self._held.clear()
+            self._transport.write(data)
+
+    def write_eof(self) -> None:
+        """Send what is held, and no more."""
+        self.flush()
+        self._transport.write_eof()
+
+    def close(self) -> None:
+        """Close when what is held was sent."""
+        self.flush()
+        self._transport.close()
+
+
 class Guarded(HttpToolsProtocol):
     """HTTP/1.1 of uvicorn, with bounds on time, size and number; `crowd` has all connections of the server."""
 
@@ -88,7 +133,7 @@ class Guarded(HttpToolsProtocol):
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]  # as uvicorn does
         """Take a connection."""
-        super().connection_made(transport)
+        super().connection_made(cast("asyncio.Transport", _Joined(transport, self.loop)))
         self._start("head", HEAD_SECONDS, self._head_is_late)
         self.crowd.wait(self, self._address)
 

@@ -8,9 +8,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
-    from starlette.types import ASGIApp, Message, Receive, Scope, Send
+    from starlette.types import Message
 
-__all__ = ["HEADERS", "SecurityHeaders", "policy"]
+__all__ = ["HEADERS", "policy", "with_headers"]
 
 
 def policy(*scripts: str) -> str:
@@ -42,23 +42,10 @@ HEADERS: Final[dict[bytes, bytes]] = {
 """Name to value, for every answer."""
 
 
-class SecurityHeaders:
-    """Add `HEADERS` to every answer that does not have them."""
+_PAIRS: Final = tuple(HEADERS.items())
 
-    def __init__(self, app: ASGIApp) -> None:
-        self._app = app
 
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass everything on, and the beginning of an answer with the headers."""
-        if scope["type"] != "http":
-            await self._app(scope, receive, send)
-            return
-
-        async def sending(message: Message) -> None:
-            if message["type"] == "http.response.start":
-                given = {name.lower() for name, _ in message["headers"]}
-                added = [pair for pair in HEADERS.items() if pair[0] not in given]
-                message = {**message, "headers": [*message["headers"], *added]}
-            await send(message)
-
-        await self._app(scope, receive, sending)
+def with_headers(message: Message) -> Message:
+    """Return the beginning of an answer with those of `HEADERS` that it does not have."""
+    given = {name.lower() for name, _ in message["headers"]}
+    return {**message, "headers": [*message["headers"], *(pair for pair in _PAIRS if pair[0] not in given)]}

@@ -1,15 +1,18 @@
-"""The outermost middleware: it sees what a request came to, and tells the log and the metrics."""
+"""The outermost middleware: it sees what a request came to, for the log, the metrics, and clients that meet defects."""
 
 from __future__ import annotations
 
+import secrets
 from typing import TYPE_CHECKING
 
 from starlette.requests import ClientDisconnect, HTTPConnection
 
-from kg.server.errors import DefectError
+from kg.errors import KgError
+from kg.server.errors import DefectError, RequestError, answer
 from kg.server.logs import Log
 from kg.server.metrics import Metrics
 from kg.server.records import record
+from kg.server.safety.headers import with_headers
 
 if TYPE_CHECKING:
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -20,7 +23,11 @@ __all__ = ["Observed"]
 
 
 class Observed:
-    """Note status, size, time and outcome of every request."""
+    """Note status, size, time and outcome of every request, and add the headers for browsers to every answer.
+
+    What no route has foreseen the client is told by a code and an identity, and the log by the same identity. An error
+    of `kg` behind the beginning of an answer is none: the answer ends there, and the connection with it.
+    """
 
     def __init__(self, app: ASGIApp, options: Options) -> None:
         self._app = app
@@ -28,7 +35,7 @@ class Observed:
         self._metrics = Metrics()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on and write down what came of it; raises what the application raises."""
+        """Pass a request on and write down what came of it; raises what the application raises, defects by name."""
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
@@ -39,6 +46,7 @@ class Observed:
         async def sending(message: Message) -> None:
             if message["type"] == "http.response.start":
                 found.status = message["status"]
+                message = with_headers(message)
             else:
                 found.sent += len(message.get("body", b""))
             await send(message)
@@ -47,13 +55,27 @@ class Observed:
             await self._app(scope, receive, sending)
         except ClientDisconnect:
             found.outcome = "left"
-        except DefectError as error:
+        except Exception as error:
+            if found.status and isinstance(_reason(error), KgError):
+                found.outcome = "aborted" if found.outcome == "ok" else found.outcome
+                raise
+            identity = secrets.token_hex(8)
+            if not found.status:
+                told = RequestError("KG900", f"a defect in kg; the log of the server has more under {identity}")
+                await answer(request, told)(scope, receive, sending)
             found.outcome = "KG900"
-            self._log.defect(error)
-            raise
+            defect = DefectError(identity)
+            defect.__cause__ = error
+            self._log.defect(defect)
+            raise defect from error
         except BaseException:
             found.outcome = "aborted" if found.outcome == "ok" else found.outcome
             raise
         finally:
             self._metrics.count(scope["method"], found)
             self._log.request(request, found)
+
+
+def _reason(error: BaseException) -> BaseException:
+    """Return what was raised first: Starlette wraps what comes behind the beginning of an answer."""
+    return error.__cause__ or error
