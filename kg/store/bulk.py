@@ -15,7 +15,7 @@ The engine is given as a function that returns it: in a local variable the trace
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
-from typing import TYPE_CHECKING, Final, cast
+from typing import TYPE_CHECKING, BinaryIO, Final, cast
 
 from pyoxigraph import DefaultGraph, Quad, QueryResultsFormat, RdfFormat, parse
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     Engine: TypeAlias = Callable[[], Store]
     Graph: TypeAlias = NamedNode | BlankNode | DefaultGraph
 
-__all__ = ["add", "exchange", "load", "load_quads", "remove", "table"]
+__all__ = ["Interruptible", "add", "exchange", "load", "load_quads", "remove", "table"]
 
 _THREADS: Final = 2
 _LEAST_BYTES: Final = 4 << 20
@@ -91,6 +91,17 @@ def load_quads(engine: Engine, graphs: Mapping[NamedNode, bytes]) -> int:
         else:
             engine().bulk_load(batch, RdfFormat.N_QUADS, lenient=True)
     return size
+
+
+class Interruptible:
+    """A file for the engine to load. Its method is in Python, so that Ctrl-C ends a load at the next piece."""
+
+    def __init__(self, file: BinaryIO) -> None:
+        self._file = file
+
+    def read(self, size: int = -1) -> bytes:
+        """Return the next piece."""
+        return self._file.read(size)
 
 
 def _quads(graph: NamedNode, content: bytes) -> bytes:

@@ -9,7 +9,7 @@ that replaces more than about two fifths of the store starts empty.
 from __future__ import annotations
 
 import shutil
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, BinaryIO, cast
 
 from pyoxigraph import DefaultGraph, NamedNode, Quad, RdfFormat, Store, parse, serialize
 
@@ -286,14 +286,36 @@ class EmbeddedTransaction:
                     "KG601", f"the format of `{path.name}` is not known", place=Place(str(path)), hint=hint
                 )
             base = path.absolute().as_uri()
-            quads = parse(path=path, format=rdf_format, base_iri=base, rename_blank_nodes=not keep_labels)
             target = graph or DefaultGraph()
             with translated(str(self._layout.root)):
                 self._begin(frozenset())
                 self._note(target, rdf_format)
-                self._engine.bulk_extend(_into(target, quad) for quad in quads)
+                self._load(path, rdf_format, base, target, keep_labels=keep_labels)
         except SyntaxError as error:
             raise GraphError("KG601", error.msg, place=Place(str(path), error.lineno, error.offset)) from error
+
+    def _load(
+        self, path: Path, rdf_format: RdfFormat, base: str, target: NamedNode | DefaultGraph, *, keep_labels: bool
+    ) -> None:
+        """Load a file; what it has without a graph goes into `target`.
+
+        The engine's own loading costs less than quads one by one, but gives blank nodes new labels, and puts what a
+        file of quads has without a graph into the default one.
+        """
+        default = DefaultGraph()
+        placing = rdf_format.supports_datasets and target != default
+        if keep_labels or (placing and any(self._engine.quads_for_pattern(None, None, None, default))):
+            quads = parse(path=path, format=rdf_format, base_iri=base, rename_blank_nodes=not keep_labels)
+            self._engine.bulk_extend(_into(target, quad) for quad in quads)
+            return
+        to_graph = None if rdf_format.supports_datasets else target
+        with path.open("rb") as file:
+            source = cast("BinaryIO", bulk.Interruptible(file))
+            self._engine.bulk_load(source, rdf_format, base_iri=base, to_graph=to_graph)
+        if placing:
+            loose = self._engine.quads_for_pattern(None, None, None, default)
+            self._engine.bulk_extend(_into(target, quad) for quad in loose)
+            self._engine.clear_graph(default)
 
     def _note(self, target: NamedNode | DefaultGraph, rdf_format: RdfFormat) -> None:
         """Note where a file is loaded to; one that may name graphs may write to any."""

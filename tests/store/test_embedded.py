@@ -12,6 +12,7 @@ import pytest
 from pyoxigraph import NamedNode, RdfFormat
 
 from kg.errors import GraphError, SourceError, StoreError
+from kg.store import bulk
 from kg.store.embedded import EmbeddedStore
 from kg.store.layout import Layout
 
@@ -252,6 +253,39 @@ def test_dump_and_load_give_the_same_triples(store: EmbeddedStore, tmp_path: Pat
         )
         if rdf_format.supports_datasets:
             assert there.graphs() == here.graphs()
+
+
+@pytest.mark.parametrize("filled", [False, True])
+def test_what_a_file_has_without_a_graph_is_placed(tmp_path: Path, filled: bool) -> None:  # noqa: FBT001 - a case
+    """It goes into the graph that is named; quads go where they say, and the default graph stays as it was."""
+    default = tmp_path / "default.nt"
+    default.write_text("<urn:d> <urn:d> <urn:d> .\n")
+    path = tmp_path / "both.nq"
+    path.write_text("<urn:a> <urn:p> _:x .\n_:x <urn:p> <urn:b> <urn:g> .\n")
+    store = EmbeddedStore.create(tmp_path / "placed")
+    if filled:
+        with store.write("test") as transaction:
+            transaction.load_file(default)
+    with store.write("test") as transaction:
+        transaction.load_file(path, graph=NamedNode("urn:into"))
+    with store.read() as snapshot:
+        found = {str(quad.graph_name): quad for quad in snapshot.quads()}
+        assert set(found) == {"<urn:into>", "<urn:g>", *(["DEFAULT"] if filled else [])}
+        assert found["<urn:into>"].object == found["<urn:g>"].subject
+
+
+def test_ctrl_c_ends_a_load(store: EmbeddedStore, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The file is read by Python code, which is where a signal ends it; nothing of the file is loaded."""
+
+    def interrupted(_file: object, _size: int = -1) -> bytes:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(bulk.Interruptible, "read", interrupted)
+    path = tmp_path / "some.nt"
+    path.write_text("<urn:d> <urn:d> <urn:d> .\n")
+    with pytest.raises(KeyboardInterrupt), store.write("test") as transaction:
+        transaction.load_file(path)
+    assert counts(store) == {"a": 3, "b": 2}
 
 
 def test_load_file_tells_the_line_of_an_error(store: EmbeddedStore, tmp_path: Path) -> None:
