@@ -1,14 +1,15 @@
 """Compares `kg serve` with `oxigraph serve` under load: the same data, the same queries, the same clients.
 
     python benchmarks/endpoint STORE [--seconds 60] [--connections 8] [--flood 16] [--rounds 3]
-        [--part load|flood|crowd]
+        [--part load|flood|crowd|requests]
 
 STORE is a folder `.kg`. Its quads are written as N-Quads and loaded into a store of Oxigraph. The queries are the first
 20 stored ones of `queries/` that have no parameters. Each server is asked them by 8 clients for 60 seconds: `kg` once
 as it is, and once without keeping answers and with a comment in each query that makes it a new text. Then a client with
 a cheap query is timed alone, and while others ask queries that never end. Throughput is whole answers a second; the
-servers and the clients share the machine. At the end crowds of clients come: 70 with runaway queries, 300 half-open
-connections, 32 with aggregates, which are compared with Oxigraph's server once more.
+servers and the clients share the machine. Then crowds of clients come: 70 with runaway queries, 300 half-open
+connections. At the end single kinds of requests are compared with Oxigraph's server: throughput, and the processor time
+of all processes of a server by answer.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ import servers
 from crowd import measure_crowd
 from flood import measure_flood
 from measuring import figures, quantile, run_clients
+from requesting import measure_requests
 
 from kg.query import stored
 from kg.query.prefixes import PREFIXES
@@ -45,16 +47,18 @@ def main() -> None:
     parser.add_argument("--connections", type=int, default=8, help="how many clients ask at a time")
     parser.add_argument("--flood", type=int, default=16, help="how many clients ask queries that never end")
     parser.add_argument("--rounds", type=int, default=3, help="how often each kind of flood is measured, in turn")
-    parser.add_argument("--part", choices=("load", "flood", "crowd"), help="measure this alone")
+    parser.add_argument("--part", choices=("load", "flood", "crowd", "requests"), help="measure this alone")
     options = parser.parse_args()
     if options.part in {None, "load"}:
         _measure_load(options)
     if options.part in {None, "flood"}:
         measure_flood(options.store, options.flood, options.seconds / options.rounds, options.rounds)
     if options.part in {None, "crowd"}:
+        measure_crowd(options.store, options.seconds / 3)
+    if options.part in {None, "requests"}:
         with tempfile.TemporaryDirectory(prefix="kg-benchmark-") as folder:
             _copied(options.store, Path(folder))
-            measure_crowd(options.store, Path(folder) / "oxigraph", options.seconds / 4)
+            measure_requests(options.store, Path(folder) / "oxigraph", options.seconds)
 
 
 def _measure_load(options: argparse.Namespace) -> None:
@@ -65,11 +69,11 @@ def _measure_load(options: argparse.Namespace) -> None:
     with tempfile.TemporaryDirectory(prefix="kg-benchmark-") as folder:
         quads = _copied(options.store, Path(folder))
         print(f"{quads:,} quads, {len(names)} queries, {options.connections} clients, {options.seconds:g} s each\n")
-        with servers.oxigraph(Path(folder) / "oxigraph") as port:
-            measured["oxigraph"] = run_clients({**plan, "port": port, "path": "/query"}, warm)
+        with servers.oxigraph(Path(folder) / "oxigraph") as served:
+            measured["oxigraph"] = run_clients({**plan, "port": served.port, "path": "/query"}, warm)
         for name, flags in (("kg", ()), ("kg, nothing kept", ("--cache", "1"))):
-            with servers.kg(options.store, *flags) as port:
-                kept = {**plan, "port": port, "path": "/sparql", "distinct": bool(flags)}
+            with servers.kg(options.store, *flags) as served:
+                kept = {**plan, "port": served.port, "path": "/sparql", "distinct": bool(flags)}
                 measured[name] = run_clients(kept, warm)
     _print_load(names, measured)
 

@@ -1,4 +1,4 @@
-"""What a crowd of clients does to a server: runaway queries, half-open connections, many aggregates at once.
+"""What a crowd of clients does to a server: runaway queries, half-open connections.
 
 Each case prints how many cheap requests were refused, which is to be none, and how long they took.
 """
@@ -12,12 +12,9 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any, Final
 
-import pyoxigraph
 import servers
 from flood import DEADLINE, DISGUISED, NEW_CHEAP, PRODUCT
 from measuring import figures, run_clients
-
-from kg.store.layout import Layout
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -26,36 +23,24 @@ __all__ = ["measure_crowd"]
 
 RUNAWAYS: Final = 70
 HALF_OPEN: Final = 300
-AGGREGATES: Final = 32
-AGGREGATE_SECONDS: Final = 0.05
 QUICK_END: Final = 0.3
 """The deadline of the queries of a flood of which each ends soon and costs a process."""
 
 
-def measure_crowd(store: Path, oxigraph: Path, seconds: float) -> None:
-    """Measure the cases for so many seconds each; `oxigraph` is a copy of the store for Oxigraph's server."""
+def measure_crowd(store: Path, seconds: float) -> None:
+    """Measure the cases for so many seconds each."""
     print(f"{'case':52} {'answers':>8} {'not 200':>8} {'median ms':>10} {'p99 ms':>8} {'longest':>8}")
     _print(f"new cheap ASKs beside {RUNAWAYS} runaway queries", _flooded(store, seconds, RUNAWAYS, PRODUCT))
     short = {"path": f"/sparql?timeout={QUICK_END}"}
     what = f"new cheap ASKs beside 16 clients that end after {QUICK_END} s"
     _print(what, _flooded(store, seconds, 16, DISGUISED, **short))
     for name, held in (("/health alone", 0), (f"/health beside {HALF_OPEN} half-open connections", HALF_OPEN)):
-        with servers.kg(store) as port:
-            _print(name, _half_open(port, held, seconds))
-    with servers.kg(store, "--timeout", f"{DEADLINE:g}") as port, ThreadPoolExecutor() as threads:
-        flood = threads.submit(run_clients, _plan(port, [PRODUCT], RUNAWAYS, seconds))
-        _print(f"/health beside {RUNAWAYS} runaway queries", _health(port, seconds))
+        with servers.kg(store) as served:
+            _print(name, _half_open(served.port, held, seconds))
+    with servers.kg(store, "--timeout", f"{DEADLINE:g}") as served, ThreadPoolExecutor() as threads:
+        flood = threads.submit(run_clients, _plan(served.port, [PRODUCT], RUNAWAYS, seconds))
+        _print(f"/health beside {RUNAWAYS} runaway queries", _health(served.port, seconds))
         flood.result()
-    text = _aggregate(store)
-    measured = {}
-    with servers.oxigraph(oxigraph) as port:
-        measured["oxigraph"] = run_clients({**_plan(port, [text], AGGREGATES, seconds), "path": "/query"})
-    with servers.kg(store, "--cache", "1") as port:
-        measured["kg"] = run_clients(_plan(port, [text], AGGREGATES, seconds))
-    for name, one in measured.items():
-        _print(f"{AGGREGATES} connections of aggregates of 50 ms: {name}", one)
-    ours, theirs = figures([measured["kg"]]), figures([measured["oxigraph"]])
-    print(f"ratio of answers a second: {ours.rate / theirs.rate:.2f}; of p99: {ours.p99 / theirs.p99:.2f}")
 
 
 def _plan(port: int, queries: list[str], connections: int, seconds: float) -> dict[str, Any]:
@@ -71,10 +56,10 @@ def _plan(port: int, queries: list[str], connections: int, seconds: float) -> di
 
 def _flooded(store: Path, seconds: float, clients: int, flood: str, **changed: str) -> dict[str, Any]:
     """Ask new cheap queries from the moment that a flood begins."""
-    with servers.kg(store, "--cache", "1", "--timeout", f"{DEADLINE:g}") as port, ThreadPoolExecutor() as threads:
-        run_clients(_plan(port, [NEW_CHEAP], 1, 1.0))
-        flooding = threads.submit(run_clients, {**_plan(port, [flood], clients, seconds), **changed})
-        asked = run_clients(_plan(port, [NEW_CHEAP], 1, seconds))
+    with servers.kg(store, "--cache", "1", "--timeout", f"{DEADLINE:g}") as served, ThreadPoolExecutor() as threads:
+        run_clients(_plan(served.port, [NEW_CHEAP], 1, 1.0))
+        flooding = threads.submit(run_clients, {**_plan(served.port, [flood], clients, seconds), **changed})
+        asked = run_clients(_plan(served.port, [NEW_CHEAP], 1, seconds))
         flooding.result()
         return asked
 
@@ -115,33 +100,6 @@ def _status(port: int) -> str:
         return type(error).__name__
     finally:
         connection.close()
-
-
-def _aggregate(store: Path) -> str:
-    """Return an aggregate that takes the engine alone about 50 ms."""
-    layout = Layout(store)
-    opened = pyoxigraph.Store.read_only(str(layout.generation(layout.current() or 0)))
-    rows = 100
-    while _seconds(opened, rows) < AGGREGATE_SECONDS:
-        rows = rows * 5 // 4
-    return _product(rows)
-
-
-def _product(rows: int) -> str:
-    parts = (f"{{ SELECT ?{one} {{ ?{one} ?{two} ?{three} }} LIMIT {rows} }}" for one, two, three in ("abc", "def"))
-    return f"SELECT ?a (COUNT(*) AS ?n) {{ {' '.join(parts)} }} GROUP BY ?a"
-
-
-def _seconds(opened: pyoxigraph.Store, rows: int) -> float:
-    """Return the shortest of three times that the engine takes."""
-    times = []
-    for _ in range(3):
-        began = time.perf_counter()
-        answer = opened.query(_product(rows), use_default_graph_as_union=True)
-        assert isinstance(answer, pyoxigraph.QuerySolutions)  # noqa: S101 - a SELECT
-        sum(1 for _ in answer)
-        times.append(time.perf_counter() - began)
-    return min(times)
 
 
 def _print(name: str, measured: dict[str, Any]) -> None:

@@ -91,8 +91,8 @@ def measure_flood(store: Path, clients: int, seconds: float, rounds: int) -> Non
     asked: dict[str, list[_Run]] = {kind.name: [] for kind in KINDS}
     for _ in range(rounds):
         for kind in KINDS:
-            with kg(store, "--cache", "1", "--timeout", f"{DEADLINE:g}") as port:
-                asked[kind.name].append(_measure(kind, port, clients, seconds))
+            with kg(store, "--cache", "1", "--timeout", f"{DEADLINE:g}") as served:
+                asked[kind.name].append(_measure(kind, served.port, clients, seconds))
     print(f"a cheap query, while {clients} clients ask others that never end (ended after {DEADLINE:g} s each)")
     heads = ("answers/s", "median ms", "p99 ms", "ratio", "longest", "not 200", "late ms")
     print(f"{'flood':28}" + "".join(f"{head:>10}" for head in heads))

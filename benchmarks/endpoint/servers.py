@@ -2,37 +2,66 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import socket
 import subprocess
 import sys
 import time
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
-    from pathlib import Path
 
-__all__ = ["kg", "oxigraph"]
+__all__ = ["Served", "kg", "oxigraph"]
+
+_TICK: Final = 1 / os.sysconf("SC_CLK_TCK")
+
+
+class Served(NamedTuple):
+    """A server that runs: its port, and its process."""
+
+    port: int
+    pid: int
+
+    def processor(self) -> float:
+        """Return the processor seconds of the process and of all below it, those that have ended included."""
+        below: dict[int, list[tuple[int, int]]] = {}
+        for path in Path("/proc").glob("[0-9]*/stat"):
+            try:
+                fields = path.read_text().rsplit(")", 1)[1].split()
+            except OSError:  # it has ended
+                continue
+            one = int(path.parent.name)
+            below.setdefault(int(fields[1]), []).append((one, sum(map(int, fields[11:15]))))
+            if one == self.pid:
+                ticks = sum(map(int, fields[11:15]))
+        parents = [self.pid]
+        while parents:
+            found = below.get(parents.pop(), [])
+            ticks += sum(used for _, used in found)
+            parents += [one for one, _ in found]
+        return ticks * _TICK
 
 
 @contextmanager
-def oxigraph(location: Path) -> Iterator[int]:
-    """Serve a store of Oxigraph; yield the port."""
+def oxigraph(location: Path) -> Iterator[Served]:
+    """Serve a store of Oxigraph; yield it. With a timeout it starts a thread for each query, of which it dies here."""
     port = _free_port()
     command = ["oxigraph", "serve-read-only", "--location", str(location), "--union-default-graph"]
-    with _running([*command, "--bind", f"127.0.0.1:{port}", "--timeout-s", "30"], port):
-        yield port
+    with _running([*command, "--bind", f"127.0.0.1:{port}"], port) as pid:
+        yield Served(port, pid)
 
 
 @contextmanager
-def kg(store: Path, *flags: str) -> Iterator[int]:
-    """Serve a store of `kg`; yield the port."""
+def kg(store: Path, *flags: str) -> Iterator[Served]:
+    """Serve a store of `kg`; yield it."""
     port = _free_port()
     command = [sys.executable, "-m", "kg", "serve", "--store", str(store), "--port", str(port), "--log", "off"]
-    with _running([*command, *flags], port):
-        yield port
+    with _running([*command, *flags], port) as pid:
+        yield Served(port, pid)
 
 
 def _free_port() -> int:
@@ -42,7 +71,7 @@ def _free_port() -> int:
 
 
 @contextmanager
-def _running(command: Sequence[str], port: int) -> Iterator[None]:
+def _running(command: Sequence[str], port: int) -> Iterator[int]:
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
         for _ in range(600):
@@ -51,7 +80,7 @@ def _running(command: Sequence[str], port: int) -> Iterator[None]:
                 break
             except OSError:
                 time.sleep(0.1)
-        yield
+        yield process.pid
     finally:
         process.send_signal(signal.SIGTERM)
         try:
