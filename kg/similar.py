@@ -6,10 +6,12 @@ from difflib import SequenceMatcher, get_close_matches
 from heapq import nlargest
 from typing import TYPE_CHECKING
 
+from kg.errors import UnknownNameError
+
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["asked", "did_you_mean", "similar"]
+__all__ = ["asked", "did_you_mean", "similar", "unknown"]
 
 _FEW = 3
 _ALIKE = 0.6
@@ -55,3 +57,9 @@ def asked(names: Iterable[str]) -> str | None:
         return None
     *others, last = found
     return f"Did you mean {', '.join(others)} or {last}?" if others else f"Did you mean {last}?"
+
+
+def unknown(kind: str, name: str, names: Iterable[str], *, otherwise: str) -> UnknownNameError:
+    """Return the error KG001 about a name: with those of `names` that were probably meant, else the way out."""
+    hint = did_you_mean(name, names) or otherwise
+    return UnknownNameError("KG001", f"there is no {kind} `{name}`", hint=hint)

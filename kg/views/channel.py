@@ -20,8 +20,8 @@ from kg.graph.overview import channels
 from kg.graph.records import end_object, interface_object
 from kg.graph.systems_reading import system_names
 from kg.names import normalise
+from kg.similar import unknown
 from kg.views.evidence import places
-from kg.views.names import unknown
 from kg.views.system_rows import set_at
 from kg.views.systems import chosen_systems
 from kg.views.wording import TITLES, quality

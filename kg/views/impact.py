@@ -15,10 +15,9 @@ from kg.impact.assessing import impact as assess
 from kg.impact.parameters import names_node, same_parameter
 from kg.impact.writing import impact_object
 from kg.pipeline.launch_names import matching
-from kg.similar import did_you_mean
+from kg.similar import did_you_mean, unknown
 from kg.views.evidence import places
 from kg.views.impact_world import StoredWorld
-from kg.views.names import unknown
 from kg.views.systems import known_names
 
 if TYPE_CHECKING:

@@ -4,23 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kg.errors import UnknownNameError, UsageError
+from kg.errors import UsageError
 from kg.graph.ntriples import literal
 from kg.query.prefixes import PREFIXES
-from kg.similar import did_you_mean
+from kg.similar import unknown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from kg.graph.reading import NodeRecord, Queryable
 
-__all__ = ["known_package", "one_node", "starting_system", "unknown"]
-
-
-def unknown(kind: str, name: str, names: Iterable[str], *, otherwise: str) -> UnknownNameError:
-    """Return the error KG001 about a name: with those of `names` that were probably meant, else the way out."""
-    hint = did_you_mean(name, names) or otherwise
-    return UnknownNameError("KG001", f"there is no {kind} `{name}`", hint=hint)
+__all__ = ["known_package", "one_node", "starting_system"]
 
 
 def known_package(graph: Queryable, name: str) -> None:

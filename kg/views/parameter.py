@@ -15,8 +15,8 @@ from kg.graph.parameters_reading import (
 )
 from kg.graph.records import parameter_object
 from kg.holes import fits, is_partial, known_letters
+from kg.similar import unknown
 from kg.views.evidence import places
-from kg.views.names import unknown
 from kg.views.systems import chosen_systems, known_names
 from kg.views.wording import accesses, parameter_groups
 

@@ -11,9 +11,8 @@ from kg.cli.output import write_bytes
 from kg.cli.session import session
 from kg.errors import Exit, Place, QueryError, UsageError
 from kg.render.text import count
-from kg.similar import did_you_mean
+from kg.similar import did_you_mean, unknown
 from kg.store.opening import existing, reading, writable
-from kg.views.names import unknown
 
 if TYPE_CHECKING:
     from pyoxigraph import NamedNode, RdfFormat

@@ -8,7 +8,7 @@ from kg.cli.completion import codes
 from kg.cli.options import Json
 from kg.cli.output import json_lines, write
 from kg.errors import CATALOGUE
-from kg.views.names import unknown
+from kg.similar import unknown
 
 __all__ = ["explain"]
 

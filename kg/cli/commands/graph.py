@@ -22,8 +22,8 @@ from kg.cli.systems import (
     with_variants,
 )
 from kg.errors import Exit, UnknownNameError, UsageError
+from kg.similar import unknown
 from kg.store.opening import reading
-from kg.views.names import unknown
 
 if TYPE_CHECKING:
     from kg.render.system_graph import SystemGraph

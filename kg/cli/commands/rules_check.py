@@ -16,8 +16,8 @@ from kg.cli.session import session
 from kg.codes.severities import SEVERITIES
 from kg.errors import Exit, RuleError, StoreError
 from kg.render.text import count
+from kg.similar import unknown
 from kg.store.opening import reading
-from kg.views.names import unknown
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
