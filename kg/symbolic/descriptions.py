@@ -8,7 +8,7 @@ from __future__ import annotations
 import tomllib
 from collections import defaultdict
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, cached_property
 from typing import Any, Final
 
 from kg.facts import Access, Role
@@ -120,6 +120,12 @@ class CallDescription:
     """The argument with the name under which it registers a node of behavior trees."""
     port: PortDescription | None = None
 
+    @property
+    def has_effect(self) -> bool:
+        """Whether a fact follows from the call, or the creation of an object."""
+        given = (self.effects, self.mark, self.slot, self.port, self.loads)
+        return any(given) or not self.creates is self.registers is self.node_name is None
+
 
 @dataclass(frozen=True, slots=True)
 class ClassDescription:
@@ -155,8 +161,13 @@ class ClassDescription:
     """Whether its constructor stores the interface in the object, for a call that receives the object."""
     slot: SlotDescription | None = None
 
+    @property
+    def has_effect(self) -> bool:
+        """Whether a fact follows from the creation of an object."""
+        return self.is_a == "node" or any((self.effects, self.mark, self.slot, self.runs))
 
-@dataclass(slots=True)
+
+@dataclass
 class Descriptions:
     """All descriptions for one language, by the last part of the described name."""
 
@@ -178,6 +189,25 @@ class Descriptions:
             described = _call(row, ros)
             for name in described.names:
                 self.calls[name].append(described)
+
+    @cached_property
+    def effects(self) -> dict[str, list[tuple[tuple[frozenset[str], ...], frozenset[str]]]]:
+        """The names of calls and classes with effects, with the words that each description needs.
+
+        The code has all words of a scope in front of the name; the program has the name of one of the classes.
+        """
+        found: dict[str, list[tuple[tuple[frozenset[str], ...], frozenset[str]]]] = defaultdict(list)
+        for name, calls in self.calls.items():
+            for call in calls:
+                if call.has_effect:
+                    scopes = tuple(frozenset(scope.split("::")) for scope in call.scopes)
+                    found[name].append((scopes, frozenset(one.rpartition("::")[2] for one in call.on)))
+        for name, classes in self.classes.items():
+            for one in classes:
+                if one.has_effect:
+                    scope = frozenset(one.name.split("::")[:-1][:1])
+                    found[name].append(((scope,) if scope else (), frozenset()))
+        return dict(found)
 
     def class_named(self, names: tuple[str, ...]) -> ClassDescription | None:
         """Return the description of a class by its qualified name; the namespaces that both have must agree."""

@@ -65,6 +65,9 @@ class Language(Protocol):
     def declarations(self, kind: Kind, name: str) -> list[tuple[Function, dict[str, Value]]]:
         """Return the methods of a class by name, or their declarations if none has a body."""
 
+    def reaches(self, function: Function) -> bool:
+        """Check whether a run of a function can have an effect, as far as its code shows."""
+
     # Values
 
     def default(self, kind: Type, frame: Frame, line: int) -> Value:

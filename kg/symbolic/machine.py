@@ -30,6 +30,7 @@ from kg.symbolic.operators import (
 from kg.symbolic.spelling import member_label
 from kg.symbolic.state import UNSET, Alias, Frame, Journal, Site
 from kg.symbolic.values import (
+    Bound,
     Closure,
     Guard,
     Kind,
@@ -655,7 +656,10 @@ class Machine:
             return Unknown("the calls are too deep")
         if self.running[id(function)] >= self.most_repeats:
             return Unknown("it calls itself")
-        if self.fruitless[id(function)] >= MOST_FRUITLESS or self.barren[id(function)] > MOST_BARREN:
+        fruitless = self.fruitless[id(function)]
+        if fruitless >= MOST_FRUITLESS or self.barren[id(function)] > MOST_BARREN:
+            return self.language.unknown(function.returns, frame, function.name)
+        if fruitless and self._is_settled(function, arguments):
             return self.language.unknown(function.returns, frame, function.name)
         before, steps, writes = self.framework.progress(), self.steps, self._outer_writes
         outer, self._local = self._local, frame.variables
@@ -673,6 +677,10 @@ class Machine:
             if idle and id(function) not in self.fruitful:
                 self.fruitless[id(function)] += 1
         return result
+
+    def _is_settled(self, function: Function, arguments: list[Value]) -> bool:
+        """Check whether a function that had no effect in a run has none with other arguments either."""
+        return not any(isinstance(one, Closure | Bound) for one in arguments) and not self.language.reaches(function)
 
     @contextmanager
     def entered(self, function: Function) -> Iterator[None]:

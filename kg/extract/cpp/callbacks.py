@@ -5,11 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.cpp.kinds import frame_of, this_of
-from kg.symbolic.state import Frame
+from kg.symbolic.operators import NULL
+from kg.symbolic.state import UNSET, Frame
 from kg.symbolic.values import (
     PLACEHOLDER,
     Bound,
     Closure,
+    Enumerator,
     Mapping,
     Number,
     Object,
@@ -26,12 +28,14 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from kg.extract.cpp.language import Cpp
-    from kg.symbolic.form import Parameter
+    from kg.symbolic.form import Function, Parameter
 
 __all__ = ["Callbacks", "closure_frame"]
 
 _WITHOUT: Final = frozenset({Text, Number, Truth, Unknown, Sequence, Mapping, TypeValue})
 """Values that are no functions, nor objects with methods."""
+_MOST_PARTS: Final = 64
+"""How many objects that belong to one are looked through for what a callback changes."""
 _MOST_SITES: Final = 12
 """How many calls on the way to its registration a callback keeps."""
 
@@ -40,6 +44,22 @@ def closure_frame(called: Closure) -> Frame:
     """Return a new frame for a lambda, within the variables around it."""
     outer = called.frame
     return Frame(outer.unit, outer.scope, outer.this, parent=outer)
+
+
+def _decides(value: Value) -> bool:
+    """Check whether a value decides conditions and is no part of a name: a number, null, an empty container."""
+    if isinstance(value, Sequence | Mapping):
+        return not value.items
+    return isinstance(value, Truth | Number | Enumerator) or value in (NULL, UNSET)
+
+
+def _parts(of: Object) -> list[Object]:
+    """Return an object of the sources, and those that it holds."""
+    found = [of]
+    for one in found:
+        held = (value for value in one.fields.values() if isinstance(value, Object) and value.kind.cls is not None)
+        found += [value for value in dict.fromkeys(held) if value not in found][: _MOST_PARTS - len(found)]
+    return found
 
 
 class Callbacks:
@@ -68,7 +88,11 @@ class Callbacks:
         if method is not None and receiver is not None:
             self._schedule(Bound(method.name, receiver))
 
-    def _schedule(self, called: Closure | Bound) -> None:
+    def enter(self, called: Bound) -> None:
+        """Schedule a method that code outside of the sources calls on an object of its own, whatever it reaches."""
+        self._schedule(called, always=True)
+
+    def _schedule(self, called: Closure | Bound, *, always: bool = False) -> None:
         machine = self._language.machine
         stack, guards = machine.stack[:_MOST_SITES], list(machine.guards)
 
@@ -76,7 +100,7 @@ class Callbacks:
             outer = machine.stack, machine.guards
             machine.stack, machine.guards = list(stack), list(guards)
             try:
-                self._run(called)
+                self._run(called, always=always)
             finally:
                 machine.stack, machine.guards = outer
 
@@ -85,22 +109,40 @@ class Callbacks:
         else:
             machine.schedule((called.name, id(called.of), called.functions, called.given), run)
 
-    def _run(self, called: Closure | Bound) -> None:
+    def _is_idle(self, function: Function, this: Value | None) -> bool:
+        """Check whether a callback reaches no effect. It is not run then, and what it changes becomes unknown."""
+        reach = self._language.linker.project.reach
+        if reach.reaches(function):
+            return False
+        changed = reach.changes(function)
+        for of in _parts(this) if isinstance(this, Object) and changed else ():
+            for name in changed & of.fields.keys():
+                if _decides(of.fields[name]):
+                    self._language.machine.write(of.fields, name, Unknown("a callback changes it"))
+        return True
+
+    def _run(self, called: Closure | Bound, *, always: bool) -> None:
         """Call a function with arguments of its own types that come from outside."""
         machine = self._language.machine
         if isinstance(called, Closure):
             frame = closure_frame(called)
+            if self._is_idle(called.function, this_of(frame)):
+                return
             parameters = called.function.parameters[len(called.bound) :]
             machine.invoke(called.function, frame, [*called.bound, *self._unknown(parameters, frame)])
             return
         bound_values = {index: value for index, value in enumerate(called.given) if value != PLACEHOLDER}
         if isinstance(called.of, Object):
             for function, bound in self._language.methods(called.of.kind, called.name)[:1]:
+                if not always and self._is_idle(function, called.of):
+                    continue
                 frame = frame_of(function, bound, called.of)
                 given = machine.framework.handed(called.of, called.name, len(function.parameters)) | bound_values
                 machine.invoke(function, frame, self._unknown(function.parameters, frame, given))
         else:
             for function in called.functions[:1]:
+                if self._is_idle(function, None):
+                    continue
                 frame = frame_of(function)
                 machine.invoke(function, frame, self._unknown(function.parameters, frame, bound_values))
 

@@ -70,12 +70,14 @@ class Cpp:
         self.nested_type = self.kinds.nested_type
         self.message = self.kinds.message
         self.chain = self.kinds.chain
+        self.reaches = linker.project.reach.reaches
         self.call = self.calls.call
         self.construct_expression = self._constructions.expression
         self.construct = self._constructions.construct
         self.initialise = self._constructions.initialise
         self.default = self._constructions.default
-        self.escape = Callbacks(self).escape
+        callbacks = Callbacks(self)
+        self.escape, self.enter = callbacks.escape, callbacks.enter
         self.elements = elements
         self.with_element = with_element
         self.counted = counted

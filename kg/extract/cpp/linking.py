@@ -59,6 +59,7 @@ class Linker:
                     self._bodies[kind, name].append(unit)
             for name in unit.methods:
                 self._defining[name].append(unit)
+            self.project.add_unit(unit)
         return self.units[file]
 
     # Names
@@ -202,6 +203,7 @@ class Linker:
                     found.setdefault(function.name, []).append(function)
         for function in (one for functions in found.values() for one in functions):
             _declare(function, cls)
+        self.project.add_methods(found)
         return found
 
 

@@ -85,7 +85,7 @@ class _Nodes:
 
     def __init__(self, reader: Reader, package: PackageFolder, build: BuildModel, calls: Descriptions) -> None:
         self._calls = calls
-        self._project = Project(reader, package, build)
+        self._project = Project(reader, package, build, calls)
         self._package = package
         self._plugins_read: dict[PluginClass, list[Extracted]] = {}
         self._alone: dict[Class, Extracted] = {}
@@ -168,6 +168,8 @@ class _Nodes:
         component = self._component(main, language, plugins)
         if component is not None:  # running the program would run all of the component again
             return [replace(component, node=_as_executable(component.node, node))]
+        if not self._project.reach.reaches(main):
+            return []
         machine.stack.append(Site(main.unit, main.line))
         arguments: list[Value] = [Unknown("it is the number of arguments", "argc"), COMMAND_LINE]
         machine.invoke(main, Frame(main.unit, ()), arguments[: len(main.parameters)])
@@ -330,14 +332,26 @@ class _Nodes:
         self._run_from_outside(machine, language, root, node=nodelet or framework.host is root)
         return root, not given and before == (framework.results(), framework.declared)
 
-    @staticmethod
-    def _run_from_outside(machine: Machine, language: Cpp, root: Object, *, node: bool) -> None:
-        """Run the methods of an object that its loader may call."""
+    def _run_from_outside(self, machine: Machine, language: Cpp, root: Object, *, node: bool) -> None:
+        """Run the methods of an object that its loader may call, except for those on which no effect depends."""
         machine.drain()
-        for name in _called_from_outside(language, root.kind, node=node):
-            if not all(id(function) in machine.executed for function, _ in language.methods(root.kind, name)[:1]):
-                language.escape([Bound(name, root)])
-                machine.drain()
+        names = _called_from_outside(language, root.kind, node=node)
+        pending = {name: function for name in names for function, _ in language.methods(root.kind, name)[:1]}
+        while needed := self._needed(language, root.kind, pending):  # what runs may create objects with effects
+            for name in needed:
+                if id(pending.pop(name)) not in machine.executed:
+                    language.enter(Bound(name, root))
+                    machine.drain()
+
+    def _needed(self, language: Cpp, kind: Kind, methods: dict[str, Function]) -> list[str]:
+        """Return the methods that reach an effect, and those that write a field which such a method uses."""
+        reach = self._project.reach
+        reaching = {name for name, function in methods.items() if reach.reaches(function)}
+        if not reaching:
+            return []
+        fields = {name for cls, _ in language.chain(kind)[0] for name in cls.fields}
+        used = fields & frozenset[str]().union(*(reach.uses(methods[name]) for name in reaching))
+        return [name for name, one in methods.items() if name in reaching or not used.isdisjoint(reach.changes(one))]
 
     def _libraries(self, plugin: PluginClass) -> Iterator[list[FilePath]]:
         """Yield sets of files that may define a plugin: its library, the file that registers it, all of the package."""

@@ -9,20 +9,24 @@ from __future__ import annotations
 
 from collections import OrderedDict, defaultdict
 from functools import lru_cache
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, cast
 
 from kg.corpus.files import FilePath, Place
-from kg.extract.cpp.units import CppUnit
+from kg.extract.cpp.units import CppClass, CppFunction, CppUnit, assigned_in, words_of
 from kg.extract.manifests import read_build
 from kg.extract.parameters import listener
 from kg.facts import FileKind
+from kg.symbolic.form import Function
+from kg.symbolic.reach import Reach
 
 if TYPE_CHECKING:
-    from collections.abc import Container
+    from collections.abc import Container, Iterable, Iterator
 
     from kg.corpus.files import PackageFolder
     from kg.corpus.reading import Reader
     from kg.extract.buildmodel import BuildModel
+    from kg.symbolic.descriptions import Descriptions
+    from kg.symbolic.form import Class
 
 __all__ = ["FRAMEWORKS", "Project"]
 
@@ -78,8 +82,19 @@ _cache: Final = _Cache()
 class Project:
     """The C++ of one package and of what it includes."""
 
-    def __init__(self, reader: Reader, package: PackageFolder, build: BuildModel) -> None:
+    def __init__(self, reader: Reader, package: PackageFolder, build: BuildModel, calls: Descriptions) -> None:
         self.reader = reader
+        self.reach = Reach(calls, self)
+        self.revision = 0
+        self._methods: dict[str, dict[int, Function]] = defaultdict(dict)
+        """The methods of classes that programs of the package use, by name."""
+        self._used: dict[FilePath, CppUnit] = {}
+        """The files of all programs of the package."""
+        self._declared_in: dict[tuple[str, str], list[CppUnit]] = defaultdict(list)
+        """These files by the functions, classes and aliases in them."""
+        self._defined: dict[str, tuple[int, tuple[Function | Class, ...]]] = {}
+        """What names stand for, with the revision of which that is true."""
+        self._mentioned: dict[str, bool] = {}
         self.package = package
         self.repository = reader.repository
         self._place = Place(reader.repository, package.path, package.name)
@@ -186,6 +201,73 @@ class Project:
                 seen.update(dict.fromkeys(pending))
             known = self._headers[file] = tuple(seen)[1:]
         return known
+
+    # For `Reach`: names without their scopes, of all programs of the package
+
+    def add_unit(self, unit: CppUnit) -> None:
+        """Add a file of a program."""
+        if unit.key not in self._used:
+            self._used[unit.key] = unit
+            self.revision += 1
+            for kind in ("function", "inline", "class", "alias"):
+                for name in unit.names[kind]:
+                    self._declared_in[kind, name].append(unit)
+
+    def add_methods(self, methods: dict[str, list[Function]]) -> None:
+        """Add the methods of a class that a program uses."""
+        for name, functions in methods.items():
+            known = self._methods[name]
+            before = len(known)
+            known.update((id(one), one) for one in functions)
+            self.revision += len(known) > before
+
+    def words(self, code: Function | Class) -> frozenset[str] | None:
+        """Return the identifiers in the code of a function, or in what the creation of an object runs."""
+        unit = cast("CppUnit", code.unit)
+        self._near(unit.key)  # so that its headers are known
+        own = code.words if isinstance(code, CppFunction | CppClass) else words_of(unit.code(cast("Function", code)))
+        return own.union(*unit.uses) if own and unit.uses else own
+
+    def assigned(self, code: Function | Class) -> frozenset[str]:
+        """Return the names of variables and fields that the code of a function changes."""
+        if isinstance(code, CppFunction):
+            return code.assigned
+        return assigned_in(cast("CppUnit", code.unit).code(code)) if isinstance(code, Function) else frozenset()
+
+    def definitions(self, word: str) -> Iterable[Function | Class]:
+        """Return the functions and classes of the programs that have a name."""
+        revision, known = self._defined.get(word, (-1, ()))
+        if revision != self.revision:
+            known = tuple(self._definitions(word)) if word != "main" else ()
+            self._defined[word] = (self.revision, known)
+        return known
+
+    def _definitions(self, word: str) -> Iterator[Function | Class]:
+        yield from self._methods.get(word, {}).values()
+        for units in (self._declaring, self._declared_in):
+            for unit in units.get(("function", word), ()):
+                yield from unit.functions[word]
+            for unit in units.get(("inline", word), ()):
+                for cls in (one for name in unit.inline[word] for one in unit.classes.get(name, ())):
+                    yield from cls.methods.get(word, ())
+            for unit in tuple(units.get(("class", word), ())):
+                yield from unit.classes[word]
+                for file in self.implementations(unit.key, word, self._used, "::"):
+                    made = self.unit(file)
+                    yield from made.functions.get(word, ()) if made is not None else ()
+
+    def is_alias(self, word: str) -> bool:
+        """Check whether a word is also declared as another name of something."""
+        return ("alias", word) in self._declaring or ("alias", word) in self._declared_in
+
+    def mentions(self, word: str) -> bool:
+        """Check whether a file of a program contains a word."""
+        if not self._mentioned.get(word):
+            units = (*self._used.values(), *self._listed)
+            self._mentioned[word] = any(word.encode() in one.source for one in units)
+        return self._mentioned[word]
+
+    # Names
 
     def implementations(self, header: FilePath, name: str, known: Container[FilePath], end: str) -> list[FilePath]:
         """Return the sources of the package of a header that contain a name followed by `end`, except for `known` ones.

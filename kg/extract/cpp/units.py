@@ -39,6 +39,16 @@ def included(source: bytes) -> list[str]:
     return found
 
 
+def words_of(code: str) -> frozenset[str]:
+    """Return the identifiers in some code."""
+    return frozenset(_WORD.findall(code))
+
+
+def assigned_in(code: str) -> frozenset[str]:
+    """Return the names that some code assigns, increments, or changes by a method of containers and pointers."""
+    return frozenset(found[1] or found[2] for found in _ASSIGNED.finditer(code))
+
+
 _Scope: TypeAlias = tuple[str, ...]
 _CONTAINERS: Final = PREPROCESSED | {"translation_unit", "linkage_specification", "declaration_list"}
 _CLASSES: Final = frozenset({"class_specifier", "struct_specifier", "union_specifier", "enum_specifier"})
@@ -46,6 +56,14 @@ _ADAPTER: Final = "RCLCPP_USING_CUSTOM_TYPE_AS_ROS_MESSAGE_TYPE"
 _CLASS_HEAD: Final = re.compile(rb"\b(class|struct)(\s+)([A-Z][A-Z0-9_]{3,})(\s+)(?=[A-Za-z_]\w*\s*(?:final\s*)?[:{])")
 _EXPORTED: Final = (re.compile(rb"class\s+[A-Z][A-Z0-9_]{3,}\s"), re.compile(rb"struct\s+[A-Z][A-Z0-9_]{3,}\s"))
 """What every match of `_CLASS_HEAD` contains; a literal in front is found much faster."""
+_POINTERS: Final = frozenset({"SharedPtr", "UniquePtr", "WeakPtr", "ConstSharedPtr", "Ptr", "ConstPtr"})
+"""Names of aliases in a class for pointers to it."""
+_WORD: Final = re.compile(r"[A-Za-z_]\w*")
+_ASSIGNED: Final = re.compile(
+    r"\b([A-Za-z_]\w*)(?:\[[^\]]*\])?\s*(?:(?:[-+*/%|&^]|<<|>>)?=(?!=)|\+\+|--|"
+    r"(?:\.|->)\s*(?:reset|swap|push_\w+|emplace\w*|insert\w*|pop_\w+|erase|clear|resize|assign|store|append)\b)"
+    r"|(?:\+\+|--)\s*(?:\w+(?:\.|->))*([A-Za-z_]\w*)"
+)
 _DECLARED: Final = re.compile(rb"\b(?:class|struct)\s+(\w+)\s*;")
 
 
@@ -68,7 +86,7 @@ _PURE: Final = re.compile(rb"\Avirtual\b[^{]*=\s*0\s*;\Z")
 class CppFunction(Function):
     """A function of a file. Slots of its declarator are filled at the first use of one of them."""
 
-    __slots__ = ("declarator", "node")
+    __slots__ = ("_assigned", "_words", "declarator", "node")
 
     def __init__(self, unit: CppUnit, name: str, scope: _Scope, nodes: tuple[Node, Node], template: _Scope) -> None:
         """Take the nodes of the declaration and its declarator."""
@@ -76,6 +94,28 @@ class CppFunction(Function):
         self.node, self.declarator = nodes
         self.line = line_of(self.declarator if self.node.type == "function_definition" else self.node)
         self.static, self.marks, self.source, self.body_made = False, frozenset(), None, None
+        self._words: frozenset[str] | None = None
+        self._assigned: frozenset[str] | None = None
+
+    @property
+    def code(self) -> str:
+        """What follows its declarator: initialisers and the body."""
+        source = cast("CppUnit", self.unit).source
+        return source[self.declarator.end_byte : self.node.end_byte].decode("utf-8", "replace")
+
+    @property
+    def words(self) -> frozenset[str]:
+        """The identifiers in its code."""
+        if self._words is None:
+            self._words = words_of(self.code)
+        return self._words
+
+    @property
+    def assigned(self) -> frozenset[str]:
+        """The names that it changes; see `assigned_in`."""
+        if self._assigned is None:
+            self._assigned = assigned_in(self.code)
+        return self._assigned
 
     def __getattr__(self, name: str) -> Any:
         unit = cast("CppUnit", self.unit)
@@ -95,11 +135,24 @@ class CppFunction(Function):
 class CppClass(Class):
     """A class of a file. Slots of its bases and members are filled at the first use of one of them."""
 
-    __slots__ = ("node",)
+    __slots__ = ("_words", "node")
 
     def __init__(self, unit: CppUnit, name: str, scope: _Scope, node: Node, template: _Scope) -> None:
         self.unit, self.name, self.scope, self.template, self.line = unit, name, scope, template, line_of(node)
         self.node, self.derived, self.body = node, (), None
+        self._words: frozenset[str] | None = None
+
+    @property
+    def words(self) -> frozenset[str]:
+        """The identifiers in what the creation of an object runs: its bases, and the types and values of its fields."""
+        if self._words is None:
+            body = self.node.child_by_field_name("body")
+            values = (one.child_by_field_name("default_value") for one in syntax.of_type(body, "field_declaration"))
+            code = " ".join(syntax.text(value) for value in values if value is not None)
+            held = [one.type for one in self.fields.values() if one.type is not None and not one.static]
+            kinds = [*self.bases, *(kind for kind in held if not kind.pointer and not kind.reference)]
+            self._words = words_of(code).union(*(kind.names for kind in kinds if kind.name not in _POINTERS))
+        return self._words
 
     @property
     def abstract(self) -> bool:
@@ -136,6 +189,8 @@ class CppUnit(Unit):
         self.methods: dict[str, list[Function]] = defaultdict(list)
         """Those among them with a qualified name, by its last scope."""
         self.prototypes: dict[str, list[Function]] = defaultdict(list)
+        self.inline: dict[str, set[str]] = defaultdict(set)
+        """Methods that are defined in their class, with the names of these classes."""
         self._aliases: dict[str, list[tuple[_Scope, Node | Type, _Scope]]] = defaultdict(list)
         self._variables: dict[str, list[tuple[_Scope, Node]]] = defaultdict(list)
         self._lowered_aliases: dict[str, list[tuple[_Scope, Type, _Scope]]] = {}
@@ -156,6 +211,7 @@ class CppUnit(Unit):
         self.names: dict[str, Collection[str]] = {
             "class": self.classes,
             "function": self.functions,
+            "inline": self.inline,
             "prototype": self.prototypes,
             "alias": self._aliases,
             "adapted": self.adapted,
@@ -315,6 +371,10 @@ class CppUnit(Unit):
                 held = member.child_by_field_name("type")
                 if held is not None and held.type in _CLASSES:
                     self._type(held, scope, ())
+            elif kind == "function_definition":
+                name = syntax.declared_name(member.child_by_field_name("declarator"))
+                if name is not None:
+                    self.inline[syntax.text(name)].add(scope[-1])
             elif kind == "template_declaration":
                 self._nested(member, scope, _template_names(member))
             elif kind in _CLASSES:
@@ -352,6 +412,11 @@ class CppUnit(Unit):
         made = CppFunction(self, shown, inner, (node, declarator), template)
         made.owner, made.source = owner, body
         return made
+
+    def code(self, function: Function) -> str:
+        """Return the text of the body of a function of this file; empty if it has none."""
+        body = cast("Node | None", function.source)
+        return self.source[body.start_byte : body.end_byte].decode("utf-8", "replace") if body is not None else ""
 
     # What is lowered at the first use
 

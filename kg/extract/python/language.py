@@ -208,6 +208,10 @@ class Python:
         held = self._of_class(kind, name)
         return held if held is not None and not isinstance(held, Closure) else None
 
+    def reaches(self, function: Function) -> bool:  # noqa: ARG002 - every function may
+        """Check whether a run of a function can have an effect, as far as its code shows."""
+        return True
+
     def static_fields(self, of: Value) -> dict[str, Value] | None:
         """Return the variables of a class; None for other values."""
         cls = of.kind.cls if isinstance(of, TypeValue) else None

@@ -1,0 +1,137 @@
+"""Which functions can lead to a call that a framework defines, by the words of their code.
+
+A function reaches an effect if its code contains the name of a described call or class, or the name of a function that
+reaches one. Names are compared without their scopes, so the answer may be yes for a function that has no effect.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Protocol, TypeAlias
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from kg.symbolic.descriptions import Descriptions
+    from kg.symbolic.form import Class, Function
+
+    Code: TypeAlias = Function | Class
+
+__all__ = ["Program", "Reach"]
+
+
+class Program(Protocol):
+    """What the words of a program mean."""
+
+    revision: int
+    """Changes when the program gets more code."""
+
+    def words(self, code: Code) -> frozenset[str] | None:
+        """Return the words in a function, or in what the creation of an object runs; None if there is no code."""
+
+    def assigned(self, code: Code) -> frozenset[str]:
+        """Return the names of variables and fields that the code of a function changes."""
+
+    def definitions(self, word: str) -> Iterable[Code]:
+        """Return the functions and classes that a word can name, constructors among them."""
+
+    def is_alias(self, word: str) -> bool:
+        """Check whether a word is also declared as another name of something."""
+
+    def mentions(self, word: str) -> bool:
+        """Check whether any file of the program contains a word."""
+
+
+class Reach:
+    """The functions of a program that can lead to effects of `descriptions`."""
+
+    def __init__(self, descriptions: Descriptions, program: Program) -> None:
+        self._effects = descriptions.effects
+        self._program = program
+        self._known: dict[int, bool] = {}
+        self._changed: dict[int, frozenset[str]] = {}
+        self._used: dict[int, frozenset[str]] = {}
+        self._revision = 0
+
+    def reaches(self, function: Function) -> bool:
+        """Check whether a run of a function can have an effect."""
+        self._forget()
+        known = self._known.get(id(function))
+        if known is not None:
+            return known
+        seen = {id(function)}
+        looked = set[str]()
+        pending: list[Code] = [function]
+        while pending:
+            code = pending.pop()
+            words = self._program.words(code)
+            if words is None or self._has_effect(words) or not words.isdisjoint(_unbound(code)):
+                self._known[id(function)] = True
+                return True
+            words -= looked
+            looked |= words
+            for word in words:
+                for called in self._program.definitions(word):
+                    key = id(called)
+                    if self._known.get(key):
+                        self._known[id(function)] = True
+                        return True
+                    if key not in seen and key not in self._known:
+                        seen.add(key)
+                        pending.append(called)
+        self._known.update(dict.fromkeys(seen, False))
+        return False
+
+    def changes(self, function: Function) -> frozenset[str]:
+        """Return the names of what a run of a function can change."""
+        self._forget()
+        known = self._changed.get(id(function))
+        if known is None:
+            assigned = map(self._program.assigned, self._closure(function))
+            known = self._changed[id(function)] = frozenset().union(*assigned)
+        return known
+
+    def uses(self, function: Function) -> frozenset[str]:
+        """Return the words in the code that a run of a function can reach."""
+        self._forget()
+        known = self._used.get(id(function))
+        if known is None:
+            words = (self._program.words(code) or () for code in self._closure(function))
+            known = self._used[id(function)] = frozenset().union(*words)
+        return known
+
+    def _closure(self, function: Function) -> list[Code]:
+        found: list[Code] = [function]
+        seen = {id(function)}
+        looked = set[str]()
+        for code in found:
+            words = (self._program.words(code) or frozenset()) - looked
+            looked |= words
+            for word in words:
+                for called in self._program.definitions(word):
+                    if id(called) not in seen:
+                        seen.add(id(called))
+                        found.append(called)
+        return found
+
+    def _forget(self) -> None:
+        """Forget what may be otherwise now that the program has more code."""
+        if self._program.revision != self._revision:
+            self._revision = self._program.revision
+            self._known = {key: reaching for key, reaching in self._known.items() if reaching}
+            self._changed.clear()
+            self._used.clear()
+
+    def _has_effect(self, words: frozenset[str]) -> bool:
+        for word in words & self._effects.keys():
+            for scopes, classes in self._effects[word]:
+                if scopes and not any(scope <= words for scope in scopes) and not self._program.is_alias(word):
+                    continue
+                if not classes or any(map(self._program.mentions, classes)):
+                    return True
+        return False
+
+
+def _unbound(code: Code) -> tuple[str, ...]:
+    """Return the template parameters in some code, which can stand for any class."""
+    owner = getattr(code, "owner", None)
+    return code.template if owner is None else code.template + owner.template
