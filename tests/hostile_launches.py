@@ -19,8 +19,8 @@ import msgspec
 
 from kg.corpus.reading import Reader
 from kg.corpus.workspace import Workspace, scan
-from kg.extract.launch import read_configuration
 from kg.facts import Repository
+from kg.launch.files import read_configuration
 
 _FORBIDDEN = ("subprocess.", "os.system", "os.exec", "os.fork", "os.posix_spawn", "socket.", "urllib.", "pty.")
 
@@ -45,7 +45,7 @@ class Watch:
 
 def main(packages: Path, installed: Path) -> None:
     """Read the launch file of each package."""
-    import_module("kg.extract.launch.ros2.python.reading")  # which is loaded late, before anything is watched
+    import_module("kg.launch.files.ros2.python.reading")  # which is loaded late, before anything is watched
     watch, found = Watch(), {}
     sys.addaudithook(watch.see)
     for folder in sorted(packages.iterdir()):

@@ -76,7 +76,9 @@ def test_the_package_itself_imports_nothing_heavy() -> None:
     assert not [name for name in loaded if name.startswith("kg.")]
 
 
-@pytest.mark.parametrize("room", ["kg.extract", "kg.corpus", "kg.facts", "kg.names"])
+@pytest.mark.parametrize(
+    "room", ["kg.extract", "kg.launch.files", "kg.launch.wiring", "kg.corpus", "kg.facts", "kg.names"]
+)
 def test_extraction_loads_no_rdf(room: str) -> None:
     """What reads sources runs where no RDF library is loaded."""
     listing = f"import json, sys, {room}; print(json.dumps(sorted(sys.modules)))"

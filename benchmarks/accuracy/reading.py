@@ -9,9 +9,9 @@ from multiprocessing import get_context
 from typing import TYPE_CHECKING, Any
 
 from kg.corpus.workspace import Workspace, scan
-from kg.extract.package import extract_package
 from kg.graph.reading import NodeRecord
 from kg.graph.records import node_object
+from kg.pipeline.work import read_package
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -60,7 +60,7 @@ def _extract(task: tuple[int, str, str, str]) -> tuple[PackageFacts, float]:
     source = next(s for s in workspace.sources if s.repository.name == repository and str(s.root) == root)
     folder = next(folder for folder in source.packages if folder.path == path)
     start = time.process_time()
-    facts = extract_package(workspace, source, folder)
+    facts = read_package(workspace, source, folder)
     return facts, time.process_time() - start
 
 

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from kg.pipeline.work import Job, Outcome
 
 PARTS: Stages = {
-    "extraction": [(work, "extract_package")],
+    "extraction": [(work, "read_package")],
     "reading texts": [(texts, "read_descriptions")],
     "loading the language model": [(annotating, "prepare")],
     "tagging texts": [(work, "annotate")],

@@ -25,13 +25,15 @@ from tree_sitter import Language, Parser
 
 from kg.corpus.reading import Reader
 from kg.corpus.workspace import scan_tree
-from kg.extract import cpp, definitions, implicit, launch, manifests, package, parameters, python, texts
+from kg.extract import cpp, definitions, implicit, manifests, parameters, python, texts
 from kg.extract.cpp import syntax
 from kg.extract.cpp.linking import Linker
 from kg.extract.cpp.nodes import _Nodes
 from kg.extract.cpp.units import CppUnit
 from kg.extract.python import syntax as python_syntax
 from kg.facts import FileKind
+from kg.launch.files import reading as launch_files
+from kg.pipeline import work
 from kg.pipeline.recording import RecordingWorkspace
 
 if TYPE_CHECKING:
@@ -52,7 +54,7 @@ STAGES: Stages = {
     "entries of C++": [(cpp, "read_nodes")],
     "parsing Python": [(python_syntax, "parse")],
     "Python": [(python, "read_nodes")],
-    "launch files": [(launch, "read_launches")],
+    "launch files": [(launch_files, "read_launches")],
     "parameters": [(parameters, "attach"), (implicit, "add")],
     "definitions": [(definitions, "read_definitions")],
     "manifests": [(manifests, "read_manifest"), (manifests, "read_build")],
@@ -82,7 +84,7 @@ def main() -> None:
     packages = sorted(whole, key=lambda pair: pair[1].path)[:: options.every]
     for source, one in sorted(packages, key=lambda pair: -sum(entry.bytes for entry in pair[1].files)):
         workspace.forget()
-        package.extract_package(workspace, source, one)
+        work.read_package(workspace, source, one)
     clock.enter("rest")
     size = sum(entry.bytes for _, one in packages for entry in one.files if entry.kind in CODE)
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3

@@ -19,10 +19,10 @@ from kg.graph.shared import SHARED, split
 from kg.graph.sources import repository_triples
 from kg.graph.starts import STARTS, starts_apart
 from kg.graph.systems import system_triples
+from kg.launch.wiring.systems import wire
+from kg.launch.wiring.types import NodeTypes
 from kg.pipeline.inferring import Inference
 from kg.store.embedded import EmbeddedStore
-from kg.wiring.systems import wire
-from kg.wiring.types import NodeTypes
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

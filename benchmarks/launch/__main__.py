@@ -25,15 +25,15 @@ from lxml import etree
 from kg.api import build
 from kg.corpus.reading import Reader
 from kg.corpus.workspace import Workspace
-from kg.extract.launch import read_launches
 from kg.graph.iris import Iris
 from kg.graph.systems import system_triples
+from kg.launch.files import read_launches
+from kg.launch.wiring.systems import wire
 from kg.pipeline.report import Silent
 from kg.pipeline.sources import gather
 from kg.pipeline.systems import node_types, used_packages
 from kg.settings import load
 from kg.store.opening import existing
-from kg.wiring.systems import wire
 
 if TYPE_CHECKING:
     from kg.corpus.files import PackageFolder, Source

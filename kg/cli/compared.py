@@ -12,9 +12,9 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from kg.cli.links import Links
-    from kg.compare import Side, Sources
     from kg.graph.source_states import SourceState
     from kg.graph.systems_reading import SystemName
+    from kg.launch.comparison import Side, Sources
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
 
@@ -83,10 +83,10 @@ def stores(asked: Sides, settings: Settings) -> tuple[EmbeddedStore, EmbeddedSto
 
 def known(store: EmbeddedStore, settings: Settings, launch: str | None) -> Known:
     """Return what is known of a side; with `launch` only of the launch files that it may mean."""
-    from kg.compare import Sources  # noqa: PLC0415 - start-up time
     from kg.graph.reading import node_records  # noqa: PLC0415 - start-up time
     from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
     from kg.graph.systems_reading import system_names, systems  # noqa: PLC0415 - start-up time
+    from kg.launch.comparison import Sources  # noqa: PLC0415 - start-up time
     from kg.lint.reading import read_findings  # noqa: PLC0415 - start-up time
     from kg.pipeline.launch_names import matching  # noqa: PLC0415 - start-up time
     from kg.views.impact_changes import compared_finding  # noqa: PLC0415 - start-up time

@@ -97,6 +97,10 @@ class Reader:
         """What could not be read as it should, in the order found, each once."""
         return tuple(self._problems)
 
+    def sorted_problems(self) -> tuple[Problem, ...]:
+        """Return the problems by path, line and code."""
+        return tuple(sorted(self._problems, key=lambda found: (found.path, found.line or 0, found.code)))
+
     @property
     def inputs(self) -> tuple[tuple[str, str], ...]:
         """Pairs of `repository:path` and `mark` of every file that was to be read, sorted."""

@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import traceback
 from collections import Counter
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Final, TypeVar
 
-from kg.corpus.reading import DEFAULT_LIMIT_BYTES, Reader
 from kg.extract import cpp, definitions, implicit, manifests, parameters, python, texts
 from kg.extract.buildmodel import BuildModel, TargetKind
-from kg.facts import FileKind, Interface, Location, NodeKind, Package, PackageFacts, Parameter, Role, SourceFile
+from kg.facts import Interface, Location, NodeKind, Package, PackageFacts, Parameter, Role, SourceFile
 from kg.holes import is_partial
 from kg.names import resolve
 from kg.symbolic.descriptions import merged
@@ -23,12 +22,12 @@ from kg.symbolic.descriptions import merged
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
-    from kg.corpus.files import PackageFolder, Source
-    from kg.corpus.workspace import Workspace
+    from kg.corpus.files import PackageFolder
+    from kg.corpus.reading import Reader
     from kg.extract.marks import Extracted
-    from kg.facts import InterfaceDefinition, LaunchConfiguration, NodeType, PluginSlot
+    from kg.facts import InterfaceDefinition, NodeType, PluginSlot
 
-__all__ = ["ExtractSettings", "extract_package", "merge", "own_name", "settled"]
+__all__ = ["extract_package", "guard", "merge", "own_name", "settled"]
 
 _ROLES: Final = {role: position for position, role in enumerate(Role)}
 
@@ -205,43 +204,30 @@ _ROS_UNKNOWN: Final = 0
 _TREE: Final = b"<BehaviorTree "
 
 
-@dataclass(frozen=True, slots=True)
-class ExtractSettings:
-    """Settings of extraction.
+def extract_package(reader: Reader, calls: tuple[str, ...] = ()) -> PackageFacts:
+    """Return what the reader's package declares, without launch files; it never raises, errors are in `problems`.
 
-    `max_file_bytes` is the size in bytes above which a file is reported and not read, `calls` are the texts of the
-    users' descriptions of framework calls, without errors (`kg.symbolic.checking`).
+    `calls` are the texts of the users' descriptions of framework calls, without errors (`kg.symbolic.checking`).
     """
-
-    max_file_bytes: int = DEFAULT_LIMIT_BYTES
-    calls: tuple[str, ...] = ()
-
-
-def extract_package(
-    workspace: Workspace, source: Source, package: PackageFolder, settings: ExtractSettings | None = None
-) -> PackageFacts:
-    """Return all that the files of `package` say; it raises nothing, what went wrong stands in `problems`."""
-    limits = settings or ExtractSettings()
-    reader = Reader(workspace, source, package, limits.max_file_bytes)
-    described = _guard(reader, manifests.read_manifest, _undescribed(package), reader, package)
-    build = _guard(reader, manifests.read_build, BuildModel(), reader, package)
+    package = reader.package
+    described = guard(reader, manifests.read_manifest, _undescribed(package), reader, package)
+    build = guard(reader, manifests.read_build, BuildModel(), reader, package)
     no_definitions: tuple[InterfaceDefinition, ...] = ()
-    nodes = _nodes(reader, package, build, limits.calls)
+    nodes = _nodes(reader, package, build, calls)
     return PackageFacts(
-        repository=source.repository.name,
+        repository=reader.repository,
         package=described,
         nodes=nodes,
         definitions=tuple(
             sorted(
-                _guard(reader, definitions.read_definitions, no_definitions, reader, package),
+                guard(reader, definitions.read_definitions, no_definitions, reader, package),
                 key=lambda definition: (definition.kind, definition.name, definition.location.path),
             )
         ),
         files=tuple(_files(reader, package)),
-        launches=_launches(reader, package, described.ros),
-        descriptions=_guard(reader, texts.read_descriptions, (), reader, package, build, nodes),
+        descriptions=guard(reader, texts.read_descriptions, (), reader, package, build, nodes),
         # Last, as reading adds to both.
-        problems=tuple(sorted(reader.problems, key=lambda found: (found.path, found.line or 0, found.code))),
+        problems=reader.sorted_problems(),
         inputs=reader.inputs,
         programs=_programs(package, build, nodes),
     )
@@ -263,12 +249,12 @@ def _programs(package: PackageFolder, build: BuildModel, nodes: tuple[NodeType, 
 def _nodes(reader: Reader, package: PackageFolder, build: BuildModel, calls: tuple[str, ...]) -> tuple[NodeType, ...]:
     nothing: list[Extracted] = []
     read = [
-        *_guard(reader, cpp.read_nodes, nothing, reader, package, build, merged(calls)),
-        *_guard(reader, python.read_nodes, nothing, reader, package, build, merged(calls, "python")),
+        *guard(reader, cpp.read_nodes, nothing, reader, package, build, merged(calls)),
+        *guard(reader, python.read_nodes, nothing, reader, package, build, merged(calls, "python")),
     ]
     whole = merge(read)
-    complete = _guard(reader, parameters.attach, whole, reader, package, build, whole)
-    found = settled(_guard(reader, implicit.add, extracted.node, extracted) for extracted in complete)
+    complete = guard(reader, parameters.attach, whole, reader, package, build, whole)
+    found = settled(guard(reader, implicit.add, extracted.node, extracted) for extracted in complete)
     return tuple(replace(node, aliases=_aliases(node, build)) for node in found)
 
 
@@ -281,25 +267,17 @@ def _aliases(node: NodeType, build: BuildModel) -> tuple[str, ...]:
     return tuple(sorted(({*node.aliases} | targets | alone) - {node.name, node.executable or ""}))
 
 
-def _guard(reader: Reader, read: Callable[..., _Result], instead: _Result, *arguments: object) -> _Result:
+def guard(reader: Reader, read: Callable[..., _Result], instead: _Result, *arguments: object) -> _Result:
     """Return what `read` makes of its arguments, or `instead` and a problem KG121 when it has a defect."""
     try:
         return read(*arguments)
     except Exception as error:  # noqa: BLE001 - whatever a reader trips over must not cost the other readers' facts
         frame = traceback.extract_tb(error.__traceback__)[-1]
         place = f"{Path(frame.filename).name}:{frame.lineno} in {frame.name}"
-        name = f"{read.__module__.removeprefix('kg.extract.')}.{read.__name__}"
+        name = f"{read.__module__.removeprefix('kg.').removeprefix('extract.')}.{read.__name__}"
         message = f"{name}: {type(error).__name__}: {error} ({place})"
         reader.problem("KG121", message, reader.package.manifest or reader.package.path)
         return instead
-
-
-def _launches(reader: Reader, package: PackageFolder, ros: int) -> tuple[LaunchConfiguration, ...]:
-    if not any(entry.kind is FileKind.LAUNCH for entry in package.files):
-        return ()
-    from kg.extract import launch  # noqa: PLC0415 - a quarter of what there is to load, and few packages need it
-
-    return _guard(reader, launch.read_launches, (), reader, package, ros)
 
 
 def _undescribed(package: PackageFolder) -> Package:

@@ -16,7 +16,7 @@ from kg.graph import vocabulary as v
 from kg.graph.interfaces import SHAPES
 from kg.graph.queries import select
 from kg.holes import is_known
-from kg.wiring.place import Place
+from kg.launch.wiring.place import Place
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping

@@ -9,9 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
-from kg.compare import Kind as Became
-from kg.compare import Level
-from kg.compare.wording import change_words, sign
 from kg.facts import NodeReference
 from kg.holes import is_known
 from kg.impact.assessing import impact
@@ -20,14 +17,17 @@ from kg.impact.model import GIVING, VERBS, Area, Effect, Grade, Kind, Subject, m
 from kg.impact.parameters import same_parameter
 from kg.impact.started import end_effect, ends_of, partners
 from kg.impact.values import area_of
+from kg.launch.comparison import Kind as Became
+from kg.launch.comparison import Level
+from kg.launch.comparison.wording import change_words, sign
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
-    from kg.compare import Change, Difference
     from kg.facts import InstanceInterface, Location, NodeInstance, System
     from kg.impact.model import DefinitionRecord, World
     from kg.impact.started import End
+    from kg.launch.comparison import Change, Difference
 
 __all__ = ["Broken", "broken", "definition_changes"]
 

@@ -15,8 +15,8 @@ from kg.render.text import count
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kg.compare.changes import Record
     from kg.impact.model import World
+    from kg.launch.comparison.changes import Record
 
 __all__ = ["declared_subjects", "file_about", "file_effects", "file_mentions"]
 

@@ -11,8 +11,8 @@ from kg.facts import Role
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from kg.compare.changes import Record
     from kg.facts import Dependency, FileKind, InterfaceDefinition, Location, System
+    from kg.launch.comparison.changes import Record
 
 __all__ = [
     "CHANNELS",

@@ -15,9 +15,9 @@ from kg.render.text import count
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kg.compare.changes import Record
     from kg.facts import InstanceInterface, NodeInstance, System
     from kg.impact.model import Subject, World
+    from kg.launch.comparison.changes import Record
 
 __all__ = ["node_about", "node_effects", "node_records_of"]
 

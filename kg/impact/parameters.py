@@ -14,9 +14,9 @@ from kg.names import normalise
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kg.compare.changes import Record
     from kg.facts import InstanceParameter, Location, NodeInstance, System
     from kg.impact.model import Subject, World
+    from kg.launch.comparison.changes import Record
 
 __all__ = ["declared_settings", "has_parameter", "names_node", "parameter_about", "parameter_effects", "same_parameter"]
 

@@ -12,9 +12,9 @@ from kg.impact.texts import mentions
 if TYPE_CHECKING:
     from collections.abc import Hashable, Iterator, Mapping
 
-    from kg.compare.changes import Record
     from kg.facts import Interface
     from kg.impact.model import DefinitionRecord, FileRecord, Subject, World
+    from kg.launch.comparison.changes import Record
 
 __all__ = ["affected_types", "field_mentions", "type_about", "type_effects", "type_mentions", "uses_type"]
 

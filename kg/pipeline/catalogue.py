@@ -12,18 +12,18 @@ from typing import TYPE_CHECKING
 from kg.facts import NodeName, NodeReference
 from kg.graph.nodes import Stated
 from kg.graph.reading import NodeRecord
+from kg.launch.wiring.types import NodeTypes
 from kg.pipeline import cache
 from kg.pipeline.known import digest, known_as
-from kg.wiring.types import NodeTypes
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
     from pathlib import Path
 
     from kg.facts import DataFile, System
+    from kg.launch.wiring.types import Typed
     from kg.pipeline.plan import Key
     from kg.pipeline.state import PackageState, Question
-    from kg.wiring.types import Typed
 
 __all__ = ["Catalogue"]
 

@@ -18,6 +18,7 @@ from kg.errors import Place, SourceError, UsageError
 from kg.graph.iris import Iris
 from kg.graph.systems import system_triples
 from kg.graph.systems_reading import system_names, systems
+from kg.launch.wiring.systems import wire
 from kg.pipeline.inferring import Inference
 from kg.pipeline.launch_names import check_given, find
 from kg.pipeline.sources import installed_folders
@@ -25,7 +26,6 @@ from kg.pipeline.state import State, load
 from kg.pipeline.systems import node_types, used_packages
 from kg.similar import did_you_mean
 from kg.store.opening import layout_of
-from kg.wiring.systems import wire
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -34,10 +34,10 @@ if TYPE_CHECKING:
     from kg.facts import System
     from kg.graph.reading import Queryable
     from kg.graph.systems_reading import SystemName
+    from kg.launch.wiring.types import NodeTypes
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
     from kg.store.transaction import EmbeddedTransaction
-    from kg.wiring.types import NodeTypes
 
 __all__ = ["LaunchFile", "chosen", "trial", "unread"]
 
@@ -100,7 +100,7 @@ class LaunchFile:
             SourceError: KG101 when it cannot be read.
             UsageError: KG003 for an argument that it does not declare.
         """
-        from kg.extract.launch import read_configuration  # noqa: PLC0415 - the readers of code take long to load
+        from kg.launch.files import read_configuration  # noqa: PLC0415 - the readers of code take long to load
 
         name = self._name
         configuration = read_configuration(self.reader, name.path, name.ros, arguments, environment)

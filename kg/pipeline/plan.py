@@ -37,7 +37,7 @@ Key = tuple[str, str]
 
 CODE: Final = (
     *("facts", "holes.py", "names.py", "xmltext.py", "yamltext.py", "corpus", "symbolic", "extract", "language"),
-    *("wiring", "graph"),
+    *("launch", "graph"),
     *("pipeline/cache.py", "pipeline/known.py", "pipeline/recording.py", "pipeline/work.py"),
 )
 """The code of `kg` that results depend on, with the data that belongs to it."""

@@ -1,6 +1,6 @@
 """The graphs of launch configurations, kept in step with the sources of a store inside the transaction of a build.
 
-What launch files start is read with their packages (`kg.extract.launch`); which node types that are, and what names
+What launch files start is read with their packages (`kg.launch.files`); which node types that are, and what names
 they get, depends on other packages too. So each system remembers which questions its wiring asked about node types
 (`kg.pipeline.catalogue`), and is wired again when an answer is another, or when its launch file starts something else.
 Its graph is patched by the triples that differ.
@@ -18,14 +18,14 @@ from kg.graph import vocabulary as v
 from kg.graph.reading import data_files, node_records, programs
 from kg.graph.starts import STARTS, starts_apart
 from kg.graph.systems import system_triples
+from kg.launch.wiring.systems import wire
+from kg.launch.wiring.types import NodeTypes
 from kg.pipeline import cache
 from kg.pipeline.catalogue import Catalogue
 from kg.pipeline.known import digest
 from kg.pipeline.report import totals
 from kg.pipeline.sharing import keep_starts
 from kg.pipeline.state import PackageSystems, Systems, WiredSystem
-from kg.wiring.systems import wire
-from kg.wiring.types import NodeTypes
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

@@ -7,8 +7,9 @@ from collections import Counter
 from dataclasses import asdict, dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.package import ExtractSettings, extract_package
-from kg.facts import DataFile, Known, Problem, Resolution
+from kg.corpus.reading import DEFAULT_LIMIT_BYTES, Reader
+from kg.extract.package import extract_package, guard
+from kg.facts import DataFile, FileKind, Known, Problem, Resolution
 from kg.graph.builds import count
 from kg.graph.iris import Iris
 from kg.graph.packages import package_parts
@@ -21,10 +22,12 @@ from kg.pipeline.report import PackageResult
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from kg.facts import PackageFacts
+    from kg.corpus.files import PackageFolder, Source
+    from kg.corpus.workspace import Workspace
+    from kg.facts import LaunchConfiguration, PackageFacts
     from kg.pipeline.recording import Lookup, RecordingWorkspace
 
-__all__ = ["Job", "Outcome", "failed", "work"]
+__all__ = ["Job", "Outcome", "failed", "read_package", "work"]
 
 _UNKNOWN: Final = (Resolution.UNRESOLVED, Resolution.PARTIAL)
 _NO_REASON: Final = "no reason was noted"
@@ -72,7 +75,7 @@ def work(job: Job, source: str, path: str, earlier: str = "") -> Outcome:
     if found is None or package is None:
         raise LookupError(f"{source}:{path}")
     job.workspace.forget()
-    facts = extract_package(job.workspace, found, package, ExtractSettings(job.max_file_bytes, job.calls))
+    facts = read_package(job.workspace, found, package, job.max_file_bytes, job.calls)
     tagged = cache.descriptions(job.cache, earlier) if job.cache and earlier else ()
     before = {one.text: one for one in tagged}
     facts = replace(facts, descriptions=annotate(facts.descriptions, job.model, before))
@@ -94,6 +97,28 @@ def work(job: Job, source: str, path: str, earlier: str = "") -> Outcome:
     record = job.workspace.lookups
     packed = cache.pack(b"".join(own), record, b"".join(shared), facts.launches, facts.descriptions, stated)
     return Outcome(result, dict(facts.inputs), job.workspace.outside, packed, known)
+
+
+def read_package(
+    workspace: Workspace,
+    source: Source,
+    package: PackageFolder,
+    max_file_bytes: int = DEFAULT_LIMIT_BYTES,
+    calls: tuple[str, ...] = (),
+) -> PackageFacts:
+    """Return what the files of a package declare and what its launch files start; errors are in `problems`.
+
+    Files of more than `max_file_bytes` bytes are reported and not read. `calls` are as `extract_package` takes them.
+    """
+    reader = Reader(workspace, source, package, max_file_bytes)
+    facts = extract_package(reader, calls)
+    if not any(entry.kind is FileKind.LAUNCH for entry in package.files):
+        return facts
+    from kg.launch.files import reading  # noqa: PLC0415 - a quarter of all modules, and few packages need it
+
+    nothing: tuple[LaunchConfiguration, ...] = ()
+    launches = guard(reader, reading.read_launches, nothing, reader, package, facts.package.ros)
+    return replace(facts, launches=launches, problems=reader.sorted_problems(), inputs=reader.inputs)
 
 
 def failed(source: str, name: str, path: str, message: str) -> Outcome:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kg.compare import Finding, Sources, compare
 from kg.facts import Location
 from kg.graph.reading import node_records
 from kg.graph.systems_reading import systems
 from kg.impact import Kind, Subject
 from kg.impact.changes import broken, definition_changes
+from kg.launch.comparison import Finding, Sources, compare
 from kg.lint.reading import read_findings
 from kg.pipeline.state import load
 from kg.views.impact_world import StoredWorld
@@ -60,7 +60,7 @@ def _side(
 
 
 def compared_finding(found: Found) -> Finding:
-    """Return a finding of `kg lint` as `kg.compare` takes it."""
+    """Return a finding of `kg lint` as `kg.launch.comparison` takes it."""
     place = found.place
     location = Location(place.path, place.line) if place and place.line is not None else None
     subject = found.subjects[0] if found.subjects else ""

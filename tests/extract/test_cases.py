@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from kg.corpus.reading import Reader
 from kg.corpus.workspace import Workspace, scan
 from kg.extract.package import extract_package
 from kg.facts import Repository
@@ -36,7 +37,8 @@ Record = dict[str, Any]
 def extract(case: Path) -> list[PackageFacts]:
     """Return the facts of all packages of a case."""
     workspace = Workspace([scan(case, Repository(f"local/{case.name}", str(case)))])
-    return [extract_package(workspace, source, package) for source in workspace.sources for package in source.packages]
+    packages = [(source, package) for source in workspace.sources for package in source.packages]
+    return [extract_package(Reader(workspace, source, package)) for source, package in packages]
 
 
 def record_of(node: NodeType, package: str) -> Record:

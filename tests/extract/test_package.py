@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from extract.workspaces import codes, manifest, written
 
+from kg.corpus.reading import Reader
 from kg.extract import cpp, python
 from kg.extract.marks import Extracted
 from kg.extract.package import extract_package
@@ -26,7 +27,7 @@ def extract(root: Path, files: dict[str, str | bytes]) -> PackageFacts:
     workspace = written(root, {"demo/package.xml": manifest("demo"), **files})
     found = workspace.package("demo")
     assert found is not None
-    return extract_package(workspace, *workspace.folder(found))
+    return extract_package(Reader(workspace, *workspace.folder(found)))
 
 
 def test_everything_of_a_package_is_in_its_facts(tmp_path: Path) -> None:

@@ -14,13 +14,13 @@ from hypothesis import strategies as st
 from pyoxigraph import RdfFormat
 
 from kg.graph.reading import node_records
+from kg.launch.wiring.systems import wire as wire_system
 from kg.pipeline import cache, systems
 from kg.pipeline.build import build
 from kg.pipeline.state import load as load_state
 from kg.settings import load
 from kg.store.embedded import EmbeddedStore
 from kg.store.transaction import EmbeddedTransaction
-from kg.wiring.systems import wire as wire_system
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from pyoxigraph import NamedNode
 
     from kg.facts import LaunchConfiguration, System
+    from kg.launch.wiring.types import NodeTypes
     from kg.pipeline.report import BuildReport
-    from kg.wiring.types import NodeTypes
 
 MANIFEST: Final = """<package format="3"><name>{name}</name><version>1.0.0</version><description>A test.</description>
 <maintainer email="a@example.org">A</maintainer><license>MIT</license><depend>rclcpp</depend>

@@ -28,7 +28,7 @@ NOT_RESULTS = ("codes", "errors", "pipeline.report", "resources", "store")
 """What reading a package loads besides: words of errors, where things are, how files are written."""
 IMPORTS = """
 import json, sys
-import kg.pipeline.work, kg.extract.launch.ros2.python.reading, kg.language.shipping, kg.language.lemmas
+import kg.pipeline.work, kg.launch.files.ros2.python.reading, kg.language.shipping, kg.language.lemmas
 print(json.dumps([module.__file__ for name, module in sys.modules.items() if name.startswith("kg.")]))
 """
 
@@ -44,7 +44,7 @@ def test_a_fresh_installation_has_the_same_version(tmp_path: Path) -> None:
     """Neither bytecode nor the times of files count."""
     shutil.copytree(PACKAGE / "extract", tmp_path / "extract", ignore=shutil.ignore_patterns("__pycache__"))
     before = resources.digest([tmp_path / "extract"])
-    assert compileall.compile_dir(tmp_path / "extract" / "launch", quiet=1)
+    assert compileall.compile_dir(tmp_path / "extract" / "python", quiet=1)
     for path in tmp_path.rglob("*.py"):
         os.utime(path, (1, 1))
     assert resources.digest([tmp_path / "extract"]) == before == resources.digest([PACKAGE / "extract"])

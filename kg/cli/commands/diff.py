@@ -13,7 +13,7 @@ from kg.render.text import count
 
 if TYPE_CHECKING:
     from kg.cli.compared import Known, Sides
-    from kg.compare import Difference
+    from kg.launch.comparison import Difference
 
 __all__ = ["diff"]
 
@@ -64,7 +64,7 @@ def diff(  # noqa: PLR0913 - the options of a command
         kg diff before/.kg after/.kg
     """
     from kg.cli.compared import known, sides, stores  # noqa: PLC0415 - start-up time
-    from kg.compare import compare  # noqa: PLC0415 - start-up time
+    from kg.launch.comparison import compare  # noqa: PLC0415 - start-up time
     from kg.pipeline.launch_names import unknown_launch  # noqa: PLC0415 - start-up time
 
     form = form_of({"svg": svg, "markdown": markdown, "json": json}, output)
@@ -82,7 +82,7 @@ def diff(  # noqa: PLR0913 - the options of a command
 def _written(found: "Difference", asked: "Sides", both: "tuple[Known, Known]", form: str, *, every: bool) -> str:
     from kg.cli.compared import address  # noqa: PLC0415 - start-up time
     from kg.cli.links import Links  # noqa: PLC0415 - start-up time
-    from kg.compare.writing import difference_lines, difference_markdown, difference_objects  # noqa: PLC0415 - as above
+    from kg.launch.comparison.report import difference_lines, difference_markdown, difference_objects  # noqa: PLC0415 - as above
 
     if form == "svg":
         return _picture(found, asked, both, every=every)
@@ -95,7 +95,7 @@ def _written(found: "Difference", asked: "Sides", both: "tuple[Known, Known]", f
 
 
 def _picture(found: "Difference", asked: "Sides", both: "tuple[Known, Known]", *, every: bool) -> str:
-    from kg.compare.marking import changed_keys  # noqa: PLC0415 - start-up time
+    from kg.launch.comparison.report import changed_keys  # noqa: PLC0415 - start-up time
     from kg.render.system_graph import SystemGraph, system_graph  # noqa: PLC0415 - start-up time
     from kg.render.system_svg import system_svg  # noqa: PLC0415 - start-up time
     from kg.render.system_views import collapsed, near_changes, overlaid  # noqa: PLC0415 - start-up time
@@ -122,7 +122,7 @@ def _one_system(found: "Difference", both: "tuple[Known, Known]") -> str:
 
     KG003 where there are several, or none.
     """
-    from kg.compare.marking import changed_systems  # noqa: PLC0415 - start-up time
+    from kg.launch.comparison.report import changed_systems  # noqa: PLC0415 - start-up time
 
     names = changed_systems(found)
     if not names:

@@ -21,7 +21,7 @@ _LARGEST: Final = 1 << 63
 
 def compute(expression: str) -> int | None:
     """Return the value of an expression of whole numbers, which are Python's; None for anything else."""
-    from kg.extract.launch.expressions import (  # noqa: PLC0415 - few packages compute
+    from kg.extract.python.evaluation import (  # noqa: PLC0415 - few packages compute
         Dialect,
         ExpressionError,
         UnsupportedError,

@@ -9,13 +9,13 @@ from pyoxigraph import NamedNode
 
 from kg.graph.iris import RUNNING, Iris
 from kg.graph.shared import SHARED
+from kg.launch.wiring.near_misses import near_misses
 from kg.pipeline.inferring import Inference, add_ontologies
 from kg.robot.capabilities import held
 from kg.robot.live.inference import now
 from kg.robot.live.parts import Parts
 from kg.robot.live.recognizing import Recognizer
 from kg.robot.live.systems import Instances, Seen, system_of
-from kg.wiring.near import near_misses
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -113,8 +113,8 @@ def system_of(
     """Return the facts about a graph.
 
     `matches` are the node types of running nodes, by the name of the node; `similar` finds names that are likely meant
-    to be one, as `kg.wiring.near.near_misses` does, where that is asked for; `made` has the facts of nodes that were
-    seen before.
+    to be one, as `near_misses` of `kg.launch.wiring` does, where that is asked for; `made` has the facts of nodes
+    that were seen before.
     """
     instances = (made or Instances()).of(graph, seen, matches or {})
     return System(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from extract.workspaces import manifest, written
 
+from kg.corpus.reading import Reader
 from kg.extract.package import extract_package
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ def nodes_of(files: Mapping[str, str]) -> tuple[NodeType, ...]:
         workspace = written(Path(root), placed)
         package = workspace.package("demo")
         assert package is not None
-        facts = extract_package(workspace, *workspace.folder(package))
+        facts = extract_package(Reader(workspace, *workspace.folder(package)))
     assert not facts.problems
     return facts.nodes
 

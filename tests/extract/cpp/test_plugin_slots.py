@@ -8,7 +8,8 @@ import pytest
 from extract.cpp.packages import node_of
 from extract.workspaces import manifest, written
 
-from kg.extract.package import ExtractSettings, extract_package
+from kg.corpus.reading import Reader
+from kg.extract.package import extract_package
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -100,7 +101,7 @@ def test_users_describe_loaders_of_their_own(tmp_path: Path) -> None:
     workspace = written(tmp_path, files)
     package = workspace.package("demo")
     assert package is not None
-    (node,) = extract_package(workspace, *workspace.folder(package), ExtractSettings(calls=(ROWS,))).nodes
+    (node,) = extract_package(Reader(workspace, *workspace.folder(package)), (ROWS,)).nodes
     found = {slot.base_class: slot for slot in node.slots}
     assert [(one.name, one.class_name) for one in found["acme::Planner"].defaults] == [("fast", "acme::Fast")]
     assert (found["acme::Filter"].names, found["acme::Filter"].parameter) == ("chain.names", "chain.{id}.class")

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import pytest
 from extract.workspaces import manifest, written
 
+from kg.corpus.reading import Reader
 from kg.extract.package import extract_package
 from kg.facts import Qos, Role
 
@@ -45,7 +46,7 @@ def qos_of(root: Path, before: str, expression: str) -> Qos | None:
     workspace = written(root, files)
     found = workspace.package("demo")
     assert found is not None
-    (node,) = extract_package(workspace, *workspace.folder(found)).nodes
+    (node,) = extract_package(Reader(workspace, *workspace.folder(found))).nodes
     (end,) = [i for i in node.interfaces if i.role is Role.PUBLISHES and not i.implicit]
     return end.qos
 

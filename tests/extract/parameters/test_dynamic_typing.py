@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from extract.workspaces import manifest, written
 
+from kg.corpus.reading import Reader
 from kg.extract.package import extract_package
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ def _types(root: Path, more: str) -> list[str | None]:
     script = ("#!/usr/bin/env python3\n" + _NODE).replace("{more}", more)
     workspace = written(root, {"demo/package.xml": manifest("demo"), "demo/scripts/n.py": script})
     (source,) = workspace.sources
-    found = extract_package(workspace, source, source.packages[0])
+    found = extract_package(Reader(workspace, source, source.packages[0]))
     return [one.type for node in found.nodes for one in node.parameters if one.name == "x"]
 
 

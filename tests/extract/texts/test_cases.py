@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from kg.corpus.reading import Reader
 from kg.corpus.workspace import Workspace, scan
 from kg.extract.package import extract_package
 from kg.facts import Repository
@@ -24,7 +25,7 @@ def described(case: Path) -> dict[str, list[list[str | None]]]:
     found = {}
     for source in workspace.sources:
         for package in source.packages:
-            facts = extract_package(workspace, source, package)
+            facts = extract_package(Reader(workspace, source, package))
             found[package.name] = [
                 [str(one.kind), f"{one.location.path}:{one.location.line}", one.node, one.heading, one.text]
                 for one in facts.descriptions
@@ -42,7 +43,7 @@ def test_pages_around_a_package_are_inputs() -> None:
     """A README of the repository is among the inputs of the package that it was read for, so that a change is seen."""
     case = Path(__file__).parent / "cases" / "readme"
     source = scan(case, Repository("local/readme", str(case)))
-    facts = extract_package(Workspace([source]), source, source.packages[0])
+    facts = extract_package(Reader(Workspace([source]), source, source.packages[0]))
     assert {"local/readme:README.md", "local/readme:doc/arm/index.rst"} <= dict(facts.inputs).keys()
 
 

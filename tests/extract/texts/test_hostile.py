@@ -9,6 +9,7 @@ from extract.workspaces import reader_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from kg.corpus.reading import Reader
 from kg.corpus.workspace import Workspace, scan
 from kg.extract.package import extract_package
 from kg.extract.texts.describing import MOST_OF_ONE, of_launch_files
@@ -34,7 +35,7 @@ def descriptions(root: Path, files: dict[str, bytes]) -> tuple[Description, ...]
         (root / path).parent.mkdir(parents=True, exist_ok=True)
         (root / path).write_bytes(content)
     source = scan(root, Repository("local/p", str(root)))
-    facts = extract_package(Workspace([source]), source, source.packages[0])
+    facts = extract_package(Reader(Workspace([source]), source, source.packages[0]))
     assert "KG121" not in {problem.code for problem in facts.problems}
     return facts.descriptions
 

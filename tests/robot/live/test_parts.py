@@ -10,11 +10,11 @@ from kg.facts import Role
 from kg.graph.iris import Iris
 from kg.graph.shared import split
 from kg.graph.systems import system_triples
+from kg.launch.wiring.near_misses import near_misses
 from kg.robot.connection import ComputationGraph, GraphProblem, LiveEnd, LiveNode
 from kg.robot.live.parts import Parts
 from kg.robot.live.systems import Instances, Seen, system_of
 from kg.settings import load
-from kg.wiring.near import near_misses
 
 _IRIS: Final = Iris(load({}, environment={}).base)
 _EMPTY: Final = b"<" + _IRIS.interface_type("message", "std_msgs/Empty").encode() + b">"

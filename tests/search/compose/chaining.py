@@ -8,7 +8,6 @@ from pyoxigraph import NamedNode
 
 from kg.corpus.reading import Reader
 from kg.corpus.workspace import Workspace, scan
-from kg.extract.launch import read_configuration
 from kg.facts import (
     Access,
     Interface,
@@ -25,10 +24,11 @@ from kg.facts import (
 )
 from kg.graph.iris import Iris
 from kg.graph.sources import source_triples
+from kg.launch.files import read_configuration
+from kg.launch.wiring import NodeTypes, wire
 from kg.search.compose import Question, compose
 from kg.search.compose.launching import launch_text
 from kg.store.embedded import EmbeddedStore
-from kg.wiring import NodeTypes, wire
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence

@@ -1,0 +1,1 @@
+"""What starts: launch files read without running anything, their wiring to a computation graph, and its comparison."""

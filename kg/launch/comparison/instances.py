@@ -1,0 +1,214 @@
+"""The comparison of one node of a launch file at both sides: its ends, what it is set to, and its remappings."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from typing import TYPE_CHECKING, Final, TypeAlias
+
+from kg.holes import anonymous
+from kg.launch.comparison.changes import Change, Kind, Level, Side
+from kg.launch.comparison.pairing import paired, relabelled
+from kg.launch.comparison.values import canonical
+from kg.launch.comparison.wording import qos_words
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
+
+    from kg.facts import InstanceInterface, LaunchParameter, Location, NodeInstance, Remap, System
+    from kg.launch.comparison.renaming import Renames
+
+__all__ = ["Instances", "Told"]
+
+Told: TypeAlias = frozenset[tuple[str | Kind | None, ...]]
+"""Changes of interfaces of node types: node type, kind, role, and the name at both sides."""
+_Ends: TypeAlias = "tuple[InstanceInterface | None, InstanceInterface | None]"
+
+
+class Instances:
+    """Compares the nodes of two states of a system."""
+
+    def __init__(self, systems: tuple[System, System], renames: Renames, code: Told, *, every: bool) -> None:
+        self._systems = systems
+        self._renames = renames
+        self._code = code
+        self._every = every
+        self._signs: dict[tuple[int, int, int], int] = {}
+
+    def changes(self, one: NodeInstance, other: NodeInstance) -> Iterator[Change]:
+        """Yield what differs between two states of a node."""
+        owner = other.name, one.name if one.name != other.name else ""
+        for kind, say in _TOLD.items():
+            values = say(one), say(other)
+            if not self._same(*values):
+                sides = (
+                    self.side(0, one.name, values[0], one.started.location),
+                    self.side(1, other.name, values[1], other.started.location),
+                )
+                yield self._change(Level.INSTANCE, kind, owner, *sides)
+        causes: set[Remap | None] = set()
+        for first, second in self._paired(one, other):
+            if first and second:
+                yield from self._end(owner, first, second)
+                if first.resolved != second.resolved:
+                    causes |= {first.remap, second.remap}
+            elif end := first or second:
+                yield from self._lone(owner, end, gone=first is not None)
+        settings = ([(each.name, each.set) for each in instance.parameters] for instance in (one, other))
+        yield from self.settings(owner, *settings)
+        yield from self._remaps(owner, one, other, causes)
+
+    def settings(
+        self,
+        owner: tuple[str, str],
+        before: Iterable[tuple[str, LaunchParameter]],
+        after: Iterable[tuple[str, LaunchParameter]],
+    ) -> Iterator[Change]:
+        """Yield what is set at one side only, or to another value; `owner` are the names after and before."""
+        known = [
+            {self._renames.neutral(name): self._setting(number, name, each) for name, each in settings}
+            for number, settings in enumerate((before, after))
+        ]
+        yield from self._values(Level.SETTING, owner, *known)
+
+    def sign(self, number: int, instance: NodeInstance, end: InstanceInterface) -> Hashable | None:
+        """Return what stands for an end of one side, the same for both states of an end; None where it is left out."""
+        key = number, id(instance), id(end)
+        return self._signs.get(key, key) if self._shown(end) else None
+
+    def side(self, number: int, name: str, value: str, location: Location | None) -> Side:
+        """Return a thing of the launch file at one side."""
+        return Side(name, value, location, self._systems[number].configuration.repository)
+
+    def _change(  # noqa: PLR0913, PLR0917 - what a change consists of
+        self, level: Level, kind: Kind, owner: tuple[str, str], before: Side | None, after: Side | None, role: str = ""
+    ) -> Change:
+        name = self._systems[1].configuration.name
+        return Change(level, kind, owner[0], before, after, role, name, owner_before=owner[1])
+
+    def _values(
+        self, level: Level, owner: tuple[str, str], before: Mapping[str, Side], after: Mapping[str, Side]
+    ) -> Iterator[Change]:
+        for key in sorted({*before, *after}):
+            one, other = before.get(key), after.get(key)
+            kind = Kind.NEW if one is None else Kind.GONE if other is None else Kind.VALUE
+            if one is None or other is None or not self._same(one.value, other.value):
+                yield self._change(level, kind, owner, one, other)
+
+    def _same(self, before: str, after: str) -> bool:
+        return canonical(self._renames.neutral(before)) == canonical(self._renames.neutral(after))
+
+    def _setting(self, number: int, name: str, value: LaunchParameter) -> Side:
+        return self.side(number, name, "?" if value.value is None else value.value, value.location)
+
+    def _shown(self, end: InstanceInterface) -> bool:
+        return self._every or not end.declared.implicit
+
+    def _paired(self, one: NodeInstance, other: NodeInstance) -> Iterator[_Ends]:
+        """Yield the ends of both sides; those that surely are one end get one sign."""
+        before, after = (sorted(filter(self._shown, each.interfaces), key=_end_order) for each in (one, other))
+        lone: list[_Ends] = []
+        pairs: list[tuple[InstanceInterface, InstanceInterface]] = []
+        for first, second in paired(before, after, _end_key):
+            if first and second:
+                pairs.append((first, second))
+            else:
+                lone.append((first, second))
+        gone, new = ([end for ends in lone if (end := ends[side])] for side in (0, 1))
+        pairs += relabelled(gone, new, _end_key)
+        known = {id(end) for pair in pairs for end in pair}
+        pairs += _another_name(ends for ends in lone if not {id(end) for end in ends if end} & known)
+        for pair in pairs:
+            number = len(self._signs)
+            self._signs[0, id(one), id(pair[0])] = self._signs[1, id(other), id(pair[1])] = number
+            yield pair
+        known = {id(end) for pair in pairs for end in pair}
+        yield from (ends for ends in lone if not {id(end) for end in ends if end} & known)
+
+    def _end(self, owner: tuple[str, str], one: InstanceInterface, other: InstanceInterface) -> Iterator[Change]:
+        for kind, say in _END_TOLD.items():
+            values = say(one), say(other)
+            if values[0] == values[1] or self._told(kind, one, other):
+                continue
+            if kind is Kind.RENAMED and self._renames.follows(*values):
+                continue
+            shown = ("", "") if kind is Kind.RENAMED else values
+            sides = self._end_side(0, one, shown[0]), self._end_side(1, other, shown[1])
+            yield self._change(Level.END, kind, owner, *sides, str(one.declared.role))
+
+    def _lone(self, owner: tuple[str, str], end: InstanceInterface, *, gone: bool) -> Iterator[Change]:
+        """Yield that an end came or went, unless that is told of its node type."""
+        role, value = str(end.declared.role), end.declared.type or ""
+        if gone and not self._told(Kind.GONE, end, None):
+            yield self._change(Level.END, Kind.GONE, owner, self._end_side(0, end, value), None, role)
+        elif not gone and not self._told(Kind.NEW, None, end):
+            yield self._change(Level.END, Kind.NEW, owner, None, self._end_side(1, end, value), role)
+
+    def _told(self, kind: Kind, one: InstanceInterface | None, other: InstanceInterface | None) -> bool:
+        """Tell whether the same is told of the code of the node type."""
+        end = one or other
+        if end is None or kind is Kind.QOS:
+            return False
+        names = tuple(_code_name(each) if each else None for each in (one, other))
+        return (f"{end.owner.package}/{end.owner.node}", kind, str(end.declared.role), *names) in self._code
+
+    def _end_side(self, number: int, end: InstanceInterface, value: str) -> Side:
+        """Return an end with the line that gave it its name: of the remapping or parameter, else of the code."""
+        cause = end.remap or end.parameter
+        location = cause.location if cause else end.declared.location
+        repository = self._systems[number].configuration.repository if cause else end.owner.repository
+        return Side(end.resolved or f"? {end.declared.written or ''}".strip(), value, location, repository)
+
+    def _remaps(
+        self, owner: tuple[str, str], one: NodeInstance, other: NodeInstance, causes: set[Remap | None]
+    ) -> Iterator[Change]:
+        """Yield the remappings that are others now, but those that gave ends the names that are told of."""
+        known = [
+            {
+                self._renames.neutral(each.source): self.side(number, each.source, each.target, each.remap.location)
+                for each in reversed(instance.remaps)
+                if each.remap not in causes
+            }
+            for number, instance in enumerate((one, other))
+        ]
+        yield from self._values(Level.REMAP, owner, *known)
+
+
+_TOLD: Final[Mapping[Kind, Callable[[NodeInstance], str]]] = {
+    Kind.TYPE: lambda instance: instance.started_type,
+    Kind.HOST: lambda instance: instance.host or "",
+    Kind.CONDITION: lambda instance: instance.started.condition or "",
+    Kind.KNOWN: lambda instance: "" if instance.type else instance.reason or "not known",
+}
+_END_TOLD: Final[Mapping[Kind, Callable[[InstanceInterface], str]]] = {
+    Kind.RENAMED: lambda end: anonymous(end.resolved or "?"),
+    Kind.TYPE: lambda end: end.declared.type or "?",
+    Kind.QOS: lambda end: qos_words(end.qos),
+}
+
+
+def _another_name(lone: Iterable[_Ends]) -> list[tuple[InstanceInterface, InstanceInterface]]:
+    """Return the pairs that surely are one end under another name in the code, as for interfaces of node types."""
+    groups: defaultdict[Hashable, tuple[list[InstanceInterface], list[InstanceInterface]]] = defaultdict(
+        lambda: ([], [])
+    )
+    for ends in lone:
+        for side, end in enumerate(ends):
+            if end and end.declared.type and end.declared.name is not None:
+                declared = end.declared
+                key = end.owner.package, end.owner.node, declared.role, declared.type, declared.location.path
+                groups[key][side].append(end)
+    return [(one[0], other[0]) for one, other in groups.values() if len(one) == len(other) == 1]
+
+
+def _code_name(end: InstanceInterface) -> str:
+    declared = end.declared
+    return declared.name if declared.name is not None else f"? {declared.written or ''}".strip()
+
+
+def _end_key(end: InstanceInterface) -> tuple[str, ...]:
+    declared = end.declared
+    return end.owner.package, end.owner.node, str(declared.role), declared.name or f"? {declared.written or ''}"
+
+
+def _end_order(end: InstanceInterface) -> tuple[str, ...]:
+    return *_end_key(end), end.resolved or "", end.declared.type or "", str(end.declared.location)

@@ -1,0 +1,135 @@
+"""Nodes of a launch file that have other names now: which is which, and what else only follows from that.
+
+Nodes are first paired by their names. Those that remain are paired by the place that starts them: the file with the
+includes that lead to it, what is started, and then the last part of the name, the line, or that there is just one.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter, defaultdict
+from functools import cached_property
+from typing import TYPE_CHECKING, Final
+
+from kg.launch.comparison.pairing import paired
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+
+    from kg.facts import NodeInstance
+
+__all__ = ["Renames", "instance_pairs"]
+
+_Pair = tuple["NodeInstance | None", "NodeInstance | None"]
+
+
+class Renames:
+    """The beginnings of names that are others now: `/rover1` and `/rover2`, with how many nodes each took along."""
+
+    def __init__(self, pairs: Iterable[_Pair] = ()) -> None:
+        found: defaultdict[tuple[str, str], list[tuple[NodeInstance, NodeInstance]]] = defaultdict(list)
+        for one, other in pairs:
+            if one and other and one.name != other.name:
+                found[_beginnings(one.name, other.name)].append((one, other))
+        self.nodes: Mapping[tuple[str, str], Sequence[tuple[NodeInstance, NodeInstance]]] = found
+        self.names: Counter[tuple[str, str]] = Counter()
+
+    def neutral(self, text: str) -> str:
+        """Return a text that is the same for both names of what was renamed."""
+        if self._pattern is None:
+            return text
+        return self._pattern.sub(lambda match: self._signs[match[0]], text)
+
+    def follows(self, before: str, after: str) -> bool:
+        """Tell whether a name differs only by what was renamed; such names are counted."""
+        if before == after or self.neutral(before) != self.neutral(after):
+            return False
+        led = [pair for pair in self.nodes if before.startswith(pair[0]) and after.startswith(pair[1])]
+        if led:
+            self.names[max(led, key=lambda pair: (len(pair[0]) + len(pair[1]), sorted(pair)))] += 1
+        return True
+
+    @cached_property
+    def _signs(self) -> Mapping[str, str]:
+        """What stands for each beginning: one sign for both names, nothing where one of the names is the root."""
+        signs: dict[str, str] = {}
+        for number, names in enumerate(sorted(tuple(sorted(names)) for names in self.nodes)):
+            for name in filter(None, names):
+                signs.setdefault(name, f"\0{number}" if all(names) else "")
+        return signs
+
+    @cached_property
+    def _pattern(self) -> re.Pattern[str] | None:
+        names = sorted(self._signs, key=lambda name: (-len(name), name))
+        return re.compile(rf"(?<![\w/}}])(?:{'|'.join(map(re.escape, names))})(?![\w{{])") if names else None
+
+
+def instance_pairs(before: Iterable[NodeInstance], after: Iterable[NodeInstance]) -> Iterator[_Pair]:
+    """Yield the nodes of both sides, and None for the side that has it not."""
+    gone: list[NodeInstance] = []
+    new: list[NodeInstance] = []
+    for one, other in paired(sorted(before, key=_place), sorted(after, key=_place), lambda instance: instance.name):
+        if one and other:
+            yield one, other
+        elif one:
+            gone.append(one)
+        elif other:
+            new.append(other)
+    for key, most in _WAYS:
+        for one, other in _alike(gone, new, key, most):
+            gone.remove(one)
+            new.remove(other)
+            yield one, other
+    yield from ((one, None) for one in gone)
+    yield from ((None, one) for one in new)
+
+
+def _alike(
+    gone: Iterable[NodeInstance], new: Iterable[NodeInstance], key: Callable[[NodeInstance], Hashable], most: int
+) -> list[tuple[NodeInstance, NodeInstance]]:
+    """Return pairs of one key, where both sides have as many and not more than `most`."""
+    groups: defaultdict[Hashable, tuple[list[NodeInstance], list[NodeInstance]]] = defaultdict(lambda: ([], []))
+    for side, instances in enumerate((gone, new)):
+        for instance in sorted(instances, key=_place):
+            groups[key(instance)][side].append(instance)
+    return [
+        pair
+        for one, other in groups.values()
+        if len(one) == len(other) <= most
+        for pair in zip(one, other, strict=True)
+    ]
+
+
+def _started(instance: NodeInstance) -> tuple[Hashable, ...]:
+    started = instance.started
+    files = (*(one.path for one in started.chain), started.location.path)
+    return files, started.kind, instance.started_type
+
+
+def _called(instance: NodeInstance) -> Hashable:
+    return *_started(instance), instance.name.rpartition("/")[2]
+
+
+def _standing(instance: NodeInstance) -> Hashable:
+    return *_started(instance), instance.started.chain, instance.started.location
+
+
+_WAYS: Final[tuple[tuple[Callable[[NodeInstance], Hashable], int], ...]] = (
+    (_called, 1_000),
+    (_standing, 1_000),
+    (_started, 1),
+)
+
+
+def _place(instance: NodeInstance) -> tuple[object, ...]:
+    location = instance.started.location
+    return location.path, location.line, instance.name, repr(instance)
+
+
+def _beginnings(before: str, after: str) -> tuple[str, str]:
+    """Return two names without the parts at their ends that are the same."""
+    one, other = before.split("/"), after.split("/")
+    while one and other and one[-1] == other[-1]:
+        one.pop()
+        other.pop()
+    return "/".join(one), "/".join(other)

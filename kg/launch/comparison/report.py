@@ -1,0 +1,140 @@
+"""A difference as lines for people, as Markdown for a pull request, as plain values for JSON, and in drawings.
+
+Drawings mark what changed by the keys that `kg.render.system_graph` gives to nodes and channels.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
+
+from kg.facts import Role
+from kg.launch.comparison.changes import Kind, Level
+from kg.launch.comparison.wording import change_words, sign, summary
+from kg.render.text import count, printable
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from kg.launch.comparison.changes import Change, Difference, Side
+
+__all__ = ["Link", "changed_keys", "changed_systems", "difference_lines", "difference_markdown", "difference_objects"]
+
+_BELOW_NODES: Final = frozenset({Level.END, Level.SETTING, Level.REMAP})
+
+Link: TypeAlias = "Callable[[Side, bool], str | None]"
+"""Gives the address of a side's line; the flag tells whether it is the side after."""
+_OF_NODES: Final = frozenset({Level.INSTANCE, Level.END, Level.SETTING, Level.REMAP})
+_CAME_OR_WENT: Final = frozenset({Kind.NEW, Kind.GONE})
+
+
+def difference_lines(difference: Difference) -> list[str]:
+    """Return lines for people: the changes of each node type, then those of each launch file, with their lines."""
+    lines: list[str] = []
+    for heading, changes in _groups(difference):
+        lines += [heading, *(f"  {line}" for line in _aligned(changes)), ""]
+    return [*lines, summary(difference)]
+
+
+def difference_markdown(difference: Difference, title: str, link: Link | None = None, *, most: int = 200) -> str:
+    """Return Markdown: the line that counts, then a table for code and for each launch file.
+
+    `link` gives addresses of lines; a table has at most `most` rows, and says how many are left out.
+    """
+    parts = [f"### {_code(title)}", "", f"**{summary(difference)}**", ""]
+    for heading, changes in _groups(difference):
+        parts += [f"#### {_code(heading)}", "", "|   | what | where |", "|---|---|---|"]
+        parts += [f"| {sign(one)} | {_code(change_words(one))} | {_places(one, link)} |" for one in changes[:most]]
+        parts += ["", *([f"{count(len(changes) - most, 'more row')} left out.", ""] if len(changes) > most else [])]
+    return "\n".join(parts)
+
+
+def difference_objects(difference: Difference) -> Iterator[dict[str, Any]]:
+    """Yield each change as plain values, ready for JSON; the fields of docs/formats.md."""
+    for change in difference.changes:
+        yield {
+            "level": str(change.level),
+            "change": str(change.kind),
+            "system": change.system or None,
+            "owner": change.owner,
+            "owner_before": change.owner_before or None,
+            "role": change.role or None,
+            "before": _side_object(change.before),
+            "after": _side_object(change.after),
+        }
+
+
+def _side_object(side: Side | None) -> dict[str, Any] | None:
+    if side is None:
+        return None
+    return {
+        "name": side.name,
+        "value": side.value or None,
+        "file": side.location.path if side.location else None,
+        "line": side.location.line if side.location else None,
+        "repository": side.repository or None,
+    }
+
+
+def _groups(difference: Difference) -> Iterator[tuple[str, list[Change]]]:
+    """Yield the changes below their heading: of a node type, or of an instance in its launch file."""
+    found: dict[str, list[Change]] = {}
+    for change in difference.changes:
+        found.setdefault(_heading(change), []).append(change)
+    yield from found.items()
+
+
+def _heading(change: Change) -> str:
+    if not change.system:
+        return "node types" if change.level is Level.NODE else change.owner
+    if change.level not in _BELOW_NODES or change.owner == change.system:
+        return change.system
+    return f"{change.owner} in {change.system}"
+
+
+def _aligned(changes: list[Change]) -> Iterator[str]:
+    words = [printable(change_words(change)) for change in changes]
+    room = max(map(len, words), default=0)
+    for change, told in zip(changes, words, strict=True):
+        side = change.after or change.before
+        place = str(side.location) if side and side.location else ""
+        yield f"{sign(change)} {told.ljust(room) if place else told}  {place}".rstrip()
+
+
+def _places(change: Change, link: Link | None) -> str:
+    found = []
+    for side, is_after in ((change.before, False), (change.after, True)):
+        if side is None or side.location is None or (not is_after and change.after and _same_line(change)):
+            continue
+        address = link(side, is_after) if link else None
+        text = _code(str(side.location))
+        found.append(f"[{text}]({address})" if address else text)
+    return " → ".join(found)
+
+
+def _same_line(change: Change) -> bool:
+    return bool(change.before and change.after and change.before.location == change.after.location)
+
+
+def _code(text: str) -> str:
+    """Return text as code in a cell: nothing in it is Markdown, HTML or the name of a user."""
+    safe = printable(text).replace("`", "'").replace("|", "\\|")
+    return f"`{safe}`"
+
+
+def changed_systems(difference: Difference) -> tuple[str, ...]:
+    """Return the names of the launch files whose wiring differs, sorted."""
+    return tuple(sorted({one.system for one in difference.changes if one.system and one.level is not Level.FINDING}))
+
+
+def changed_keys(difference: Difference, system: str) -> frozenset[str]:
+    """Return the nodes with another type, host, condition, name or setting, and the channels with other ends."""
+    found = set()
+    for change in difference.changes:
+        if change.system != system or change.level not in _OF_NODES:
+            continue
+        if change.level is Level.INSTANCE and change.kind in _CAME_OR_WENT:
+            continue
+        found.add(change.owner)
+        if change.kind in {Kind.TYPE, Kind.QOS} and change.role:
+            found.add(f"{Role(change.role).channel} {change.name}")
+    return frozenset(found)

@@ -1,0 +1,145 @@
+"""What a launch configuration may read, and how much of anything it may have.
+
+Files are named `package://NAME/path`, and found in the build, else among installed packages. Nothing outside of these
+can be named, so nothing else is ever read. A budget bounds the rest, since files that include each other can describe a
+configuration without end.
+"""
+
+from __future__ import annotations
+
+import posixpath
+from collections import Counter
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from kg.corpus.files import FilePath
+from kg.facts import LaunchProblemKind
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kg.corpus.reading import Reader
+    from kg.facts import StartedNode
+
+__all__ = ["MOST", "SCHEME", "Budget", "Files", "Found"]
+
+SCHEME: Final = "package://"
+"""What the folder of a package begins with in texts; it stands for what `$(find NAME)` gives when it runs."""
+
+_LOOSE: Final = "source://"
+_MOST_NAME: Final = 200
+"""Characters of the name of a file or folder, which file systems bound to 255 bytes."""
+
+MOST: Final = {
+    "actions": 50_000,
+    "bytes of files": 64 << 20,
+    "elements": 200_000,
+    "generated files": 1_000,
+    "includes": 5_000,
+    "nodes": 20_000,
+    "parameters": 200_000,
+    "places": 2_000_000,
+    "substitutions": 500_000,
+}
+"""`places` are the lines that nodes, remappings and parameters are told with, and those of the includes before them."""
+_PLACES_OF_A_REMAP: Final = 20
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """The file that a text names, or what kind of problem it is that there is none, and why."""
+
+    file: FilePath | None
+    kind: LaunchProblemKind = LaunchProblemKind.UNRESOLVED
+    reason: str | None = None
+    subject: str | None = None
+
+
+class Files:
+    """The files that launch files of one build may name, read through `reader`, which keeps the record."""
+
+    def __init__(self, reader: Reader) -> None:
+        self.reader = reader
+        self._near = reader.repository
+
+    def share(self, package: str) -> str | None:
+        """Return the text for the folder of a package; None when it is neither in the build nor installed."""
+        workspace = self.reader.workspace
+        known = workspace.package(package, self._near) or workspace.installed_package(package)
+        return f"{SCHEME}{package}" if known else None
+
+    def text(self, file: FilePath) -> str:
+        """Return the text that names a file of the build, by its package where one owns it."""
+        owner = self.reader.workspace.owner(file)
+        if owner is not None and self.reader.workspace.package(owner.name, self._near) == owner:
+            inner = file.path if owner.path == "." else file.path.removeprefix(f"{owner.path}/")
+            return f"{SCHEME}{owner.name}/{inner}"
+        return f"{_LOOSE}{file.repository.replace('/', '!')}/{file.path}"
+
+    def folder(self, file: FilePath) -> str:
+        """Return the text that names the folder of a file."""
+        return self.text(file).rpartition("/")[0]
+
+    def at(self, text: str) -> FilePath | None:
+        """Return where a text points to, whether there is a file or not; None when it points to nothing known."""
+        scheme, _, rest = text.partition("//")
+        head, _, inner = rest.partition("/")
+        if f"{scheme}//" == _LOOSE:
+            return _below(head.replace("!", "/"), "", inner)
+        if f"{scheme}//" != SCHEME:
+            return None
+        found = self.reader.workspace.package(head, self._near)
+        if found is not None:
+            return _below(found.repository, "" if found.path == "." else found.path, inner)
+        installed = self.reader.workspace.installed_package(head)
+        return _below(installed.repository, installed.path, inner) if installed else None
+
+    def find(self, text: str) -> Found:
+        """Return the file that a text names."""
+        if any(len(part) > _MOST_NAME for part in text.split("/")):
+            return Found(None, reason="the name of the file is too long")
+        file = self.at(text)
+        if file is not None and self.exists(file):
+            return Found(file)
+        if file is not None:
+            return Found(None, LaunchProblemKind.MISSING_FILE, f"there is no file {text}", text)
+        package = text.removeprefix(SCHEME).partition("/")[0]
+        if text.startswith(SCHEME) and self.share(package) is None:
+            reason = f"the package '{package}' is neither in the build nor installed"
+            return Found(None, LaunchProblemKind.UNKNOWN_PACKAGE, reason, package)
+        return Found(None, reason=f"the file {text} stands outside of the build", subject=text)
+
+    def exists(self, file: FilePath) -> bool:
+        """Tell whether a file can be read."""
+        return self.reader.workspace.is_file(file)
+
+    def read(self, file: FilePath) -> bytes | None:
+        """Return the text of a file as UTF-8; None when there is none, or it is too large or binary."""
+        return self.reader.read(file) if self.exists(file) else None
+
+
+def _below(repository: str, folder: str, inner: str) -> FilePath | None:
+    """Return a file of a source; None for a path that leads out of it."""
+    path = posixpath.normpath(posixpath.join(folder, inner.lstrip("/")))
+    return None if path.startswith("..") else FilePath(repository, path)
+
+
+class Budget:
+    """What one configuration has cost so far."""
+
+    def __init__(self) -> None:
+        self._spent: Counter[str] = Counter()
+
+    def allows(self, report: Callable[[str], None], what: str, amount: int = 1) -> bool:
+        """Count something and tell whether there may be so much of it; `report` is called the first time that not."""
+        before, most = self._spent[what], MOST[what]
+        self._spent[what] += amount
+        if before <= most < self._spent[what]:
+            report(f"the configuration has more than {most} {what}")
+        return self._spent[what] <= most
+
+    def allows_node(self, report: Callable[[str], None], node: StartedNode) -> bool:
+        """Count a node with its remappings and parameters, and tell whether there may be so many."""
+        chains = [node.chain, *(one.chain for one in node.remaps), *(one.chain for one in node.parameters)]
+        places = len(chains) + sum(map(len, chains)) + _PLACES_OF_A_REMAP * len(node.remaps)
+        return self.allows(report, "nodes") and self.allows(report, "places", places)

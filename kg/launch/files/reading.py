@@ -1,0 +1,97 @@
+"""Which launch files a package has, which language each is in, and its evaluation."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Final
+
+from kg.corpus.files import FilePath
+from kg.facts import FileKind, LaunchConfiguration, LaunchDialect, LaunchProblem, LaunchProblemKind, Location
+from kg.launch.files.access import Files
+from kg.launch.files.ros1.evaluate import evaluate as evaluate_roslaunch
+from kg.launch.files.ros2.execute import dialect_by_ending
+from kg.launch.files.ros2.execute import evaluate as evaluate_ros2
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kg.corpus.files import PackageFolder
+    from kg.corpus.reading import Reader
+
+__all__ = ["read_configuration", "read_launches"]
+
+_NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
+_ROS2: Final = 2
+_TEMPLATES: Final = frozenset({"template", "templates"})
+"""Folders of files that become launch files when something is filled in."""
+_COMMENT: Final = re.compile(rb"<!--.*?-->", re.DOTALL)
+_OF_ROS1: Final = re.compile(rb"""<(node|test)\b[^>]*\stype\s*=|\$\((find|arg)\s|<(rosparam|test|machine)\b""")
+_OF_ROS2: Final = re.compile(
+    rb"""<(node|test|executable)\b[^>]*\s(exec|cmd)\s*=|\$\((find-pkg-\w+|var|exec-in-pkg|find-exec)\s"""
+    rb"""|<(let|set_parameter|push[-_]ros[-_]namespace|node_container|load_composable_node)\b"""
+)
+"""What only launch files of one version have."""
+
+
+def read_launches(reader: Reader, package: PackageFolder, ros: int) -> tuple[LaunchConfiguration, ...]:
+    """Return each launch file of `package`, evaluated with its default arguments; `ros` is the package's version.
+
+    Templates are left out. What is malformed in files of the package is a problem KG415 of the `reader` too.
+    """
+    launches = (entry.path for entry in package.files if entry.kind is FileKind.LAUNCH)
+    paths = sorted(path for path in launches if not _TEMPLATES & set(path.split("/")))
+    found = [one for path in paths if (one := read_configuration(reader, path, ros)) is not None]
+    own = {entry.path for entry in package.files}
+    for problem in (problem for one in found for problem in one.problems):
+        where = problem.location
+        if problem.kind is LaunchProblemKind.MALFORMED and where.repository is None and where.path in own:
+            reader.problem("KG415", problem.message, where.path, where.line or None)
+    return tuple(found)
+
+
+def read_configuration(
+    reader: Reader,
+    path: str,
+    ros: int,
+    given: Mapping[str, str] = _NOTHING,
+    environment: Mapping[str, str] = _NOTHING,
+) -> LaunchConfiguration | None:
+    """Return the launch file at `path` of the reader's source, evaluated with arguments and environment variables.
+
+    None for a file that is no launch file after all. What is wrong stands in `problems` of the result.
+    """
+    file = FilePath(reader.repository, path)
+    text = reader.read(file)
+    dialect = _dialect_of(file, text or b"", ros)
+    if text is None or dialect is None:
+        return None
+    if ros == _ROS2 and dialect is LaunchDialect.ROS2_XML and _is_of_ros1(text):
+        problem = LaunchProblem(LaunchProblemKind.OTHER_VERSION, "the file is written for ROS 1", Location(path, 1))
+        package = reader.package
+        return LaunchConfiguration(
+            reader.repository, package.name, path, 1, LaunchDialect.ROSLAUNCH, problems=(problem,), folder=package.path
+        )
+    evaluate = evaluate_roslaunch if dialect is LaunchDialect.ROSLAUNCH else evaluate_ros2
+    found = evaluate(Files(reader), file, dialect, given, environment)
+    return replace(found, package=reader.package.name, folder=reader.package.path)
+
+
+def _dialect_of(file: FilePath, text: bytes, ros: int) -> LaunchDialect | None:
+    """Return the language of a launch file by its ending, its content and its package's version of ROS."""
+    dialect = dialect_by_ending(file)
+    if dialect is LaunchDialect.ROS2_PYTHON:
+        return dialect if b"generate_launch_description" in text else None
+    if dialect is LaunchDialect.ROS2_XML:
+        if b"<launch" not in text:
+            return None
+        return dialect if ros == _ROS2 else LaunchDialect.ROSLAUNCH
+    named = re.search(r"\.launch\.ya?ml$", file.path)
+    return dialect if named or re.search(rb"^['\"]?launch['\"]?\s*:", text, re.MULTILINE) else None
+
+
+def _is_of_ros1(text: bytes) -> bool:
+    """Tell whether a launch file in XML has what only ROS 1 reads, and nothing that only ROS 2 does."""
+    plain = _COMMENT.sub(b"", text)
+    return _OF_ROS1.search(plain) is not None and _OF_ROS2.search(plain) is None

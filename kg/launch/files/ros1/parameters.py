@@ -1,0 +1,213 @@
+"""`<param>` and `<rosparam>`: values given in place, read from files, or printed by commands that are not run.
+
+Source: wiki.ros.org/roslaunch/XML/param and /rosparam.
+"""
+
+from __future__ import annotations
+
+import re
+import shlex
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final
+
+from kg.facts import LaunchProblemKind
+from kg.launch.files.access import SCHEME
+from kg.launch.files.ros1.parameterfile import HOLE, MOST_TEXT, Leaf, converted, join, leaf_of, read_tree, shown
+from kg.launch.files.ros1.state import Private
+from kg.launch.files.xacro.plugins import named_description, started
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kg.corpus.files import FilePath
+    from kg.facts import LaunchPlugin
+    from kg.launch.files.ros1.document import Element
+    from kg.launch.files.ros1.state import Scope, State
+
+__all__ = ["read_param", "read_rosparam"]
+
+_SOURCES: Final = ("value", "textfile", "binfile", "command")
+_TYPES: Final = {
+    "int": "int",
+    "double": "double",
+    "bool": "bool",
+    "boolean": "bool",
+    "str": "string",
+    "string": "string",
+}
+_ROSPACK: Final = re.compile(r"`rospack find ([\w-]+)`")
+
+
+def read_param(state: State, scope: Scope, element: Element, *, of_node: bool = False) -> None:
+    """Set the parameter of a `<param>`; a private one, or one of a node, is kept for the nodes of the scope."""
+    counts, words = state.condition(scope, element)
+    if not counts:
+        return
+    name = state.text(scope, element, "name")
+    name = name.strip() if name else name
+    if not name:
+        state.refused(scope, element, "it has no 'name'")
+        return
+    leaves = _leaves(state, scope, element, name)
+    location, reason = state.location(scope, element.line), _only_if((*scope.conditions, words))
+    if of_node or name.startswith("~"):
+        scope.add_private(Private(name, leaves, location, scope.place.chain, reason))
+        return
+    for leaf in leaves:
+        state.add_leaf(join(scope.namespace, name), leaf, location, scope.place.chain, reason)
+
+
+def read_rosparam(state: State, scope: Scope, element: Element) -> None:
+    """Set the parameters of a `<rosparam>`; `dump` and `delete` change none of those that are set here."""
+    counts, words = state.condition(scope, element)
+    if not counts:
+        return
+    name = join(state.text(scope, element, "ns") or "", state.text(scope, element, "param") or "")
+    command = state.text(scope, element, "command") or "load"
+    file = state.text(scope, element, "file")
+    if command not in {"load", "dump", "delete"}:
+        state.refused(scope, element, f"'command' is load, dump or delete, not '{command}'")
+    elif command == "delete" and file is not None:
+        state.refused(scope, element, "'delete' takes no 'file'")
+    elif command == "load":
+        _load(state, scope, element, (name, file, _only_if((*scope.conditions, words))))
+
+
+def _load(state: State, scope: Scope, element: Element, what: tuple[str, str | None, str | None]) -> None:
+    name, written, reason = what
+    source: FilePath | None = None
+    text = element.text
+    if written is not None:
+        source, _ = state.locate(scope, element.line, written)
+        data = state.open(scope, element.line, source) if source else None
+        if data is None:
+            return
+        text = data.decode()
+    if state.boolean(scope, element, "subst_value") and "$" in text:
+        text = state.resolved(scope, element.line, text, MOST_TEXT)
+    tree = read_tree(text)
+    lines = None if source else element.text_lines()
+    for message, line in tree.problems:
+        at = state.location(scope, line, source) if lines is None else state.location(scope, _nth(lines, line))
+        kind = LaunchProblemKind.LIMIT if tree.too_large else LaunchProblemKind.MALFORMED
+        state.problem(scope, at, kind, message)
+    if not name and not tree.is_mapping:
+        state.refused(scope, element, "it needs 'param', as what it loads is no mapping")
+        return
+    full = join(scope.namespace, name) if name else scope.namespace
+    for leaf in tree.leaves:
+        at = (
+            state.location(scope, leaf.line, source) if lines is None else state.location(scope, _nth(lines, leaf.line))
+        )
+        state.add_leaf(full, leaf, at, scope.place.chain, reason)
+
+
+def _nth(lines: list[int], number: int) -> int:
+    return lines[min(number, len(lines)) - 1]
+
+
+def _only_if(conditions: tuple[str | None, ...]) -> str | None:
+    words = [one for one in conditions if one]
+    return f"it is set only if {' and '.join(words)}" if words else None
+
+
+def _leaves(state: State, scope: Scope, element: Element, name: str) -> tuple[Leaf, ...]:
+    """Return the value of a `<param>` as leaves: one, which may be a robot description, or those of a YAML mapping."""
+    leaves = _values(state, scope, element, name)
+    plugins = _described(state, scope, element) if len(leaves) == 1 else ()
+    return (replace(leaves[0], plugins=plugins),) if plugins else leaves
+
+
+def _described(state: State, scope: Scope, element: Element) -> tuple[LaunchPlugin, ...]:
+    """Return the plugins of the robot description that a file holds, or that xacro makes of one."""
+    source = next((name for name in ("textfile", "command") if name in element.attributes), None)
+    if source is None or "value" in element.attributes:
+        return ()
+    text = state.text(scope, element, source) or ""
+    described = named_description(["cat", text] if source == "textfile" else _words(state, scope, element, text))
+    file = state.files.find(described[0]).file if described is not None else None
+    if described is None or file is None:
+        return ()
+    given = {name: shown(text) for name, text in described[1].items()}
+    chain = (*scope.place.chain, state.location(scope, element.line))
+    found = state.descriptions.read(file, given, chain)
+    state.problems.update(dict.fromkeys(found.problems))
+    state.read.update(dict.fromkeys(found.files))
+    return found.plugins
+
+
+def _values(state: State, scope: Scope, element: Element, name: str) -> tuple[Leaf, ...]:
+    """Return the value of a `<param>` as leaves."""
+    kind = (element.attributes.get("type") or "auto").lower().strip()
+    given = [source for source in _SOURCES if source in element.attributes]
+    if len(given) != 1:
+        state.refused(scope, element, f"the parameter '{name}' needs one of value, textfile, binfile, command")
+        return (_unknown(element, kind, "it has no value"),)
+    text = state.text(scope, element, given[0]) or ""
+    reason: str | None = None
+    if given[0] == "value":
+        text = text.strip()
+    elif given[0] == "command":
+        text, reason = _printed(state, scope, element, text)
+    else:
+        text, reason = _content(state, scope, element, text, is_text=given[0] == "textfile")
+    if reason is not None:
+        return (_unknown(element, "" if given[0] == "binfile" else kind, reason),)
+    if text == HOLE:
+        return (_unknown(element, kind, f"it depends on what is not known: {element.attributes[given[0]]}"),)
+    return _converted(state, scope, element, (text, kind))
+
+
+def _converted(state: State, scope: Scope, element: Element, what: tuple[str, str]) -> tuple[Leaf, ...]:
+    text, kind = what
+    if kind == "yaml":
+        tree = read_tree(text)
+        for message, _ in tree.problems:
+            state.refused(scope, element, message)
+        if tree.is_empty:
+            return (leaf_of(None, element.line),)
+        return tuple(Leaf(leaf.keys, element.line, leaf.value, leaf.type, leaf.reason) for leaf in tree.leaves)
+    try:
+        return (leaf_of(converted(text, kind), element.line),)
+    except ValueError as error:
+        if HOLE not in text:
+            state.refused(scope, element, f"the value is wrong: {error}")
+        return (_unknown(element, kind, "its value does not fit its type"),)
+
+
+def _unknown(element: Element, kind: str, reason: str) -> Leaf:
+    return Leaf((), element.line, None, _TYPES.get(kind), reason)
+
+
+def _content(state: State, scope: Scope, element: Element, text: str, *, is_text: bool) -> tuple[str, str | None]:
+    """Return what stands in a file, or why that is not known."""
+    file, reason = state.locate(scope, element.line, text)
+    if file is None:
+        return "", reason
+    if not is_text:
+        return "", "it is binary"
+    data = state.open(scope, element.line, file)
+    return ("", "the file cannot be read") if data is None else (data.decode(), None)
+
+
+def _words(state: State, scope: Scope, element: Element, command: str) -> Sequence[str]:
+    """Return the words of a command, what only starts its program left out; none of one that is wrong."""
+    try:
+        return started(shlex.split(_ROSPACK.sub(rf"{SCHEME}\1", command)))
+    except ValueError as error:
+        state.refused(scope, element, f"the command is wrong: {error}")
+        return []
+
+
+def _printed(state: State, scope: Scope, element: Element, command: str) -> tuple[str, str | None]:
+    """Return what a command prints where that is the content of a file, or why it is not known."""
+    words = _words(state, scope, element, command)
+    if not words:
+        return "", "its command is wrong"
+    if len(words) == 2 and words[0].rpartition("/")[2] == "cat":  # noqa: PLR2004 - cat FILE
+        return _content(state, scope, element, words[1], is_text=True)
+    described = named_description(words)
+    if described is not None:
+        _, reason = state.locate(scope, element.line, described[0])
+        return "", reason or "it is what xacro prints, which is not run"
+    return "", "it is what a command prints, which is not run"

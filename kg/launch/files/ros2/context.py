@@ -1,0 +1,234 @@
+"""What is known at a moment of the execution of a ROS 2 launch file, and what was found so far.
+
+Source: `launch.LaunchContext`. There the namespace, the global remappings and the global parameters are launch
+configurations of reserved names; here they have fields of their own, and are saved and restored together with them.
+"""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Final
+
+from kg.corpus.files import FilePath
+from kg.facts import LaunchProblem, LaunchProblemKind, Location
+from kg.holes import ANONYMOUS
+from kg.launch.files.access import SCHEME, Budget
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from kg.facts import LaunchArgument, LaunchInclude, LaunchParameter, LaunchPlugin, Remap, StartedNode
+    from kg.launch.files.access import Files
+    from kg.launch.files.ros2.actions import Text
+    from kg.launch.files.ros2.parameters import Entry
+    from kg.launch.files.ros2.substitute import Generated
+
+__all__ = ["HOLE", "Context", "Found", "GlobalFile", "Scope", "find", "place", "read", "unreadable"]
+
+HOLE: Final = ANONYMOUS
+"""Stands in a text for a part that cannot be known."""
+
+
+@dataclass(frozen=True, slots=True)
+class GlobalFile:
+    """A parameter file that `SetParametersFromFile` names for all nodes that come after; `path` is performed."""
+
+    path: str
+    location: Location
+    chain: tuple[Location, ...] = ()
+    reason: str | None = None
+    """Why it is not known whether it counts."""
+
+
+@dataclass(slots=True)
+class Scope:
+    """What a scoped group restores when it ends; a text with `{}` is not wholly known."""
+
+    configurations: dict[str, str] = field(default_factory=dict)
+    environment: dict[str, str | None] = field(default_factory=dict)
+    """Variables set; None for those that were unset. All others are unknown."""
+    namespace: str | None = None
+    remaps: tuple[Remap, ...] = ()
+    parameters: tuple[LaunchParameter | GlobalFile, ...] = ()
+
+    def copy(self) -> Scope:
+        """Return a scope that can change without this one."""
+        return replace(self, configurations=dict(self.configurations), environment=dict(self.environment))
+
+
+@dataclass(slots=True)
+class Found:
+    """What the execution of a configuration gives; problems, arguments and files each once, in the order found."""
+
+    nodes: list[StartedNode] = field(default_factory=list)
+    includes: list[LaunchInclude] = field(default_factory=list)
+    arguments: dict[str, LaunchArgument] = field(default_factory=dict)
+    problems: dict[LaunchProblem, None] = field(default_factory=dict)
+    files: dict[FilePath, None] = field(default_factory=dict)
+    generated: dict[str, Generated] = field(default_factory=dict)
+    """Files that are made when the configuration runs, by name."""
+    given: dict[object, dict[int, tuple[Entry, tuple[str, LaunchParameter, LaunchParameter]]]] = field(
+        default_factory=dict
+    )
+    """What nodes are given of each entry of a parameter file, since many nodes are given the same files."""
+    containers: dict[int, str] = field(default_factory=dict)
+    """The absolute names of containers by the identity of the action that starts them."""
+    printed: tuple[LaunchPlugin, ...] = ()
+    """The plugins of the robot description that the text performed last is."""
+    described: dict[tuple[str, Location, tuple[Location, ...]], tuple[LaunchPlugin, ...]] = field(default_factory=dict)
+    """The plugins of descriptions by name and place of the parameters that hold them."""
+    budget: Budget = field(default_factory=Budget)
+
+
+class Context:
+    """The state of the execution: `scope` is what is set now, `found` what has come of it.
+
+    `file` is the launch file that is executed, `chain` the lines of the includes that led to it, outermost first,
+    `location` the place of the action that is executed, `conditions` the words of the conditions around it that
+    cannot be known.
+    """
+
+    def __init__(self, files: Files, file: FilePath, given: Mapping[str, str], environment: Mapping[str, str]) -> None:
+        """Begin with the root file, the arguments `given` to it and the variables of the environment that are known."""
+        self.files = files
+        self.file = file
+        self.initial = dict(environment)
+        self.scope = Scope(dict(given), dict(environment))
+        self.found = Found()
+        self.chain: tuple[Location, ...] = ()
+        self.stack: tuple[FilePath, ...] = (file,)
+        self.location = place(files, file, 1)
+        self.conditions: tuple[str, ...] = ()
+
+    def perform(self, text: Text) -> str:
+        """Return a text with its substitutions performed now; what cannot be known is `{}`, with a problem."""
+        from kg.launch.files.ros2.substitute import perform  # noqa: PLC0415  (which needs this module)
+
+        return perform(self, text)
+
+    def settled(self, text: Text) -> str | None:
+        """Return a text performed now; None where a part of it is not known."""
+        performed = self.perform(text)
+        return None if HOLE in performed else performed
+
+    def quietly(self, text: Text) -> str:
+        """Return a text performed, without noting problems: for what is shown only."""
+        before = dict(self.found.problems)
+        try:
+            return self.perform(text)
+        finally:
+            self.found.problems = before
+
+    def configuration(self, name: str) -> str | None:
+        """Return the value of a launch configuration, with `{}` for parts not known; None where nothing sets it."""
+        return self.scope.configurations.get(name)
+
+    def environment(self, name: str) -> str | None:
+        """Return the value of a variable of the environment; None where it is not known or unset."""
+        return self.scope.environment.get(name)
+
+    @property
+    def namespace(self) -> str:
+        """The namespace that is pushed, absolute."""
+        return self.scope.namespace or "/"
+
+    def problem(
+        self, kind: LaunchProblemKind, message: str, subject: str | None = None, location: Location | None = None
+    ) -> None:
+        """Note what is wrong or not known, at the action that is executed unless a `location` is given."""
+        self.found.problems.setdefault(LaunchProblem(kind, message, location or self.location, self.chain, subject))
+
+    def limit(self, message: str) -> None:
+        """Note that something is larger than what is read."""
+        self.problem(LaunchProblemKind.LIMIT, message)
+
+    def allows(self, what: str, amount: int = 1) -> bool:
+        """Count something; tell whether there may be so much of it."""
+        return self.found.budget.allows(self.limit, what, amount)
+
+    def unresolved(self, message: str, subject: str | None = None) -> str:
+        """Note that something cannot be known, and return what stands for it."""
+        self.problem(LaunchProblemKind.UNRESOLVED, message, subject)
+        return HOLE
+
+    @contextmanager
+    def at(self, location: Location) -> Iterator[None]:
+        """Let `location` be the place of what is executed."""
+        before, self.location = self.location, location
+        try:
+            yield
+        finally:
+            self.location = before
+
+    @contextmanager
+    def inside(self, file: FilePath) -> Iterator[None]:
+        """Let `file`, which the action executed now includes, be executed; settings that it makes stay."""
+        before = self.file, self.chain, self.stack, self.location
+        self.chain, self.file, self.stack = (*self.chain, self.location), file, (*self.stack, file)
+        self.location = place(self.files, file, 1)
+        try:
+            yield
+        finally:
+            self.file, self.chain, self.stack, self.location = before
+
+
+def place(files: Files, file: FilePath, line: int) -> Location:
+    """Return a line of a file as a location: without repository in the configuration's own source."""
+    own = file.repository == files.reader.repository
+    return Location(file.path, line, None if own else file.repository)
+
+
+def read(context: Context, text: str) -> tuple[FilePath, bytes] | None:
+    """Return the file that a text names, and its content; None, and a problem, where it cannot be read."""
+    made = context.found.generated.get(text)
+    if made is not None:
+        return made.file, made.content
+    file = find(context, text)
+    if file is None:
+        return None
+    content = context.files.read(file)
+    if content is None:
+        unreadable(context, file)
+        return None
+    context.found.files.setdefault(file)
+    return file, content
+
+
+def unreadable(context: Context, file: FilePath) -> None:
+    """Note that a file is there and cannot be read."""
+    context.problem(LaunchProblemKind.LIMIT, f"`{file.path}` is too large, or no text", file.path)
+
+
+def find(context: Context, text: str) -> FilePath | None:
+    """Return the file that a text names; None, and a problem, where there is none or it cannot be known.
+
+    Where a package installs its files in other folders than its source has, the one file of the package counts whose
+    path ends as the one that is named.
+    """
+    if HOLE in text:
+        return None
+    file = context.files.at(text)
+    if file is None:
+        if not text.startswith(SCHEME):
+            context.problem(LaunchProblemKind.UNRESOLVED, f"`{text}` is no file of a package", text)
+        return None
+    found = file if context.files.exists(file) else _installed_elsewhere(context.files, text)
+    if found is None:
+        context.problem(LaunchProblemKind.MISSING_FILE, f"there is no file `{text}`", text)
+    return found
+
+
+def _installed_elsewhere(files: Files, text: str) -> FilePath | None:
+    package, _, rest = text.removeprefix(SCHEME).partition("/")
+    known = files.reader.workspace.package(package, files.reader.repository)
+    if known is None or not text.startswith(SCHEME):
+        return None
+    parts = [part for part in rest.split("/") if part not in ("", ".", "..")]
+    paths = [entry.path for entry in files.reader.workspace.folder(known)[1].files]
+    for length in range(len(parts), 0, -1):
+        tail = "/" + "/".join(parts[-length:])
+        ending = [path for path in paths if f"/{path}".endswith(tail)]
+        if ending:
+            return FilePath(known.repository, ending[0]) if len(ending) == 1 else None
+    return None

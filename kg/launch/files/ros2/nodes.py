@@ -1,0 +1,270 @@
+"""Nodes, containers, components and processes as they are started, with the command lines that they get.
+
+Source: `launch_ros.actions.Node`, `ComposableNodeContainer`, `LoadComposableNodes`, design.ros2.org on ROS command line
+arguments, and `rcl` for the remappings: the first rule that fits a name counts, and those of the command line come
+before those that are set for all nodes, these before those of the node itself.
+"""
+
+from __future__ import annotations
+
+import posixpath
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final
+
+from kg.facts import LaunchParameter, LaunchProblemKind, Remap, StartedNode, StartKind
+from kg.launch.files.ros2.context import HOLE, GlobalFile
+from kg.launch.files.ros2.parameters import Asked, node_parameters
+from kg.launch.files.ros2.substitute import holds
+from kg.launch.files.ros2.values import of_text
+from kg.names import join, normalise
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from kg.launch.files.ros2.actions import Executable, LoadComponents, NodeAction, Text
+    from kg.launch.files.ros2.context import Context
+
+__all__ = ["execute_process", "load_components", "start_node"]
+
+_REMAP: Final = {"-r", "--remap"}
+_PARAMETER: Final = {"-p", "--param"}
+_FILE: Final = {"--params-file", "--param-file"}
+_WITH_OPERAND: Final = {"--log-level", "--log-config-file", "--log-file-name", "-e", "--enclave"}
+
+
+@dataclass(slots=True)
+class CommandLine:
+    """The parts of a command line; `rest` are the arguments that are not for ROS."""
+
+    remaps: list[tuple[str, str]] = field(default_factory=list)
+    parameters: list[tuple[str, str | None]] = field(default_factory=list)
+    """Names and values as YAML, or the path of a file and None, in order."""
+    name: str | None = None
+    namespace: str | None = None
+    rest: list[str] = field(default_factory=list)
+
+
+def parse_command_line(words: Sequence[str]) -> CommandLine:
+    """Return what `words` say; rules outside of `--ros-args` count as well, as they did before ROS 2 Eloquent."""
+    line = CommandLine()
+    inside = False
+    remaining = iter(words)
+    for word in remaining:
+        if word == "--ros-args":
+            inside = True
+        elif inside and word == "--":
+            inside = False
+        elif inside:
+            _option(line, word, remaining)
+        elif ":=" in word:
+            _rule(line, word)
+        else:
+            line.rest.append(word)
+    return line
+
+
+def _option(line: CommandLine, word: str, remaining: Iterator[str]) -> None:
+    if word in _REMAP:
+        _rule(line, next(remaining, ""))
+    elif word in _PARAMETER:
+        name, colon, value = next(remaining, "").partition(":=")
+        if colon:
+            line.parameters.append((name, value))
+    elif word in _FILE:
+        line.parameters.append((next(remaining, ""), None))
+    elif word in _WITH_OPERAND:
+        next(remaining, None)
+    elif ":=" in word:
+        _rule(line, word)
+
+
+def _rule(line: CommandLine, rule: str) -> None:
+    """Take a rule of remapping; of several for one thing the first counts."""
+    source, colon, target = rule.partition(":=")
+    if not colon:
+        return
+    if source in ("__node", "__name"):
+        line.name = line.name or target
+    elif source == "__ns":
+        line.namespace = line.namespace or target
+    else:
+        line.remaps.append((source, target))
+
+
+_KINDS: Final = {
+    "node": StartKind.NODE,
+    "lifecycle-node": StartKind.LIFECYCLE_NODE,
+    "container": StartKind.CONTAINER,
+    "component": StartKind.COMPONENT,
+}
+_RUN: Final = ("ros2", "run")
+_TOOLS: Final = {("topic", "pub"), ("topic", "echo"), ("service", "call"), ("action", "send_goal")}
+"""Commands of `ros2` that are nodes."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Start:
+    """How something is started: by which action, under which name, with which command line, in which container."""
+
+    action: NodeAction
+    kind: StartKind
+    name: str | None
+    namespace: str | None
+    line: CommandLine = field(default_factory=CommandLine)
+    executable: str | None = None
+    host: str | None = None
+
+
+def start_node(context: Context, action: NodeAction) -> None:
+    """Start a node as its action says, and load the components of a container into it."""
+    words = [context.perform(word) for word in action.arguments]
+    ros_words = [context.perform(word) for word in action.ros_arguments]
+    line = parse_command_line([*words, "--ros-args", *ros_words])
+    name = line.name or _optional(context, action.name) or None
+    namespace = line.namespace or _optional(context, action.namespace)
+    executable = _optional(context, action.executable)
+    kind = _kind(action, context, executable)
+    full = _record(context, _Start(action, kind, name, namespace, line, executable))
+    context.found.containers[id(action)] = full
+    for component in action.components:
+        _load(context, component, full)
+
+
+def load_components(context: Context, action: LoadComponents) -> None:
+    """Load components into a running container; its name is seen from the root, for launch's own node stands there."""
+    host = context.found.containers.get(id(action.container)) if action.container else None
+    if host is None and action.target is not None:
+        host = normalise(f"/{context.perform(action.target)}")
+    if host is None:
+        context.unresolved("the container that components are loaded into is not known")
+    for component in action.components:
+        _load(context, component, host)
+
+
+def execute_process(context: Context, action: Executable) -> None:
+    """Start the node that a command starts: `ros2 run PACKAGE EXECUTABLE`, a tool, or what is given `--ros-args`."""
+    words = [context.perform(word) for word in action.command]
+    words = words[0].split() if len(words) == 1 else words  # a line for a shell
+    program = [posixpath.basename(word) for word in words[:1]] + words[1:2]
+    if tuple(program) == _RUN:
+        package, executable, rest = _run_operands(words[2:])
+    elif program[:1] == ["ros2"] and tuple(words[1:3]) in _TOOLS:
+        package, executable, rest = f"ros2{words[1]}", "ros2", words[2:]
+    elif "--ros-args" in words[1:]:
+        package, executable, rest = None, posixpath.basename(words[0]), words[1:]
+    else:
+        return
+    if executable is None:
+        context.problem(LaunchProblemKind.MALFORMED, f"`{' '.join(words)}` names no package and executable")
+        return
+    line = parse_command_line(rest)
+    namespace = line.namespace or "/"
+    _append(
+        context,
+        StartedNode(
+            line.name,
+            normalise(f"/{namespace}"),
+            StartKind.NODE,
+            context.location,
+            context.chain,
+            package,
+            executable,
+            remaps=tuple(_remaps(context, line.remaps, line.name)),
+            parameters=node_parameters(context, Asked(normalise(f"/{namespace}"), line.name), _rules(context, line)),
+            arguments=tuple(line.rest),
+            condition=" and ".join(context.conditions) or None,
+        ),
+    )
+
+
+def _run_operands(words: Sequence[str]) -> tuple[str | None, str | None, Sequence[str]]:
+    """Return the package, the executable and the arguments of `ros2 run`, whose own options come first."""
+    start = 0
+    while start < len(words) and words[start].startswith("--"):
+        start += 2 if words[start] == "--prefix" else 1
+    package, executable = (*words[start : start + 2], None, None)[:2]
+    return package, executable, words[start + 2 :]
+
+
+def _kind(action: NodeAction, context: Context, executable: str | None) -> StartKind:
+    contains = (executable or "").startswith("component_container")
+    if action.kind == "node" and contains and _optional(context, action.package) == "rclcpp_components":
+        return StartKind.CONTAINER
+    return _KINDS[action.kind]
+
+
+def _load(context: Context, component: NodeAction, host: str | None) -> None:
+    """Load a component, which inherits nothing of its container but the place."""
+    with context.at(component.location):
+        held = True if component.condition is None else holds(context, component.condition)
+        if held is False:
+            return
+        conditions = context.conditions
+        if held is None and component.condition is not None:
+            context.conditions = (*conditions, component.condition.words)
+        name, namespace = _optional(context, component.name) or None, _optional(context, component.namespace)
+        _record(context, _Start(component, StartKind.COMPONENT, name, namespace, host=host))
+        context.conditions = conditions
+
+
+def _record(context: Context, start: _Start) -> str:
+    """Add a node to what was found, and return its absolute name."""
+    action, line, name = start.action, start.line, start.name
+    within = normalise(f"/{join(context.namespace, start.namespace)}") if start.namespace else context.namespace
+    loaded = start.kind is StartKind.COMPONENT
+    whole = loaded or (name is not None and (bool(start.namespace) or context.scope.namespace is not None))
+    own = [(context.perform(source), context.perform(target), place) for source, target, place in action.remaps]
+    sources = [*_rules(context, line), *context.scope.parameters, *action.parameters]
+    node = StartedNode(
+        name=name,
+        namespace=within,
+        kind=start.kind,
+        location=action.location,
+        chain=context.chain,
+        package=_optional(context, action.package),
+        executable=start.executable,
+        plugin=_optional(context, action.plugin),
+        host=start.host,
+        remaps=(
+            *_remaps(context, line.remaps, name),
+            *context.scope.remaps,
+            *(Remap(source, target, place, context.chain) for source, target, place in own),
+        ),
+        parameters=node_parameters(context, Asked(within, name, loaded, whole), sources),
+        arguments=tuple(line.rest),
+        condition=" and ".join(context.conditions) or None,
+        settings=tuple((key, context.perform(value)) for key, value in action.settings),
+    )
+    _append(context, node)
+    return f"{within.rstrip('/')}/{name or HOLE}"
+
+
+def _append(context: Context, node: StartedNode) -> None:
+    if context.found.budget.allows_node(context.limit, node):
+        context.found.nodes.append(node)
+
+
+def _remaps(context: Context, rules: Sequence[tuple[str, str]], name: str | None) -> list[Remap]:
+    """Return rules of a command line as remappings of one node: those for another node are left out."""
+    found = []
+    for source, target in rules:
+        node, colon, rest = source.rpartition(":")
+        if not colon or name is None or node == name:
+            found.append(Remap(rest if name else source, target, context.location, context.chain))
+    return found
+
+
+def _rules(context: Context, line: CommandLine) -> list[LaunchParameter | GlobalFile]:
+    """Return the parameters of a command line."""
+    rules: list[LaunchParameter | GlobalFile] = []
+    for name, written in line.parameters:
+        if written is None:
+            rules.append(GlobalFile(name, context.location, context.chain))
+        else:
+            value, kind = of_text(written)
+            rules.append(LaunchParameter(name, value, context.location, context.chain, kind))
+    return rules
+
+
+def _optional(context: Context, text: Text | None) -> str | None:
+    return None if text is None else context.perform(text)

@@ -1,0 +1,334 @@
+"""The parameters that the process of a node is given: from whom, and in which order.
+
+Source: `launch_ros.actions.Node` for the order, `rcl_yaml_param_parser` and `rclcpp`'s `resolve_parameter_overrides`
+for what counts: all files and values of a command line are merged by the name of node that they are written for, in
+the order in which those names come first. What is given by value to a node that is known by its full name is written
+for that name, else for all nodes. Which of a file's are for a node is told by the name that it turns out to have; a
+process may have nodes that launch knows nothing of.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import TYPE_CHECKING, Final, TypeAlias
+
+import yaml
+
+from kg.facts import LaunchParameter, LaunchProblemKind, Location
+from kg.launch.files.ros2.actions import ParameterFile, ParameterValue
+from kg.launch.files.ros2.context import HOLE, GlobalFile, place, read
+from kg.launch.files.ros2.template import TemplateError, parse_template
+from kg.launch.files.ros2.values import Performed, of_object, of_text, of_yaml
+from kg.names import is_for_node
+from kg.yamltext import Walk, YamlFault, compose_yaml
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+    from kg.corpus.files import FilePath
+    from kg.facts import StartedNode
+    from kg.launch.files.ros2.actions import ParameterSource
+    from kg.launch.files.ros2.context import Context
+
+__all__ = ["Asked", "Entry", "Rewriting", "given_parameter", "node_parameters", "read_parameters", "without_others"]
+
+_PARAMETERS: Final = "ros__parameters"
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A parameter of a file: the name of the node it is for, its own name in parts, its value as YAML, and its line.
+
+    `node` is None in a file that names no nodes at all. `location` is that of what set the value, where it is not the
+    file.
+    """
+
+    node: str | None
+    names: tuple[str, ...]
+    value: str
+    type: str | None
+    line: int
+    location: Location | None = None
+
+
+def read_parameters(
+    context: Context, path: str, *, substitutions: bool = False
+) -> tuple[FilePath, Sequence[Entry]] | None:
+    """Return the file that a text names with its parameters; None, and a problem, where it cannot be read.
+
+    With `substitutions` those in the file are performed.
+    """
+    found = read(context, path)
+    if found is None:
+        return None
+    file, content = found
+    made = context.found.generated.get(path)
+    if made is not None and made.entries is not None:
+        return file, [_performed(context, entry) for entry in made.entries] if substitutions else made.entries
+    try:
+        return file, _entries(_substituted(context, content) if substitutions else content)
+    except YamlFault as fault:
+        where = place(context.files, file, fault.line or 1)
+        context.problem(LaunchProblemKind.MALFORMED, f"`{file.path}` {fault.message}", file.path, where)
+        return None
+
+
+def _performed(context: Context, entry: Entry) -> Entry:
+    """Return a parameter with the substitutions in its value performed."""
+    if "$(" not in entry.value:
+        return entry
+    value, kind = of_text(_substituted(context, entry.value.encode()).decode())
+    return replace(entry, value=HOLE if value is None else value, type=kind)
+
+
+def _substituted(context: Context, content: bytes) -> bytes:
+    try:
+        return context.perform(parse_template(content.decode())).encode("utf-8", "replace")
+    except TemplateError as error:
+        context.problem(LaunchProblemKind.MALFORMED, str(error))
+        return content
+
+
+@lru_cache(maxsize=256)
+def _entries(content: bytes) -> tuple[Entry, ...]:
+    """Return the parameters of a file in its order; raises `YamlFault`."""
+    root, walk = compose_yaml(content.decode()), _Walk()
+    return tuple(walk.nodes(root, (), 0)) or tuple(walk.leaves(root, None, (), 0))
+
+
+class _Walk(Walk):
+    """One walk over a document."""
+
+    def nodes(self, node: yaml.Node | None, names: tuple[str, ...], depth: int) -> Iterator[Entry]:
+        """Yield the parameters of all nodes below a mapping."""
+        for key, value in self.merged(node, depth):
+            if key.value == _PARAMETERS:
+                yield from self.leaves(value, _joined(names), (), depth + 1)
+            elif isinstance(value, yaml.MappingNode):
+                yield from self.nodes(value, (*names, key.value), depth + 1)
+
+    def leaves(self, node: yaml.Node | None, owner: str | None, names: tuple[str, ...], depth: int) -> Iterator[Entry]:
+        """Yield the parameters of a mapping of names, with the line of each."""
+        for key, value in self.merged(node, depth):
+            below = (*names, key.value)
+            if isinstance(value, yaml.MappingNode):
+                yield from self.leaves(value, owner, below, depth + 1)
+            else:
+                yield Entry(owner, below, *of_yaml(value, self, depth), key.start_mark.line + 1)
+
+    def merged(self, node: yaml.Node | None, depth: int) -> Iterator[tuple[yaml.ScalarNode, yaml.Node]]:
+        """Yield the entries of a mapping, those of the mappings that it merges too."""
+        for key, value in self.pairs(node, depth):
+            if key.tag != "tag:yaml.org,2002:merge":
+                yield key, value
+                continue
+            for part in value.value if isinstance(value, yaml.SequenceNode) else [value]:
+                yield from self.merged(part, depth + 1)
+
+
+def _joined(names: Sequence[str]) -> str:
+    """Return the name of a node from the keys above its parameters."""
+    absolute = "/" if names and names[0].startswith("/") else ""
+    return absolute + "/".join(part.strip("/") for part in names if part.strip("/"))
+
+
+@dataclass(frozen=True, slots=True)
+class Rewriting:
+    """What is put into a copy of a file: new names of `keys`, new `values`, and a `root` above all nodes.
+
+    A value is named by its key alone, or by the whole path to it, which is added where the file does not have it;
+    `instead` has what takes the place of a value, whatever its key.
+    """
+
+    keys: Mapping[str, str]
+    values: Mapping[str, str]
+    instead: Mapping[str, str]
+    root: str
+    location: Location
+
+    def applied(self, listed: Sequence[Entry]) -> tuple[Entry, ...]:
+        """Return the parameters of the copy."""
+        known = {_path(entry) for entry in listed}
+        fresh = [self._added(path) for path in self.values if path not in known and f".{_PARAMETERS}." in path]
+        return tuple(self._rewritten(entry) for entry in (*listed, *fresh))
+
+    def _added(self, path: str) -> Entry:
+        node, _, names = path.partition(f".{_PARAMETERS}.")
+        return Entry(node.replace(".", "/"), tuple(names.split(".")), "", None, self.location.line)
+
+    def _rewritten(self, entry: Entry) -> Entry:
+        path, keys, node = _path(entry), self.keys, entry.node
+        wanted = self.values.get(path, self.values.get(path.lstrip("."), self.values.get(entry.names[-1])))
+        wanted = self.instead.get(entry.value) if wanted is None else wanted
+        names = tuple(keys.get(name, name) for name in entry.names)
+        if node is not None:
+            node = "/".join(keys.get(part, part) for part in node.split("/"))
+            node = _joined((self.root, node)) if self.root.strip("/") else node
+        if wanted is None:
+            return Entry(node, names, entry.value, entry.type, entry.line, entry.location)
+        value, kind = _converted(wanted)
+        value = HOLE if value is None else value
+        return replace(entry, names=names, node=node, value=value, type=kind, location=self.location)
+
+
+def _path(entry: Entry) -> str:
+    above = () if entry.node is None else (*entry.node.split("/"), _PARAMETERS)
+    return ".".join((*above, *entry.names))
+
+
+def _converted(text: str) -> tuple[str | None, str | None]:
+    """Return the value and type of a text put into a file: a number or a truth value, else a text."""
+    value, kind = of_text(text)
+    return (value, kind) if kind in ("int", "double", "bool") else of_text(text, "string")
+
+
+_ALL: Final = "/**"
+_AT_RUN_TIME: Final = "it depends on what is known only when it runs"
+_UNREAD: Final = "what its parameter file says is not known"
+_Given: TypeAlias = tuple[str, LaunchParameter, LaunchParameter]
+"""The name of node that a parameter is written for, the parameter of that node alone, and the same with the name."""
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """Whose parameters are asked for: the absolute name, without its last part where the name is not known.
+
+    A node that is loaded into a container is given only what is written for its exact name, or for all.
+    """
+
+    namespace: str
+    name: str | None
+    loaded: bool = False
+    whole: bool = True
+    """Whether launch knows the full name, and writes values given to the node for that name alone."""
+
+    @property
+    def full(self) -> str | None:
+        """The absolute name, None where the node keeps its own."""
+        return f"{self.namespace.rstrip('/')}/{self.name}" if self.name else None
+
+
+def given_parameter(context: Context, parameter: ParameterValue) -> LaunchParameter:
+    """Return a parameter given by value, as it is now."""
+    _forget(context)
+    value, kind = _value(context, parameter)
+    printed = context.found.printed
+    reason = _AT_RUN_TIME if value is None or HOLE in value else None
+    name = context.perform(parameter.name)
+    if printed:
+        context.found.described[name, parameter.location, context.chain] = printed
+    return LaunchParameter(name, value, parameter.location, context.chain, parameter.type or kind, reason)
+
+
+def _forget(context: Context) -> None:
+    """Begin anew to look for a robot description in what is performed."""
+    context.found.printed = ()
+
+
+def node_parameters(
+    context: Context, asked: Asked, sources: Sequence[ParameterSource | LaunchParameter | GlobalFile]
+) -> tuple[LaunchParameter, ...]:
+    """Return the parameters given to a node in the order in which they are applied, with the keys they stand below."""
+    merged: dict[str, dict[str, LaunchParameter]] = {}
+    owned: dict[str, bool | None] = {}  # files have many parameters for few nodes
+    for key, parameter, below in _written(context, asked, sources):
+        if key not in owned:
+            owned[key] = _is_own(key, asked)
+        own = owned[key]
+        if asked.loaded and own is False:
+            continue
+        if not context.allows("parameters"):
+            break
+        known = merged.setdefault("" if asked.loaded else key, {})
+        known.pop(parameter.name, None)
+        known[parameter.name] = parameter if own else below
+    return tuple(parameter for known in merged.values() for parameter in known.values())
+
+
+def without_others(nodes: Sequence[StartedNode]) -> tuple[StartedNode, ...]:
+    """Return nodes without the parameters that stand below the name of another of them: that one has them itself."""
+    names = {f"{node.namespace.rstrip('/')}/{node.name}" for node in nodes if node.name}
+    return tuple(
+        replace(node, parameters=tuple(given for given in node.parameters if given.node not in names))
+        if node.name and any(given.node in names for given in node.parameters)
+        else node
+        for node in nodes
+    )
+
+
+def _is_own(key: str, asked: Asked) -> bool | None:
+    """Tell whether a key is that of the node alone; None where it may be for the node, or for others of its process."""
+    written = f"/{key.strip('/')}"
+    if written == asked.full:
+        return True
+    if not asked.loaded:
+        return None
+    if "*" in key:
+        return written == _ALL
+    possible = asked.full is not None and is_for_node(key, asked.full) is None
+    return None if possible else False
+
+
+def _written(
+    context: Context, asked: Asked, sources: Iterable[ParameterSource | LaunchParameter | GlobalFile]
+) -> Iterator[_Given]:
+    """Yield the parameters of all sources with the name of node that they are written for."""
+    own = asked.full if asked.full is not None and asked.whole else _ALL
+    for source in sources:
+        if isinstance(source, LaunchParameter):
+            yield _addressed(source)
+        elif isinstance(source, ParameterValue):
+            with context.at(source.location):
+                yield _given(own, given_parameter(context, source))
+        else:
+            with context.at(source.location):
+                yield from _of_file(context, source, own if asked.loaded else None)
+
+
+def _given(key: str, parameter: LaunchParameter) -> _Given:
+    return key, parameter, replace(parameter, node=f"/{key.strip('/')}")
+
+
+def _addressed(parameter: LaunchParameter) -> _Given:
+    """Return a parameter for all nodes, or that of a rule `node:name`, as `rcl` reads them."""
+    node, colon, name = parameter.name.rpartition(":")
+    return _given(node, replace(parameter, name=name)) if colon and node else _given(_ALL, parameter)
+
+
+def _of_file(context: Context, source: ParameterFile | GlobalFile, flat: str | None) -> Iterator[_Given]:
+    """Yield the parameters of a file; `flat` is the node that a file is for which names no nodes at all."""
+    substitutions = isinstance(source, ParameterFile) and source.substitutions
+    path = source.path if isinstance(source, GlobalFile) else context.perform(source.read)
+    found = read_parameters(context, path, substitutions=substitutions)
+    if found is None:
+        yield _given(flat or _ALL, LaunchParameter(HOLE, None, source.location, context.chain, reason=_UNREAD))
+        return
+    file, listed = found
+    doubt = source.reason if isinstance(source, GlobalFile) else None
+    known = context.found.given.setdefault((file, context.chain, doubt), {})
+    repository = place(context.files, file, 1).repository
+    for entry in listed:
+        if id(entry) in known:
+            yield known[id(entry)][1]
+            continue
+        node = entry.node if entry.node is not None else flat
+        if node is None:
+            continue
+        value = None if doubt or entry.value == HOLE else entry.value
+        reason = doubt or (_AT_RUN_TIME if value is None else None)
+        where = entry.location or Location(file.path, entry.line, repository)
+        name = ".".join(entry.names)
+        made = _given(node, LaunchParameter(name, value, where, context.chain, entry.type, reason))
+        if entry.node is not None:
+            known[id(entry)] = (entry, made)
+        yield made
+
+
+def _value(context: Context, parameter: ParameterValue) -> tuple[str | None, str | None]:
+    value = parameter.value
+    if isinstance(value, tuple):
+        return of_text(context.perform(value), "string" if parameter.as_text else parameter.type)
+    if isinstance(value, list):
+        return of_object([Performed(context.perform(item)) if isinstance(item, tuple) else item for item in value])
+    return of_object(value)

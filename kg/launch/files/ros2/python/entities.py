@@ -1,0 +1,575 @@
+"""Actions of launch and launch_ros: what the objects of their classes are read as.
+
+Handlers of events become groups, under a condition if it cannot be known that the event comes. Sources: the packages
+`launch`, `launch_ros` and `controller_manager`.
+"""
+
+from __future__ import annotations
+
+import shlex
+from dataclasses import replace
+from functools import partial
+from itertools import islice
+from typing import TYPE_CHECKING, Final
+
+from kg.holes import ANONYMOUS
+from kg.launch.files.ros2 import actions as kinds
+from kg.launch.files.ros2.actions import (
+    Condition,
+    Group,
+    LoadComponents,
+    NodeAction,
+    ParameterFile,
+    ParameterValue,
+    Substitution,
+    join,
+    unknown_text,
+)
+from kg.launch.files.ros2.python.values import (
+    Made,
+    condition_of,
+    condition_on,
+    entries_of,
+    file_of,
+    guarded,
+    is_substitution,
+    launch_text,
+    options,
+    pair_of,
+    pairs_of,
+    reason_of,
+    terms_of_way,
+)
+from kg.symbolic.operators import NULL, plain
+from kg.symbolic.values import Closure, Either, Mapping, Number, Sequence, Text, Truth, TypeValue, Unknown, Value, rows
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from kg.facts import Location
+    from kg.launch.files.ros2.actions import Action, ParameterSource
+    from kg.launch.files.ros2.actions import Text as LaunchText
+    from kg.launch.files.ros2.python.reading import Reading
+
+__all__ = ["ENTITIES", "NODES"]
+
+_MAX_DEPTH: Final = 20
+_MAX_ENTRIES: Final = 20_000
+
+
+def value_of(name: LaunchText, value: Value, location: Location) -> ParameterValue:
+    """Return one parameter."""
+    if isinstance(value, Made) and value.name in ("ParameterValue", "Parameter"):
+        kind, inner = value.fields.get("value_type"), value.fields.get("value", NULL)
+        is_text = isinstance(kind, TypeValue) and kind.kind.names == ("builtins", "str")
+        if is_text or isinstance(inner, Text):
+            return ParameterValue(name, launch_text(inner), location, as_text=is_text)
+        return value_of(name, inner, location)
+    if isinstance(value, Number | Truth):
+        return ParameterValue(name, _plain(value), location)
+    if isinstance(value, Text):
+        return ParameterValue(name, launch_text(value), location, as_text=value.known is not None)
+    if isinstance(value, Sequence):
+        return _list_value(name, list(value.items), location)
+    return ParameterValue(name, launch_text(value), location)
+
+
+def _plain(value: Value) -> bool | float:
+    found = plain(value)
+    return found if isinstance(found, bool | int | float) else 0
+
+
+def _is_later(value: Value) -> bool:
+    return is_substitution(value) or (isinstance(value, Text) and value.known is None)
+
+
+def _list_value(name: LaunchText, values: list[Value], location: Location) -> ParameterValue:
+    unknown = next((item for item in values if isinstance(item, Unknown | Either)), None)
+    if any(map(_is_later, values)) and all(_is_later(item) or isinstance(item, Text) for item in values):
+        return ParameterValue(name, join([part for item in values for part in launch_text(item)]), location)
+    if unknown is not None:
+        return ParameterValue(name, unknown_text(reason_of(unknown)), location)
+    known = (plain(item) for item in values)
+    found = [launch_text(item) if one is None else one for item, one in zip(values, known, strict=True)]
+    return ParameterValue(name, list(found), location)
+
+
+def sources_of(reading: Reading, made: Made) -> tuple[ParameterSource, ...]:
+    """Return the parameters that a node gets, in their order."""
+    value, location = made.value("parameters"), made.place("parameters")
+    if value is None:
+        return ()
+    whole = isinstance(value, Mapping) or (isinstance(value, Text) and value.known is not None)
+    found = [(value, ())] if whole else reading.machine.items(value)
+    if found is None:
+        return (ParameterFile(unknown_text(f"parameters are not known: {reason_of(value)}"), location),)
+    places = reading.places_of(value, len(found), location)
+    sources: list[ParameterSource] = []
+    for (item, terms), place in zip(found, places, strict=True):
+        if terms:
+            words = terms[0].lstrip("!?")
+            sources.append(ParameterFile(unknown_text(f"it depends on `{words}`"), place))
+        else:
+            sources += _sources(reading, item, place)
+    return tuple(sources)
+
+
+def _sources(reading: Reading, item: Value, location: Location) -> list[ParameterSource]:
+    if isinstance(item, Mapping):
+        return list(islice(_entries(reading, item, (), location), _MAX_ENTRIES))
+    if isinstance(item, Made) and item.name == "Parameter":
+        return [value_of(item.text("name") or (), item, item.location)]
+    if isinstance(item, Sequence | Text) or is_substitution(item):
+        return [file_of(item, location)]
+    if item == NULL:
+        return []
+    return [ParameterFile(unknown_text(f"parameters are not known: {reason_of(item)}"), location)]
+
+
+def _entries(
+    reading: Reading, table: Mapping, prefix: LaunchText, location: Location, depth: int = 0
+) -> Iterator[ParameterSource]:
+    """Yield the entries of a dictionary, which may hold the same one many times."""
+    for key, value in table.items:
+        place = reading.place_of(key) or location
+        name = join([*prefix, *([".", *launch_text(key)] if prefix else launch_text(key))])
+        item, terms = guarded(value)
+        if terms:
+            yield ParameterValue(name, unknown_text(reason_of(value)), place)
+        elif isinstance(item, Mapping) and depth < _MAX_DEPTH:
+            yield from _entries(reading, item, name, place, depth + 1)
+        elif item != NULL:
+            yield value_of(name, item, place)
+    if table.open:
+        yield ParameterFile(unknown_text("more parameters: it is not known what a dictionary has"), location)
+
+
+_SETTINGS: Final = (
+    "output", "output_format", "respawn", "respawn_delay", "respawn_max_retries", "prefix", "exec_name", "cwd", "shell",
+    "emulate_tty", "sigterm_timeout", "sigkill_timeout", "autostart",
+)  # fmt: skip
+_NAMING: Final = ("package", "executable", "plugin", "name", "namespace", "node_executable", "node_name")
+_MAX_OPTIONS: Final = 16
+
+
+def _rows(made: Made) -> list[tuple[Condition | None, Made]]:
+    """Return a node for each option of what it is and how it is called, with the condition of the option."""
+    names = [name for name in _NAMING if isinstance(made.fields.get(name), Either)]
+    if not names:
+        return [(None, made)]
+    found = rows(tuple(made.fields[name] for name in names), _MAX_OPTIONS)
+    return [
+        (
+            condition_of(terms_of_way(way)),
+            replace(made, fields={**made.fields, **dict(zip(names, row, strict=True))}),
+        )
+        for row, way in found
+    ]
+
+
+def _optional(value: Value | None) -> LaunchText | None:
+    return None if value is None else launch_text(value)
+
+
+def _node(kind: str) -> Callable[[Reading, Made], list[Action]]:
+    def read(reading: Reading, made: Made) -> list[Action]:
+        found: list[Action] = []
+        for condition, one in _rows(made):
+            found += reading.under(condition, [_started(reading, one, kind)])
+        return found
+
+    return read
+
+
+def _started(reading: Reading, made: Made, kind: str) -> NodeAction:
+    component = kind == "component"
+    return NodeAction(
+        location=made.location,
+        condition=condition_on(made),
+        kind=kind,
+        package=_optional(made.value("package")),
+        executable=None if component else _optional(made.first("executable", "node_executable")),
+        plugin=_optional(made.first("plugin", "node_plugin")) if component else None,
+        name=_optional(made.first("name", "node_name")),
+        namespace=_optional(made.first("namespace", "node_namespace")),
+        remaps=_remaps(reading, made),
+        parameters=sources_of(reading, made),
+        arguments=() if component else _words(reading, made, "arguments"),
+        ros_arguments=() if component else _words(reading, made, "ros_arguments"),
+        settings=_extra(made) if component else _settings(made),
+        components=() if component else tuple(_components(reading, made)),
+    )
+
+
+def _settings(made: Made) -> tuple[tuple[str, LaunchText], ...]:
+    given = {name: held for name in _SETTINGS if (held := made.value(name)) is not None}
+    output = given.get("output")
+    if isinstance(output, Mapping):
+        streams = {key.known: value for key, value in output.items if isinstance(key, Text)}
+        given["output"] = streams.get("stdout", streams.get("both", Text.of("")))
+    found = [("launch-prefix" if name == "prefix" else name, launch_text(value)) for name, value in given.items()]
+    for name in ("env", "additional_env"):
+        found += [(f"env {_flat(key)}", launch_text(value)) for key, value in entries_of(made.value(name))]
+    end = made.value("on_exit")
+    if isinstance(end, Made) and end.name in ("Shutdown", "ShutdownAction", "EmitEvent"):
+        found.append(("required", ("true",)))
+    return tuple(found)
+
+
+def _extra(made: Made) -> tuple[tuple[str, LaunchText], ...]:
+    value = made.value("extra_arguments")
+    tables = value.items if isinstance(value, Sequence) else ()
+    return tuple((_flat(key), launch_text(item)) for table in tables for key, item in entries_of(table))
+
+
+def _flat(value: Value) -> str:
+    return "".join(part if isinstance(part, str) else ANONYMOUS for part in launch_text(value))
+
+
+def _words(reading: Reading, made: Made, name: str) -> tuple[LaunchText, ...]:
+    value = made.value(name)
+    if value is None:
+        return ()
+    if isinstance(value, Text):
+        return (launch_text(value),)
+    found = reading.machine.items(value)
+    if found is None:
+        return (unknown_text(reason_of(value)),)
+    return tuple(launch_text(item) if not terms else unknown_text(_depends(terms)) for item, terms in found)
+
+
+def _depends(terms: tuple[str, ...]) -> str:
+    return f"it depends on `{terms[0].lstrip('!?')}`"
+
+
+def _remaps(reading: Reading, made: Made) -> tuple[tuple[LaunchText, LaunchText, Location], ...]:
+    value = made.value("remappings")
+    if value is None:
+        return ()
+    found = reading.machine.items(value)
+    rest = made.place("remappings")
+    found = found if found is not None else [(Unknown(reason_of(value)), ())]
+    remaps: list[tuple[LaunchText, LaunchText, Location]] = []
+    for (item, terms), place in zip(found, reading.places_of(value, len(found), rest), strict=True):
+        pair = pair_of(item)
+        if pair is None:
+            reading.unresolved(f"a remapping is not known: {reason_of(item)}", place)
+            continue
+        target = Unknown("it is remapped under a condition that is not known") if terms else pair[1]
+        remaps.append((launch_text(pair[0]), join(list(launch_text(target))), place))
+    return tuple(remaps)
+
+
+def _components(reading: Reading, made: Made) -> list[NodeAction]:
+    """Return the components of a list, whatever conditions it has; what is not known is said."""
+    value = made.value("composable_node_descriptions")
+    return _listed(reading, made, value, None) if value is not None else []
+
+
+def _listed(reading: Reading, made: Made, value: Value, condition: Condition | None) -> list[NodeAction]:
+    if isinstance(value, Either):
+        return [one for each, item in options(value) for one in _listed(reading, made, item, each or condition)]
+    if isinstance(value, Sequence):
+        return [one for item in value.items for one in _listed(reading, made, item, condition)]
+    if isinstance(value, Made) and value.name in ("ComposableNode", "ComposableLifecycleNode"):
+        found = ((each or condition, _started(reading, one, "component")) for each, one in _rows(value))
+        return [replace(one, condition=one.condition or each) for each, one in found]
+    if value != NULL:
+        reading.unresolved(f"a component is not known: {reason_of(value)}", made.location)
+    return []
+
+
+def _load(reading: Reading, made: Made) -> list[Action]:
+    target = made.value("target_container")
+    found = reading.actions(target, made.location) if isinstance(target, Made) and target.name in NODES else []
+    container = found[0] if found and isinstance(found[0], NodeAction) else None
+    return [
+        LoadComponents(
+            location=made.location,
+            condition=condition_on(made),
+            target=_optional(target) if container is None else None,
+            components=tuple(_components(reading, made)),
+            container=container,
+        )
+    ]
+
+
+NODES: Final[dict[str, tuple[tuple[str, ...], Callable[[Reading, Made], list[Action]]]]] = {
+    "Node": ((), _node("node")),
+    "LifecycleNode": ((), _node("lifecycle-node")),
+    "ComposableNodeContainer": ((), _node("container")),
+    "ComposableNode": ((), _node("component")),
+    "ComposableLifecycleNode": ((), _node("component")),
+    "LoadComposableNodes": ((), _load),
+}
+"""What starts nodes, by class: the names of its parameters in order, and what it is read as."""
+
+
+_MANAGER: Final = "controller_manager_name"
+
+
+def _setting(what: str, *names: str) -> Callable[[Reading, Made], list[Action]]:
+    """Return the reader of a setting whose operands are arguments of these names."""
+
+    def read(reading: Reading, made: Made) -> list[Action]:
+        del reading
+        operands = tuple(made.text(name) or () for name in names)
+        return [kinds.Setting(location=made.location, condition=condition_on(made), what=what, operands=operands)]
+
+    return read
+
+
+def _description(reading: Reading, made: Made) -> list[Action]:
+    return reading.actions(made.fields.get("entities", NULL), made.location)
+
+
+def _declare(reading: Reading, made: Made) -> list[Action]:
+    name = reading.known(made.value("name"))
+    if name is None:
+        reason = reason_of(made.value("name"))
+        reading.unresolved(f"the name of an argument is not known: {reason}", made.location)
+        return []
+    choices = made.value("choices")
+    listed = choices.items if isinstance(choices, Sequence) else ()
+    return [
+        kinds.DeclareArgument(
+            location=made.location,
+            condition=condition_on(made),
+            name=name,
+            default=made.text("default_value"),
+            description=reading.known(made.value("description")),
+            choices=tuple(one.known for one in listed if isinstance(one, Text) and one.known is not None),
+        )
+    ]
+
+
+def _environment(reading: Reading, made: Made) -> list[Action]:
+    name, value = made.text("name") or (), made.text("value")
+    if made.name.startswith("Append"):
+        before: LaunchText = (Substitution("env", (name, ())),)
+        first = made.value("prepend") == Truth(True)
+        value = (*(value or ()), ":", *before) if first else (*before, ":", *(value or ()))
+    del reading
+    operands = (name,) if value is None else (name, value)
+    return [kinds.Setting(location=made.location, condition=condition_on(made), what="variable", operands=operands)]
+
+
+def _parameters(reading: Reading, made: Made) -> list[Action]:
+    del reading
+    source: ParameterSource
+    if made.name == "SetParametersFromFile":
+        source = file_of(made.value("filename"), made.location)
+    else:
+        name = ("use_sim_time",) if made.name == "SetUseSimTime" else made.text("name") or ()
+        source = value_of(name, made.fields.get("value", NULL), made.location)
+    return [kinds.SetParameters(location=made.location, condition=condition_on(made), source=source)]
+
+
+def _group(reading: Reading, made: Made) -> list[Action]:
+    actions = reading.actions(made.fields.get("actions", NULL), made.location)
+    given = made.value("launch_configurations")
+    if given is not None and not isinstance(given, Mapping):
+        reading.unresolved(f"configurations of a group: {reason_of(given)}", made.location)
+    scoped = made.name == "GroupAction" and made.fields.get("scoped") != Truth(False)
+    return [
+        Group(
+            location=made.location,
+            condition=condition_on(made),
+            actions=tuple(actions),
+            scoped=scoped,
+            forwarding=made.fields.get("forwarding") != Truth(False),
+            configurations=pairs_of(made, "launch_configurations"),
+        )
+    ]
+
+
+def _process(reading: Reading, made: Made) -> list[Action]:
+    value = made.value("cmd")
+    text = value.known if isinstance(value, Text) else None
+    if text is not None:
+        try:
+            command: tuple[LaunchText, ...] = tuple((word,) if word else () for word in shlex.split(text))
+        except ValueError:  # quotes that are not closed
+            command = ((text,),)
+    else:
+        items = reading.machine.items(value) if value is not None else None
+        whole = launch_text(value) if value is not None else unknown_text("no command is given")
+        command = tuple(launch_text(item) for item, _ in items) if items is not None else (whole,)
+    return [kinds.Executable(location=made.location, condition=condition_on(made), command=command)]
+
+
+def _opaque(reading: Reading, made: Made) -> list[Action]:
+    return [kinds.Opaque(location=made.location, condition=condition_on(made), run=partial(reading.run_function, made))]
+
+
+def _ignored(reading: Reading, made: Made) -> list[Action]:
+    del reading, made
+    return []
+
+
+# Includes
+
+
+def _include(reading: Reading, made: Made) -> list[Action]:
+    found: list[Action] = []
+    for condition, source in options(made.fields.get("launch_description_source", NULL)):
+        found += reading.under(condition, _included(reading, made, source))
+    return found
+
+
+def _source(value: Value) -> Value:
+    if not isinstance(value, Made) or not value.name.endswith("LaunchDescriptionSource"):
+        return value
+    given = value.first("launch_file_path", "launch_description", "location")
+    return given if given is not None else Unknown("no launch file is given")
+
+
+def _included(reading: Reading, made: Made, source: Value) -> list[Action]:
+    inner, condition, arguments = _source(source), condition_on(made), _arguments(reading, made)
+    if isinstance(inner, Either):
+        found = ((each, _included(reading, made, option)) for each, option in options(inner))
+        return [action for each, actions in found for action in reading.under(each, actions)]
+    if isinstance(inner, Made) and inner.name == "LaunchDescription":
+        actions = tuple(reading.actions(inner, made.location))
+        scoped = bool(arguments)
+        return [
+            Group(location=made.location, condition=condition, actions=actions, scoped=scoped, configurations=arguments)
+        ]
+    known = isinstance(inner, Text | Sequence) or is_substitution(inner)
+    path, reason = (launch_text(inner), None) if known else (None, reason_of(inner))
+    return [kinds.Include(location=made.location, condition=condition, path=path, arguments=arguments, reason=reason)]
+
+
+def _arguments(reading: Reading, made: Made) -> tuple[tuple[LaunchText, LaunchText], ...]:
+    """Return `launch_arguments`: pairs, or a dictionary's items."""
+    value = made.value("launch_arguments")
+    if value is None:
+        return ()
+    if isinstance(value, Mapping):
+        value = Sequence(tuple(Sequence(pair) for pair in value.items), value.open)
+    items = reading.machine.items(value)
+    found: list[tuple[LaunchText, LaunchText]] = []
+    for item, terms in items if items is not None else [(Unknown(reason_of(value)), ())]:
+        pair = pair_of(item)
+        if pair is None:
+            reason = f"arguments of an include are not known: {reason_of(item)}"
+            reading.unresolved(reason, made.place("launch_arguments"))
+            continue
+        given = unknown_text(f"it depends on `{terms[0].lstrip('!?')}`") if terms else launch_text(pair[1])
+        found.append((launch_text(pair[0]), given))
+    return tuple(found)
+
+
+# Events
+
+
+def _handler(what: str, *names: str, certain: bool = False) -> Callable[[Reading, Made], list[Action]]:
+    """Return the reader of a handler; `names` are its arguments with actions."""
+
+    def read(reading: Reading, made: Made) -> list[Action]:
+        value = made.first(*names)
+        if isinstance(value, Closure):
+            value = reading.called(value, [Unknown("an event"), Unknown("a context")])
+        actions = tuple(reading.actions(value if value is not None else NULL, made.location))
+        subject = _subject(reading, made.first("target_action", "target_lifecycle_node"))
+        condition = None if certain else Condition(None, written=f"{what} {subject}".strip())
+        return [Group(location=made.location, condition=condition, actions=actions, scoped=False)] if actions else []
+
+    return read
+
+
+def _subject(reading: Reading, value: Value | None) -> str:
+    """Return what an event is about, for the words of the condition."""
+    found = reading.actions(value, reading.location) if isinstance(value, Made) and value.name in ENTITIES else []
+    action = found[0] if found else None
+    texts: LaunchText = ()
+    if isinstance(action, NodeAction):
+        texts = action.name or action.executable or ()
+    elif isinstance(action, kinds.Executable):
+        texts = action.command[0] if action.command else ()
+    return "".join(part if isinstance(part, str) else ANONYMOUS for part in texts)
+
+
+def _register(reading: Reading, made: Made) -> list[Action]:
+    value = made.fields.get("event_handler", NULL)
+    actions = reading.actions(value, made.location)
+    condition = condition_on(made)
+    if condition is None or not actions:
+        return actions
+    return [Group(location=made.location, condition=condition, actions=tuple(actions), scoped=False)]
+
+
+# Other packages
+
+
+def _spawner(reading: Reading, made: Made) -> list[Action]:
+    """Return a node that loads controllers: `controller_manager.launch_utils`."""
+    names, table = made.value("controller_names"), made.value("controller_info_dict")
+    files: list[LaunchText] = []
+    for _, value in entries_of(table):
+        for file in value.items if isinstance(value, Sequence) else [value]:
+            files += [("--param-file",), launch_text(file)] if file not in (NULL, Text.of("")) else []
+    given = names if names is not None else table if table is not None else NULL
+    items = reading.machine.items(given)
+    controllers = [launch_text(one) for one, _ in items] if items is not None else [unknown_text(reason_of(given))]
+    extra = made.value("extra_spawner_args")
+    more = (reading.machine.items(extra) if extra is not None else None) or []
+    manager: LaunchText = (Substitution("var", ((_MANAGER,),)),)
+    return [
+        kinds.DeclareArgument(location=made.location, name=_MANAGER, default=("controller_manager",)),
+        NodeAction(
+            location=made.location,
+            package=("controller_manager",),
+            executable=("spawner",),
+            arguments=(
+                *controllers,
+                ("--controller-manager",),
+                manager,
+                *files,
+                *(launch_text(value) for value, terms in more if not terms),
+            ),
+        ),
+    ]
+
+
+_NOTHING: Final = (
+    "LogInfo", "Log", "LogDebug", "LogWarning", "LogError", "EmitEvent", "Shutdown", "ShutdownAction",
+    "LifecycleTransition", "ChangeState", "SetROSLogDir", "UnregisterEventHandler", "ReadyToTest", "PushEnvironment",
+    "PopEnvironment", "PushLaunchConfigurations", "PopLaunchConfigurations", "OnShutdown",
+)  # fmt: skip
+"""Actions and handlers that start nothing."""
+_SPAWNERS: Final = "generate_controllers_spawner_launch_description"
+ENTITIES: Final[dict[str, tuple[tuple[str, ...], Callable[[Reading, Made], list[Action]]]]] = {
+    **NODES,
+    "LaunchDescription": (("entities",), _description),
+    "DeclareLaunchArgument": (("name", "default_value"), _declare),
+    "SetLaunchConfiguration": (("name", "value"), _setting("configuration", "name", "value")),
+    "UnsetLaunchConfiguration": (("name",), _setting("configuration", "name")),
+    **{f"{verb}EnvironmentVariable": (("name", "value"), _environment) for verb in ("Set", "Unset", "Append")},
+    **dict.fromkeys(("PushRosNamespace", "PushROSNamespace"), (("namespace",), _setting("namespace", "namespace"))),
+    "SetRemap": (("src", "dst"), _setting("remap", "src", "dst")),
+    "SetParameter": (("name", "value"), _parameters),
+    "SetUseSimTime": (("value",), _parameters),
+    "SetParametersFromFile": (("filename",), _parameters),
+    "GroupAction": (("actions",), _group),
+    **dict.fromkeys(("TimerAction", "RosTimer", "ROSTimer"), ((), _group)),
+    **dict.fromkeys(("ExecuteProcess", "ExecuteLocal"), ((), _process)),
+    "OpaqueFunction": (("function",), _opaque),
+    "IncludeLaunchDescription": (("launch_description_source", "launch_arguments"), _include),
+    **{
+        f"{kind}LaunchDescriptionSource": (("location",), _ignored)
+        for kind in ("", "Python", "Any", "Frontend", "XML", "YAML")
+    },
+    "RegisterEventHandler": (("event_handler",), _register),
+    "OnProcessStart": ((), _handler("on start of", "on_start", certain=True)),
+    "OnExecutionComplete": ((), _handler("on completion of", "on_completion", certain=True)),
+    "OnProcessExit": ((), _handler("on exit of", "on_exit")),
+    "OnProcessIO": ((), _handler("on output of", "on_stdout", "on_stderr", "on_stdin")),
+    "OnStateTransition": ((), _handler("on a transition of", "entities")),
+    "OnActionEventBase": ((), _handler("on an event of", "on_event")),
+    "EventHandler": ((), _handler("on an event", "entities", "entity")),
+    _SPAWNERS: (("controller_names", "extra_spawner_args"), _spawner),
+    f"{_SPAWNERS}_from_dict": (("controller_info_dict", "extra_spawner_args"), _spawner),
+    **dict.fromkeys(_NOTHING, ((), _ignored)),
+}
+"""Actions by class: the names of its parameters in order, and what it is read as; what starts nothing gives none."""

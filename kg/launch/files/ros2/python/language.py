@@ -1,0 +1,271 @@
+"""What names, members, elements and calls mean in launch files, beside what they mean in all Python.
+
+A class or function outside of the build is known by its name (`kg.launch.files.ros2.python.library`), or not run.
+"""
+
+from __future__ import annotations
+
+import posixpath
+from dataclasses import replace
+from functools import lru_cache
+from typing import TYPE_CHECKING, Final
+
+from kg.corpus.files import FilePath
+from kg.extract.python.calls import Calls
+from kg.extract.python.language import Python
+from kg.extract.python.modules import BUILTINS, PythonUnit
+from kg.extract.python.paths import METHODS
+from kg.launch.files.ros2.context import HOLE
+from kg.launch.files.ros2.python import library
+from kg.launch.files.ros2.python.values import Made, later, launch_text, reason_of, text_of
+from kg.symbolic.operators import plain
+from kg.symbolic.values import (
+    Bound,
+    Kind,
+    Mapping,
+    Number,
+    Object,
+    Pack,
+    Sequence,
+    Text,
+    TypeValue,
+    Unknown,
+    Value,
+    number,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from kg.launch.files.access import Files
+    from kg.launch.files.ros2.actions import Substitution
+    from kg.launch.files.ros2.python.machine import LaunchMachine
+    from kg.launch.files.ros2.python.reading import Reading
+    from kg.symbolic import form
+    from kg.symbolic.form import Expression
+    from kg.symbolic.state import Arguments, Frame
+
+__all__ = ["LaunchPython", "parse"]
+
+_REMEMBERED = 256
+
+
+@lru_cache(maxsize=_REMEMBERED)
+def parse(file: FilePath, text: bytes) -> PythonUnit:
+    """Return the form of a Python file."""
+    return PythonUnit(file, text, {})
+
+
+_OUTSIDE: Final = frozenset(
+    {
+        "launch", "launch_ros", "launch_testing", "launch_xml", "launch_yaml", "launch_param_builder",
+        "ament_index_python", "os", "sys", "pathlib", "typing", "yaml", "json", "xacro", "nav2_common", "rclpy",
+        "lifecycle_msgs", "moveit_configs_utils", "math", "subprocess", "tempfile", "copy", "re", "dataclasses",
+        "enum", "unittest", "pytest", "__future__", "collections", "functools", "itertools", "random", "shutil",
+        "time", "logging",
+    }
+)  # fmt: skip
+"""First names of modules that are never looked for in the build: the tables know them, or nobody does."""
+_PLAIN_BASES: Final = frozenset({"builtins", "abc", "enum", "typing"})
+
+
+class LaunchModules:
+    """The modules that a launch file sees."""
+
+    def __init__(self, files: Files) -> None:
+        self.files = files
+
+    def unit(self, file: FilePath) -> PythonUnit | None:
+        """Return a module; None if it cannot be read."""
+        content = self.files.read(file)
+        made = parse(file, content) if content is not None else None
+        return made if made is not None and made.error is None else None
+
+    def find(self, dotted: str, unit: PythonUnit) -> PythonUnit | None:
+        """Return a module as imported in a file: of the build, or beside the file."""
+        if dotted.partition(".")[0] in _OUTSIDE or not dotted.strip("."):
+            return None
+        file = self.files.reader.workspace.module(dotted, near=unit.key)
+        path = posixpath.join(posixpath.dirname(unit.key.path), f"{dotted.lstrip('.')}.py")
+        beside = FilePath(unit.key.repository, path)
+        if file is None and self.files.exists(beside):
+            file = beside  # launch files often extend the search path by their own folder
+        return self.unit(file) if file is not None and file != unit.key else None
+
+    def starred(self, name: str, modules: Iterable[str]) -> tuple[str, ...] | None:
+        """Return the full name of what `from module import *` gives."""
+        module = next((one for one in modules if one.startswith("launch")), None)
+        return (*module.split("."), name) if module is not None and name in library.NAMES else None
+
+
+class LaunchCalls(Calls):
+    """The calls of a launch file."""
+
+    _language: LaunchPython
+
+    def method(self, of: Value, name: str, given: Arguments, written: Expression | None = None) -> Value:
+        """Call a method of a value."""
+        if isinstance(of, Text) and name in library.PATH_METHODS:
+            return library.PATH_METHODS[name](self._language, of)
+        if isinstance(of, Text) and name not in ("join", "format"):
+            of = self._language.settled(of)
+            if isinstance(of, Text) and of.known is None and not self._is_path(name):
+                return Unknown(reason_of(of))
+        if isinstance(of, Unknown):
+            return Unknown(of.reason)
+        if isinstance(of, Sequence):
+            given = replace(given, values=[self._language.machine.flattened(value) for value in given.values])
+        found = super().method(of, name, given, written)
+        if isinstance(found, Unknown) and found.reason.endswith("in the sources that were read"):
+            return Unknown(reason_of(of) if isinstance(of, Text | Made) else f"`{name}()`: {reason_of(of)}")
+        return found
+
+    @staticmethod
+    def _is_path(name: str) -> bool:
+        return name in METHODS
+
+    def outside_method(self, of: Object, name: str, given: Arguments) -> Value:
+        """Call a method of an object that is not of the build."""
+        if isinstance(of, Made):
+            return library.method(self._language, of, name, given)
+        return super().outside_method(of, name, given)
+
+    def outside(self, called: TypeValue, given: Arguments) -> Value:
+        """Call a function or class that is not in the build."""
+        path = ".".join(called.kind.names)
+        return library.call(self._language, called.kind, given) or Unknown(
+            f"`{path.removeprefix('builtins.')}()` is not run"
+        )
+
+    def escape(self, values: Iterable[Value]) -> None:
+        """Do nothing: code outside of the build calls no functions that matter."""
+
+    def construct(self, kind: Kind, given: Arguments, *, hosted: bool = False) -> Object:
+        """Return a new object of a class of the build; one with a base outside is not known."""
+        base = next((one for one in self._language.chain(kind)[1] if one.names[0] not in _PLAIN_BASES), None)
+        if base is not None:
+            return Unknown(f"the class `{kind.name}` has a base that is not in the build")  # type: ignore[return-value]  # as any value
+        return super().construct(kind, given, hosted=hosted)
+
+
+class LaunchPython(Python):
+    """The meaning of a launch file; `reading` is what reads it."""
+
+    machine: LaunchMachine
+    calls: LaunchCalls
+    calls_of = LaunchCalls
+
+    def __init__(self, reading: Reading) -> None:
+        super().__init__(LaunchModules(reading.files))  # type: ignore[arg-type]  # they find modules in another way
+        self.reading = reading
+
+    def path_of(self, unit: PythonUnit) -> Value:
+        """Return the path of a module."""
+        return Text.of(self.reading.files.text(unit.key))
+
+    def name(self, expression: form.Name, frame: Frame) -> Value:
+        """Return what a name means that is not a variable."""
+        found = super().name(expression, frame)
+        if isinstance(found, Unknown) and expression.names[-1] not in BUILTINS:
+            return Unknown(f"the name `{expression.names[-1]}` is not bound to anything known")
+        return found
+
+    def unknown(self, kind: form.Type | None, frame: Frame, name: str) -> Value:
+        """Return an argument that a call does not give."""
+        del kind
+        return Unknown(f"the argument `{name}` of `{frame.scope[-1]}` is not given")
+
+    def member(self, of: Value, name: str) -> Value:
+        """Return a member of a value."""
+        if isinstance(of, Unknown):
+            return of
+        if isinstance(of, Made):
+            return of.fields[name] if name in of.fields else Bound(name, of)
+        if isinstance(of, Object | TypeValue | Text):
+            return super().member(of, name)
+        return Unknown(f"the attribute `{name}`: {reason_of(of)}")
+
+    def _constant(self, found: TypeValue) -> Value:
+        return Unknown("the command line") if found.kind.names == ("sys", "argv") else super()._constant(found)
+
+    # Elements
+
+    def element(self, of: Value, key: Value) -> Value:
+        """Return the element of a container at a key."""
+        key = self.settled(key)
+        if isinstance(of, TypeValue) and of.kind.names == ("os", "environ"):
+            return self.settled(later("env", launch_text(key)))
+        if isinstance(of, Made):
+            return self.configuration(of, key)
+        if isinstance(of, Unknown) or isinstance(key, Unknown):
+            return Unknown(reason_of(of if isinstance(of, Unknown) else key))
+        if isinstance(of, Mapping | Sequence) and plain(key) is None:
+            return Unknown(f"an element: {reason_of(key)}")
+        found = super().element(of, key)
+        if isinstance(of, Mapping) and of.open and isinstance(found, Unknown):
+            return Unknown("there may be more entries")
+        return found
+
+    def with_element(self, of: Value, key: Value, value: Value) -> Value:
+        """Return a container with an element set."""
+        if isinstance(of, Sequence) and of.items and isinstance(key, Number) and key.value < 0:
+            key = number(len(of.items) + key.value)
+        if isinstance(of, Mapping) and isinstance(key, Unknown):
+            return Mapping(of.items, open=True, default=of.default)
+        return super().with_element(of, key, value)
+
+    def configuration(self, of: Made, key: Value) -> Value:
+        """Return `context.launch_configurations[key]`."""
+        context, name = self.reading.context, plain(key)
+        if of.name != library.CONFIGURATIONS or context is None or not isinstance(name, str):
+            return Unknown("a launch configuration is read where none is known")
+        value = context.configuration(name)
+        if value is None:
+            return Unknown(f"the launch configuration `{name}` is not set")
+        return library.with_holes(value, f"the launch configuration `{name}` is not known")
+
+    def configure(self, of: Made, key: Value, value: Value) -> None:
+        """Run `context.launch_configurations[key] = value`."""
+        context, name = self.reading.context, plain(self.settled(key))
+        if of.name == library.CONFIGURATIONS and context is not None and isinstance(name, str):
+            guards = self.machine.guards
+            held = Unknown(f"it depends on `{guards[-1].lstrip('!?')}`") if guards else value
+            context.scope.configurations[name] = context.perform(launch_text(held))
+
+    def _spread(self, expression: form.Spread, frame: Frame) -> Value:
+        """Return the elements of a collection as items of another one."""
+        held = self.machine.value(expression.of, frame)
+        items = self.machine.items(held)
+        if items is None:
+            return Unknown(reason_of(held))
+        return Pack(tuple(self.machine.under(item, terms) for item, terms in items))
+
+    # Texts
+
+    def settled(self, value: Value) -> Value:
+        """Return a text with variables of the environment as far as they are known now, else by their defaults."""
+        from kg.launch.files.ros2.python.machine import settle  # noqa: PLC0415 - each needs the other
+
+        return settle(value, self._settle)
+
+    def _settle(self, part: Substitution) -> str | None:
+        if part.kind != "env":
+            return None
+        if self.reading.context is not None:
+            performed = self.reading.context.perform((part,))
+            return None if HOLE in performed else performed
+        default = part.arguments[1] if len(part.arguments) > 1 else None
+        return text_of(default).known if default is not None else None
+
+    def below(self, row: tuple[Value, ...]) -> Value:
+        """Return a path below another: of pathlib, or of launch's path substitutions."""
+        first, *rest = row
+        if isinstance(first, Text):
+            return library.joined_path(row)
+        held = first.value("substitutions") if isinstance(first, Made) and first.name.startswith("Path") else None
+        parts = held.items if isinstance(held, Sequence) else (held if held is not None else first,)
+        return library.made_of(self, "PathJoinSubstitution", {"substitutions": Sequence((*parts, *rest))})
+
+    def joined(self, row: tuple[Value, ...]) -> Value:
+        """Return substitutions and texts in a row as one substitution."""
+        return library.made_of(self, "TextSubstitution", {"text": Sequence(row)})

@@ -1,0 +1,365 @@
+"""The functions and classes that launch files use, by name: of launch and ament, of files, YAML and the environment.
+
+What a class of launch is given becomes an object, whose meaning is read when the launch description is complete.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final
+
+import yaml
+
+from kg.extract.python import library as python
+from kg.extract.python.paths import joined
+from kg.launch.files.ros2.context import HOLE
+from kg.launch.files.ros2.python.entities import ENTITIES
+from kg.launch.files.ros2.python.values import (
+    CONDITIONS,
+    PLAIN,
+    SUBSTITUTIONS,
+    Later,
+    Made,
+    condition,
+    guarded,
+    is_substitution,
+    later,
+    launch_text,
+    reason_of,
+    text_of,
+)
+from kg.symbolic.operators import NULL
+from kg.symbolic.state import Arguments
+from kg.symbolic.values import Kind, Mapping, Number, Sequence, Text, Truth, Unknown, Value, as_text
+from kg.yamltext import compose_yaml
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from collections.abc import Mapping as Names
+
+    from kg.corpus.files import FilePath
+    from kg.launch.files.ros2.python.language import LaunchPython
+    from kg.launch.files.ros2.python.machine import LaunchMachine
+
+__all__ = ["CONFIGURATIONS", "NAMES", "PATH_METHODS", "call", "joined_path", "made_of", "method", "with_holes"]
+
+
+def read_yaml(machine: LaunchMachine, text: str, file: FilePath | None) -> Value:
+    """Return what `yaml.safe_load` or `json.load` gives, within bounds; keys remember their lines of the file."""
+    try:
+        node = compose_yaml(text)
+        return _value(machine, node, file, yaml.SafeLoader("")) if node is not None else NULL
+    except (yaml.YAMLError, ValueError, RecursionError):
+        return Unknown("a YAML or JSON text is not valid")
+
+
+def _value(machine: LaunchMachine, node: yaml.Node, file: FilePath | None, loader: yaml.SafeLoader) -> Value:
+    machine.step()
+    if isinstance(node, yaml.MappingNode):
+        entries: dict[Value, tuple[Value, Value]] = {}
+        for key_node, value_node in node.value:
+            key = _value(machine, key_node, file, loader)
+            if isinstance(key, Text | Number | Truth):
+                if file is not None:
+                    machine.place(key, file, key_node.start_mark.line + 1)
+                entries[key] = key, _value(machine, value_node, file, loader)
+        return Mapping(tuple(entries.values()))
+    if isinstance(node, yaml.SequenceNode):
+        return Sequence(tuple(_value(machine, each, file, loader) for each in node.value))
+    found: object = loader.construct_object(node)
+    return _constructed(machine, found if found is None or isinstance(found, str | bool | int | float) else node.value)
+
+
+def _constructed(machine: LaunchMachine, value: object) -> Value:
+    """Return plain values of Python as those of the interpreter."""
+    machine.step()
+    if isinstance(value, bool):
+        return Truth(value)
+    if isinstance(value, int | float):
+        return Number(value, repr(value))
+    return NULL if value is None else Text.of(str(value))
+
+
+CONFIGURATIONS: Final = "launch_configurations"
+_FILE: Final = "<file>"
+_MOST_TEXT: Final = 200_000
+_CLASSES: Final[Names[str, tuple[str, ...]]] = {
+    **{name: names[1:] for name, names in PLAIN.items()},
+    **{name: names for name, (names, _) in SUBSTITUTIONS.items()},
+    **CONDITIONS,
+    **{name: names for name, (names, _) in ENTITIES.items()},
+    "LaunchContext": (),
+    "LaunchLogDir": (),
+    "LaunchConfigurationContext": (),
+    "HasNodeParams": (),
+    "ParameterValue": ("value",),
+    "Parameter": ("name", "value"),
+}
+"""Classes, and functions that make actions: the names of their parameters in order."""
+
+
+# Calls
+
+
+def call(language: LaunchPython, kind: Kind, given: Arguments) -> Value | None:
+    """Return what a function or class gives that is not in the build; None for others."""
+    path, name = ".".join(kind.names), kind.name
+    outside = path if kind.names[0] == "builtins" else name
+    of_one = _OF_ONE.get(path) or _OF_ONE.get(outside)
+    if of_one is not None:
+        fields = _bound(("context",) if name in _WITH_CONTEXT else (), given)
+        fields.pop("context", None)
+        return language.machine.over((_first(fields),), lambda value: of_one(language, value))
+    apply = _FUNCTIONS.get(path) or _FUNCTIONS.get(outside)
+    if apply is not None:
+        fields = _bound((), given)
+        return language.machine.over(
+            fields.values(), lambda *row: apply(language, dict(zip(fields, row, strict=True)), given)
+        )
+    if name in _CLASSES and kind.names[0] != "builtins":
+        return made_of(language, name, _bound(_CLASSES[name], given), given)
+    return python.call(language, kind.names, given)
+
+
+def _bound(names: tuple[str, ...], given: Arguments) -> dict[str, Value]:
+    fields = dict(zip(names, given.values, strict=False))
+    fields.update({f"*{index}": value for index, value in enumerate(given.values[len(names) :])})
+    return {**fields, **given.named}
+
+
+def made_of(language: LaunchPython, name: str, fields: dict[str, Value], given: Arguments | None = None) -> Made:
+    """Return an object of a class of launch."""
+    site = language.machine.stack[-1] if language.machine.stack else None
+    frame = given.frame if given is not None else None
+    file = frame.unit.key if frame is not None else site.unit.key if site is not None else language.reading.file
+    line = given.call.line if given is not None and given.call is not None else site.line if site is not None else 1
+    location = language.reading.at(file, line)
+    return Made(
+        kind=Kind(("launch", name)),
+        fields=fields,
+        given=given if given is not None else Arguments([]),
+        location=location,
+        names=_CLASSES.get(name, ()),
+    )
+
+
+# Functions
+
+
+Fields = dict[str, Value]
+
+
+def _first(fields: Fields) -> Value:
+    return next(iter(fields.values()), Unknown("it is not given"))
+
+
+def joined_path(values: tuple[Value, ...]) -> Value:
+    """Return `os.path.join`; `PREFIX/share/NAME/...` is the folder of the package NAME that it is."""
+    path = joined([text_of(launch_text(value)) if isinstance(value, Made) else value for value in values])
+    parts = path.parts if isinstance(path, Text) else ()
+    if len(parts) < 2 or not isinstance(parts[0], Later) or parts[0].part.kind != "find-pkg-prefix":  # noqa: PLR2004 - prefix and rest
+        return path
+    name, rest = parts[0].part.arguments[0], parts[1]
+    if len(name) != 1 or not isinstance(name[0], str) or not isinstance(rest, str):
+        return path
+    share = f"/share/{name[0]}"
+    if rest != share and not rest.startswith(f"{share}/"):
+        return path
+    return Text((f"package://{name[0]}{rest[len(share) :]}", *parts[2:]))
+
+
+def _join(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
+    del language, given
+    return joined_path(tuple(fields.values()))
+
+
+def _share(language: LaunchPython, name: Value) -> Value:
+    name = language.settled(name)
+    known = name.known if isinstance(name, Text) else None
+    return Text.of(f"package://{known}") if known is not None else later("find-pkg-share", launch_text(name))
+
+
+def _variable(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
+    del given
+    name, default = launch_text(_first(fields)), fields.get("default", fields.get("*1"))
+    made = later("env", name, launch_text(default)) if isinstance(default, Text) else later("env", name)
+    return language.settled(made) if language.reading.context is not None else made
+
+
+def exists(language: LaunchPython, path: Value) -> Value:
+    """Return whether a file exists; what is not in the build may still be there when it runs."""
+    text = language.settled(path)
+    known = text.known if isinstance(text, Text) else None
+    if known is not None and language.reading.find(known) is not None:
+        return Truth(True)
+    return Unknown(f"whether the file {known or 'named here'} exists")
+
+
+def opened(language: LaunchPython, path: Value) -> Value:
+    """Return an open file; its text is unknown if it cannot be read."""
+    reading, text = language.reading, language.settled(path)
+    known = text.known if isinstance(text, Text) else None
+    file = reading.find(known) if known is not None else None
+    data = reading.files.read(file) if file is not None else None
+    if data is None or file is None:
+        why = reason_of(path) if known is None else f"the file {known} is not in the build"
+        return made_of(language, _FILE, {"text": Unknown(why)})
+    content = Text.of(data.decode("utf-8", "replace")[:_MOST_TEXT])
+    language.machine.place(content, file)
+    return made_of(language, _FILE, {"text": content})
+
+
+def _document(language: LaunchPython, of: Value) -> Value:
+    text = of.fields["text"] if isinstance(of, Made) and of.name == _FILE else language.settled(of)
+    known = text.known if isinstance(text, Text) else None
+    if known is None:
+        return Unknown(reason_of(text))
+    place = language.machine.places.get(id(text))
+    return read_yaml(language.machine, known, place[1] if place is not None else None)
+
+
+def _length(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
+    of = _first(fields)
+    if isinstance(of, Sequence) and any(guarded(item)[1] or isinstance(item, Unknown) for item in of.items):
+        return Unknown("not all items are known")
+    return python.call(language, ("builtins", "len"), given) or Unknown("the length is not known")
+
+
+def _dictionary(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
+    """Return `dict(...)`, whose keys stand where it is called."""
+    made = python.call(language, ("builtins", "dict"), replace(given, values=[_first(fields)] if given.values else []))
+    if not isinstance(made, Mapping) or given.call is None or given.frame is None:
+        return made or Unknown("it is no dictionary")
+    lines = {name: getattr(one, "line", given.call.line) for name, one in given.call.keywords}
+    pairs = [(replace(key) if isinstance(key, Text) else key, value) for key, value in made.items]
+    for key, _ in pairs:
+        known = key.known if isinstance(key, Text) else None
+        language.machine.place(key, given.frame.unit.key, lines.get(known or "", given.call.line))
+    return replace(made, items=tuple(pairs))
+
+
+def _holds(language: LaunchPython, expression: Value) -> Value:
+    """`evaluate_condition_expression(context, expression)`."""
+    value = language.reading.perform(expression)
+    known = value.known.strip().lower() if isinstance(value, Text) and value.known is not None else ""
+    if known in ("true", "1", "false", "0"):
+        return Truth(known in ("true", "1"))
+    return Unknown(reason_of(value))
+
+
+def _performed(language: LaunchPython, of: Value) -> Value:
+    return language.reading.perform(of)
+
+
+def _exit(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
+    from kg.launch.files.ros2.python.machine import EXIT  # noqa: PLC0415 - each needs the other
+
+    del language, fields, given
+    return EXIT
+
+
+_OF_ONE: Final[dict[str, Callable[[LaunchPython, Value], Value]]] = {
+    **dict.fromkeys(("get_package_share_directory", "get_package_share_path"), _share),
+    "get_package_prefix": lambda _, name: later("find-pkg-prefix", launch_text(name)),
+    **dict.fromkeys(("os.path.exists", "os.path.isfile"), exists),
+    "builtins.open": opened,
+    **dict.fromkeys(("yaml.safe_load", "yaml.load", "yaml.full_load", "json.load", "json.loads"), _document),
+    "evaluate_condition_expression": _holds,
+    **dict.fromkeys(("perform_substitutions", "perform_typed_substitution"), _performed),
+}
+"""Functions that are evaluated at once, of their first argument but the context."""
+_WITH_CONTEXT: Final = frozenset(
+    {"evaluate_condition_expression", "perform_substitutions", "perform_typed_substitution"}
+)
+_FUNCTIONS: Final[dict[str, Callable[[LaunchPython, Fields, Arguments], Value]]] = {
+    **dict.fromkeys(("os.path.join", "pathlib.Path", "pathlib.PurePath", "pathlib.PosixPath"), _join),
+    **dict.fromkeys(("os.getenv", "os.environ.get"), _variable),
+    "builtins.len": _length,
+    "builtins.dict": _dictionary,
+    "normalize_to_list_of_substitutions": lambda language, fields, given: made_of(
+        language, "TextSubstitution", {"text": _first(fields)}, given
+    ),
+    **dict.fromkeys(("sys.exit", "builtins.exit", "builtins.quit"), _exit),
+}
+"""Others that are evaluated at once."""
+
+NAMES: Final = frozenset({*_CLASSES, *(name for name in (*_OF_ONE, *_FUNCTIONS) if "." not in name)})
+
+
+# Methods
+
+
+def method(language: LaunchPython, of: Made, name: str, given: Arguments) -> Value:
+    """Return what a method of an object of launch gives."""
+    reading, machine = language.reading, language.machine
+    if is_substitution(of) and name in ("perform", "evaluate"):
+        return reading.perform(of)
+    if of.name == "process_file" and name in ("toxml", "toprettyxml"):
+        return of
+    if of.name in CONDITIONS and name == "evaluate":
+        return _evaluated(language, of)
+    if of.name == "LaunchDescription" and name in ("add_action", "add_entity"):
+        added = _bound(("action" if name == "add_action" else "entity",), given)
+        file, line = _site(given)
+        held = Sequence(tuple(machine.placed(value, file, line) for value in added.values()))
+        entities = of.fields.get("entities", Sequence(()))
+        if not isinstance(entities, Sequence):
+            entities = Sequence((entities,))
+        machine.write(of.fields, "entities", machine.computed("+", (entities, held)))
+        return NULL
+    if of.name == "LaunchDescription" and name == "describe_sub_entities":
+        return of.fields.get("entities", Sequence(()))
+    if of.name == CONFIGURATIONS and name == "get":
+        fields = _bound(("key", "default"), given)
+        found = language.configuration(of, language.settled(_first(fields)))
+        unset = isinstance(found, Unknown) and found.reason.endswith("is not set")
+        return fields.get("default", NULL) if unset else found
+    if of.name == "LaunchContext" and name == "perform_substitution":
+        return reading.perform(_first(_bound(("substitution",), given)))
+    if of.name == _FILE:
+        return _of_file(of, name)
+    return Unknown(reason_of(of))
+
+
+def _site(given: Arguments) -> tuple[FilePath, int]:
+    call_of, frame = given.call, given.frame
+    assert call_of is not None and frame is not None  # noqa: PT018, S101 - methods are called by code
+    return frame.unit.key, call_of.line
+
+
+def _of_file(of: Made, name: str) -> Value:
+    text = of.fields["text"]
+    if name == "read" or isinstance(text, Unknown):
+        return text
+    if name == "readlines" and isinstance(text, Text):
+        return Sequence(tuple(map(Text.of, (text.known or "").splitlines(keepends=True))))
+    return NULL if name == "close" else Unknown(f"`{name}` of a file is not read")
+
+
+def _evaluated(language: LaunchPython, of: Made) -> Value:
+    context, held = language.reading.context, condition(of)
+    if context is None or held.value is None:
+        return Unknown(f"the condition `{held.written}` is evaluated where it cannot be known")
+    text = context.perform(held.value).strip().lower()
+    if text not in ("true", "1", "false", "0"):
+        return Unknown(f"it depends on `{held.written}`")
+    return Truth((text in ("true", "1")) is not held.negated)
+
+
+def with_holes(text: str, reason: str) -> Text:
+    """Return what the executor gave for a text; its holes are unknown for the reason."""
+    if HOLE not in text:
+        return Text.of(text)
+    pieces = text.split(HOLE)
+    parts = [one for piece in pieces[1:] for one in (Text.hole(reason).parts[0], piece)]
+    kept = tuple(part for part in (pieces[0], *parts) if part != "")
+    return Text(kept, as_text(Unknown(reason)).resolution, None, reason)
+
+
+PATH_METHODS: Final[Names[str, Callable[[LaunchPython, Text], Value]]] = {
+    "exists": exists,
+    "is_file": exists,
+    "open": opened,
+    "read_text": lambda language, of: _of_file(opened(language, of), "read"),  # type: ignore[arg-type]  # it is one
+}
+"""Methods of a path that need its file."""

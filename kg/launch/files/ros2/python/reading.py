@@ -1,0 +1,250 @@
+"""Reading a ROS 2 launch file in Python without running it: what `generate_launch_description()` returns.
+
+The file is interpreted over values of which some are not known; nothing of it is executed, nothing but files of the
+build is read, and the work is bounded. Sources: the packages `launch` and `launch_ros` of ROS 2.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, Final
+
+from kg.facts import LaunchProblem, LaunchProblemKind
+from kg.launch.files.ros2.actions import Action, Group
+from kg.launch.files.ros2.context import HOLE, place
+from kg.launch.files.ros2.python import library
+from kg.launch.files.ros2.python.entities import ENTITIES, NODES
+from kg.launch.files.ros2.python.language import LaunchPython, parse
+from kg.launch.files.ros2.python.machine import Halt, LaunchMachine
+from kg.launch.files.ros2.python.values import (
+    Made,
+    condition_of,
+    entries_of,
+    launch_text,
+    reason_of,
+    terms_of_way,
+    text_of,
+)
+from kg.symbolic.descriptions import Descriptions
+from kg.symbolic.effects import Framework
+from kg.symbolic.operators import NULL, negated_term
+from kg.symbolic.state import Arguments
+from kg.symbolic.values import Closure, Either, Sequence, Text, TypeValue, Unknown, Value, paths
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from collections.abc import Sequence as Items
+
+    from kg.corpus.files import FilePath
+    from kg.extract.python.modules import PythonUnit
+    from kg.facts import Location
+    from kg.launch.files.access import Files
+    from kg.launch.files.ros2.actions import Action, Condition
+    from kg.launch.files.ros2.context import Context
+    from kg.symbolic.values import Value, Way
+
+__all__ = ["Reading", "read_python"]
+
+_MAX_DEPTH: Final = 100
+_TOO_MUCH: Final = "the file needs more steps to be read than are allowed"
+
+
+class _NoFramework(Framework):
+    """No framework: nothing that a launch file does is worth less than anything else."""
+
+    def progress(self) -> tuple[int, ...]:
+        """Return a number that changes with each step."""
+        return (self.machine.steps,)
+
+
+class Reading:
+    """The reading of one file; `context` is that of the `OpaqueFunction` that is read now."""
+
+    def __init__(self, files: Files, file: FilePath, problems: list[LaunchProblem]) -> None:
+        self.files = files
+        self.file = file
+        self.problems = problems
+        self.context: Context | None = None
+        self.location = self.at(file, 1)
+        self.language = LaunchPython(self)
+        framework = _NoFramework(Descriptions("python"))
+        self.machine = LaunchMachine(self.language, framework)
+        self.language.machine = framework.machine = self.machine
+        self.machine.start()
+        self._held: list[str] = []
+        """The terms of the alternatives that are read now."""
+        self._read: dict[int, tuple[Made, list[Action]]] = {}
+
+    # Places
+
+    def at(self, file: FilePath, line: int) -> Location:
+        """Return a line of a file as a location."""
+        return place(self.files, file, line)
+
+    def place_of(self, value: Value) -> Location | None:
+        """Return where a value stands; None if that is not known."""
+        found = self.machine.places.get(id(value))
+        return self.at(found[1], found[2][-1]) if found is not None and found[2] else None
+
+    def places_of(self, value: Value, count: int, rest: Location) -> list[Location]:
+        """Return where the items of a list stand; `rest` for those of which that is not known."""
+        found = self.machine.places.get(id(value))
+        if found is not None and len(found[2]) == count + 1:
+            return [self.at(found[1], line) for line in found[2][:-1]]
+        items = value.items if isinstance(value, Sequence) and len(value.items) == count else ()
+        return [self.place_of(item) or rest for item in items] or [rest] * count
+
+    def find(self, text: str) -> FilePath | None:
+        """Return the file that a path names, if the build or an installed package has it."""
+        file = self.files.at(text)
+        return file if file is not None and self.files.exists(file) else None
+
+    # Values
+
+    def known(self, value: Value | None) -> str | None:
+        """Return a text that is wholly known now; None for all else."""
+        held = self.language.settled(value) if value is not None else None
+        return held.known if isinstance(held, Text) else None
+
+    def perform(self, value: Value) -> Value:
+        """Return the text that a substitution gives now."""
+        parts = launch_text(value)
+        if self.context is None:
+            return text_of(parts)  # in a context of the file's own, which has no configurations
+        found = self.context.perform(parts)
+        if HOLE not in found:
+            return Text.of(found)
+        names = [part.arguments[0] for part in parts if not isinstance(part, str) and part.kind == "var"]
+        name = "".join(str(part) for part in names[0]) if names else ""
+        reason = f"the launch configuration `{name}` is not known" if name else reason_of(value)
+        return library.with_holes(found, reason)
+
+    def called(self, function: Value, arguments: list[Value], named: dict[str, Value] | None = None) -> Value:
+        """Return what a function gives."""
+        return self.language.calls.value(function, Arguments(arguments, named=named or {}))
+
+    # Actions
+
+    def actions(self, value: Value, location: Location, depth: int = 0) -> list[Action]:
+        """Return the actions that a value stands for; `location` is where it is used."""
+        self.machine.step()
+        if value == NULL:
+            return []
+        if depth > _MAX_DEPTH:
+            self.unresolved("actions are nested too deeply", location)
+            return []
+        if isinstance(value, Made) and value.name in ENTITIES:
+            if value.name not in NODES:
+                return ENTITIES[value.name][1](self, value)
+            if id(value) not in self._read:  # containers are known by the identity of their action
+                self._read[id(value)] = value, ENTITIES[value.name][1](self, value)
+            return self._read[id(value)][1]
+        if isinstance(value, Sequence):
+            items = zip(value.items, self.places_of(value, len(value.items), location), strict=True)
+            return [action for item, where in items for action in self.actions(item, where, depth + 1)]
+        if isinstance(value, Either):
+            return [one for item, way in paths(value) for one in self._conditional(item, way, location, depth + 1)]
+        self.unresolved(f"an action is not known: {reason_of(value)}", location)
+        return []
+
+    def _conditional(self, item: Value, way: Way, location: Location, depth: int) -> list[Action]:
+        """Return the actions of an alternative; none if what it stands under excludes it."""
+        terms = terms_of_way(way)
+        if any(negated_term(term) in self._held for term in terms):
+            return []
+        more = tuple(term for term in terms if term not in self._held)
+        self._held += more
+        found = self.actions(item, location, depth)
+        del self._held[len(self._held) - len(more) :]
+        return self.under(condition_of(more), found)
+
+    def under(self, condition: Condition | None, actions: list[Action]) -> list[Action]:
+        """Return actions as a group under a condition."""
+        if condition is None or not actions:
+            return actions
+        return [Group(location=actions[0].location, condition=condition, actions=tuple(actions), scoped=False)]
+
+    def run_function(self, made: Made, context: Context) -> list[Action]:
+        """Return the actions of an `OpaqueFunction`, whose body is read in the context of the moment."""
+        before, self.context = self.context, context
+        self.machine.more()
+
+        def body() -> Value:
+            held = library.made_of(self.language, "LaunchContext", {})
+            held.fields["launch_configurations"] = library.made_of(self.language, library.CONFIGURATIONS, {})
+            given = made.fields.get("args", Sequence(()))
+            rest = [item for item, _ in self.machine.items(given) or ()]
+            named = {key.known: one for key, one in entries_of(made.value("kwargs")) if isinstance(key, Text)}
+            known = {name: one for name, one in named.items() if name is not None}
+            return self.called(made.fields.get("function", NULL), [held, *rest], known)
+
+        try:
+            return self.machine.tried(partial(self.bounded, body, made.location))
+        finally:
+            self.context = before
+
+    def bounded(self, body: Callable[[], Value], location: Location) -> list[Action]:
+        """Return the actions that a value stands for; none if it cannot be found within the bounds."""
+        before, self.location = self.location, location
+        try:
+            return list(self.actions(body(), location))
+        except Halt:
+            self.note(LaunchProblemKind.LIMIT, _TOO_MUCH, location)
+        except RecursionError:
+            self.note(LaunchProblemKind.LIMIT, "the file is nested too deeply to be read", location)
+        finally:
+            self.location = before
+        return []
+
+    # Problems
+
+    def unresolved(self, reason: str, location: Location) -> None:
+        """Note once that something cannot be known."""
+        self.note(LaunchProblemKind.UNRESOLVED, reason, location)
+
+    def note(self, kind: LaunchProblemKind, message: str, location: Location) -> None:
+        """Note a problem once; of the body of an `OpaqueFunction`, where it is executed."""
+        if self.context is not None:
+            self.context.problem(kind, message, None, location)
+            return
+        problem = LaunchProblem(kind, message, location)
+        if problem not in self.problems:
+            self.problems.append(problem)
+
+
+_ENTRIES: Final = ("generate_launch_description", "generate_test_description")
+
+
+def read_python(files: Files, file: FilePath, text: bytes, problems: list[LaunchProblem]) -> Items[Action]:
+    """Return the actions that a launch file describes; what is wrong or not known is added to `problems`.
+
+    Bodies of `OpaqueFunction`s are read when their actions are executed, and may add problems then.
+    """
+    reading = Reading(files, file, problems)
+    unit = parse(file, text)
+    if unit.error is not None:
+        reading.note(LaunchProblemKind.MALFORMED, "it is no valid Python", reading.at(file, unit.error))
+        return []
+    names = [child for child in unit.root.named_children if child.type == "function_definition"]
+    lines = (
+        int(node.start_point[0]) + 1
+        for node in names
+        if (name := node.child_by_field_name("name")) is not None and (name.text or b"").decode() in _ENTRIES
+    )
+    location = reading.at(file, next(lines, 1))
+    return reading.bounded(lambda: _described(reading, unit), location)
+
+
+def _described(reading: Reading, unit: PythonUnit) -> Value:
+    """Return what the file's function returns."""
+    module = reading.language.module(unit)
+    function = next((module.fields[name] for name in _ENTRIES if name in module.fields), None)
+    if function is None:
+        message = f"the file has no function `{_ENTRIES[0]}`"
+        reading.note(LaunchProblemKind.MALFORMED, message, reading.location)
+        return NULL
+    if not isinstance(function, Closure | TypeValue):
+        return Unknown(f"`{_ENTRIES[0]}` is no function that can be read")
+    found = reading.called(function, [])
+    test = isinstance(found, Sequence) and _ENTRIES[1] in module.fields and found.items
+    return found.items[0] if test and isinstance(found, Sequence) else found

@@ -1,0 +1,461 @@
+"""What launch files add to the values of the interpreter: objects of launch, substitutions in texts, and conditions.
+
+An alternative carries the conditions that lead to it: `Fork`s in the ways of `Either`. An `Either` of one alternative
+is there only under its conditions.
+"""
+
+from __future__ import annotations
+
+import ast
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
+
+from kg.holes import Hole
+from kg.launch.files.ros2.actions import Condition, ParameterFile, Substitution, join, unknown_text
+from kg.symbolic import form
+from kg.symbolic.operators import NULL, plain
+from kg.symbolic.spelling import spelled
+from kg.symbolic.values import (
+    Either,
+    Mapping,
+    Number,
+    Object,
+    Sequence,
+    Text,
+    Truth,
+    Unknown,
+    Value,
+    concatenate,
+    paths,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from kg.facts import Location
+    from kg.launch.files.ros2.actions import Part
+    from kg.launch.files.ros2.actions import Text as LaunchText
+    from kg.symbolic.form import Expression, Unit
+    from kg.symbolic.state import Arguments
+
+__all__ = [
+    "CONDITIONS",
+    "MARK",
+    "PLAIN",
+    "SUBSTITUTIONS",
+    "Fork",
+    "Later",
+    "Made",
+    "condition",
+    "condition_of",
+    "condition_on",
+    "entries_of",
+    "file_of",
+    "guarded",
+    "is_substitution",
+    "later",
+    "launch_text",
+    "options",
+    "pair_of",
+    "reason_of",
+    "terms_of_way",
+    "text_of",
+    "words",
+]
+
+_MOST_PARTS: Final = 2_000
+_LONGEST: Final = 200
+_PLACED: Final = (
+    form.Literal, form.Name, form.Member, form.Call, form.Unary, form.Binary, form.Choice, form.Index, form.Display,
+    form.Pairs, form.Lambda, form.Assign, form.Opaque, form.Spread,
+)  # fmt: skip
+MARK: Final = "?"
+"""Begins the term of a condition that cannot be known: the words of the file follow."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Later(Hole):
+    """A part of a text that is known only when an action is executed."""
+
+    part: Substitution = Substitution("unknown")  # noqa: RUF009 - it is immutable
+
+    __eq__ = object.__eq__
+    __hash__ = object.__hash__
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fork:
+    """A choice of which it is not known what is taken: the terms of each side. Outer ones have higher numbers."""
+
+    number: int
+    terms: tuple[tuple[str, ...], ...]
+
+
+@dataclass(slots=True, eq=False, kw_only=True)
+class Made(Object):
+    """An object of a class of launch: its arguments by name in `fields`, and the call that made it."""
+
+    given: Arguments
+    location: Location
+    names: tuple[str, ...] = ()
+    """The names of its parameters in order."""
+    substituted: LaunchText | None = None
+    """What it gives when it is substituted, once that was read."""
+
+    @property
+    def name(self) -> str:
+        """The name of its class."""
+        return self.kind.name
+
+    def value(self, name: str) -> Value | None:
+        """Return an argument; None if it is not given or None."""
+        held = self.fields.get(name)
+        return None if held == NULL else held
+
+    def first(self, *names: str) -> Value | None:
+        """Return the argument given by one of several names; None if there is none."""
+        return next((held for name in names if (held := self.value(name)) is not None), None)
+
+    def text(self, name: str) -> LaunchText | None:
+        """Return an argument as a text; None if it is not given."""
+        held = self.value(name)
+        return None if held is None else launch_text(held)
+
+    def expression(self, name: str) -> Expression | None:
+        """Return the expression of an argument; None if it is not written at the call itself."""
+        call = self.given.call
+        if call is None:
+            return None
+        index = self.names.index(name) if name in self.names else len(call.arguments)
+        return dict(call.keywords).get(name, call.arguments[index] if index < len(call.arguments) else None)
+
+    def place(self, name: str) -> Location:
+        """Return where an argument stands; the call itself if that is not known."""
+        found = self.expression(name)
+        return replace(self.location, line=found.line) if isinstance(found, _PLACED) else self.location
+
+    def words(self, name: str) -> str:
+        """Return an argument, or the call, in the words of the file."""
+        frame, found = self.given.frame, self.expression(name) or self.given.call
+        return words(found, frame.unit) if found is not None and frame is not None else ""
+
+
+def words(element: object, unit: Unit) -> str:
+    """Return an element of the form in the words of the file, in one line."""
+    sources = getattr(unit, "sources", None) or {}
+    node = sources.get(element)
+    if node is None:
+        return spelled(element) if isinstance(element, _PLACED) else ""
+    text = node.text.decode("utf-8", "replace")
+    with suppress(SyntaxError, ValueError, RecursionError):
+        text = ast.unparse(ast.parse(f"({text}\n)", mode="eval"))
+    return " ".join(text.split())[:_LONGEST]
+
+
+def terms_of_way(way: Iterable[tuple[object, int]]) -> tuple[str, ...]:
+    """Return the terms of an alternative, those of outer branches first."""
+    forks = sorted(((fork, side) for fork, side in way if isinstance(fork, Fork)), key=lambda one: -one[0].number)
+    return tuple(dict.fromkeys(term for fork, side in forks for term in fork.terms[side]))
+
+
+def condition_of(terms: tuple[str, ...]) -> Condition | None:
+    """Return terms as a condition that cannot be known; None for no terms."""
+    conditions = [Condition(None, term.startswith("!"), term.lstrip(f"!{MARK}")) for term in terms]
+    if len(conditions) > 1:
+        return Condition(None, written=" and ".join(condition.words for condition in conditions))
+    return conditions[0] if conditions else None
+
+
+def options(value: Value) -> list[tuple[Condition | None, Value]]:
+    """Return the alternatives of a value, each with its condition."""
+    return [(condition_of(terms_of_way(way)), item) for item, way in paths(value)]
+
+
+def guarded(item: Value) -> tuple[Value, tuple[str, ...]]:
+    """Return an item of a list that may be there only under conditions, and their terms."""
+    if isinstance(item, Either) and len(item.items) == 1:
+        return item.items[0], terms_of_way(item.ways[0] if item.ways else ())
+    return item, ()
+
+
+def reason_of(value: Value | None) -> str:
+    """Return why a value cannot be used as what it should be."""
+    if isinstance(value, Either):
+        written = next((one.written for one, _ in options(value) if one is not None), "")
+        return f"it depends on `{written}`"
+    if isinstance(value, Unknown):
+        return value.reason
+    if isinstance(value, Made):
+        parts = [part for part in launch_text(value) if isinstance(part, Substitution)]
+        return _why(parts[0]) if parts else f"a `{value.name}` cannot stand here"
+    if isinstance(value, Text):
+        found = next((part for part in value.parts if isinstance(part, Later)), None)
+        return _why(found.part) if found is not None else value.reason or "a text cannot stand here"
+    return f"a value of the type {type(value).__name__.lower()} cannot stand here"
+
+
+def _why(part: Substitution) -> str:
+    return part.reason or f"a substitution `{part.kind}` is known only when it is executed"
+
+
+def later(kind: str, *arguments: LaunchText) -> Text:
+    """Return a text that is one substitution."""
+    return Text((Later(part=Substitution(kind, arguments)),))
+
+
+def text_of(parts: Iterable[Part]) -> Text:
+    """Return a text of launch as a value."""
+    pieces = (Text((part,)) if isinstance(part, str) else Text((Later(part=part),)) for part in parts)
+    made = concatenate(*pieces)
+    return made if isinstance(made, Text) else Text(("",))
+
+
+def launch_text(value: Value) -> LaunchText:
+    """Return a value as the text that launch makes of it: a text, a substitution, or a list of both to be joined."""
+    if isinstance(value, Text):
+        reason = value.reason or "it is not known"
+        parts: list[Part] = []
+        for part in value.parts:
+            if isinstance(part, Later):
+                parts.append(part.part)
+            else:
+                parts.append(part if isinstance(part, str) else Substitution("unknown", reason=reason))
+        return join(parts)
+    if isinstance(value, Made):
+        if value.substituted is None:
+            value.substituted = substituted(value)
+        return value.substituted
+    if isinstance(value, Either):
+        return _common(value)
+    if isinstance(value, Number | Truth):
+        return (str(plain(value)),)
+    if isinstance(value, Sequence):
+        return join([part for item in value.items[:_MOST_PARTS] for part in launch_text(item)])
+    return unknown_text(reason_of(value))
+
+
+def _common(value: Either) -> LaunchText:
+    """Return what several texts begin and end with, and between that what is not known."""
+    texts = [item.known or "" for item in value.items if isinstance(item, Text) and item.known is not None]
+    if len(texts) < len(value.items) or len(texts) == 1:
+        return unknown_text(reason_of(value))
+    first = _shared(texts)
+    last = _shared([text[len(first) :][::-1] for text in texts])[::-1]
+    return join([first, *unknown_text(reason_of(value)), last])
+
+
+def _shared(texts: list[str]) -> str:
+    """Return what all texts begin with, up to the end of a word."""
+    columns = enumerate(zip(*texts, strict=False))
+    end = next((index for index, letters in columns if len(set(letters)) > 1), min(map(len, texts)))
+    while end and texts[0][end - 1].isalnum() and any(text[end : end + 1].isalnum() for text in texts):
+        end -= 1
+    return texts[0][:end]
+
+
+def pair_of(value: Value) -> tuple[Value, Value] | None:
+    """Return the two items of a list of two; None for all else."""
+    if isinstance(value, Sequence) and len(value.items) == 2 and not value.open:  # noqa: PLR2004 - a pair
+        return value.items[0], value.items[1]
+    return None
+
+
+def entries_of(value: Value | None) -> list[tuple[Value, Value]]:
+    """Return the entries of a dictionary; none of other values."""
+    return list(value.items) if isinstance(value, Mapping) else []
+
+
+CONDITIONS: Final[dict[str, tuple[str, ...]]] = {
+    "IfCondition": ("predicate_expression",),
+    "UnlessCondition": ("predicate_expression",),
+    "LaunchConfigurationEquals": ("launch_configuration_name", "expected_value"),
+    "LaunchConfigurationNotEquals": ("launch_configuration_name", "expected_value"),
+}
+"""The names of the parameters of each condition, in order."""
+
+
+def condition_on(made: Made) -> Condition | None:
+    """Return the condition of an action; one that is not known is kept in the words of the file."""
+    value = made.value("condition")
+    if value is None:
+        return None
+    if isinstance(value, Made) and value.name in CONDITIONS:
+        return condition(value)
+    return Condition(None, written=made.words("condition"))
+
+
+def condition(made: Made) -> Condition:
+    """Return what an object of a condition stands for."""
+    negated = made.name.startswith(("Unless", "LaunchConfigurationNot"))
+    name, *expected = CONDITIONS[made.name]
+    held = made.value(name)
+    if isinstance(held, Unknown | Either):
+        return Condition(None, negated=negated, written=made.words(name))
+    if not expected:
+        return Condition(made.text(name) or (), negated=negated, written=made.words(name))
+    operands = (Substitution("var", (made.text(name) or (), ())),), made.text(expected[0]) or ()
+    return Condition((Substitution("equals", operands),), negated=negated, written=made.words(""))
+
+
+PLAIN: Final[dict[str, tuple[str, ...]]] = {
+    "Command": ("command", "command"),
+    "FindExecutable": ("find-exec", "name"),
+    "ExecutableInPackage": ("exec-in-pkg", "executable", "package"),
+    "FindPackage": ("find-pkg-prefix", "package"),
+    "FindPackagePrefix": ("find-pkg-prefix", "package"),
+    "FindPackageShare": ("find-pkg-share", "package"),
+    "ThisLaunchFileDir": ("dirname",),
+    "ThisLaunchFile": ("filename",),
+    "AnonName": ("anon", "name"),
+    "FileContent": ("file-content", "path"),
+    "LocalSubstitution": ("local", "expression"),
+    "NotSubstitution": ("not", "value"),
+    "AndSubstitution": ("and", "left", "right"),
+    "OrSubstitution": ("or", "left", "right"),
+    "EqualsSubstitution": ("equals", "left", "right"),
+    "NotEqualsSubstitution": ("not-equals", "left", "right"),
+    "PythonExpression": ("eval", "expression"),
+    "LaunchConfiguration": ("var", "variable_name", "default"),
+    "LaunchConfigAsBool": ("var", "variable_name", "default"),
+    "EnvironmentVariable": ("env", "name", "default_value"),
+}
+"""Substitutions whose operands are their arguments, by class: the kind, and the arguments in order."""
+_UNKNOWN: Final[dict[str, str]] = {
+    "LaunchLogDir": "the folder of the log files",
+    "LaunchConfigurationContext": "a configuration of another file",
+    "HasNodeParams": "whether a parameter file has a section for a node",
+}
+
+
+def substituted(made: Made) -> LaunchText:
+    """Return the text that an object of launch gives when it is substituted."""
+    name = made.name
+    if name in PLAIN:
+        kind, *names = PLAIN[name]
+        operands = [made.text(one) for one in names]
+        if kind == "eval" and operands[0] is None:
+            operands = [()]
+        return (Substitution(kind, tuple(operand for operand in operands if operand is not None)),)
+    if name in _UNKNOWN:
+        return unknown_text(_UNKNOWN[name])
+    read = SUBSTITUTIONS.get(name)
+    return read[1](made) if read is not None else unknown_text(f"a `{name}` cannot stand here")
+
+
+def is_substitution(value: Value) -> bool:
+    """Tell whether a value is an object that is substituted later."""
+    return isinstance(value, Made) and (value.name in PLAIN or value.name in SUBSTITUTIONS or value.name in _UNKNOWN)
+
+
+def _text(made: Made) -> LaunchText:
+    return made.text("text") or ()
+
+
+def _items(made: Made, name: str) -> list[Value] | None:
+    value = made.value(name)
+    return list(value.items) if isinstance(value, Sequence) else None
+
+
+def _path(made: Made) -> LaunchText:
+    found = _items(made, "substitutions")
+    operands = [launch_text(part) for part in found] if found is not None else [made.text("substitutions") or ()]
+    return (Substitution("path-join", tuple(operands)),)
+
+
+def _several(kind: str) -> Callable[[Made], LaunchText]:
+    """Return the reader of a substitution of any number of operands, given one by one or as a list."""
+
+    def read(made: Made) -> LaunchText:
+        values = list(made.given.values)
+        if len(values) == 1 and isinstance(values[0], Sequence):
+            values = list(values[0].items)
+        return (Substitution(kind, tuple(launch_text(value) for value in values if not guarded(value)[1])),)
+
+    return read
+
+
+def _choice(made: Made) -> LaunchText:
+    chosen = made.text("if_value"), made.text("else_value")
+    operands = tuple(("",) if operand is None else operand for operand in chosen)
+    return (Substitution("if", (made.text("condition") or (), *operands)),)
+
+
+def _joined(made: Made) -> LaunchText:
+    parts: list[str | Substitution] = []
+    for number, value in enumerate(_items(made, "substitutions") or ()):
+        parts += [*((made.text("delimiter") or ()) if number else ()), *launch_text(value)]
+    return join(parts)
+
+
+def _described(made: Made) -> LaunchText:
+    """Return the text that xacro prints of a file: `xacro.process_file(path, mappings={...})`."""
+    words: list[str | Substitution] = ["xacro ", *(made.text("input_file_name") or ())]
+    for name, value in entries_of(made.value("mappings")):
+        words += [f" {launch_text(name)[0] if launch_text(name) else ''}:=", *launch_text(value)]
+    return (Substitution("command", (join(words),)),)
+
+
+def pairs_of(made: Made, name: str) -> tuple[tuple[LaunchText, LaunchText], ...]:
+    """Return the entries of a dictionary that is an argument."""
+    return tuple((launch_text(key), launch_text(value)) for key, value in entries_of(made.value(name)))
+
+
+def _replaced(made: Made) -> LaunchText:
+    """Return nav2's `ReplaceString`: the name of a copy of a file in which texts are replaced."""
+    condition = condition_on(made)
+    held: LaunchText = ("true",)
+    if condition is not None and condition.value is None:
+        held = unknown_text(f"it depends on `{condition.words}`")
+    elif condition is not None and condition.value is not None:
+        held = (Substitution("not", (condition.value,)),) if condition.negated else condition.value
+    pairs = pairs_of(made, "replacements")
+    operands = (made.text("source_file") or (), held, *(text for pair in pairs for text in pair))
+    return (Substitution("replaced-file", operands),)
+
+
+_REWRITES: Final = ("param_rewrites", "key_rewrites", "value_rewrites")
+
+
+def file_of(value: Value | None, location: Location) -> ParameterFile:
+    """Return a file of parameters; its path is unknown if the value is."""
+    if isinstance(value, Made) and value.name == "ParameterFile":
+        inner = file_of(value.value("param_file"), value.location)
+        allowed = value.fields.get("allow_substs", Truth(False))
+        off = allowed == Truth(False) or (isinstance(allowed, Text) and allowed.known in ("false", "False"))
+        return replace(inner, location=value.location, substitutions=not off)
+    if isinstance(value, Made) and value.name == "RewrittenYaml":
+        root, given = value.text("root_key"), [value.value(name) for name in _REWRITES]
+        unknown = next((one for one in given if one not in (None, Text.of("")) and not isinstance(one, Mapping)), None)
+        return ParameterFile(
+            (value.text("source_file") or ())
+            if unknown is None
+            else unknown_text(f"what a file of parameters is rewritten with: {reason_of(unknown)}"),
+            value.location,
+            rewrites=pairs_of(value, "param_rewrites"),
+            root=root or None,
+            keys=pairs_of(value, "key_rewrites"),
+            values=pairs_of(value, "value_rewrites"),
+        )
+    return ParameterFile(launch_text(value) if value is not None else (), location)
+
+
+def _file(made: Made) -> LaunchText:
+    return file_of(made, made.location).read
+
+
+SUBSTITUTIONS: Final[dict[str, tuple[tuple[str, ...], Callable[[Made], LaunchText]]]] = {
+    "TextSubstitution": (("text",), _text),
+    "BooleanSubstitution": (("text",), _text),
+    "PathJoinSubstitution": (("substitutions",), _path),
+    "PathSubstitution": (("substitutions",), _path),
+    "AnySubstitution": ((), _several("any")),
+    "AllSubstitution": ((), _several("all")),
+    "IfElseSubstitution": (("condition", "if_value", "else_value"), _choice),
+    "StringJoinSubstitution": (("substitutions", "delimiter"), _joined),
+    "process_file": (("input_file_name",), _described),
+    "ReplaceString": (("source_file",), _replaced),
+    "RewrittenYaml": (("source_file",), _file),
+    "ParameterFile": (("param_file",), _file),
+}
+"""Other substitutions by class: the names of their parameters in order, and what they give."""

@@ -1,0 +1,147 @@
+"""Behavior trees: their nodes, from the XML files that parameters of nodes name.
+
+A file that includes others, and subtrees in them or in other files of its folder, are followed (BehaviorTree.CPP 3
+and 4). The nodes of a tree are plugins of `BT::TreeNode`, by the names under which C++ registers them; a port has the
+value that the XML gives it, which in a subtree can be one of the subtree's own ports.
+"""
+
+from __future__ import annotations
+
+import json
+import posixpath
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Final
+
+from kg.facts import LaunchParameter, Location
+from kg.xmltext import line_of, parse_xml
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from lxml.etree import _Element
+
+    from kg.facts import DataFile
+    from kg.launch.wiring.types import NodeTypes, Typed
+
+__all__ = ["TreeNode", "is_tree", "nodes_of"]
+
+_TYPED: Final = ("Action", "Condition", "Control", "Decorator")
+"""Elements that have the name of the node as `ID`."""
+_SUBTREES: Final = ("SubTree", "SubTreePlus")
+_OWN: Final = ("ID", "name")
+_MOST_DEPTH: Final = 20
+_BLACKBOARD: Final = "it is an entry of the blackboard"
+
+
+@dataclass(frozen=True, slots=True)
+class _Use:
+    """An element of a tree: the name of the node, or of the subtree, with its ports as text."""
+
+    name: str
+    ports: tuple[tuple[str, str], ...]
+    line: int
+    subtree: bool
+
+
+@dataclass(frozen=True, slots=True)
+class _Trees:
+    """The trees of a file by name, the main one, and the files that it includes, as `package://` or relative paths."""
+
+    main: str | None
+    uses: Mapping[str, tuple[_Use, ...]]
+    includes: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class TreeNode:
+    """A node of a tree that an instance runs, with the ports that its element gives; `element` stands for it."""
+
+    typed: Typed
+    ports: Mapping[str, LaunchParameter]
+    element: LaunchParameter
+
+
+def is_tree(file: DataFile | None) -> bool:
+    """Check whether a file has behavior trees."""
+    return file is not None and file.path.endswith(".xml") and bool(_read(file.text).uses)
+
+
+def nodes_of(file: DataFile, types: NodeTypes) -> Iterator[TreeNode]:
+    """Yield the nodes of the main tree of a file that the build has, each use of one."""
+    own = _read(file.text)
+    if own.main is not None:
+        yield from _of_tree(own.main, file, {}, types, ())
+
+
+def _of_tree(
+    name: str, file: DataFile, given: Mapping[str, str | None], types: NodeTypes, above: tuple[str, ...]
+) -> Iterator[TreeNode]:
+    home = _home(name, file, types, ())
+    if home is None or name in above or len(above) > _MOST_DEPTH:
+        return
+    for use in _read(home.text).uses[name]:
+        ports = {port: _value(text, given) for port, text in use.ports}
+        if use.subtree:
+            yield from _of_tree(use.name, home, ports, types, (*above, name))
+            continue
+        typed = types.tree_node(use.name, home.repository)
+        if typed is not None:
+            place = Location(home.path, use.line, home.repository)
+            yield TreeNode(
+                typed,
+                {port: _setting(f"{use.name}.{port}", value, place) for port, value in ports.items()},
+                LaunchParameter(use.name, json.dumps(use.name), place),
+            )
+
+
+def _setting(name: str, value: str | None, place: Location) -> LaunchParameter:
+    if value is None:
+        return LaunchParameter(name, None, place, reason=_BLACKBOARD)
+    return LaunchParameter(name, json.dumps(value), place, type="string")
+
+
+def _value(text: str, given: Mapping[str, str | None]) -> str | None:
+    """Return the value of a port: a text, or the port of the subtree that it names; None for other entries."""
+    return given.get(text[1:-1].strip()) if text.startswith("{") and text.endswith("}") else text
+
+
+def _home(name: str, file: DataFile, types: NodeTypes, seen: tuple[str, ...]) -> DataFile | None:
+    """Return the file with a tree: this one, one that it includes, or another one of its folder."""
+    own = _read(file.text)
+    if name in own.uses:
+        return file
+    folder = posixpath.dirname(file.path)
+    for path in own.includes:
+        whole = path if "://" in path else f"package://{file.package}/{posixpath.normpath(f'{folder}/{path}')}"
+        other = types.data_file(whole)
+        if other is not None and other.path not in seen:
+            found = _home(name, other, types, (*seen, file.path))
+            if found is not None:
+                return found
+    beside = (one for one in types.data(file.package) if posixpath.dirname(one.path) == folder and is_tree(one))
+    return next((one for one in beside if name in _read(one.text).uses), None)
+
+
+@lru_cache(maxsize=256)
+def _read(text: str) -> _Trees:
+    root = parse_xml(text.encode()).root
+    if root is None or root.tag != "root":
+        return _Trees(None, {}, ())
+    uses = {
+        tree.get("ID") or "": tuple(_use(one) for one in tree.iterdescendants("*"))
+        for tree in root.iter("BehaviorTree")
+    }
+    main = root.get("main_tree_to_execute") or next(iter(uses), None)
+    includes = tuple(
+        f"package://{one.get('ros_pkg')}/{one.get('path')}" if one.get("ros_pkg") else one.get("path", "")
+        for one in root.iter("include")
+    )
+    return _Trees(main, uses, includes)
+
+
+def _use(element: _Element) -> _Use:
+    tag = str(element.tag)
+    named = tag in _TYPED or tag in _SUBTREES
+    ports = tuple((str(key), str(value)) for key, value in element.attrib.items() if key not in _OWN)
+    return _Use(element.get("ID", "") if named else tag, ports, line_of(element), tag in _SUBTREES)

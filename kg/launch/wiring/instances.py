@@ -1,0 +1,263 @@
+"""One started node as an instance: its type, what it loads, and its interfaces, parameters and remappings resolved."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Final
+
+from kg.facts import Access, InstanceRemap, MissingType, NodeInstance, Resolution, StartKind
+from kg.holes import ANONYMOUS, is_known, is_partial
+from kg.launch.wiring.families import switched_on
+from kg.launch.wiring.inner_nodes import Spelling, addressed, filled_defaults, inner_nodes, without_inner
+from kg.launch.wiring.interfaces import Ends
+from kg.launch.wiring.parameters import Asked
+from kg.launch.wiring.place import Place, place_of
+from kg.launch.wiring.plugins import Loaded, loaded_plugins
+from kg.launch.wiring.qos import Overrides
+from kg.launch.wiring.remapping import Remapping, Rule, rules_of
+from kg.launch.wiring.similar_names import Alike, alike_when_short
+from kg.launch.wiring.simulation import Simulated, own_ends
+from kg.launch.wiring.tools import TOOL, tool_ends
+from kg.launch.wiring.types import own_name
+from kg.launch.wiring.values import Server, Settings, parsed
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+
+    from kg.facts import InstanceInterface, LaunchParameter, NodeType, Remap, StartedNode
+    from kg.launch.wiring.behavior_trees import TreeNode
+    from kg.launch.wiring.inner_nodes import Inner
+    from kg.launch.wiring.types import NodeTypes, Typed
+
+__all__ = ["Draft", "draft_of", "finished", "loads"]
+
+_HOSTS: Final = (StartKind.NODELET_MANAGER, StartKind.CONTAINER)
+_HOST_PACKAGES: Final = ("nodelet", "rclcpp_components")
+"""Whose programs load others and have no topics of their own."""
+_PLUGIN_PARAMETER: Final = re.compile(r"(^|.*[./_])(plugin|plugins|type)")
+
+
+@dataclass(slots=True)
+class Draft:
+    """An instance while it is made: what is found of one node before all nodes of the configuration are known."""
+
+    started: StartedNode
+    """With those parameters only that are for this node of its process."""
+    place: Place
+    ros: int
+    typed: Typed | None
+    missing: MissingType | None
+    reason: str | None
+    rules: tuple[Rule, ...]
+    plugins: list[Loaded] = field(default_factory=list)
+    set_here: list[tuple[str, LaunchParameter]] = field(default_factory=list)
+    """Parameters set for it, by absolute name."""
+    used: set[Remap] = field(default_factory=set)
+    """Its remappings that changed a name, here, in a nodelet that it manages, or in a node that it makes."""
+    makes: tuple[Inner, ...] = ()
+    """The nodes that it makes itself."""
+    made_by: Inner | None = None
+    """What says that another node makes it."""
+    process: str | None = None
+    """What has the command line that such a node gets, by absolute name."""
+    written: StartedNode | None = None
+    """The node as the configuration starts it; none does that with a node that another makes."""
+    for_many: set[LaunchParameter] = field(default_factory=set)
+    """Parameters that such a node is given with many others, so that it need not have them."""
+    defaults: dict[str, str | None] = field(default_factory=dict)
+    """What its parameters are by default, by names relative to the node, as YAML."""
+    repository: str = ""
+    """The source of the configuration."""
+    simulated: list[Simulated] = field(default_factory=list)
+    """Plugins of robot descriptions that run in it."""
+    tree_nodes: list[TreeNode] = field(default_factory=list)
+    """The nodes of the behavior trees that it runs."""
+    similar: tuple[str, ...] = ()
+    """Packages that the unknown one it is started from may mean."""
+
+
+def draft_of(started: StartedNode, types: NodeTypes, repository: str, ros: int, made_by: Inner | None = None) -> Draft:
+    """Return what is known of a node by itself: its type, its place and its rules."""
+    typed, missing, reason = types.of(started, repository)
+    place = place_of(started, typed[1] if typed is not None else None)
+    makes = inner_nodes(typed) if made_by is None else ()
+    if typed is not None and makes:
+        typed = typed[0], without_inner(typed[1], makes)
+    written = started
+    if ros != 1:
+        given = addressed(written.parameters, place.full, alone=made_by is None)
+        started = replace(started, parameters=tuple(_last_each(given)))
+    draft = Draft(started, place, ros, typed, missing, reason, rules_of(started.remaps, place, ros))
+    draft.makes, draft.made_by, draft.repository = makes, made_by, repository
+    if missing is MissingType.UNKNOWN_PACKAGE and started.package:
+        draft.similar = types.like(started.package)
+    if made_by is None:
+        draft.written = written
+    else:
+        for_many = (one for one in written.parameters if "*" in (one.node or ""))
+        draft.for_many.update(addressed(for_many, place.full, alone=False))
+    if typed is not None:
+        draft.defaults.update(_defaults(typed[1]))
+    if made_by is not None:
+        draft.defaults.update(filled_defaults(made_by, place))
+    if ros != 1:
+        draft.set_here = [(f"{place.full}/{given.name.lstrip('~/')}", given) for given in started.parameters]
+    return draft
+
+
+def _last_each(parameters: Iterable[LaunchParameter]) -> list[LaunchParameter]:
+    return list({parameter.name: parameter for parameter in parameters}.values())
+
+
+def loads(draft: Draft, types: NodeTypes, repository: str) -> None:
+    """Add the plugins that the parameters of an instance name, those that it declares by default among them."""
+    values: dict[str, str | None] = dict(draft.defaults)
+    below = f"{draft.place.full}/"
+    values.update({name.removeprefix(below): given.value for name, given in draft.set_here})
+    slots = draft.typed[1].slots if draft.typed is not None else ()
+    if values or slots:
+        package = draft.started.package
+        found = loaded_plugins(values, types, repository, draft.ros, package, slots)
+        draft.plugins += (_outside(plugin, draft.makes) for plugin in found)
+
+
+def _outside(plugin: Loaded, makes: tuple[Inner, ...]) -> Loaded:
+    """Return a plugin without what stands in the code of the inner nodes that it is handed."""
+    if plugin.found is None or not makes:
+        return plugin
+    owner, node = plugin.found
+    return replace(plugin, found=(owner, without_inner(node, makes)))
+
+
+def _defaults(node: NodeType) -> dict[str, str | None]:
+    """Return the defaults of a node's own parameters, those of the node that code asks for without `~` left out."""
+    return {
+        name.removeprefix("~/"): parameter.default
+        for parameter in node.parameters
+        if (name := parameter.name) is not None and parameter.default is not None
+        if parameter.access is not Access.WRITE and not is_partial(name) and (node.ros != 1 or name.startswith("~/"))
+    }
+
+
+def finished(draft: Draft, server: Server | None, host: Draft | None) -> NodeInstance:
+    """Return the instance; `server` is that of ROS 1, `host` what it is loaded into, if the configuration has that."""
+    above = host.rules if host is not None and draft.ros == 1 and draft.started.kind is StartKind.NODELET else ()
+    remapping = Remapping((*draft.rules, *above), draft.ros)
+    settings = Settings(server if draft.ros == 1 else None, draft.started, remapping)
+    overrides = Overrides(settings.own)
+    ends = Ends(draft.place, settings, remapping, overrides, draft.ros, _spelling(draft), draft.defaults)
+    interfaces = _interfaces(draft, ends)
+    asked = Asked(draft.place, draft.ros, remapping)
+    if draft.typed is not None:
+        owner, node = draft.typed
+        asked.add_node(owner, node)
+        asked.add_of_framework((one.parameter for one in draft.plugins if one.parameter), node, owner, "plugins")
+        asked.add_of_framework(overrides.names, node, owner, "qos_overrides")
+    for plugin in draft.plugins:
+        asked.add_plugin(plugin)
+    parameters = tuple(one for one in asked.settled(draft.set_here) if one.declared or one.set not in draft.for_many)
+    draft.used |= remapping.used
+    if host is not None:
+        host.used |= remapping.used
+    tool = any(end.declared.origin == TOOL for end in interfaces)
+    return NodeInstance(
+        name=draft.place.full,
+        namespace=draft.place.namespace,
+        started=draft.written or draft.started,
+        type=draft.typed[0] if draft.typed is not None else None,
+        reason=None if tool else draft.reason,
+        plugins=tuple(dict.fromkeys(one[0] for one in _loaded(draft))),
+        host=draft.started.host,
+        interfaces=interfaces,
+        parameters=parameters,
+        remaps=tuple(one for one in _remaps(draft, interfaces) if one.used or draft.made_by is None),
+        complete=_complete(draft, interfaces, tool=tool),
+        missing=None if tool else draft.missing,
+        similar=draft.similar,
+    )
+
+
+def _loaded(draft: Draft) -> Iterator[Typed]:
+    yield from (plugin.found for plugin in draft.plugins if plugin.found is not None)
+    yield from (node.typed for node in draft.tree_nodes)
+
+
+def _spelling(draft: Draft) -> Spelling | None:
+    """Return how names change in a node that another makes."""
+    if draft.made_by is None or draft.typed is None:
+        return None
+    row = draft.made_by
+    ids = (one.id for one in draft.plugins if one.parameter.startswith(one.id) and one.class_name not in row.unless)
+    return Spelling(row, own_name(draft.typed[1]), draft.place.name, tuple(ids))
+
+
+def _interfaces(draft: Draft, ends: Ends) -> tuple[InstanceInterface, ...]:
+    found: list[InstanceInterface] = []
+    if draft.typed is not None:
+        owner, node = draft.typed
+        found += ends.of_node(owner, switched_on(node, ends.settings, draft.place))
+    for plugin in draft.plugins:
+        if plugin.found is not None:
+            owner, node = plugin.found
+            node = switched_on(node, ends.settings, plugin.place(draft.place))
+            found += ends.of_plugin(replace(plugin, found=(owner, node)))
+    of_trees: dict[object, InstanceInterface] = {}
+    for tree_node in draft.tree_nodes:
+        for end in ends.of_tree_node(tree_node):
+            of_trees.setdefault((end.declared, end.resolved), end)
+    found += of_trees.values()
+    if draft.typed is None:
+        found += own_ends(draft.started, draft.place, ends.remapping, draft.ros, draft.repository)
+        found += tool_ends(draft.started, ends, draft.repository)
+    for simulated in draft.simulated:
+        found += simulated.ends(draft.place, ends.remapping)
+    return tuple(dict.fromkeys(found))
+
+
+def _remaps(draft: Draft, interfaces: Sequence[InstanceInterface]) -> tuple[InstanceRemap, ...]:
+    """Return the remappings; those that changed nothing with the names, not remapped either, that they may mean."""
+    own: Alike | None = None
+    names: list[str] = []
+    found = []
+    for rule in draft.rules:
+        used = rule.remap in draft.used
+        similar: tuple[str, ...] = ()
+        if not used:
+            if own is None:
+                names = sorted(_unmapped(interfaces))
+                own = Alike(names)
+            short = (name for name in names if alike_when_short(rule.source, name))
+            similar = tuple(own.find(rule.source) or short)
+        found.append(InstanceRemap(rule.source, rule.target, rule.remap, used, similar))
+    return tuple(found)
+
+
+def _unmapped(interfaces: Iterable[InstanceInterface]) -> set[str]:
+    """Return the names of interfaces that no remapping changed."""
+    return {
+        end.resolved
+        for end in interfaces
+        if end.resolved is not None and end.remap is None and not end.declared.implicit
+    }
+
+
+def _complete(draft: Draft, interfaces: Iterable[InstanceInterface], *, tool: bool) -> bool:
+    if draft.started.kind in _HOSTS and draft.started.package in _HOST_PACKAGES:
+        return True
+    if draft.typed is None and not tool and not draft.tree_nodes:
+        return False
+    if any(plugin.found is None for plugin in draft.plugins):
+        return False
+    if (draft.typed is not None and draft.reason is not None) or all(end.declared.implicit for end in interfaces):
+        return False  # a node that talks to nobody: more likely nothing of it was found
+    if any(given.name == ANONYMOUS or _names_plugins(name, given) for name, given in draft.set_here):
+        return False
+    return all(is_known(end.resolved) and end.resolution is not Resolution.PARTIAL for end in interfaces)
+
+
+def _names_plugins(name: str, given: LaunchParameter) -> bool:
+    """Tell whether a parameter says what is loaded, in a way that is not known."""
+    if _PLUGIN_PARAMETER.fullmatch(name) is None:
+        return False
+    return given.value is None or is_partial(str(parsed(given.value)))

@@ -1,0 +1,240 @@
+"""The interfaces of an instance: what its node type and its plugins declare, with the names that they have in it."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Final
+
+from kg.facts import InstanceInterface, Resolution
+from kg.holes import ANONYMOUS, hole_of, is_known, is_partial, partition
+from kg.launch.wiring.families import meant, members, switched_on
+from kg.launch.wiring.names_from_parameters import Named, named
+from kg.launch.wiring.plugins import below_id
+from kg.launch.wiring.values import parsed, shown
+from kg.names import join
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from kg.facts import Interface, Location, NodeReference, NodeType
+    from kg.launch.wiring.behavior_trees import TreeNode
+    from kg.launch.wiring.inner_nodes import Spelling
+    from kg.launch.wiring.place import Place
+    from kg.launch.wiring.plugins import Framework, Loaded
+    from kg.launch.wiring.qos import Overrides
+    from kg.launch.wiring.remapping import Remapping
+    from kg.launch.wiring.values import Settings
+
+__all__ = ["Ends"]
+
+_CAMERA_INFO: Final = "camera_info"
+_PORT: Final = re.compile(r"port\[(\w+)\]")
+"""What stands for a parameter where a name is a port of a node of behavior trees."""
+_OF_NODES: Final = ("ros1.node", "ros2.node")
+"""What every node has, and a plugin has not: it stands in a node."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ends:
+    """Makes the interfaces of one instance; `place` is that of the node."""
+
+    place: Place
+    settings: Settings
+    remapping: Remapping
+    overrides: Overrides
+    ros: int
+    spelling: Spelling | None = None
+    """How names change in a node that is made under another name than its type gives itself."""
+    defaults: Mapping[str, str | None] = field(default_factory=dict)
+    """What the node's own parameters are by default, which its plugins may ask for."""
+
+    def of_node(self, owner: NodeReference, node: NodeType) -> Iterator[InstanceInterface]:
+        """Yield what the node type declares."""
+        made: dict[Location, list[InstanceInterface]] = {}
+        later: list[Interface] = []
+        for declared in meant(node.interfaces, self.settings):
+            spelled = self.spelling.names(declared) if self.spelling is not None else None
+            if spelled is not None:
+                for one in spelled:
+                    yield self._placed(declared, owner, Named(one, Resolution.CONSTANT), self.place)
+                continue
+            if declared.name is not None and (declared.implicit or declared.name.endswith(_CAMERA_INFO)):
+                later.append(declared)
+                continue
+            for name in self._names(declared, node):
+                end = self._placed(declared, owner, name, self.place, _handle(declared, node))
+                made.setdefault(declared.location, []).append(end)
+                yield end
+        for declared in later:
+            base = next((end for end in made.get(declared.location, ()) if _made_beside(declared, end)), None)
+            if base is not None:
+                yield self._beside(declared, base)
+            else:
+                name = self._named(declared, node, declared.parameter, self.place)
+                yield self._placed(declared, owner, name, self.place, _handle(declared, node))
+
+    def _names(
+        self, declared: Interface, node: NodeType, done: frozenset[str] = frozenset({ANONYMOUS})
+    ) -> Iterator[Named]:
+        """Yield the names of an interface, several parts of which can be parameters; holes that are `done` stay."""
+        done |= {hole_of(declared.parameter or "")}
+        for value, whole in members(declared, node, self.settings, self.place):
+            name = named(declared, node, value)
+            name = replace(name, parameter=whole) if name.parameter is not None else name
+            left = name.name if name.parameter is not None and name.name is not None else ""
+            asked = [one.name for one in node.parameters if one.name is not None] if "{" in left else ()
+            sources = {hole_of(source): source for one in asked for source in (one, f"{one}[key]")}
+            other = next((source for hole, source in sources.items() if hole in left and hole not in done), None)
+            if other is None:
+                yield name
+            else:
+                yield from self._names(replace(declared, name=left, parameter=other), node, done)
+
+    def _beside(self, declared: Interface, base: InstanceInterface) -> InstanceInterface:
+        """Return an end whose name is made of that of another after its remapping, as `image_transport` does."""
+        above, name = base.declared.name or "", declared.name or ""
+        resolved = base.resolved or ""
+        if name.startswith(f"{above}/"):
+            resolved += name.removeprefix(above)
+        else:
+            resolved = f"{resolved.rpartition('/')[0]}/{name.rpartition('/')[2]}"
+        moved, remap = self.remapping.apply(resolved, declared.role)
+        return replace(base, declared=declared, resolved=moved, remap=remap or base.remap, qos=declared.qos)
+
+    def of_plugin(self, plugin: Loaded) -> Iterator[InstanceInterface]:
+        """Yield what a loaded plugin declares."""
+        if plugin.found is None:
+            return
+        owner, node = plugin.found
+        framework, place = plugin.framework, plugin.place(self.place)
+        for declared in node.interfaces:
+            if declared.implicit and (declared.origin or "").startswith(_OF_NODES):
+                continue
+            if declared.location.path.endswith(framework.foreign or ("\0",)):
+                continue
+            if self.spelling is not None and declared.name in self.spelling.row.outside:
+                continue
+            open_name = declared.name is None or hole_of(declared.parameter or "") in declared.name
+            element = plugin.of_element(declared.parameter) if open_name else None
+            if framework.each is not None and element is not None:
+                yield from self._for_each(declared, element, plugin, place)
+                continue
+            spelled = plugin.handed(declared)
+            own = self.place if declared.name in framework.shared or spelled.name != declared.name else place
+            outside = spelled.parameter != declared.parameter  # the parameter is one of the node
+            parameter = spelled.parameter if outside else _below_id(declared.parameter, node)
+            name = self._named(spelled, node, parameter, self.place if outside else place)
+            if name.parameter is None and node.ros != 1 and not is_known(name.name):
+                name = self._by_default(declared, parameter) or name
+            yield self._placed(declared, owner, name, own)
+
+    def of_tree_node(self, used: TreeNode) -> Iterator[InstanceInterface]:
+        """Yield what a node of a behavior tree declares; the element of the tree has the ports that name interfaces."""
+        owner, node = used.typed
+        node = switched_on(node, self.settings, self.place)
+        for declared in node.interfaces:
+            if declared.implicit and (declared.origin or "").startswith(_OF_NODES):
+                continue
+            port = _PORT.fullmatch(declared.parameter or "")
+            given = used.ports.get(port[1]) if port is not None else None
+            if port is not None:
+                name = named(declared, node, given)
+            else:
+                name = self._named(declared, node, declared.parameter, self.place)
+            yield self._placed(declared, owner, replace(name, parameter=name.parameter or used.element), self.place)
+
+    def _by_default(self, declared: Interface, parameter: str | None) -> Named | None:
+        """Return the name that a parameter of the node gives to an interface of a plugin where nothing sets it."""
+        value = shown(self.defaults.get(parameter or ""))
+        if not value:
+            return None
+        before, _, after = partition(declared.name or ANONYMOUS, hole_of(declared.parameter or ""))
+        return Named(before + value + after, Resolution.PARAMETER_DEFAULT)
+
+    def _for_each(self, declared: Interface, element: str, plugin: Loaded, place: Place) -> Iterator[InstanceInterface]:
+        if plugin.found is None:
+            return
+        (owner, node), framework = plugin.found, plugin.framework
+        for identifier in _ids_of(framework, self.settings, place):
+            below = join("~", framework.below.replace("{id}", identifier))
+            if framework.chosen is not None and declared.type is not None:
+                setting = self.settings.get(f"{below}/{framework.chosen}", place)
+                chosen = shown(setting.value) if setting is not None else framework.otherwise
+                if chosen is not None and declared.type.rpartition("/")[2] != chosen:
+                    continue
+            name = self._named(declared, node, f"{below}/{element}", place)
+            if name.parameter is None:
+                before, _, after = partition(declared.name or ANONYMOUS, hole_of(declared.parameter or ""))
+                name = Named(before + identifier + after, Resolution.PARAMETER_DEFAULT)
+            elif name.resolution is Resolution.PARTIAL and is_known(name.name):
+                name = Named(name.name, Resolution.LAUNCH_ARGUMENT, name.parameter)
+            yield self._placed(declared, owner, name, place)
+
+    def _named(self, declared: Interface, node: NodeType, parameter: str | None, place: Place) -> Named:
+        if parameter is None or is_partial(parameter):
+            return Named(declared.name, declared.resolution, None, declared.reason)
+        return named(declared, node, self.settings.get(parameter, place))
+
+    def _placed(
+        self, declared: Interface, owner: NodeReference, name: Named, place: Place, handle: str | None = None
+    ) -> InstanceInterface:
+        if name.name is None:
+            reason = name.reason or "nothing of its name is known before run time"
+            return InstanceInterface(
+                declared, owner, None, Resolution.UNRESOLVED, None, name.parameter, declared.qos, reason
+            )
+        resolved, remap = place.expand(name.name, self.ros), None
+        if not is_partial(resolved):
+            above = place.resolve(handle) if handle is not None and name.parameter is None else None
+            resolved, remap = self.remapping.apply(resolved, declared.role, above)
+        partial = is_partial(resolved)
+        if is_partial(name.name) and not partial:  # the name and namespace of the node were all that was open
+            how = Resolution.CONSTANT if declared.parameter is None else Resolution.PARAMETER_DEFAULT
+            how = how if name.parameter is None else Resolution.LAUNCH_ARGUMENT
+            name = replace(name, resolution=how, reason=None)
+        return InstanceInterface(
+            declared=declared,
+            owner=owner,
+            resolved=resolved,
+            resolution=Resolution.PARTIAL if partial else name.resolution,
+            remap=remap,
+            parameter=name.parameter,
+            qos=self.overrides.applied(declared.qos, resolved, declared.role),
+            reason=name.reason or ("a part of it is known only at run time" if partial else None),
+        )
+
+
+def _made_beside(declared: Interface, base: InstanceInterface) -> bool:
+    """Tell whether a library makes the name of an end of that of another at the same line of code."""
+    above, name = base.declared.name, declared.name or ""
+    if above is None or not is_known(base.resolved):
+        return False
+    if name.startswith(f"{above}/"):
+        return declared.implicit
+    info = f"{above.rpartition('/')[0]}/camera_info" if "/" in above else "camera_info"
+    return name == info and declared.type == "sensor_msgs/CameraInfo" and base.declared.type != declared.type
+
+
+def _ids_of(framework: Framework, settings: Settings, place: Place) -> list[str]:
+    """Return the ids that the list parameter of a plugin names (`observation_sources`)."""
+    setting = settings.get(f"~/{framework.each}", place) if framework.each else None
+    value = parsed(setting.value) if setting is not None else None
+    if isinstance(value, str):
+        return value.split()
+    return [str(item) for item in value] if isinstance(value, list) else []
+
+
+def _below_id(parameter: str | None, node: NodeType) -> str | None:
+    """Return the parameter of a plugin whose name begins with the id under which it is loaded, as one of its own."""
+    own = below_id(parameter) if node.ros != 1 else None
+    return parameter if own is None else f"~/{own}"
+
+
+def _handle(declared: Interface, node: NodeType) -> str | None:
+    """Return the namespace of the node handle that a literal was given to, as names are written (roscpp)."""
+    name, literal = declared.name, (declared.written or "").strip()
+    if node.ros != 1 or node.language != "cpp" or name is None or not literal.startswith('"'):
+        return None
+    handle = name.removesuffix(f"/{literal.strip(chr(34)).strip('/')}")
+    return handle if handle not in {name, "", "~"} else None

@@ -1,0 +1,227 @@
+"""Which plugins a node loads by its parameters, and where what they declare stands.
+
+The table is `ontology/plugins.toml`; its head explains it.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field, replace
+from functools import cache
+from typing import TYPE_CHECKING, Any, Final
+
+from kg.facts import TREE_NODE, NodeKind, Resolution
+from kg.holes import Hole, hole_of, is_partial, parse, partition, substitute
+from kg.launch.wiring.place import Place
+from kg.launch.wiring.plugin_table import rows
+from kg.launch.wiring.types import class_name
+from kg.launch.wiring.values import parsed
+from kg.names import normalise
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterable, Iterator, Mapping
+
+    from kg.facts import Interface, PluginSlot
+    from kg.launch.wiring.types import NodeTypes, Typed
+
+__all__ = ["Framework", "Loaded", "below_id", "framework_of", "loaded_plugins", "table"]
+
+_CLASS: Final = re.compile(r"[A-Za-z]\w*(?:(?:::|/)[A-Za-z]\w*)+")
+_CLASS_KEYS: Final = ("type", "plugin")
+_LISTS: Final = ("plugins", "_ids", "filters", "navigators")
+
+
+@dataclass(frozen=True, slots=True)
+class Framework:
+    """A row of the table; its head says what the fields mean."""
+
+    base: str
+    ros: int
+    source: str
+    private: str = "~/{id}"
+    relative: str | None = None
+    shared: tuple[str, ...] = ()
+    foreign: tuple[str, ...] = ()
+    handed: Mapping[str, str] = field(default_factory=dict)
+    each: str | None = None
+    below: str = "{id}"
+    chosen: str | None = None
+    otherwise: str | None = None
+    loader: tuple[str, ...] = ()
+    starter: tuple[str, ...] = ()
+    node: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Loaded:
+    """A plugin that an instance loads under the name `id`; `scope` stands before the parameter that says so.
+
+    `found` is None for a class that the build does not have.
+    """
+
+    id: str
+    class_name: str
+    scope: str
+    found: Typed | None
+    framework: Framework
+    parameter: str
+    """The parameter that says so, relative to the node (`global_costmap/plugins`)."""
+
+    def place(self, node: Place) -> Place:
+        """Return what the plugin's names are resolved against."""
+        private = node.resolve(self._filled(self.framework.private))
+        relative = self.framework.relative
+        namespace = node.resolve(self._filled(relative)) if relative is not None else node.namespace
+        return Place(namespace, node.name, private)
+
+    def handed(self, declared: Interface) -> Interface:
+        """Return an interface with the arguments that the node hands to the plugin in its name and parameter.
+
+        If they differ, they are relative to the node: the code puts the id in front, and not the framework.
+        """
+        written = hole_of(declared.written or "") if declared.parameter is None else ""
+        name, parameter = self.spelled(declared.name or written), self.spelled(declared.parameter or "")
+        if name is None:
+            return replace(declared, parameter=parameter or declared.parameter)
+        resolution = Resolution.PARTIAL if is_partial(name) else Resolution.CONSTANT
+        return replace(declared, name=name, parameter=parameter or declared.parameter, resolution=resolution)
+
+    def of_element(self, parameter: str | None) -> str | None:
+        """Return what a parameter is called below an element of the plugin's list (`topic`); None for others."""
+        match parse(self.spelled(parameter or "") or parameter or ""):
+            case (_, *_, Hole(), str(rest)) if rest.startswith(("/", ".")):
+                return rest[1:]
+        return None
+
+    def spelled(self, name: str) -> str | None:
+        """Return a name with values for the arguments that the node hands to the plugin; None if it has none."""
+        given = self.framework.handed
+        found = substitute(name, lambda label: self._filled(given[label]) if label in given else None)
+        return found if found != name else None
+
+    def _filled(self, pattern: str) -> str:
+        return normalise(pattern.replace("{scope}", self.scope).replace("{id}", self.id))
+
+
+def below_id(parameter: str | None) -> str | None:
+    """Return the rest of a parameter whose name begins with the id of its plugin (`{name}.topic`, ROS 2); else None."""
+    before, hole, after = partition(parameter or "")
+    return after[1:] if hole and not before and after.startswith(".") else None
+
+
+def framework_of(base: str | None, ros: int) -> Framework:
+    """Return the row for plugins of a base class, a plain one where the table has none."""
+    return table().get((base or "", ros)) or Framework(base or "", ros, "")
+
+
+def loaded_plugins(  # noqa: PLR0913, PLR0917 - what the plugins of a node depend on
+    values: Mapping[str, str | None],
+    types: NodeTypes,
+    repository: str,
+    ros: int,
+    package: str | None,
+    slots: Iterable[PluginSlot] = (),
+) -> Iterator[Loaded]:
+    """Yield what a node with these parameters and slots loads; names are relative to the node, the values YAML.
+
+    Each plugin comes once for each name under which it is loaded, in the order of the parameters, then those that code
+    loads where no parameter says otherwise.
+    """
+    slots = [one for one in slots if one.base_class != TREE_NODE]
+    known: set[tuple[str, str]] = set()
+    of_slots = {_bare(one.parameter) for one in slots if one.parameter is not None}
+    for plugin in _by_parameters(values, types, repository, ros, package, of_slots):
+        if (plugin.scope, plugin.id) not in known and not plugin.framework.node:
+            known.add((plugin.scope, plugin.id))
+            yield plugin
+    for slot in slots:
+        for name, kind, parameter in _defaults(slot, values):
+            if ("", name) not in known:
+                known.add(("", name))
+                yield _loaded(name, kind, "", types.plugin(kind, repository, package), ros, parameter)
+
+
+def _defaults(slot: PluginSlot, values: Mapping[str, str | None]) -> Iterator[tuple[str, str, str]]:
+    """Yield name, class and parameter of the plugins of a slot whose class no parameter gives."""
+    names = parsed(values.get(_bare(slot.names))) if slot.names is not None else None
+    for one in slot.defaults:
+        parameter = _bare(slot.parameter or "").replace("{id}", one.name or "")
+        listed = not isinstance(names, list) or one.name in names
+        if listed and "[" not in parameter and values.get(parameter) is None:
+            yield one.name or _last(one.class_name), one.class_name, parameter
+
+
+def _bare(name: str) -> str:
+    return name.removeprefix("~/")
+
+
+def _by_parameters(  # noqa: PLR0913, PLR0917 - as above
+    values: Mapping[str, str | None],
+    types: NodeTypes,
+    repository: str,
+    ros: int,
+    package: str | None,
+    of_slots: Collection[str],
+) -> Iterator[Loaded]:
+    """Yield what the values of parameters name; `of_slots` are parameters that give the class of a plugin."""
+    separator = "/" if ros == 1 else "."
+    listed = _listed(values) if ros != 1 else None
+    for name, value in values.items():
+        if value is None or not _may_hold_classes(value):
+            continue
+        scope, _, last = name.rpartition(separator)
+        for told, kind in _classes(parsed(value)):
+            found = types.plugin(kind, repository, package)
+            if found is not None and found[1].kind is not NodeKind.PLUGIN:
+                continue
+            if told is None and last in _CLASS_KEYS:
+                outer, _, identifier = scope.rpartition(separator)
+                if not identifier or (listed is not None and identifier not in listed):
+                    continue
+                if found is None and last != "plugin":  # many things have a type
+                    continue
+                plugin = _loaded(identifier, kind, outer, found, ros, name)
+            elif found is None and told is None and name not in of_slots:
+                continue
+            else:
+                plugin = _loaded(told or _last(kind), kind, scope, found, ros, name)
+            yield plugin
+
+
+def _loaded(  # noqa: PLR0913, PLR0917 - what is known of one plugin
+    identifier: str, kind: str, scope: str, found: Typed | None, ros: int, parameter: str
+) -> Loaded:
+    framework = framework_of(found[1].base_class if found is not None else None, ros)
+    return Loaded(identifier, kind, scope, found, framework, parameter)
+
+
+def _may_hold_classes(value: str) -> bool:
+    return "/" in value or "::" in value or value.lstrip().startswith("[")
+
+
+def _classes(value: Any) -> Iterator[tuple[str | None, str]]:
+    """Yield pairs of the name that a value gives to a plugin, if it gives one, and its class."""
+    for item in value if isinstance(value, list) else [value]:
+        if isinstance(item, str) and _CLASS.fullmatch(item):
+            yield None, item
+        elif isinstance(item, dict):
+            kind = next((item[key] for key in _CLASS_KEYS if isinstance(item.get(key), str)), None)
+            if kind is not None and _CLASS.fullmatch(kind) and isinstance(item.get("name"), str):
+                yield item["name"], kind
+
+
+def _listed(values: Mapping[str, str | None]) -> set[str] | None:
+    """Return the ids that lists of plugins name; None where there is no list that could be meant."""
+    lists = [parsed(value) for name, value in values.items() if name.endswith(_LISTS) and value is not None]
+    known = [entry for entry in lists if isinstance(entry, list)]
+    return {str(item) for entry in known for item in entry} if known else None
+
+
+def _last(kind: str) -> str:
+    return class_name(kind).rpartition("/")[2]
+
+
+@cache
+def table() -> dict[tuple[str, int], Framework]:
+    """Return the rows of the table by base class and version of ROS."""
+    return {(row.base, row.ros): row for row in rows("plugin", Framework)}

@@ -1,8 +1,0 @@
-"""From what a launch configuration starts and what node types declare to the computation graph; nothing is run."""
-
-from __future__ import annotations
-
-from kg.wiring.systems import wire
-from kg.wiring.types import NodeTypes
-
-__all__ = ["NodeTypes", "wire"]

@@ -1,0 +1,47 @@
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from render.systems import end, instance, system
+
+from kg.facts import Role
+from kg.launch.comparison.systems import came_apart, joined
+
+if TYPE_CHECKING:
+    from kg.facts import InstanceInterface, NodeInstance
+
+
+def sign(instance: NodeInstance, end: InstanceInterface) -> str:
+    """Return what stands for an end whatever its name is now."""
+    return f"{instance.name} {end.declared.role}"
+
+
+def test_those_who_give_are_joined_to_those_who_take() -> None:
+    """By kind and name, never a node to itself."""
+    laser = instance("/laser", end(Role.PUBLISHES, "/scan"), end(Role.SUBSCRIBES, "/scan"))
+    user = instance("/user", end(Role.SUBSCRIBES, "/scan"), end(Role.CLIENTS, "/scan"))
+    assert set(joined(system([laser, user]), sign)) == {("/laser", "topic", "/scan", "/user")}
+
+
+@pytest.mark.parametrize("name", [None, "/{}/scan"])
+def test_ends_whose_name_is_not_known_join_nobody(name: str | None) -> None:
+    """Two names that are not known, or not in part, may be two names."""
+    both = instance("/laser", end(Role.PUBLISHES, name)), instance("/user", end(Role.SUBSCRIBES, name))
+    assert joined(system(both), sign) == {}
+
+
+def test_ends_that_are_left_out_join_nobody() -> None:
+    """What has no sign is left out, as what frameworks make is."""
+    both = instance("/laser", end(Role.PUBLISHES, "/scan")), instance("/user", end(Role.SUBSCRIBES, "/scan"))
+    assert joined(system(both), lambda _one, _end: None) == {}
+
+
+def test_ends_that_meet_under_another_name_did_not_come_apart() -> None:
+    """A renamed channel is no lost connection; one whose ends meet no more is."""
+    before, renamed, apart = (
+        joined(system([instance("/a", end(Role.PUBLISHES, given)), instance("/b", end(Role.SUBSCRIBES, taken))]), sign)
+        for given, taken in (("/scan", "/scan"), ("/laser", "/laser"), ("/scan", "/laser"))
+    )
+    assert list(came_apart(before, renamed)) == []
+    assert list(came_apart(before, apart)) == [("/a", "topic", "/scan", "/b")]

@@ -1,0 +1,43 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+from wiring.systems_of import started
+
+from kg.facts import Location, MissingType, NodeKind, NodeReference, NodeType, StartedNode, StartKind
+from kg.launch.wiring.types import NodeTypes
+
+
+def test_packages_without_node_types_are_there() -> None:
+    """One of the build that declares no node, or only installs programs, is not taken for another's misspelling."""
+    types = NodeTypes((), packages=["rover_maps"], programs={"rover_tools": ["calibrate"]})
+    assert [types.like(name) for name in ("rover_maps", "rover_tools")] == [(), ()]
+    assert [types.like(name) for name in ("rover_map", "rovr_tools")] == [("rover_maps",), ("rover_tools",)]
+
+
+def test_each_way_to_start_a_node_leads_to_its_type() -> None:
+    """A launch file can name the class, the executable or another executable of the same node type."""
+    place = Location("a.cpp", 1)
+    node = NodeType(
+        "talker", NodeKind.COMPONENT, "cpp", 2, place, executable="talker", plugin="p::Talker", aliases=("talker_mt",)
+    )
+    types = NodeTypes([(NodeReference("local/p", "p", "talker"), node)])
+    started = StartedNode(None, "/", StartKind.NODE, place, package="p")
+    ways = [
+        replace(started, plugin="p::Talker"),
+        *(replace(started, executable=one) for one in ("talker", "talker_mt")),
+    ]
+    for way in ways:
+        found, missing, _ = types.of(way, "local/p")
+        assert missing is None
+        assert found is not None
+        assert found[1] is node
+
+
+def test_a_registered_class_without_a_node_is_not_missing() -> None:
+    """It is there, and what it does is not known."""
+    types = NodeTypes((), programs={"filters": ["filters/Median"]})
+    loaded = replace(started({"package": "nodelet", "kind": "nodelet"}), plugin="filters/Median")
+    found, missing, reason = types.of(loaded, "local/here")
+    assert (found, missing) == (None, MissingType.NO_NODE)
+    assert reason == "no node was found in filters/Median of package filters"
