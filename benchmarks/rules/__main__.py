@@ -5,6 +5,7 @@
     python benchmarks/rules --changes [--sizes 100000] # the cost of changes beside that of a full run
     python benchmarks/rules --why [--sizes 1000000]    # the cost of explanations
     python benchmarks/rules --cyclic [--sizes 60000]   # triangles and cycles of four edges, beside DuckDB
+    python benchmarks/rules --equal [--sizes 400]      # a chain of owl:sameAs with the family owl-rl
 
 Every measurement is a process of its own; of several the smallest time counts, since whatever else the machine does
 only adds. All engines have to infer the same triples: what each inferred is compared by a digest over its sorted lines.
@@ -25,6 +26,7 @@ from typing import Any, Final
 
 import changing
 import cyclic
+import equal
 import explaining
 import generating
 from engines import ENGINES, OWL_ENGINES
@@ -45,6 +47,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory(prefix="kg-benchmark-") as folder:
         if options.cyclic:
             rows = [cyclic.measure(size, Path(folder)) for size in options.sizes]
+        elif options.equal:
+            rows = [equal.measure(size, Path(folder)) for size in options.sizes]
         elif options.why:
             rows = [explaining.measure(size, Path(folder)) for size in options.sizes]
         elif options.changes:
@@ -65,6 +69,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--changes", action="store_true", help="measure changes instead")
     parser.add_argument("--why", action="store_true", help="measure explanations instead")
     parser.add_argument("--cyclic", action="store_true", help="measure bodies that are cycles instead")
+    parser.add_argument("--equal", action="store_true", help="measure chains of equal terms instead")
     return parser.parse_args()
 
 

@@ -16,6 +16,7 @@ from pyoxigraph import NamedNode
 
 from kg.rules.dependencies import depends, mints
 from kg.rules.engine.blocks import Blocks
+from kg.rules.engine.equality import Closure, equalities
 from kg.rules.engine.expressions import Expressions
 from kg.rules.engine.facts import Facts
 from kg.rules.engine.heads import Collector
@@ -46,7 +47,8 @@ class RuleReport:
     derived: int = 0
     seconds: float = 0.0
     matched: tuple[int, ...] = ()
-    """For each element of the body the rows after it, over all rounds; 0: never reached, or nothing passed it."""
+    """For each element of the body the rows after it, over all rounds; 0: never reached, or nothing passed it.
+    For each element of a rule of an equality how many pairs of equal terms were read."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,11 +152,13 @@ class _Run:
 
     def stratum(self, stratum: Stratum) -> None:
         """Evaluate a stratum to its fixpoint."""
-        rules = [self._active(rule, stratum) for rule in stratum.rules]
-        self.reports += [rule.report for rule in rules]
+        closures = _Closures(stratum, self._shop)
+        self.reports += (reports := [_report(rule, stratum) for rule in stratum.rules])
+        rules = [self._active(report, stratum) for report in reports if closures.register(report)]
         delta = Facts()
         for rule in rules:
             self._apply(rule, self._everything(rule.plan), delta)
+        self._close(closures, delta, [self._known, delta])
         while stratum.recursive and delta.predicates:
             # What was there before is only read by rules that read what changes more than once.
             old = self._known.copy() if any(len(rule.pivots) > 1 for rule in rules) else self._known
@@ -164,11 +168,18 @@ class _Run:
                 for pivot in rule.pivots:
                     if pivot.touched(last):
                         self._apply(rule, self._changed(rule, pivot, last, old), delta)
+            self._close(closures, delta, [delta] if delta.predicates else [])
         self._merge(delta)
 
-    def _active(self, rule: Rule, stratum: Stratum) -> _Active:
-        report = RuleReport(rule, stratum.level, matched=(0,) * len(rule.body))
-        plan = self._plans[rule]
+    def _close(self, closures: _Closures, delta: Facts, fresh: list[Facts]) -> None:
+        """Add to `delta` what follows from equal terms, where `fresh` was not looked at before."""
+        before = len(delta)
+        closures.close(self._known, delta, fresh, self._size)
+        self._size += len(delta) - before
+        self._shop.clock.check(self._size)
+
+    def _active(self, report: RuleReport, stratum: Stratum) -> _Active:
+        plan = self._plans[report.rule]
         pivots = _pivots(plan, stratum.rules, self._shop.dictionary) if stratum.recursive else ()
         return _Active(plan, report, tuple(pivots))
 
@@ -217,6 +228,51 @@ class _Run:
             self.inferred.extend(predicate, keys)
 
 
+class _Closures:
+    """The equalities of a stratum, with the reports of their rules."""
+
+    def __init__(self, stratum: Stratum, shop: Workshop) -> None:
+        self._clock = shop.clock
+        found = equalities(stratum.rules) if stratum.recursive else ()
+        self._closures = [Closure(equality, shop.dictionary, shop.hidden) for equality in found]
+        self._rules = {rule for equality in found for rule in equality.rules}
+        self._reports: dict[Rule, RuleReport] = {}
+
+    def register(self, report: RuleReport) -> bool:
+        """Keep the report of a rule of an equality; return whether the rule is any other, and runs by itself."""
+        if report.rule not in self._rules:
+            return True
+        self._reports[report.rule] = report
+        return False
+
+    def close(self, known: Facts, delta: Facts, fresh: list[Facts], size: int) -> None:
+        """Add to `delta` what the equalities derive, each from what it did not have before, until none adds more."""
+        waiting = [fresh] * len(self._closures)
+        before = len(delta)
+        while any(waiting):
+            for number, closure in enumerate(self._closures):
+                given, waiting[number] = waiting[number], []
+                if given:
+                    new = self._closed(closure, [known, delta], given, size + len(delta) - before)
+                    waiting = [[*each, new] if n != number and len(new) else each for n, each in enumerate(waiting)]
+                    for predicate, keys in new:
+                        delta.extend(predicate, keys)
+
+    def _closed(self, closure: Closure, parts: list[Facts], fresh: list[Facts], size: int) -> Facts:
+        begin = time.perf_counter()
+        reports = [self._reports[rule] for rule in closure.equality.rules]
+        for report in reports:
+            report.rounds += 1
+        first = self._reports[closure.equality.transitivity[0]]
+        self._clock.rule, self._clock.round = first.rule, first.rounds
+        found = closure.close(parts, fresh, lambda least: self._clock.check(size + least))
+        first.seconds += time.perf_counter() - begin
+        for report in reports:
+            report.derived = closure.derived[report.rule]
+            report.matched = (closure.pairs,) * len(report.matched)
+        return found
+
+
 @dataclass(frozen=True, slots=True)
 class _Pivot:
     """A source that reads what its stratum derives; `predicate` is None where that is a variable."""
@@ -237,6 +293,10 @@ class _Active:
     plan: RulePlan
     report: RuleReport
     pivots: tuple[_Pivot, ...]
+
+
+def _report(rule: Rule, stratum: Stratum) -> RuleReport:
+    return RuleReport(rule, stratum.level, matched=(0,) * len(rule.body))
 
 
 def _pivots(plan: RulePlan, rules: Sequence[Rule], dictionary: Dictionary) -> Iterator[_Pivot]:

@@ -152,9 +152,10 @@ class Solver:
         if best[1] <= table.rows or table.rows < _COUNTED:
             return [(table, best[0])]
         joins = {step: found for step, _ in sizes if isinstance(step, Match) and (found := self._joined(table, step))}
-        counted = ((step, float(joins[step][1].sum(dtype=np.int64)) if step in joins else size) for step, size in sizes)
+        counted = [(step, size) for step, size in sizes if not isinstance(step, Match) or step not in joins]
+        counted += [(step, float(counts.sum(dtype=np.int64))) for step, (_, counts) in joins.items()]
         step, size = min(counted, key=itemgetter(1))
-        if step not in joins or size <= table.rows:
+        if not isinstance(step, Match) or step not in joins or size <= table.rows:
             return [(table, step)]
         column, least = joins.pop(step)
         ways = [step]

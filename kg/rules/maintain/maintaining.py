@@ -10,18 +10,21 @@ solutions that they stand for. Rules with volatile functions (`RAND`, `NOW`) kee
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from kg.rules.engine.evaluate import Limits
+from kg.rules.dependencies import volatile
+from kg.rules.engine.equality import equalities
+from kg.rules.engine.evaluate import Limits, evaluate
 from kg.rules.engine.facts import Facts, merged
 from kg.rules.maintain.deriving import Delta, MaintainedRule, World
 from kg.rules.maintain.sets import absorb, common, lacking
-from kg.rules.maintain.strata import Progress, Strata
+from kg.rules.maintain.strata import LargeChangeError, Progress, Strata
 
 if TYPE_CHECKING:
     from kg.rules.engine.evaluate import Program
     from kg.rules.engine.terms import Dictionary
+    from kg.rules.stratify import Stratum
 
 __all__ = ["Change", "Maintained", "maintain"]
 
@@ -51,8 +54,15 @@ class Maintained:
         self._shop = shop
         plans = program.plans(dictionary)
         self._strata = Strata(
-            (stratum, [MaintainedRule(rule, plans, shop) for rule in stratum.rules]) for stratum in program.strata
+            ((stratum, [MaintainedRule(rule, plans, shop) for rule in stratum.rules]) for stratum in program.strata),
+            self._equal,
         )
+
+    def _equal(self, stratum: Stratum) -> list[int]:
+        """Return the predicates of the equalities of a stratum; none where evaluating again would change values."""
+        if not stratum.recursive or any(map(volatile, self._program.rules)):
+            return []
+        return [self._dictionary.intern_term(equality.predicate) for equality in equalities(stratum.rules)]
 
     def apply(self, inserted: Facts, deleted: Facts, *, limits: Limits | None = None) -> Change:
         """Assert triples, take back others, and return what becomes of the inferred ones.
@@ -69,10 +79,23 @@ class Maintained:
             self._mints_safely = True
         self._shop.clock = self._program.workshop(self._dictionary, limits).clock
         progress = self._asserting(lacking(inserted, self.asserted), common(lacking(deleted, inserted), self.asserted))
-        self._strata.maintain(progress)
+        try:
+            self._strata.maintain(progress)
+        except LargeChangeError:
+            return self._again(progress.after.asserted, limits)
         change = _change(progress)
         self.asserted, self._known = progress.after.asserted, progress.after.known
         self.inferred = self._inferred(change)
+        return change
+
+    def _again(self, asserted: Facts, limits: Limits) -> Change:
+        """Evaluate everything again, and return what becomes of the inferred triples."""
+        most = limits.max_triples
+        wider = limits if most is None else replace(limits, max_triples=most + len(self.inferred))
+        inferred = evaluate(self._program, self._dictionary, asserted, limits=wider).inferred
+        change = Change(lacking(inferred, self.inferred), lacking(self.inferred, inferred))
+        self._shop.clock.check(len(change.added))
+        self.asserted, self.inferred, self._known = asserted, inferred, _together(asserted, inferred)
         return change
 
     def _inferred(self, change: Change) -> Facts:

@@ -13,21 +13,33 @@ from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
-from kg.rules.engine.facts import Facts, difference, union
+import numpy as np
+
+from kg.rules.engine.facts import Facts, difference, union, unpack
 from kg.rules.maintain.deriving import Delta, MaintainedRule, World
 from kg.rules.maintain.patterns import Patterns
 from kg.rules.maintain.sets import absorb, common, lacking, take_out
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
     from collections.abc import Set as AbstractSet
 
     from kg.rules.engine.limits import Clock
     from kg.rules.stratify import Stratum
 
-__all__ = ["Progress", "Strata"]
+__all__ = ["LargeChangeError", "Progress", "Strata"]
+
+_ROWS_PER_TRIPLE: Final = 4
+"""Evaluation of everything reads each triple several times: it costs less than joins of more rows than this."""
+
+_FEW_ROWS: Final = 1 << 16
+"""Joins of fewer rows always cost less."""
+
+
+class LargeChangeError(Exception):
+    """A change reaches so many pairs of equal terms that evaluating everything again costs less."""
 
 
 @dataclass(slots=True)
@@ -55,12 +67,15 @@ class Progress:
 class Strata:
     """Rules that are maintained, stratum after stratum, and what they read and derive."""
 
-    def __init__(self, strata: Iterable[tuple[Stratum, Sequence[MaintainedRule]]]) -> None:
+    def __init__(
+        self, strata: Iterable[tuple[Stratum, Sequence[MaintainedRule]]], equal: Callable[[Stratum], Sequence[int]]
+    ) -> None:
+        """`equal` returns the predicates of the equalities of a stratum."""
         self._rules: list[MaintainedRule] = []
         self._deriving: defaultdict[int, list[int]] = defaultdict(list)
         self._strata: list[_Stratum] = []
         for stratum, rules in strata:
-            self._strata.append(_Stratum(len(self._rules), rules, stratum.recursive))
+            self._strata.append(_Stratum(len(self._rules), rules, equal(stratum), stratum.recursive))
             for number, rule in enumerate(rules, len(self._rules)):
                 for one in rule.derives:
                     self._deriving[one].append(number)
@@ -68,7 +83,11 @@ class Strata:
         self.patterns = Patterns(one for rule in self._rules for one in rule.reads | rule.derives)
 
     def maintain(self, progress: Progress) -> None:
-        """Bring what rules derive up to date with a change of what is asserted."""
+        """Bring what rules derive up to date with a change of what is asserted.
+
+        Raises:
+            LargeChangeError: when evaluating everything again costs less.
+        """
         for stratum in self._strata:
             if stratum.reached(progress):
                 work = _Work(progress, self, stratum)
@@ -82,11 +101,18 @@ class Strata:
 
 
 class _Stratum:
-    """One stratum; `begin` is how many rules there are before it."""
+    """One stratum; `begin` is how many rules there are before it, `equal` the predicates of its equalities."""
 
-    def __init__(self, begin: int, rules: Sequence[MaintainedRule], recursive: bool) -> None:  # noqa: FBT001 - a fact
+    def __init__(
+        self,
+        begin: int,
+        rules: Sequence[MaintainedRule],
+        equal: Sequence[int],
+        recursive: bool,  # noqa: FBT001 - a fact
+    ) -> None:
         self.begin = begin
         self.rules = rules
+        self.equal = equal
         self.recursive = recursive
         self._reads = frozenset[int]().union(*(rule.reads for rule in rules))
         self._derives = frozenset[int]().union(*(rule.derives for rule in rules))
@@ -109,6 +135,8 @@ class _Work:
     _size: int = 0
     """How much was lost in the last round: where less is lost from round to round, no triple is looked at closely."""
     _base: World | None = None
+    _rows: int = 0
+    """How many rows transitivity has joined."""
 
     @property
     def rules(self) -> Sequence[MaintainedRule]:
@@ -184,6 +212,7 @@ class _Work:
 
     def _consequences(self, came: Delta | None, gone: Delta | None, *, after: bool) -> Facts:
         found = Facts()
+        self._weigh([delta.known for delta in (came, gone) if delta], self.progress.worlds[after])
         changed = (came.patterns if came else set()) | (gone.patterns if gone else set())
         for rule in self.rules:
             if rule.reads.isdisjoint(changed):
@@ -191,6 +220,17 @@ class _Work:
             self._watch(rule)
             absorb(found, rule.consequences(came, gone, self.progress.worlds, after=after))
         return found
+
+    def _weigh(self, changes: Iterable[Facts], world: World) -> None:
+        """Raise `LargeChangeError` where transitivity would join more rows than evaluating everything again costs."""
+        for predicate in self.stratum.equal:
+            pairs = world.known.keys(predicate)
+            for change in changes:
+                middle = unpack(change.keys(predicate))[1]
+                begin, end = np.searchsorted(pairs, middle << 32), np.searchsorted(pairs, (middle + 1) << 32)
+                self._rows += int((end - begin).sum())
+        if self._rows > _FEW_ROWS + _ROWS_PER_TRIPLE * len(world.known):
+            raise LargeChangeError
 
     def _watch(self, rule: MaintainedRule) -> None:
         self.progress.clock.rule = rule.name

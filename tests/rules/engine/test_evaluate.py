@@ -201,3 +201,10 @@ def test_counting_nothing_is_zero_without_keys_and_no_group_with_them() -> None:
     alone = rule(":all :count ?n", Aggregate((), (column,), atoms("?x :missing ?y")))
     keyed = rule("?x :count ?n", Aggregate((Variable("x"),), (column,), atoms("?x :missing ?y")), part=2)
     assert inferred([alone, keyed], CHAIN) == facts(":all :count 0")
+
+
+def test_many_values_join_with_many_triples() -> None:
+    """Each of a hundred values with each of eighty triples, where neither restricts the other."""
+    values = Values((Variable("v"),), tuple((NamedNode(f"urn:x:v{number}"),) for number in range(100)))
+    asserted = facts("\n".join(f":n{number} :p :o" for number in range(80)))
+    assert len(inferred([rule("?x :with ?v", "?x :p ?o", values)], asserted)) == 8000

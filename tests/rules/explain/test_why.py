@@ -147,3 +147,22 @@ def test_paths_of_any_length() -> None:
     view = View(world, Vocabulary(INFERRED), rules)
     proof = why(view, rules, each)
     assert leaves(proof) == {fact("a next b"), fact("c before b"), fact("c next d"), fact("d is goal")}
+
+
+EQUALITY = (
+    rule("equal/symmetry", "?y same ?x", "?x same ?y"),
+    rule("equal/transitivity", "?x same ?z", "?x same ?y", "?y same ?z"),
+    rule("equal/subject", "?y ?p ?o", "?x same ?y", "?x ?p ?o"),
+    rule("equal/object", "?s ?p ?y", "?x same ?y", "?s ?p ?x"),
+)
+
+
+@pytest.mark.parametrize("text", ["a same e", "e same a", "c same c", "a has p", "a has q"])
+def test_what_equal_terms_share_is_proven_from_what_was_asserted(text: str) -> None:
+    """Terms at the ends of a chain, a term and itself, and triples replaced in subject and object."""
+    world = World(":a :same :b . :b :same :c . :c :same :d . :d :same :e . :e :has :p . :q :same :p .", EQUALITY)
+    proof = why(world.view, world.rules, fact(text))
+    check(proof)
+    assert leaves(proof) <= {
+        fact(each) for each in ("a same b", "b same c", "c same d", "d same e", "e has p", "q same p")
+    }

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, cast
 
+import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from rules.engine.comparing import columns, tuples
+from rules.engine.equalities import equal_facts, equal_rules
 from rules.engine.oracle import infer
 from rules.engine.test_properties import facts, rule_sets
 from rules.maintain.generating import by_class, classified, layered
@@ -15,7 +17,7 @@ from rules.maintain.generating import facts as dense
 from kg.errors import RuleError
 from kg.rules.engine.evaluate import Program, evaluate
 from kg.rules.engine.terms import Dictionary
-from kg.rules.maintain import Maintained
+from kg.rules.maintain import Maintained, strata
 from kg.rules.stratify import stratify
 
 if TYPE_CHECKING:
@@ -47,6 +49,18 @@ def test_changes_that_reach_few_rules_equal_starting_over(
 ) -> None:
     """Classes from classes: by links, without others, counted, minted, and where a body is of two parts."""
     compare(rules, asserted, data, classified(1, 3))
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@given(equal_rules(), equal_facts(3, 9), st.sampled_from([-1, 3, 1 << 16]), st.data())
+def test_changes_of_equal_terms_equal_starting_over(
+    rules: list[Rule], asserted: set[Fact], rows: int, data: st.DataObject
+) -> None:
+    """Maintained rule by rule, evaluated again, or the one in one step and the other in the next."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(strata, "_FEW_ROWS", rows)
+        patch.setattr(strata, "_ROWS_PER_TRIPLE", 0)
+        compare(rules, asserted, data, equal_facts(1, 3))
 
 
 def compare(rules: list[Rule], asserted: set[Fact], data: st.DataObject, few: st.SearchStrategy[set[Fact]]) -> None:
