@@ -95,7 +95,7 @@ _SETTINGS: Final = """\
 
 A flag wins over the environment variable, that over the nearest `kg.toml` in the working folder or above it, that over
 the default. `kg config show` tells the values in force and where each comes from. Relative paths in a file are relative
-to it. A table `[lint]` holds what [`kg lint`](lint.md#what-is-right-as-it-is) lets pass.
+to it. A table `[lint]` holds what [`kg lint`](lint.md#accept-known-findings) accepts.
 
     # kg.toml
     store = "/data/kg"
@@ -251,7 +251,7 @@ PAGES: Final[dict[str, Callable[[], str]]] = {
 }
 """The pages that are made from the code, and what makes them."""
 
-SESSIONS: Final = ("../README.md", "quickstart.md", "writing-rules.md", "compose.md", "impact.md")
+SESSIONS: Final = ("../README.md", "quickstart.md", "search.md", "writing-rules.md", "compose.md", "impact.md")
 """The pages with sessions, whose commands are run."""
 
 
@@ -272,7 +272,9 @@ def session(page: Path, folder: Path) -> str:
     """
     clone = folder / "kg"
     shutil.copytree(_FOLDER.parent / "examples", clone / "examples")
-    for arguments in (["init", "-q"], ["add", "examples"], [*_AUTHOR, "commit", "-q", "-m", "The example workspace"]):
+    identity = (["config", "user.name", "kg"], ["config", "user.email", "kg@localhost"])  # for commits on a page
+    commit = [*_AUTHOR, "commit", "-q", "-m", "The example workspace"]
+    for arguments in (["init", "-q"], *identity, ["add", "examples"], commit):
         subprocess.run(["git", "-C", str(clone), *arguments], check=True, env={**os.environ, **_DATES})  # noqa: S607 - the reader's git
     return refreshed(page.read_text(encoding="utf-8"), clone)
 
