@@ -162,8 +162,8 @@ families with `rule_families`.
 
 _FAMILIES: Final = {
     "architecture": "Errors in the wiring of systems, as launch files start them. Each finding has a code, KG401 to "
-    "KG417. `kg lint` reports the findings, `kg explain` explains the codes. ontology/architecture.ttl lists exceptions; "
-    "add your own with `DATA { ... }` in an .srl file.",
+    "KG417. `kg lint` reports the findings, `kg explain` explains the codes. ontology/architecture.ttl lists "
+    "exceptions; add your own with `DATA { ... }` in an .srl file.",
     "capability": "What robots can sense, do and know. Messages, services and actions evoke capabilities, by "
     "ontology/capability.ttl. Otherwise names of nodes and topics do, by ontology/capability-contexts.ttl. "
     "See docs/capabilities.md.",
