@@ -251,7 +251,15 @@ PAGES: Final[dict[str, Callable[[], str]]] = {
 }
 """Generated pages and their generators."""
 
-SESSIONS: Final = ("../README.md", "quickstart.md", "search.md", "robots.md", "writing-rules.md", "compose.md", "impact.md")
+SESSIONS: Final = (
+    "../README.md",
+    "quickstart.md",
+    "search.md",
+    "robots.md",
+    "writing-rules.md",
+    "compose.md",
+    "impact.md",
+)
 """Pages with transcripts, whose commands are run."""
 
 
