@@ -1,6 +1,6 @@
-"""Writes the pages that are made from the code, and what commands print in the others: `python docs/generate.py`.
+"""Generate pages from the code, and the output of commands in other pages: `python docs/generate.py`.
 
-tests/test_docs.py compares the result with what is kept.
+tests/test_docs.py compares the result with the pages.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ __all__ = ["PAGES", "SESSIONS", "main", "session"]
 
 _FOLDER: Final = Path(__file__).resolve().parent
 _DATES: Final = {"GIT_AUTHOR_DATE": "2026-01-01T00:00:00Z", "GIT_COMMITTER_DATE": "2026-01-01T00:00:00Z"}
-"""The commit has one name, whenever it is made."""
+"""Fixed dates, so that the commit always has the same hash."""
 _AUTHOR: Final = ("-c", "user.name=kg", "-c", "user.email=kg@localhost", "-c", "commit.gpgsign=false")
 
 _ROOMS: Final = {
@@ -93,9 +93,9 @@ _SETTINGS: Final = """\
 
 <!-- Written by docs/generate.py from kg/settings.py. -->
 
-A flag wins over the environment variable, that over the nearest `kg.toml` in the working folder or above it, that over
-the default. `kg config show` tells the values in force and where each comes from. Relative paths in a file are relative
-to it. A table `[lint]` holds what [`kg lint`](lint.md#what-is-right-as-it-is) lets pass.
+A flag overrides the environment variable. The variable overrides the nearest `kg.toml` in the working folder or above
+it, and the file overrides the default. `kg config show` prints each value and its origin. Relative paths in a file are
+relative to the file. The table `[lint]` lists the findings that [`kg lint`](lint.md#accept-known-findings) accepts.
 
     # kg.toml
     store = "/data/kg"
@@ -124,13 +124,13 @@ _QUERIES: Final = """\
 
 <!-- Written by docs/generate.py from queries/. -->
 
-Questions that are already written. `kg query NAME` runs one, `kg query --list` lists them; the last part of a name is
-enough where no other query has it. Parameters may be left out unless a query says so:
+`kg query NAME` runs a stored query, `kg query --list` lists them. The last part of a name is enough if it is unique.
+Parameters are optional unless a query says otherwise:
 
     kg query who-publishes --param topic=/cmd_vel
 
-Folders of your own are added with the [setting](settings.md) `queries`: a file is SPARQL that runs as it stands, under
-a header of comments like those in [queries/](../queries).
+Add folders of your own with the [setting](settings.md) `queries`. A file is a SPARQL query that runs without changes,
+under a header of comments like those in [queries/](../queries).
 """
 
 
@@ -150,41 +150,41 @@ def queries_page() -> str:
 
 
 _RULES: Final = """\
-# The rules that kg brings
+# The rules of kg
 
 <!-- Written by docs/generate.py from rules/. -->
 
-`kg build` runs them after reading sources, and again over what changed; `kg why` proves what they infer. Each is a
-file below [rules/](../rules) with its [examples](rule-examples.md) beside it; `kg rules show NAME` prints what stands
-here, with the text of the rule. Folders of your own are added with the [setting](settings.md) `rules`; `rule_families`
-chooses families.
+`kg build` runs these rules after reading sources, and again after changes. `kg why` proves what they infer. Each rule
+is a file below [rules/](../rules), with its [examples](rule-examples.md) next to it. `kg rules show NAME` prints the
+documentation below and the text of the rule. Add folders of your own with the [setting](settings.md) `rules`; select
+families with `rule_families`.
 """
 
 _FAMILIES: Final = {
-    "architecture": "What is wrong in the wiring of systems, as launch files start them: each finding has a code, "
-    "KG401 to KG417, which `kg explain` explains, and `kg lint` shows them. What is no fault stands in "
-    "ontology/architecture.ttl, and a file .srl of your own adds to it with `DATA { ... }`.",
-    "capability": "What robots can sense, do and know. Messages, services and actions tell it, by "
-    "ontology/capability.ttl; where they do not, names of nodes and topics do, by ontology/capability-contexts.ttl. "
-    "docs/capabilities.md has the whole.",
+    "architecture": "Errors in the wiring of systems, as launch files start them. Each finding has a code, KG401 to "
+    "KG417. `kg lint` reports the findings, `kg explain` explains the codes. ontology/architecture.ttl lists "
+    "exceptions; add your own with `DATA { ... }` in an .srl file.",
+    "capability": "What robots can sense, do and know. Messages, services and actions evoke capabilities, by "
+    "ontology/capability.ttl. Otherwise names of nodes and topics do, by ontology/capability-contexts.ttl. "
+    "See docs/capabilities.md.",
     "communication": "Who talks to whom: direct relations of nodes (RNKG), communications (onto-ros), and whether "
     "types agree.",
-    "copies": "Packages, repositories and definitions that several sources have.",
+    "copies": "Packages, repositories and definitions that occur in several sources.",
     "function": "What nodes are for, in seven categories, by the words and types of ontology/function.ttl.",
     "hardware": "Which devices nodes work with, by the words and types of ontology/hardware.ttl.",
-    "ontobot": "What the competency questions of OntoBOT ask for, in its terms, by ontology/ontobot-alignment.ttl.",
-    "owl": "The entailments of OWL 2 RL that the ontologies in force use, named as in the profile. Before they run "
-    "they are cut to the axioms that the store has: `prp-spo1` becomes one plain rule for each "
-    "`rdfs:subPropertyOf`. So other rules may deny what they derive, and only what they can use is read. "
-    "Contradictions are told by `kg ontology check`.",
-    "owl-rl": "The whole profile, tables 4 to 9, for ontologies that kg does not know. It runs only where "
-    "`rule_families` names it, since rules that deny something or make new names cannot be stratified beside "
-    "it. What the profile calls `false` is derived as membership in `owl:Nothing`. Of its 78 rules, three are"
-    " not there: `dt-type2`, `dt-eq` and `dt-diff` are about literals as subjects, which RDF does not have. "
-    "Lists of properties in chains and keys have a greatest length. The same triples as owlrl gives, except "
-    "that owlrl knows more data types, and does not say of a class that it is below and equivalent to itself.",
+    "ontobot": "Answers to the competency questions of OntoBOT, in its terms, by ontology/ontobot-alignment.ttl.",
+    "owl": "The entailments of OWL 2 RL that the loaded ontologies use, named as in the profile. Before they run, "
+    "they are specialised to the axioms in the store: `prp-spo1` becomes one plain rule for each "
+    "`rdfs:subPropertyOf`. So other rules can negate what they derive, and only useful triples are read. "
+    "`kg ontology check` reports contradictions.",
+    "owl-rl": "The whole profile, tables 4 to 9, for ontologies that kg does not know. It runs only if "
+    "`rule_families` names it, because rules with negation or new names cannot be stratified together with "
+    "it. The profile's `false` is derived as membership in `owl:Nothing`. Of its 78 rules, three are "
+    "missing: `dt-type2`, `dt-eq` and `dt-diff` have literals as subjects, which RDF does not allow. "
+    "Lists of properties in chains and keys have a maximum length. The triples are the same as those of owlrl, except "
+    "that owlrl knows more data types, and does not derive that a class is a subclass of and equivalent to itself.",
 }
-"""What the rules of each family are about."""
+"""Descriptions of the rule families."""
 
 
 def rules_page() -> str:
@@ -205,7 +205,7 @@ def rules_page() -> str:
 
 def _rule(file: RuleFile) -> str:
     sections = file.documentation.sections or {}
-    mend = f"\n*How to mend.* {sections['How to mend']}\n" if "How to mend" in sections else ""
+    mend = f"\n*How to fix.* {sections['How to mend']}\n" if "How to mend" in sections else ""
     limits = f"\n*Known limits.* {sections['Known limits']}\n" if "Known limits" in sections else ""
     link = f"[{file.path.name}](../rules/{file.name}{file.notation})"
     told = f"{sections['What it infers']}\n\n{sections['Why']}\n"
@@ -233,7 +233,7 @@ def rover_picture() -> str:
 
 
 def shell_page() -> str:
-    """Return docs/shell.md as it stands, with the keys that the shell has now."""
+    """Return docs/shell.md with the current keys of the shell."""
     page = (_FOLDER / "shell.md").read_text("utf-8")
     head, mark, _ = page.partition("<!-- keys: written by docs/generate.py from kg/shell/actions.py -->\n\n")
     return head + mark + key_table()
@@ -249,14 +249,22 @@ PAGES: Final[dict[str, Callable[[], str]]] = {
     "shell.md": shell_page,
     "rover.svg": rover_picture,
 }
-"""The pages that are made from the code, and what makes them."""
+"""Generated pages and their generators."""
 
-SESSIONS: Final = ("../README.md", "quickstart.md", "writing-rules.md", "compose.md", "impact.md")
-"""The pages with sessions, whose commands are run."""
+SESSIONS: Final = (
+    "../README.md",
+    "quickstart.md",
+    "search.md",
+    "robots.md",
+    "writing-rules.md",
+    "compose.md",
+    "impact.md",
+)
+"""Pages with transcripts, whose commands are run."""
 
 
 def main() -> None:
-    """Write every page, and say which changed."""
+    """Write every page, and report which changed."""
     for name, make in PAGES.items():
         _write(_FOLDER / name, make())
     for name in SESSIONS:
@@ -266,13 +274,15 @@ def main() -> None:
 
 
 def session(page: Path, folder: Path) -> str:
-    """Return a page with what its commands print now; they run below `folder`, in a checkout that has `examples/`.
+    """Return a page with the current output of its commands, run below `folder` in a checkout with `examples/`.
 
-    It is called `kg`, as a clone is, so that readers in a clone see the same names of sources and files.
+    The checkout is called `kg`, so that readers in a clone see the same names of sources and files.
     """
     clone = folder / "kg"
     shutil.copytree(_FOLDER.parent / "examples", clone / "examples")
-    for arguments in (["init", "-q"], ["add", "examples"], [*_AUTHOR, "commit", "-q", "-m", "The example workspace"]):
+    identity = (["config", "user.name", "kg"], ["config", "user.email", "kg@localhost"])  # for commits on a page
+    commit = [*_AUTHOR, "commit", "-q", "-m", "The example workspace"]
+    for arguments in (["init", "-q"], *identity, ["add", "examples"], commit):
         subprocess.run(["git", "-C", str(clone), *arguments], check=True, env={**os.environ, **_DATES})  # noqa: S607 - the reader's git
     return refreshed(page.read_text(encoding="utf-8"), clone)
 

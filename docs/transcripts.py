@@ -1,8 +1,8 @@
-"""Sessions shown in the documentation: the commands of ```console blocks are run, their output is put below them.
+"""Transcripts in the documentation: run the commands of ```console blocks and insert their output.
 
-A command is a line that starts with `$ `, and what follows it with `> `. All commands of a page run in one folder, one
-after the other, on a terminal without colours, as a reader would see them; what goes to standard error comes last. A
-line `...` stands for lines that are left out.
+A command is a line that starts with `$ `; its continuation lines start with `> `. All commands of a page run in one
+folder, one after the other, on a terminal without colours. Standard error comes last. A line `...` replaces omitted
+lines.
 """
 
 from __future__ import annotations
@@ -25,30 +25,30 @@ _PROMPT: Final = "$ "
 _MORE: Final = "> "
 _LEFT_OUT: Final = "..."
 _VARIES: Final = re.compile(r"\b\d+(?:\.\d+)? ?(?=m?s\b)|\b\d+\.\d{4}\b|\b\d+(?=%)|(?<=\bat )[0-9a-f]{12}\b")
-"""Durations in sentences and in columns, shares of them, and the commit of the examples: any edit there changes it."""
+"""Durations in sentences and in columns, shares of them, and the commit of the examples, which every edit changes."""
 _SECONDS: Final = 120
 _DEFECT: Final = "error[KG900]"
-"""What `kg` says of a defect in itself: no page shows that as an example."""
+"""The error of a defect in `kg`, which no page may show."""
 _CONTROL: Final = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]|\x1b\]8;[^\x1b]*\x1b\\")
-"""Weights of letters, and links behind them."""
+"""Terminal codes for font weights and links."""
 _CHUNK_BYTES: Final = 65536
 _ROOT: Final = str(Path(__file__).resolve().parent.parent)
 _SHOWN_ROOT: Final = "~/kg"
-"""What the folder of this checkout is called in the documentation."""
+"""The name of the folder of this checkout in the documentation."""
 
 
 def commands(text: str) -> list[str]:
-    """Return the commands of a page in order."""
+    """Return the commands of a page, in order."""
     return [command for block in _BLOCK.finditer(text) for command, _ in _entries(block["body"])]
 
 
 def masked(text: str) -> str:
-    """Return the text without what differs from run to run: durations, the commit of the examples."""
+    """Mask what differs between runs: durations, the commit of the examples."""
     return _VARIES.sub("# ", text)
 
 
 def refreshed(text: str, folder: Path) -> str:
-    """Return the page with the output that its commands have now; they run in `folder`."""
+    """Return the page with the current output of its commands, run in `folder`."""
 
     def block(found: re.Match[str]) -> str:
         parts = [_shown(command, shown, run(command, folder)) for command, shown in _entries(found["body"])]
@@ -58,9 +58,9 @@ def refreshed(text: str, folder: Path) -> str:
 
 
 def run(command: str, folder: Path) -> str:
-    """Run a line of a shell as a reader with `kg` on the path would, and return what it prints.
+    """Run a shell command as a reader with `kg` on the path would, and return its output.
 
-    Raises RuntimeError where that is a defect in `kg` (KG900).
+    Raises RuntimeError if that is a defect in `kg` (KG900).
     """
     terminal, other_end = pty.openpty()
     surroundings = {name: value for name, value in os.environ.items() if not name.startswith("KG_")}
@@ -110,7 +110,7 @@ def _entries(body: str) -> Iterator[tuple[str, list[str]]]:
 
 
 def _shown(command: str, before: list[str], printed: str) -> str:
-    """Lay out a command with its output, shortened where the page shortened it."""
+    """Lay out a command with its output, shortened as on the page."""
     lines = [line.rstrip() for line in printed.rstrip("\n").splitlines()]
     if _LEFT_OUT in before:
         cut = before.index(_LEFT_OUT)

@@ -100,6 +100,15 @@ def test_graph_lists_each_end_with_who_is_at_the_other_side(stored: Program) -> 
     assert "/listener\tsubscribes\t/chat\tstd_msgs/String\t(nobody publishes)" in run.out.splitlines()
 
 
+def test_depth_limits_the_distance_from_the_focus(stored: Program) -> None:
+    """`--depth` is a whole number from 0."""
+    near = json.loads(stored("graph", "--json", "--focus", "talker", "--depth", "0").out)
+    assert [one["id"] for one in near["nodes"]] == ["/talker"]
+    wrong = stored("graph", "--focus", "talker", "--depth", "near")
+    assert wrong.code == 2
+    assert "`--depth near`" in wrong.err
+
+
 def test_graph_writes_the_form_that_is_asked_for(stored: Program) -> None:
     """By a flag, or by the ending of the file."""
     assert stored("graph", "--dot").out.startswith("digraph ")

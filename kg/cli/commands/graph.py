@@ -7,6 +7,7 @@ import typer
 
 from kg.cli.diagnostics import note
 from kg.cli.drawing import Dot, Mermaid, Output, Svg, deliver, form_of
+from kg.cli.numbers import whole
 from kg.cli.options import Json, Store
 from kg.cli.output import Column, json_line, listing, terminal
 from kg.cli.session import session
@@ -38,10 +39,8 @@ Focus = Annotated[
     str | None, typer.Option("--focus", metavar="NODE", help="Only what is near this node: its name, or the end of it.")
 ]
 Depth = Annotated[
-    int | None,
-    typer.Option(
-        "--depth", metavar="N", min=0, help="How many topics, services or actions away from --focus; 1 by default."
-    ),
+    str | None,
+    typer.Option("--depth", metavar="N", help="How many topics, services or actions away from --focus; 1 by default."),
 ]
 Expand = Annotated[
     list[str] | None,
@@ -93,7 +92,7 @@ def graph(  # noqa: PLR0913 - the options of a command
     (system,) = [with_variants(settings, launch, arg, env)] if variants else chosen_systems(settings, launch, arg, env)
     found = system_graph(system, every=every)
     if focus is not None:
-        found = around(found, _focused(found, focus), 1 if depth is None else depth)
+        found = around(found, _focused(found, focus), whole(depth or "1", "--depth", 0))
     if form not in {"text", "json"}:
         found = collapsed(found, expand or ())
     if form == "text" and output is None and not terminal():
