@@ -22,7 +22,7 @@ from kg.rules.engine.heads import Collector
 from kg.rules.engine.limits import Clock, Limits
 from kg.rules.engine.planning import plan
 from kg.rules.engine.solve import Solver, View, Workshop
-from kg.rules.form import AUXILIARY, Atom, atoms_of
+from kg.rules.form import AUXILIARY, Atom
 from kg.rules.stratify import Stratum, stratify
 
 if TYPE_CHECKING:
@@ -114,7 +114,7 @@ class _Bound:
         self.plans = _Plans(dictionary)
         self.expressions = Expressions(dictionary)
         self.blocks = Blocks(dictionary)
-        atoms = (atom for rule in rules for atom in (*rule.head, *(read for read, _ in atoms_of(rule.body))))
+        atoms = (one for rule in rules for one in (*rule.head, *rule.body) if isinstance(one, Atom))
         predicates = {atom.predicate for atom in atoms}
         self.hidden = frozenset(
             dictionary.intern_term(predicate)

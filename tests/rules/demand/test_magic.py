@@ -236,6 +236,14 @@ def test_a_variable_of_an_exists_is_not_one_behind_it() -> None:
     assert compare_ends(rules, ":n0 :p :n2 ; :q :n1 .")
 
 
+def test_a_variable_predicate_does_not_match_auxiliary_triples() -> None:
+    """Demands, and what is stored of a recursive predicate, are no triples of the data."""
+    rules = rules_of(f"{REACH} RULE {{ ?x :any ?y }} WHERE {{ ?x ?p ?y FILTER(?p NOT IN (:reach, :any)) }}")
+    goals: list[Goal] = [(Atom(NODES[0], NamedNode(f"urn:{name}"), Variable("a")),) for name in ("reach", "any")]
+    assert demanded(rules, goals).copies
+    compare(rules, goals, graph(":n0 :reach :n3 ; :p :n1 . :n1 :p :n2 ; :reach :n4 ."))
+
+
 def test_what_is_denied_is_derived_whole_through_other_rules() -> None:
     """A negation needs all that its pattern may match, with what rules derive on the way."""
     rules = rules_of(
