@@ -78,7 +78,7 @@ def query(  # noqa: PLR0913 - the options of a command
         kg query -f mine.rq --format csv > answer.csv
         kg query --list
         kg query who-publishes --param topic=cmd_vel
-        kg query --on-demand kinship 'SELECT ?who { ?who :ancestor :anna }'
+        kg query --on-demand kinship 'SELECT ?who { ?who <urn:x:ancestor> <urn:x:anna> }'
     """
     settings = session(context).settings(
         store=store, format=format_name, limit=limit, timeout=timeout, queries=queries, rules=rules
