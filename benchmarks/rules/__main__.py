@@ -6,6 +6,7 @@
     python benchmarks/rules --why [--sizes 1000000]    # the cost of explanations
     python benchmarks/rules --cyclic [--sizes 60000]   # triangles and cycles of four edges, beside DuckDB
     python benchmarks/rules --equal [--sizes 400]      # a chain of owl:sameAs with the family owl-rl
+    python benchmarks/rules --on-demand [--sizes 100000]  # queries on demand beside a run of the rules
 
 Every measurement is a process of its own; of several the smallest time counts, since whatever else the machine does
 only adds. All engines have to infer the same triples: what each inferred is compared by a digest over its sorted lines.
@@ -26,6 +27,7 @@ from typing import Any, Final
 
 import changing
 import cyclic
+import demanding
 import equal
 import explaining
 import generating
@@ -45,7 +47,9 @@ def main() -> None:
         generating.write(Path(options.write[1]), int(options.write[0]))
         return
     with tempfile.TemporaryDirectory(prefix="kg-benchmark-") as folder:
-        if options.cyclic:
+        if options.on_demand:
+            rows = [demanding.measure(size, Path(folder)) for size in options.sizes]
+        elif options.cyclic:
             rows = [cyclic.measure(size, Path(folder)) for size in options.sizes]
         elif options.equal:
             rows = [equal.measure(size, Path(folder)) for size in options.sizes]
@@ -68,6 +72,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--write", nargs=2, metavar=("SIZE", "FILE"), help="only write the graph of a size")
     parser.add_argument("--changes", action="store_true", help="measure changes instead")
     parser.add_argument("--why", action="store_true", help="measure explanations instead")
+    parser.add_argument("--on-demand", action="store_true", help="measure queries that derive what they need instead")
     parser.add_argument("--cyclic", action="store_true", help="measure bodies that are cycles instead")
     parser.add_argument("--equal", action="store_true", help="measure chains of equal terms instead")
     return parser.parse_args()

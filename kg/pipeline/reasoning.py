@@ -155,17 +155,19 @@ def schema_of(graph: Any) -> tuple[Triple, ...]:
     return tuple(graph.query(schema_query()))
 
 
-def rules_over(
+def rules_over(  # noqa: PLR0913 - which rules, and where they are kept
     settings: Settings,
     source: Tables,
     broken: list[RuleError] | None = None,
     *,
     own: bool = True,
     cache: Path | None = None,
+    families: tuple[str, ...] | None = None,
 ) -> RuleSet:
     """Return the rules in force, cut to the axioms of a snapshot or of a transaction; `broken` as `rules_in_force`.
 
-    Without `own` they are those that `kg` and installed packs bring. With a folder `cache` they are what evaluation
+    Without `own` they are those that `kg` and installed packs bring; with `families` those of these families, whether
+    they are in force or not. With a folder `cache` they are what evaluation
     needs of them, kept there for the next process. Raises as `rules_in_force`.
     """
     names = Names.of(settings.base, RNKG)
@@ -175,7 +177,8 @@ def rules_over(
     lines = {b"%s %s %s .\n" % row for row in zip(found[::3], found[1::3], found[2::3], strict=True)}
     folders = rule_folders(settings) if own else rule_folders(settings)[:1]
     axioms = b"".join(sorted(lines))
-    made_of = (folders, packs(), families_in_force(settings), digest(settings), axioms)
+    chosen = families_in_force(settings) if families is None else families
+    made_of = (folders, packs(), chosen, digest(settings), axioms)
     return _sound(_cut(*made_of) if cache is None else _kept(cache, *made_of), broken)
 
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from kg.settings import Origin, Settings
 
-__all__ = ["families_in_force", "own_folder", "user_folders"]
+__all__ = ["families_in_force", "known_families", "own_folder", "user_folders"]
 
 _NAME: Final = "rules"
 
@@ -48,7 +48,7 @@ def families_in_force(settings: Settings) -> tuple[str, ...]:
     """
     if not settings.rule_families:
         return ()
-    known = sorted(set(_families(settings)) - {""})
+    known = known_families(settings)
     for name in settings.rule_families:
         plain = name.removeprefix("+")
         if plain not in known:
@@ -57,6 +57,11 @@ def families_in_force(settings: Settings) -> tuple[str, ...]:
             hint = did_you_mean(plain, known) or f"The families are {', '.join(known)}."
             raise UsageError("KG002", message, place=origin.place, hint=hint)
     return settings.rule_families
+
+
+def known_families(settings: Settings) -> list[str]:
+    """Return the names of all families, those not in force too, sorted."""
+    return sorted(set(_families(settings)) - {""})
 
 
 def _families(settings: Settings) -> Iterator[str]:

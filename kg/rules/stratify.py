@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from kg.rules.form import Atom, Rule
 
-__all__ = ["Failure", "Stratum", "edges", "failures", "stratify"]
+__all__ = ["Failure", "Heads", "Stratum", "edges", "failures", "stratify"]
 
 _FEW: Final = 5
 """So many rules of a cycle are named where it is enough to see that there is one."""
@@ -112,7 +112,7 @@ def _failures(
 
 def edges(rules: Sequence[Rule]) -> list[dict[int, Read]]:
     """Return for each rule those whose heads it reads, with the atom that does; a negated one where there is any."""
-    heads = _Heads(rules)
+    heads = Heads(rules)
     found: list[dict[int, Read]] = []
     for rule in rules:
         needs: dict[int, Read] = {}
@@ -124,7 +124,7 @@ def edges(rules: Sequence[Rule]) -> list[dict[int, Read]]:
     return found
 
 
-class _Heads:
+class Heads:
     """The heads of rules by predicate, so that not every pair is tried."""
 
     def __init__(self, rules: Sequence[Rule]) -> None:

@@ -1,5 +1,6 @@
 """`kg query`: SPARQL typed, from a file, or stored under a name."""
 
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -7,13 +8,16 @@ import typer
 
 from kg.cli.completion import queries as query_names
 from kg.cli.diagnostics import note
-from kg.cli.options import Format, Json, Limit, Queries, Store, Timeout
+from kg.cli.options import Format, Json, Limit, Queries, Rules, Store, Timeout
 from kg.cli.output import json_lines, listing, terminal, write
 from kg.cli.query_text import pairs, query_meant
 from kg.cli.session import session
+from kg.render.text import count
 from kg.store.opening import reading
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from kg.cli.links import Links
     from kg.query.stored import StoredQuery
     from kg.settings import Settings
@@ -35,6 +39,12 @@ Parameter = Annotated[
 ]
 Listed = Annotated[bool, typer.Option("--list", "-l", help="List the stored queries.")]
 HelpQuery = Annotated[bool, typer.Option("--help-query", help="Say what the stored query answers and takes.")]
+OnDemand = Annotated[
+    str | None,
+    typer.Option(
+        "--on-demand", metavar="FAMILY", help="Also answer from rules of this family, evaluated for the query alone."
+    ),
+]
 File = Annotated[str | None, typer.Option("--file", "-f", metavar="FILE", help="Read the query from FILE.")]
 
 
@@ -44,6 +54,8 @@ def query(  # noqa: PLR0913 - the options of a command
     *,
     file: File = None,
     param: Parameter = None,
+    on_demand: OnDemand = None,
+    rules: Rules = None,
     listed: Listed = False,
     help_query: HelpQuery = False,
     format_name: Format = None,
@@ -57,15 +69,20 @@ def query(  # noqa: PLR0913 - the options of a command
 
     All of SPARQL 1.1 Query can be used. The prefixes ros, rnkg, rdf, rdfs, owl, xsd, prov, dcterms, skos,
     schema and sh are known; the default graph is the union of all graphs. Formats of rows: table, tsv, csv,
-    json, xml, markdown, jsonl, parquet (an extra); of graphs: turtle, ntriples, nquads, trig, jsonld, rdfxml. For
-    example:
+    json, xml, markdown, jsonl, parquet (an extra); of graphs: turtle, ntriples, nquads, trig, jsonld, rdfxml.
+
+    --on-demand FAMILY is for rules whose results are too many to store: the answer is as if they were in the store,
+    and only what the query needs is derived. For example:
 
         kg query 'SELECT ?node ?topic { ?node rnkg:publishes/rdfs:label ?topic }'
         kg query -f mine.rq --format csv > answer.csv
         kg query --list
         kg query who-publishes --param topic=cmd_vel
+        kg query --on-demand kinship 'SELECT ?who { ?who <urn:x:ancestor> <urn:x:anna> }'
     """
-    settings = session(context).settings(store=store, format=format_name, limit=limit, timeout=timeout, queries=queries)
+    settings = session(context).settings(
+        store=store, format=format_name, limit=limit, timeout=timeout, queries=queries, rules=rules
+    )
     if listed:
         _list(settings, json=json)
         return
@@ -73,7 +90,7 @@ def query(  # noqa: PLR0913 - the options of a command
     if help_query:
         _explain(asked, json=json)
         return
-    _answer(asked, pairs(param or []), settings, json=json)
+    _answer(asked, pairs(param or []), settings, on_demand, json=json)
 
 
 def _list(settings: "Settings", *, json: bool) -> None:
@@ -98,19 +115,48 @@ def _explain(asked: "StoredQuery", *, json: bool) -> None:
         write(line)
 
 
-def _answer(asked: "StoredQuery", values: dict[str, str], settings: "Settings", *, json: bool) -> None:
+def _answer(
+    asked: "StoredQuery", values: dict[str, str], settings: "Settings", family: str | None, *, json: bool
+) -> None:
     from kg.cli.answers import answer, format_for, is_empty  # noqa: PLC0415 - start-up time
     from kg.query.ask import ask  # noqa: PLC0415 - start-up time
 
     chosen = "jsonl" if json else format_for(settings.format)
     timeout = settings.timeout or None
-    with reading(settings) as snapshot:
+    with reading(settings) as stored, _extended(stored, asked, values, settings, family) as snapshot:
         result = ask(snapshot, asked, values, timeout=timeout, limit=_limit(settings, chosen))
         meant = _meant(snapshot, asked, values, timeout) if is_empty(result) else []
         links = _links(snapshot) if chosen == "table" and terminal() else None
     answer(result, chosen, links=links, automatic=settings.format == "auto" and not json)
     for sentence in meant:
         note(sentence)
+
+
+@contextmanager
+def _extended(
+    snapshot: "EmbeddedSnapshot",
+    asked: "StoredQuery",
+    values: dict[str, str],
+    settings: "Settings",
+    family: str | None,
+) -> "Iterator[EmbeddedSnapshot]":
+    """Yield the snapshot to ask: with a family, one that has what its rules derive for the query."""
+    if family is None:
+        yield snapshot
+        return
+    from kg.cli.progress import waiting  # noqa: PLC0415 - start-up time
+    from kg.pipeline.on_demand import with_family  # noqa: PLC0415 - start-up time
+    from kg.query.evaluation import prepare  # noqa: PLC0415 - start-up time
+
+    bound = prepare(asked.text, asked.bind(values), str(asked.path)).bound
+    with ExitStack() as stack:
+        with waiting(f"deriving by the rules of {family}"):
+            extended, derived = stack.enter_context(with_family(settings, snapshot, family, bound))
+        if derived.whole:
+            note(f"the query can match any predicate: all rules of {family} were evaluated")
+        elif terminal():
+            note(f"{count(len(derived.facts), 'triple')} derived by {family} in {derived.seconds:.2f} s")
+        yield extended
 
 
 def _meant(

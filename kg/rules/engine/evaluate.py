@@ -116,7 +116,8 @@ class _Bound:
         self.plans = _Plans(dictionary)
         self.expressions = Expressions(dictionary)
         self.blocks = Blocks(dictionary)
-        predicates = {atom.predicate for rule in rules for atom in rule.head}
+        atoms = (one for rule in rules for one in (*rule.head, *rule.body) if isinstance(one, Atom))
+        predicates = {atom.predicate for atom in atoms}
         self.hidden = frozenset(
             dictionary.intern_term(predicate)
             for predicate in predicates
@@ -124,8 +125,17 @@ class _Bound:
         )
 
 
-def evaluate(program: Program, dictionary: Dictionary, asserted: Facts, *, limits: Limits | None = None) -> Outcome:
+def evaluate(
+    program: Program,
+    dictionary: Dictionary,
+    asserted: Facts,
+    *,
+    inferred: Facts | None = None,
+    limits: Limits | None = None,
+) -> Outcome:
     """Return what the rules infer from `asserted`, which is not changed.
+
+    `inferred` is what other rules inferred before: the rules read it, except where they read asserted triples only.
 
     Raises `RuleError`: KG204 where rules make terms in recursion and `limits` has no bound, KG205 at a limit.
     """
@@ -133,6 +143,7 @@ def evaluate(program: Program, dictionary: Dictionary, asserted: Facts, *, limit
     if not limits.bounded:
         program.refuse_minting()
     run = _Run(program, dictionary, asserted, limits)
+    run.learn(inferred or Facts())
     for stratum in program.strata:
         run.stratum(stratum)
     return Outcome(run.inferred, run.reports)
@@ -149,6 +160,11 @@ class _Run:
         self._size = 0
         self.inferred = Facts()
         self.reports: list[RuleReport] = []
+
+    def learn(self, facts: Facts) -> None:
+        """Add triples that are known, but neither asserted nor inferred by this evaluation."""
+        for predicate, keys in facts:
+            self._known.add(predicate, keys)
 
     def stratum(self, stratum: Stratum) -> None:
         """Evaluate a stratum to its fixpoint."""

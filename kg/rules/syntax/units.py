@@ -1,7 +1,8 @@
-"""Parsers of whole files: `.rq`, one SPARQL CONSTRUCT, and `.srl`, SPARQL 1.2 RL."""
+"""Parsers of whole files, `.rq`, one SPARQL CONSTRUCT, and `.srl`, SPARQL 1.2 RL; and of the patterns of queries."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
     from kg.rules.syntax.tree import TriplePattern
 
-__all__ = ["parse_rq", "parse_srl"]
+__all__ = ["QueryUnit", "parse_query", "parse_rq", "parse_srl"]
 
 
 def parse_rq(text: str, path: str) -> RuleUnit:
@@ -42,6 +43,26 @@ def _parsed(parser: _Construct | RuleSets) -> RuleUnit:
         return parser.unit()
     except RecursionError:
         raise parser.error("the rule nests too deep", parser.token.start) from None
+
+
+@dataclass(frozen=True, slots=True)
+class QueryUnit:
+    """A query: its WHERE clause, and how many EXISTS the text has. DESCRIBE and what follows WHERE are left out."""
+
+    group: Group
+    exists: int
+
+
+def parse_query(text: str, path: str) -> QueryUnit:
+    """Return the pattern of a SELECT, ASK or CONSTRUCT; the prefixes of `kg.query.prefixes` are declared already.
+
+    Raises RuleError: KG201, KG209 for other queries, and for what the grammar of rules lacks.
+    """
+    parser = _Query(text, path, prefixes=PREFIXES)
+    try:
+        return parser.query()
+    except RecursionError:
+        raise parser.error("the query nests too deep", parser.token.start) from None
 
 
 class _Construct(Patterns):
@@ -115,6 +136,47 @@ class _Construct(Patterns):
         if keys or having or sliced:
             hint = "Put it into a sub-SELECT."
             raise self.error("GROUP BY, HAVING, LIMIT and OFFSET are not allowed here", start, code="KG209", hint=hint)
+
+
+class _Query(_Construct):
+    """Reads a query of another form."""
+
+    def query(self) -> QueryUnit:
+        """Read the whole text."""
+        self.begin_labels()
+        self._prologue()
+        group = self._pattern()
+        self.modifiers()
+        if self.accept_word("VALUES"):
+            self.table()
+        if not self.at(END):
+            raise self.expected("the end of the query")
+        words = [token.text.upper() for token in self.consumed if token.kind is Kind.WORD]
+        return QueryUnit(group, words.count("EXISTS"))
+
+    def _pattern(self) -> Group:
+        if self.accept_word("CONSTRUCT"):
+            short = not self.at("{")
+            if not short:
+                self.template()
+            self._dataset()
+            if short:
+                self.expect_word("WHERE")
+                return self._both()[1]
+        elif self.accept_word("SELECT"):
+            self.accept_word("DISTINCT", "REDUCED")
+            self._columns()
+            self._dataset()
+        else:
+            self.expect_word("ASK")
+            self._dataset()
+        self.accept_word("WHERE")
+        return self.group()
+
+    def _dataset(self) -> None:
+        while self.accept_word("FROM"):
+            self.accept_word("NAMED")
+            self.iri("the IRI of a graph")
 
 
 _OTHERS = frozenset({"SELECT", "ASK", "DESCRIBE", "INSERT", "DELETE", "WITH", "LOAD", "CLEAR", "DROP", "CREATE"})

@@ -1,0 +1,56 @@
+"""Queries that rules of a family answer on demand: nothing of the family is in the store."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Final
+
+from kg.errors import UnknownNameError
+from kg.graph.vocabulary import RNKG
+from kg.pipeline.reasoning import rules_over
+from kg.rules.demand.deriving import Base, derive
+from kg.rules.engine.limits import Limits
+from kg.rules.folders import known_families
+from kg.rules.recording import Names
+from kg.similar import did_you_mean
+from kg.store.opening import layout_of
+from kg.store.overlay import overlaid
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kg.rules.demand.deriving import Derived
+    from kg.settings import Settings
+    from kg.store.snapshot import EmbeddedSnapshot
+
+__all__ = ["with_family"]
+
+_FOLDER: Final = "on-demand"
+"""Below the cache of a store: the columns that the rules of each family read."""
+
+
+@contextmanager
+def with_family(
+    settings: Settings, snapshot: EmbeddedSnapshot, family: str, text: str
+) -> Iterator[tuple[EmbeddedSnapshot, Derived]]:
+    """Yield a snapshot that also has what the rules of a family derive for a query, and what that was.
+
+    Raises:
+        UnknownNameError: KG001 for a family that there is not.
+        RuleError: KG2xx for rules that cannot be read or evaluated, KG205 at the deadline for queries.
+        StoreError: KG304, KG306 where the copy of the store cannot be written.
+    """
+    known = known_families(settings)
+    if family not in known:
+        hint = did_you_mean(family, known) or f"The families are {', '.join(known)}."
+        raise UnknownNameError("KG001", f"unknown family of rules `{family}`", hint=hint)
+    names = Names.of(settings.base, RNKG)
+    rules = rules_over(settings, snapshot, families=(family,))
+    cache = layout_of(settings).cache
+    base = Base.of(rules, snapshot, snapshot.generation, names, cache / _FOLDER / family)
+    found = derive(text, rules, base, Limits(settings.timeout or None))
+    if not len(found.facts):
+        yield snapshot, found
+        return
+    with overlaid(snapshot, names.inferred, found.chunks(), cache) as extended:
+        yield extended, found

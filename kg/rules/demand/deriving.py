@@ -1,0 +1,169 @@
+"""What rules derive for one query, from the triples that a store has.
+
+Reading these takes far longer than evaluation where a query needs little: they are kept for the next query.
+"""
+
+from __future__ import annotations
+
+import time
+from contextlib import suppress
+from dataclasses import dataclass
+from hashlib import blake2b
+from typing import TYPE_CHECKING
+
+import numpy as np
+from pyoxigraph import NamedNode
+
+from kg.rules import memory
+from kg.rules.columns import Wanted, read_columns, wanted
+from kg.rules.demand.goals import goals_of, open_ended
+from kg.rules.demand.magic import demanded
+from kg.rules.engine.evaluate import Program, evaluate
+from kg.rules.engine.facts import EMPTY, Facts, distinct, union
+from kg.rules.engine.terms import Dictionary
+from kg.rules.form import Atom, TripleTerm, Variable
+from kg.rules.lines import lacking, lines, stored
+from kg.rules.memory import Memory
+from kg.rules.patches import stated
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+    from pathlib import Path
+    from typing import Self
+
+    from kg.rules.columns import Tables
+    from kg.rules.demand.magic import Goal
+    from kg.rules.engine.facts import Keys
+    from kg.rules.engine.limits import Limits
+    from kg.rules.files import RuleSet
+    from kg.rules.form import Rule
+    from kg.rules.recording import Names
+
+__all__ = ["Base", "Derived", "derive"]
+
+
+@dataclass(frozen=True, slots=True)
+class Derived:
+    """The triples that a query may read and that the store lacks.
+
+    `whole`: the query may read any predicate, so all rules were evaluated. `rules` counts the rewritten rules,
+    `considered` the triples that they derived. Wall time in seconds.
+    """
+
+    dictionary: Dictionary
+    facts: Facts
+    whole: bool
+    rules: int
+    considered: int
+    seconds: float
+
+    def chunks(self) -> Iterator[bytes]:
+        """Yield the triples as chunks of N-Triples."""
+        return lines(self.facts, self.dictionary)
+
+
+def derive(text: str, rule_set: RuleSet, base: Base, limits: Limits) -> Derived:
+    """Return what the rules of a set derive for a query from the triples of a store.
+
+    Raises RuleError: KG202 for rules that cannot be stratified, KG204 for rules that make terms in recursion, KG205 at
+    a limit.
+    """
+    begin = time.perf_counter()
+    goals = goals_of(text)
+    rewritten = demanded(rule_set.rules, goals)
+    program = Program(rewritten.rules)
+    program.refuse_minting()
+    dictionary = base.memory.dictionary
+    asserted, before = base.read_by(rewritten.rules)
+    data = lacking(lacking(stated(rule_set.data, dictionary), asserted), before)
+    for predicate, keys in data:
+        asserted.add(predicate, keys)
+    for copy, original in rewritten.copies:
+        parts = [facts.keys(dictionary.intern_term(original)) for facts in (asserted, before)]
+        asserted.replace(dictionary.intern_term(copy), union(*parts))
+    found = evaluate(program, dictionary, asserted, inferred=before, limits=limits)
+    facts = stored(found.inferred, dictionary)
+    considered = len(facts)
+    for predicate, keys in data:
+        facts.add(predicate, keys)
+    matching = _matching(facts, goals, dictionary)
+    return Derived(dictionary, matching, open_ended(goals), len(program.rules), considered, time.perf_counter() - begin)
+
+
+@dataclass(frozen=True, slots=True)
+class Base:
+    """The triples of one generation of a store: `memory` has what `what` wants, and the rest is read when needed."""
+
+    source: Tables
+    names: Names
+    what: Wanted
+    memory: Memory
+
+    @classmethod
+    def of(cls, rule_set: RuleSet, source: Tables, generation: int, names: Names, cache: Path) -> Self:
+        """Read what a set of rules may read or derive.
+
+        It is kept below the folder `cache`, where that can be written, for the next query of the same generation.
+        """
+        what = wanted(rule_set.rules) | Wanted(frozenset(triple.predicate for triple in rule_set.data))
+        digest = blake2b(f"{names} {rule_set.digest}".encode(), digest_size=16).hexdigest()
+        kept = memory.load(cache, digest)
+        if kept is not None and kept.generation == generation:
+            return cls(source, names, what, kept)
+        base = cls(source, names, what, Memory(generation, digest, Dictionary()))
+        base.memory.asserted, base.memory.inferred = base._read(what)
+        with suppress(OSError):
+            memory.save(cache, base.memory)
+        return base
+
+    def read_by(self, rules: Iterable[Rule]) -> tuple[Facts, Facts]:
+        """Return what is asserted, and what is inferred and stored, of what rules read: also patterns of a query."""
+        asserted, before = self.memory.asserted.copy(), self.memory.inferred.copy()
+        further = _without(wanted(rules), self.what)
+        if further.predicates or further.members:
+            for facts, more in zip((asserted, before), self._read(further), strict=True):
+                for predicate, keys in more:
+                    facts.add(predicate, keys)
+        return asserted, before
+
+    def _read(self, what: Wanted) -> tuple[Facts, Facts]:
+        """Return what graphs assert, but for the record of builds, and what rules in force inferred."""
+        own = {self.names.inferred, self.names.builds}
+        graphs = [None, *(graph for graph in self.source.graphs() if graph not in own)]
+        dictionary = self.memory.dictionary
+        asserted = read_columns(self.source, what, graphs, dictionary)[1]
+        return asserted, read_columns(self.source, what, [self.names.inferred], dictionary)[1]
+
+
+def _without(what: Wanted, read: Wanted) -> Wanted:
+    """Return what of some triples was not read yet."""
+    if read.predicates is None or what.predicates is None:
+        return Wanted(frozenset())
+    members = (pair for pair in what.members - read.members if pair[0] not in read.predicates)
+    return Wanted(what.predicates - read.predicates, frozenset(members))
+
+
+def _matching(facts: Facts, goals: Iterable[Goal], dictionary: Dictionary) -> Facts:
+    """Return the triples that match a pattern of a goal."""
+    parts: dict[int, list[Keys]] = {}
+    for atom in {element for goal in goals for element in goal if isinstance(element, Atom)}:
+        predicate = atom.predicate
+        among = [dictionary.intern_term(predicate)] if isinstance(predicate, NamedNode) else list(facts.predicates)
+        for one in among:
+            parts.setdefault(one, []).append(_ends(facts, one, atom, dictionary))
+    found = Facts()
+    for one, keys in parts.items():
+        found.replace(one, distinct(np.concatenate(keys)))
+    return found
+
+
+def _ends(facts: Facts, predicate: int, atom: Atom, dictionary: Dictionary) -> Keys:
+    """Return the pairs of a predicate that have the terms that stand at the ends of an atom."""
+    keys = facts.keys(predicate)
+    if isinstance(atom.subject, Variable | TripleTerm) and isinstance(atom.object, Variable | TripleTerm):
+        return keys
+    kept = np.ones(keys.size, bool)
+    for end, column in ((atom.subject, keys >> 32), (atom.object, keys & 0xFFFFFFFF)):
+        if not isinstance(end, Variable | TripleTerm):
+            kept &= column == dictionary.intern_term(end)
+    return keys[kept] if kept.any() else EMPTY

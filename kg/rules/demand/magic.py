@@ -1,0 +1,358 @@
+"""Magic sets: rules rewritten so that evaluation derives what some goals need.
+
+    rule       ?x :ancestor ?z  from  ?x :parent ?y . ?y :ancestor ?z
+    goal       ?who :ancestor :a
+    demand     (any) demand/fb/:ancestor :a        a triple that states which term is asked for
+    rewritten  ?x :ancestor ?z  from  ?x :parent ?y . ?y :ancestor ?z . (any) demand/fb/:ancestor ?z
+
+A predicate has a demand for each adornment: `b` for a bound subject or object, `f` for a free one. Demands are triples
+of auxiliary predicates, so the semi-naive engine evaluates them like any others (Bancilhon, Maier, Sagiv and Ullman
+1986; Beeri and Ramakrishnan 1991). Derived triples keep their predicate: each is true, whichever demand it answers.
+
+A rule is evaluated whole, as it is written, where its answers cannot be restricted: it feeds a negation, an aggregate,
+a block of SPARQL or a pattern with a variable as predicate; it counts, makes terms, or derives any predicate. The same
+holds for the rules that it reads. Such rules read no demand, so rules that can be stratified still can.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final, TypeAlias
+
+from pyoxigraph import BlankNode, Literal, NamedNode, Triple
+
+from kg.errors import Place
+from kg.rules.demand.linear import exit_of, recursion_of, stored_of, via_of
+from kg.rules.dependencies import Read, mints, reads, volatile
+from kg.rules.form import (
+    AUXILIARY,
+    Aggregate,
+    Atom,
+    EngineBlock,
+    Exists,
+    Rule,
+    TripleTerm,
+    Values,
+    Variable,
+    variables_of,
+)
+from kg.rules.scope import bound_in
+from kg.rules.stratify import Heads, edges
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+
+    from kg.rules.demand.linear import Recursion
+    from kg.rules.form import Element, Pattern
+
+__all__ = ["Goal", "Rewritten", "demanded"]
+
+Goal: TypeAlias = tuple[Atom | Values, ...]
+"""Patterns and rows that a query joins: each pattern is asked for as far as the others bind it."""
+
+_ANY: Final = NamedNode(f"{AUXILIARY}any")
+"""Fills the free positions of a demand."""
+_TYPE: Final = NamedNode("http://www.w3.org/1999/02/22-rdf-syntax-ns#type")
+_QUERY: Final = "query"
+_X, _Y, _Z, _KEPT = (Variable(name) for name in (".x", ".y", ".z", ".kept"))
+_Demand: TypeAlias = tuple[NamedNode, str]
+_Conjunct: TypeAlias = Atom | Values
+
+
+@dataclass(frozen=True, slots=True)
+class Rewritten:
+    """Rules for some goals; `copies` are auxiliary predicates with the one whose stored triples each has to have."""
+
+    rules: tuple[Rule, ...]
+    copies: tuple[tuple[NamedNode, NamedNode], ...]
+
+
+def demanded(rules: Iterable[Rule], goals: Iterable[Goal]) -> Rewritten:
+    """Return rules that derive every triple that `rules` derive and that matches a pattern of `goals` within its goal.
+
+    They may derive other triples that `rules` derive, and triples of auxiliary predicates. None where no rule is
+    needed.
+    """
+    return _Rewriting(tuple(rules), tuple(goals)).rewritten()
+
+
+class _Rewriting:
+    """One set of rules, rewritten for some goals."""
+
+    def __init__(self, rules: Sequence[Rule], goals: Sequence[Goal]) -> None:
+        self._rules = rules
+        self._goals = goals
+        self._heads = Heads(rules)
+        self._needs = needs = [set(need) for need in edges(rules)]
+        asked = [atom for goal in goals for atom in goal if isinstance(atom, Atom)]
+        self._reached = _closed((number for atom in asked for number in self._feeding(atom)), needs)
+        self._whole = _closed(self._unrestricted(asked), needs)
+        self._found: dict[tuple[str, int, Atom, tuple[Element, ...]], Rule] = {}
+        self._demands: dict[_Demand, None] = {}
+        self._recursions: dict[NamedNode, Recursion | None] = {}
+        self._exits: set[NamedNode] = set()
+        self._copies: dict[NamedNode, NamedNode] = {}
+
+    def rewritten(self) -> Rewritten:
+        """Return the rules rewritten."""
+        for goal in self._goals:
+            self._pass_on(goal, None)
+        done: set[_Demand] = set()
+        while len(done) < len(self._demands):
+            for demand in [one for one in self._demands if one not in done]:
+                done.add(demand)
+                self._adorn(*demand)
+        whole = (self._rules[number] for number in sorted(self._whole))
+        return Rewritten((*whole, *self._found.values()), tuple(self._copies.items()))
+
+    def _feeding(self, atom: Atom) -> Iterator[int]:
+        return iter(()) if atom.asserted else self._heads.matching(Read(atom, negated=False))
+
+    def _unrestricted(self, asked: Iterable[Atom]) -> Iterator[int]:
+        """Yield the rules that are evaluated whole for a reason of their own."""
+        for atom in asked:
+            if not isinstance(atom.predicate, NamedNode):
+                yield from self._feeding(atom)
+        for number in self._reached:
+            rule = self._rules[number]
+            if mints(rule) or volatile(rule) or _perhaps_unbound(rule.body) or not all(map(_simple, rule.head)):
+                yield number
+            restricted = {id(atom) for atom, _ in _atoms(rule.body) if isinstance(atom.predicate, NamedNode)}
+            for read in reads(rule):
+                if id(read.atom) not in restricted:
+                    yield from self._heads.matching(read)
+
+    def _adorn(self, predicate: NamedNode, adornment: str) -> None:
+        """Rewrite each rule that answers a demand."""
+        if recursion := self._exit_of(predicate):
+            self._adorn_exits(recursion, adornment)
+        elif adornment in {"bf", "fb"} and (recursion := self._recursion(predicate)):
+            self._adorn_recursion(recursion, adornment)
+        else:
+            for rule in self._deriving(predicate):
+                for head in rule.head:
+                    if head.predicate == predicate:
+                        self._adorn_rule(rule, head, adornment)
+
+    def _deriving(self, predicate: NamedNode) -> list[Rule]:
+        every = (self._rules[number] for number in sorted(self._reached - self._whole))
+        return [rule for rule in every if any(head.predicate == predicate for head in rule.head)]
+
+    def _adorn_rule(self, rule: Rule, head: Atom, adornment: str) -> None:
+        demand = _demand(head, adornment)
+        self._add(replace(rule, head=(head,), body=(*rule.body, demand)))
+        self._pass_on(_conjuncts(rule.body), demand)
+
+    def _recursion(self, predicate: NamedNode) -> Recursion | None:
+        """Return the rules of a predicate, where all have the forms of `kg.rules.demand.linear`."""
+        if predicate not in self._recursions:
+            rules = self._deriving(predicate)
+            own = {number for number, rule in enumerate(self._rules) if rule in rules}
+
+            def recurs(body: Sequence[Element]) -> bool:
+                read = (read for read in reads(Rule(_QUERY, (), tuple(body), Place(_QUERY))))
+                feeding = (number for one in read for number in self._heads.matching(one))
+                return not own.isdisjoint(_closed(feeding, self._needs))
+
+            anywhere = any(head.predicate == predicate for number in self._whole for head in self._rules[number].head)
+            self._recursions[predicate] = None if anywhere else recursion_of(predicate, rules, recurs)
+        return self._recursions[predicate]
+
+    def _exit_of(self, predicate: NamedNode) -> Recursion | None:
+        """Return the recursion that a predicate is the exit of."""
+        return next((one for one in self._recursions.values() if one and exit_of(one.predicate) == predicate), None)
+
+    def _adorn_exits(self, recursion: Recursion, adornment: str) -> None:
+        """Rewrite what ends a recursion: stored triples, and rules that do not recur."""
+        exits, copy = exit_of(recursion.predicate), stored_of(recursion.predicate)
+        self._copies[copy] = recursion.predicate
+        head = Atom(_X, exits, _Z)
+        self._add(Rule(_QUERY, (head,), (Atom(_X, copy, _Z), _demand(head, adornment)), Place(_QUERY)))
+        for rule, derived in recursion.exits:
+            self._adorn_rule(rule, replace(derived, predicate=exits), adornment)
+
+    def _adorn_recursion(self, recursion: Recursion, adornment: str) -> None:
+        """Rewrite a recursion for demand of one end: steps at that end carry it, others add to what is derived."""
+        forward = adornment == "bf"
+        head, end = Atom(_X, recursion.predicate, _Z), exit_of(recursion.predicate)
+        demand = _demand(head, adornment)
+        self._answer(head, (), Atom(_X, end, _Z), demand, adornment)
+        if recursion.double:
+            first = Atom(_X, recursion.predicate, _Y) if forward else Atom(_Y, recursion.predicate, _Z)
+            last = Atom(_Y, end, _Z) if forward else Atom(_X, end, _Y)
+            self._answer(head, (first,), last, demand, adornment)
+        near, far = (recursion.right, recursion.left) if forward else (recursion.left, recursion.right)
+        for step in far:
+            self._adorn_rule(step.rule, step.head, adornment)
+        via = via_of(recursion.predicate, adornment)
+        for step in near:
+            here, there = (
+                (step.head.subject, step.recursive.subject) if forward else (step.head.object, step.recursive.object)
+            )
+            for start in (_demand(step.head, adornment), Atom(_KEPT, via, here) if forward else Atom(here, via, _KEPT)):
+                kept = _KEPT if start.predicate == via else here
+                reached = Atom(kept, via, there) if forward else Atom(there, via, kept)
+                self._add(replace(step.rule, head=(reached,), body=(*step.beside, start)))
+                self._pass_on(step.beside, start)
+        if near:
+            passed = Atom(_X, via, _Y) if forward else Atom(_Y, via, _Z)
+            self._answer(head, (), Atom(_Y, end, _Z) if forward else Atom(_X, end, _Y), passed, adornment)
+
+    def _answer(self, head: Atom, before: tuple[Atom, ...], last: Atom, start: Atom, adornment: str) -> None:
+        """Add the rule that derives `head` from atoms of which the last one is asked for as far as they bind it."""
+        self._add(Rule(_QUERY, (head,), (*before, last, start), Place(_QUERY)))
+        if isinstance(last.predicate, NamedNode):
+            self._demands[last.predicate, adornment] = None
+        self._add(Rule(_QUERY, (_demand(last, adornment),), (*before, start), Place(_QUERY)))
+
+    def _pass_on(self, conjuncts: Sequence[_Conjunct], start: Atom | None) -> None:
+        """Demand what each atom of a body can add, where the demand `start` and other atoms bind variables of it."""
+        remaining = list(conjuncts)
+        known = set(_variables(start)) if start else set()
+        before: list[_Conjunct] = []
+        while remaining:
+            number = min(range(len(remaining)), key=lambda index: self._rank(remaining[index], known))
+            chosen = remaining.pop(number)
+            if isinstance(chosen, Atom) and self._derived(chosen):
+                self._ask(chosen, known, before, start)
+            before.append(chosen)
+            known |= set(_variables(chosen))
+
+    def _ask(self, atom: Atom, known: set[Variable], before: Sequence[_Conjunct], start: Atom | None) -> None:
+        """Add the rule that passes demand on to an atom."""
+        if isinstance(atom.subject, Literal | Triple) or not isinstance(atom.predicate, NamedNode):
+            return
+        adornment = "".join("b" if _bound(end, known) else "f" for end in (atom.subject, atom.object))
+        self._demands[atom.predicate, adornment] = None
+        head = _demand(atom, adornment)
+        body: tuple[Element, ...] = _connected(head, before)
+        body = (start, *body) if start else body
+        if head not in body:
+            self._add(Rule(_QUERY, (head,), body, Place(_QUERY)))
+
+    def _add(self, rule: Rule) -> None:
+        self._found.setdefault((rule.name, rule.part, rule.head[0], rule.body), rule)
+
+    def _derived(self, atom: Atom) -> bool:
+        return any(number not in self._whole for number in self._feeding(atom))
+
+    def _rank(self, element: _Conjunct, known: set[Variable]) -> tuple[int, int]:
+        """Return the place of an element in the order in which bindings are passed on; the least comes first.
+
+        What is joined with variables known so far comes before what a constant restricts; of these two stored triples
+        come before derived ones where they are joined, and after them where only a constant restricts them.
+        """
+        joined = len(known.intersection(_variables(element)))
+        if isinstance(element, Values):
+            return (0 if joined else 3), -joined
+        derived = self._derived(element)
+        if joined:
+            return int(derived), -joined - _constants(element)
+        if _constants(element):
+            return (2 if derived else 3), -_constants(element)
+        return 4 + derived, 0
+
+
+def _closed(numbers: Iterable[int], needs: Sequence[set[int]]) -> set[int]:
+    """Return some rules with all those that they read, directly or through others."""
+    found: set[int] = set()
+    pending = list(numbers)
+    while pending:
+        number = pending.pop()
+        if number not in found:
+            found.add(number)
+            pending += needs[number]
+    return found
+
+
+def _simple(head: Atom) -> bool:
+    """Tell whether demand can be stated for a head: for its predicate, and for terms and variables at its ends."""
+    return isinstance(head.predicate, NamedNode) and not any(
+        isinstance(end, TripleTerm | BlankNode) for end in (head.subject, head.object)
+    )
+
+
+def _perhaps_unbound(body: tuple[Element, ...]) -> bool:
+    """Tell whether a solution may leave a variable unbound: a demand would bind it to what is asked for."""
+    return any(isinstance(one, Aggregate) or (isinstance(one, EngineBlock) and one.optional) for one in body)
+
+
+def _demand(atom: Atom, adornment: str) -> Atom:
+    """Return the triple that states a demand for an atom."""
+    subject, value = (
+        end if letter == "b" else _ANY for end, letter in zip((atom.subject, atom.object), adornment, strict=True)
+    )
+    predicate = atom.predicate.value if isinstance(atom.predicate, NamedNode) else ""
+    return Atom(subject, NamedNode(f"{AUXILIARY}demand/{adornment}/{predicate}"), value)
+
+
+def _bound(end: Pattern, known: set[Variable]) -> bool:
+    # In a head, a blank node would be a new one.
+    return end in known if isinstance(end, Variable) else not isinstance(end, TripleTerm | BlankNode)
+
+
+def _constants(atom: Atom) -> int:
+    """Count the ends that are terms; a class restricts little."""
+    ends = (atom.subject,) if atom.predicate == _TYPE else (atom.subject, atom.object)
+    return sum(not isinstance(end, Variable | TripleTerm) for end in ends)
+
+
+def _variables(element: _Conjunct) -> Iterator[Variable]:
+    if isinstance(element, Values):
+        yield from element.variables
+        return
+    for position in element.positions:
+        yield from variables_of(position)
+
+
+def _connected(head: Atom, elements: Sequence[_Conjunct]) -> tuple[_Conjunct, ...]:
+    """Return the elements that restrict the variables of a head, directly or through others, in their order."""
+    reached = set(_variables(head))
+    kept: set[int] = set()
+    grown = bool(reached)
+    while grown:
+        grown = False
+        for index, element in enumerate(elements):
+            if index not in kept and reached.intersection(_variables(element)):
+                kept.add(index)
+                reached |= set(_variables(element))
+                grown = True
+    return tuple(elements[index] for index in sorted(kept))
+
+
+def _conjuncts(body: tuple[Element, ...]) -> list[_Conjunct]:
+    """Return the elements of a body that bind variables: its atoms and rows, and the atoms of positive EXISTS."""
+    return [*(atom for _, atom in _atoms(body)), *(element for element in body if isinstance(element, Values))]
+
+
+def _atoms(
+    body: tuple[Element, ...], names: dict[Variable, Variable] | None = None, mark: str = ""
+) -> Iterator[tuple[Atom, Atom]]:
+    """Yield the atoms that a body joins, each also with the variables that only an EXISTS has renamed apart."""
+    names = dict(names or {})
+    for index, element in enumerate(body):
+        if isinstance(element, Atom):
+            yield element, _renamed(element, names, mark)
+        elif isinstance(element, Exists) and not element.negated:
+            outer = {variable: _name(variable, names, mark) for variable in {*names, *bound_in(body[:index])}}
+            yield from _atoms(element.body, outer, f"{mark} {index}")
+
+
+def _name(variable: Variable, names: dict[Variable, Variable], mark: str) -> Variable:
+    return names.get(variable) or (Variable(f"{variable.name}{mark}") if mark else variable)
+
+
+def _renamed(atom: Atom, names: dict[Variable, Variable], mark: str) -> Atom:
+    if not mark:
+        return atom
+    subject, predicate, value = (_pattern(position, names, mark) for position in atom.positions)
+    return replace(atom, subject=subject, predicate=predicate, object=value)
+
+
+def _pattern(pattern: Pattern, names: dict[Variable, Variable], mark: str) -> Pattern:
+    if isinstance(pattern, Variable):
+        return _name(pattern, names, mark)
+    if isinstance(pattern, TripleTerm):
+        parts = (pattern.subject, pattern.predicate, pattern.object)
+        return TripleTerm(*(_pattern(part, names, mark) for part in parts))
+    return pattern

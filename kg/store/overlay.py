@@ -1,0 +1,75 @@
+"""A generation with triples added for one query: a copy that shares its large files, removed afterwards.
+
+The copy is made as a backup is: by hard links where the folder is on the file system of the store, in milliseconds
+whatever the size of the store. What is added is written to the copy alone.
+"""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pyoxigraph import Store
+
+from kg.store import bulk
+from kg.store.failure import translated
+from kg.store.snapshot import EmbeddedSnapshot
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from pyoxigraph import NamedNode
+
+__all__ = ["overlaid"]
+
+
+class _Overlay(EmbeddedSnapshot):
+    """A copy of a snapshot, under the number of its generation."""
+
+    def __init__(self, snapshot: EmbeddedSnapshot, folder: Path) -> None:
+        self.generation, self._handle = snapshot.generation, -1
+        snapshot.backup(str(folder))
+        self._db = Store(str(folder))
+
+    def add(self, graph: NamedNode, chunks: Iterable[bytes]) -> None:
+        """Add chunks of N-Triples to a graph."""
+        bulk.add(lambda: self._db, graph, b"".join(chunks))
+
+    def close(self) -> None:
+        """Close the copy; its folder is to be removed afterwards, since closing writes there."""
+        if hasattr(self, "_db"):
+            del self._db
+
+
+@contextmanager
+def overlaid(
+    snapshot: EmbeddedSnapshot, graph: NamedNode, chunks: Iterable[bytes], cache: Path
+) -> Iterator[EmbeddedSnapshot]:
+    """Yield a snapshot with N-Triples added to a graph; its files are below `cache`, or in the system's own folder.
+
+    Raises:
+        StoreError: KG304 full disk, KG306 where nothing can be written.
+    """
+    folder = _temporary(cache)
+    try:
+        with translated(str(folder)):
+            found = _Overlay(snapshot, folder / "copy")
+        with found:
+            with translated(str(folder)):
+                found.add(graph, chunks)
+            yield found
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _temporary(cache: Path) -> Path:
+    """Return a new folder: beside the store, so that files can be shared, unless that cannot be written."""
+    try:
+        cache.mkdir(parents=True, exist_ok=True)
+        return Path(tempfile.mkdtemp(prefix="overlay-", dir=cache))
+    except OSError:
+        with translated(tempfile.gettempdir()):
+            return Path(tempfile.mkdtemp(prefix="kg-overlay-"))
