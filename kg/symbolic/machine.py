@@ -333,12 +333,9 @@ class Machine:
     def _try(self, statement: form.Try, frame: Frame) -> str | None:
         """Run a block, then each of its handlers as one side of a branch."""
         ended = self.run(statement.body, frame)
-        ends: list[str | None] = []
-        sides: list[Written] = []
-        for handler in statement.handlers:
-            written, end = self._journal.attempt(partial(self.run, handler, frame))
-            sides.append(written)
-            ends.append(end)
+        tried = [self._journal.attempt(partial(self.run, handler, frame)) for handler in statement.handlers]
+        sides: list[Written] = [written for written, _ in tried]
+        ends: list[str | None] = [end for _, end in tried]
         if ended != "raise" or not sides:
             if ended is None and statement.otherwise is not None:
                 written, ended = self._journal.attempt(partial(self.run, statement.otherwise, frame))
@@ -657,9 +654,9 @@ class Machine:
         if self.running[id(function)] >= self.most_repeats:
             return Unknown("it calls itself")
         fruitless = self.fruitless[id(function)]
-        if fruitless >= MOST_FRUITLESS or self.barren[id(function)] > MOST_BARREN:
-            return self.language.unknown(function.returns, frame, function.name)
-        if fruitless and self._is_settled(function, arguments):
+        handed = any(isinstance(one, Closure | Bound) for one in arguments) if fruitless else True
+        settled = fruitless >= MOST_FRUITLESS or self.barren[id(function)] > MOST_BARREN
+        if settled or not (handed or self.language.reaches(function)):
             return self.language.unknown(function.returns, frame, function.name)
         before, steps, writes = self.framework.progress(), self.steps, self._outer_writes
         outer, self._local = self._local, frame.variables
@@ -677,10 +674,6 @@ class Machine:
             if idle and id(function) not in self.fruitful:
                 self.fruitless[id(function)] += 1
         return result
-
-    def _is_settled(self, function: Function, arguments: list[Value]) -> bool:
-        """Check whether a function that had no effect in a run has none with other arguments either."""
-        return not any(isinstance(one, Closure | Bound) for one in arguments) and not self.language.reaches(function)
 
     @contextmanager
     def entered(self, function: Function) -> Iterator[None]:
