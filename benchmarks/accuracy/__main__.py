@@ -92,7 +92,8 @@ def _measure(options: argparse.Namespace, scorer: ModuleType, by_file: dict[Path
                 written = [without_command_line(truth) for truth in truths]
                 undone = score_file(scorer, written, readings, level)
                 rows.append(_row(f"{file.stem}, command line undone", level, undone))
-            if any(one.get("corroborated") == "none" for truth in truths for key in INTERFACES for one in truth[key]):
+            entries = (one for truth in truths for key in INTERFACES for one in truth.get(key, ()))
+            if any(isinstance(one, dict) and one.get("corroborated") == "none" for one in entries):
                 held = score_file(scorer, [that_sources_hold(truth) for truth in truths], readings, level)
                 rows.append(_row(f"{file.stem}, names that the sources hold", level, held))
             if options.by_source:
