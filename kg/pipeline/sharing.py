@@ -40,7 +40,7 @@ def patch_shared(
         removed.difference_update(there)
         added.difference_update(there)
     if removed or added:
-        transaction.patch_graph(NamedNode(iris.graph(SHARED)), b"".join(sorted(removed)), b"".join(sorted(added)))
+        _patch(transaction, NamedNode(iris.graph(SHARED)), b"".join(sorted(removed)), b"".join(sorted(added)))
 
 
 def keep_shared(
@@ -79,7 +79,7 @@ def keep_starts(
         removed = b"".join(_lines_of(transaction, graph, start) for start in sorted(left - used))
         added = b"".join(sorted(line for line in described if start_of(line) in used)) if used else b""
         if removed or added:
-            transaction.patch_graph(graph, removed, added)
+            _patch(transaction, graph, removed, added)
         return
     found: Any = transaction.query(_STARTED)
     wanted = {row["start"].value for row in found}
@@ -98,9 +98,16 @@ def _lines_of(transaction: EmbeddedTransaction, graph: NamedNode, start: str) ->
 def _change(
     transaction: EmbeddedTransaction, graph: NamedNode, present: set[bytes], removed: set[bytes], added: set[bytes]
 ) -> None:
-    if len(removed) * _FEW > len(present):
-        transaction.replace_graphs({graph: sorted((present - removed) | added)})
+    if len(removed) * _FEW > len(present) and (left := (present - removed) | added):
+        transaction.replace_graphs({graph: sorted(left)})
     elif removed:
-        transaction.patch_graph(graph, b"".join(sorted(removed)), b"".join(sorted(added)))
+        _patch(transaction, graph, b"".join(sorted(removed)), b"".join(sorted(added)))
     elif added:
         transaction.load(graph, sorted(added))
+
+
+def _patch(transaction: EmbeddedTransaction, graph: NamedNode, removed: bytes, added: bytes) -> None:
+    """Patch a graph; one that is empty then goes, since a build from nothing does not make it."""
+    transaction.patch_graph(graph, removed, added)
+    if removed and not added and not transaction.query(f"ASK {{ GRAPH {graph} {{ ?s ?p ?o }} }}"):
+        transaction.drop_graph(graph)

@@ -1,0 +1,55 @@
+"""Tests of the graphs of what sources and systems share, as builds change them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from kg.graph.iris import Iris
+from kg.graph.shared import SHARED
+from kg.pipeline.sharing import keep_shared, patch_shared
+from kg.store.embedded import EmbeddedStore
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+IRIS = Iris("https://example.org/")
+LINES = [f"<https://example.org/message/{name}> <https://example.org/p> <https://example.org/o> .\n" for name in "ab"]
+BOTH = "".join(LINES).encode()
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> EmbeddedStore:
+    """A store whose sources share two triples."""
+    store = EmbeddedStore.create(tmp_path / ".kg")
+    with store.write("test") as transaction:
+        keep_shared(transaction, IRIS, [BOTH], [])
+    return store
+
+
+def graphs(store: EmbeddedStore) -> set[str]:
+    """Return the named graphs of a store."""
+    with store.read() as snapshot:
+        return {graph.value for graph in snapshot.graphs()}
+
+
+def test_a_graph_with_triples_stays(store: EmbeddedStore) -> None:
+    """Taking out some of the shared triples keeps their graph."""
+    with store.write("test") as transaction:
+        keep_shared(transaction, IRIS, [LINES[0].encode()], [])
+    assert graphs(store) == {IRIS.graph(SHARED)}
+
+
+def test_an_empty_graph_goes(store: EmbeddedStore) -> None:
+    """A graph whose last triples are taken out goes: a build from nothing does not make it."""
+    with store.write("test") as transaction:
+        keep_shared(transaction, IRIS, [], [])
+    assert graphs(store) == set()
+
+
+def test_a_graph_that_a_patch_empties_goes(store: EmbeddedStore) -> None:
+    """The same holds where only the change is known."""
+    with store.write("test") as transaction:
+        patch_shared(transaction, IRIS, [BOTH], [], [])
+    assert graphs(store) == set()
