@@ -10,7 +10,7 @@ __all__ = ["CODES"]
 
 CODES: Final = {
     "KG555": CodeEntry(
-        "no MCP SDK",
+        "MCP SDK missing",
         "`kg mcp` needs the official SDK of the Model Context Protocol, which is an optional part of `kg`.",
         "Install it with `pip install 'kg-ros[mcp]'`.",
     ),

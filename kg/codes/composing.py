@@ -10,18 +10,18 @@ __all__ = ["CODES"]
 
 CODES: Final = {
     "KG705": CodeEntry(
-        "type unknown to nodes that can be started",
-        "No node of the store that a launch file can start publishes or subscribes messages of this type.",
-        "Check the name, `package/Type` or `Type`; `kg topics` lists topics with their types.",
+        "type not used by startable nodes",
+        "No node that a launch file starts publishes or subscribes to messages of this type.",
+        "Check the name, `package/Type` or `Type`. `kg topics` lists topics and their types.",
     ),
     "KG706": CodeEntry(
         "no chain of nodes",
-        "No nodes of one version of ROS, put one behind the other, turn the one type of messages into the other.",
-        "Ask for a type that is reached, for longer chains (--length), or build sources that have the missing node.",
+        "No sequence of nodes of one ROS version converts messages of the first type to the second.",
+        "Try another type or longer chains (`--length`), or build sources that contain the missing node.",
     ),
     "KG707": CodeEntry(
-        "nothing to go through",
-        "A chain was to go through something that is neither a type, a node, a package nor a word of one in the store.",
-        "Check the name; `kg nodes` lists the nodes, `kg topics` the topics with their types.",
+        "unknown waypoint of a chain",
+        "A chain must pass through something that is not in the store as a type, node, package or word.",
+        "Check the name. `kg nodes` lists the nodes. `kg topics` lists the topics and their types.",
     ),
 }

@@ -10,48 +10,49 @@ __all__ = ["CODES"]
 
 CODES: Final = {
     "KG130": CodeEntry(
-        "criteria cannot be used",
-        "The file of criteria is no TOML, has a key that there is not, or a value of another kind than the key has.",
-        "Correct the line; `corpus/criteria.toml` is an example.",
+        "invalid criteria",
+        "The file of criteria is not TOML, has an unknown key, or has a value of the wrong type.",
+        "Correct the line. See the example `corpus/criteria.toml`.",
     ),
     "KG131": CodeEntry(
         "malformed table of projects",
-        "The table is no CSV, lacks a column that the criteria name, or has a cell that cannot be what it should.",
-        "Correct the line, or name other columns in a file of criteria of your own (`--criteria`).",
+        "The table is not CSV, lacks a column that the criteria name, or has an invalid cell.",
+        "Correct the line, or name other columns in your own file of criteria (`--criteria`).",
     ),
     "KG132": CodeEntry(
         "malformed lock file",
-        "The lock file of a corpus is no TOML, of another version, or has an entry that cannot be used.",
-        "Correct the line, or let `kg corpus fetch` write the file anew.",
+        "The lock file of a corpus is not TOML, has another version, or has an invalid entry.",
+        "Correct the line, or write the file again with `kg corpus fetch`.",
     ),
     "KG133": CodeEntry(
         "repository not fetched",
-        "A repository of a corpus is gone, cannot be reached, or has no branch for the version of ROS asked for.",
-        "The others were fetched. Run the command again, or take it off the list.",
+        "A repository of a corpus was removed, is unreachable, or has no branch for the requested version of ROS.",
+        "Run the command again, or remove the repository from the list. The others were fetched.",
     ),
     "KG134": CodeEntry(
         "repository refused",
-        "An address or a repository could harm this machine: a command for an address, a path that leads out.",
-        "The others were fetched. Take it off the list.",
+        "An address or a repository could harm this machine. The address is a command, or a path leads outside the "
+        "folder.",
+        "Remove the repository from the list. The others were fetched.",
     ),
     "KG135": CodeEntry(
         "repository too large or too slow",
-        "A repository is larger than the limit for one, or did not come in time; what had come of it was removed.",
-        "Raise `--max-size` or `--timeout` if you want it.",
+        "A repository exceeds the size limit or the time limit. Its partial download was removed.",
+        "To fetch it, raise `--max-size` or `--timeout`.",
     ),
     "KG136": CodeEntry(
         "corpus incomplete",
-        "Repositories of a lock file are not checked out in its folder.",
-        "`kg corpus fetch --lock FILE` fetches them.",
+        "The folder of the corpus lacks repositories that the lock file lists.",
+        "Fetch them with `kg corpus fetch --lock FILE`.",
     ),
     "KG137": CodeEntry(
         "commit differs from the lock",
-        "A checkout stands at another commit than the lock file pins, or its files were changed.",
-        "`kg corpus fetch --lock FILE` fetches the pinned commit, or `--update` pins the newest one.",
+        "A checkout is at another commit than the lock file pins, or its files were changed.",
+        "Fetch the pinned commit with `kg corpus fetch --lock FILE`, or pin the newest one with `--update`.",
     ),
     "KG138": CodeEntry(
         "corpus in use",
-        "Another `kg corpus fetch` fetches into the same folder.",
-        "Wait until it has ended.",
+        "Another `kg corpus fetch` is using the same folder.",
+        "Wait until it has finished.",
     ),
 }

@@ -10,8 +10,8 @@ __all__ = ["CODES"]
 
 CODES: Final = {
     "KG900": CodeEntry(
-        "defect",
-        "Something happened in `kg` that should not.",
-        "Please report it with what you ran.",
+        "internal error",
+        "`kg` failed because of a defect in its own code.",
+        "Report the error with the command that you ran.",
     ),
 }

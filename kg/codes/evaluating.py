@@ -11,27 +11,27 @@ __all__ = ["CODES"]
 CODES: Final = {
     "KG721": CodeEntry(
         "references cannot be read",
-        "A file of references is not there, is no UTF-8, or has a line that is no reference.",
-        "Correct the line; docs/evaluation.md shows what such a file looks like.",
+        "A file of references is missing, is not UTF-8, or has an invalid line.",
+        "Correct the line. docs/evaluation.md describes the format.",
     ),
     "KG722": CodeEntry(
-        "sheet of sampled facts",
-        "A sheet that `kg eval sample --score` reads is no CSV, lacks a column, or has an answer that is none.",
+        "invalid sheet of sampled facts",
+        "A sheet for `kg eval sample --score` is not CSV, lacks a column, or has an invalid answer.",
         "Write yes, no or unsure into the column `right`, or leave it empty.",
     ),
     "KG723": CodeEntry(
-        "package of a page",
-        "A page of documentation stands in no package of the store, or the package named with it is not there.",
+        "page without package",
+        "A page of documentation belongs to no package of the store, or its named package is missing.",
         "Name the package with `--package NAME` or `--package REPOSITORY:NAME`.",
     ),
     "KG724": CodeEntry(
-        "library of a comparison missing",
-        "A way to rank nodes that the search is compared with needs a library that is not installed.",
-        "Install it as the message says: `pip install 'kg-ros[evaluate]'` brings them.",
+        "library for a comparison missing",
+        "A ranking method for the comparison needs a library that is not installed.",
+        "Install the library that the message names, or all of them with `pip install 'kg-ros[evaluate]'`.",
     ),
     "KG725": CodeEntry(
         "needs cannot be read",
-        "A file of needs is not there, has no need, or has a line that is none.",
-        "Correct the line; docs/evaluation.md shows what such a file looks like.",
+        "A file of needs is missing, is empty, or has an invalid line.",
+        "Correct the line. docs/evaluation.md describes the format.",
     ),
 }

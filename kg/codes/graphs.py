@@ -11,8 +11,8 @@ __all__ = ["CODES"]
 CODES: Final = {
     "KG601": CodeEntry(
         "RDF does not parse",
-        "A file of RDF is not valid in the format it was read as.",
-        "Mend the file at the line given or name its format.",
+        "An RDF file is not valid in the format that kg read it as.",
+        "Correct the file at the line given, or name its format.",
     ),
     "KG602": CodeEntry(
         "ontology inconsistent",
@@ -26,12 +26,12 @@ CODES: Final = {
     ),
     "KG604": CodeEntry(
         "shape violated",
-        "Data in the store does not conform to a SHACL shape.",
-        "The report names the node, the shape and the value.",
+        "Data in the store violates a SHACL shape.",
+        "Correct the data. The report names the node, the shape and the value.",
     ),
     "KG605": CodeEntry(
         "optional part missing",
-        "What was asked for needs Python packages that `kg` does not install by itself.",
-        "Install them: pip install 'kg-ros[ontology]'.",
+        "The command needs Python packages that are an optional part of `kg`.",
+        "Install them with `pip install 'kg-ros[ontology]'`.",
     ),
 }

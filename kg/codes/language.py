@@ -12,16 +12,16 @@ CODES: Final = {
     "KG141": CodeEntry(
         "pipeline not loaded",
         "spaCy cannot load the pipeline that the setting `nlp_model` names.",
-        "Install it, mend the name or path, or leave the setting empty: kg has a pipeline of its own.",
+        "Install the pipeline, or correct its name or path. If the setting is empty, kg uses its own pipeline.",
     ),
     "KG142": CodeEntry(
         "pipeline without tags",
-        "The spaCy pipeline that the setting `nlp_model` names sets no parts of speech, or no lemmas.",
-        "Name one with a tagger or morphologizer and a lemmatizer, as en_core_web_sm is.",
+        "The spaCy pipeline of the setting `nlp_model` assigns no parts of speech or no lemmas.",
+        "Name a pipeline with a tagger or morphologizer and a lemmatizer, such as en_core_web_sm.",
     ),
     "KG143": CodeEntry(
-        "patterns not usable",
-        "The file of patterns that find phrases of hardware is not TOML, or a pattern in it is none.",
-        "Mend the file at the place named; the head of ontology/hardware-patterns.toml says what may stand in it.",
+        "invalid patterns",
+        "The file of hardware phrase patterns is not TOML, or contains an invalid pattern.",
+        "Correct the file at the place given. The head of ontology/hardware-patterns.toml describes the format.",
     ),
 }

@@ -11,17 +11,17 @@ __all__ = ["CODES"]
 CODES: Final = {
     "KG420": CodeEntry(
         "unusable baseline",
-        "The file of a baseline is missing, cannot be read, or is not what `kg lint --write-baseline` writes.",
-        "Write it anew with `kg lint --write-baseline FILE`, and look at what has changed in it.",
+        "The baseline file is missing, unreadable, or not in the format of `kg lint --write-baseline`.",
+        "Write it again with `kg lint --write-baseline FILE`, and review the changes.",
     ),
     "KG421": CodeEntry(
         "unusable allowance",
-        "An entry of the allow-list in kg.toml has no reason, no code that is known, or a key that means nothing.",
-        "Give it a code of the findings (`kg explain KG401`) and the reason why it is right as it is.",
+        "An entry of the allow-list in kg.toml has no reason, an unknown code or an unknown key.",
+        "Give the entry a code of a finding (`kg explain KG401`) and the reason for accepting it.",
     ),
     "KG422": CodeEntry(
         "unknown launch file",
-        "No launch file of the build is meant by this name, or several are.",
-        "Give the path of the file, or its package and its path there; packages are read by `kg build`.",
+        "The name matches no launch file of the build, or several.",
+        "Give the path of the file, or its package and the path in it. Packages are read by `kg build`.",
     ),
 }

@@ -10,23 +10,23 @@ __all__ = ["CODES"]
 
 CODES: Final = {
     "KG701": CodeEntry(
-        "type in a filter",
-        "No node of the store publishes, subscribes, offers or calls something of the type that a filter names.",
-        "Use one of the types named, or leave the filter out; Tab completes them.",
+        "unknown type in a filter",
+        "No node of the store uses the type that a filter names, in a topic, service or action.",
+        "Use one of the types suggested, or remove the filter. Tab completes types.",
     ),
     "KG702": CodeEntry(
-        "hardware, function or capability in a filter",
-        "No node of the store was found to use the hardware, have the function or give the capability named.",
-        "Use one of the names given, or say it in the words of the search.",
+        "unknown hardware, function or capability in a filter",
+        "No node of the store has the hardware, function or capability that a filter names.",
+        "Use one of the names suggested, or describe it in the words of the search.",
     ),
     "KG703": CodeEntry(
-        "licence, package, kind or version in a filter",
-        "No node of the store is under the licence, in the package, of the kind or for the version of ROS named.",
-        "Use one of the values named, or leave the filter out.",
+        "unknown licence, package, kind or version in a filter",
+        "No node of the store has the licence, package, kind or ROS version that a filter names.",
+        "Use one of the values suggested, or remove the filter.",
     ),
     "KG704": CodeEntry(
-        "model of sentence embeddings",
-        "The model that searches by meaning is no folder with a model, cannot be loaded, or its library is not there.",
-        "Name a folder that holds a model, install `kg-ros[semantic]`, or search without a model.",
+        "embedding model not loaded",
+        "The model for search by meaning is not a model folder, cannot be loaded, or lacks its library.",
+        "Name a folder that contains a model, install `kg-ros[semantic]`, or search without a model.",
     ),
 }

@@ -11,27 +11,27 @@ __all__ = ["CODES"]
 CODES: Final = {
     "KG550": CodeEntry(
         "no terminal",
-        "The shell was started where standard input or output is no terminal.",
-        "Start it in a terminal; scripts use `kg shell --once 'QUERY'` or `kg query`.",
+        "The shell needs a terminal, but standard input or output is not one.",
+        "Start the shell in a terminal. In scripts, use `kg shell --once 'QUERY'` or `kg query`.",
     ),
     "KG551": CodeEntry(
         "no editor",
-        "A line was to be opened, and no editor is named or found, or it could not be started.",
+        "No editor is configured or found to open a line, or the editor did not start.",
         "Name one in the environment: `export EDITOR=nano`.",
     ),
     "KG552": CodeEntry(
         "file not here",
-        "A line was to be opened whose file is not on this machine.",
-        "`kg status` lists the sources and where they were read; `kg build` reads a checkout of yours.",
+        "The file of the line to open is not on this machine.",
+        "`kg status` lists the sources and their folders. To read your own checkout, use `kg build`.",
     ),
     "KG553": CodeEntry(
         "file not written",
-        "An answer could not be written to the file that was named.",
-        "Name a file in a folder that exists and that you may write to.",
+        "A result could not be written to the named file.",
+        "Name a file in an existing folder where you are allowed to write.",
     ),
     "KG554": CodeEntry(
-        "wrong keys",
-        "The file of keys names an action or a key that there is not, or gives one key two meanings.",
-        "F1 in the shell shows actions and keys; `docs/shell.md` says how the file is written.",
+        "invalid key file",
+        "The key file names an unknown action or key, or assigns two actions to one key.",
+        "Press F1 in the shell to list actions and keys. `docs/shell.md` describes the format.",
     ),
 }

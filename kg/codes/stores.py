@@ -17,26 +17,26 @@ CODES: Final = {
     "KG302": CodeEntry(
         "store busy",
         "Another process is writing the store.",
-        "Wait for the process named, or stop it.",
+        "Wait for the process that the message names, or stop it.",
     ),
     "KG303": CodeEntry(
         "store damaged",
-        "The store cannot be opened.",
-        "`kg doctor` says what is wrong; `kg build` makes a new one from the sources.",
+        "The store cannot be opened. Its files might be damaged.",
+        "Run `kg doctor` for details. `kg build` builds a new store from the sources.",
     ),
     "KG304": CodeEntry(
         "disk full",
-        "The disk filled up while the store was written; the store is as it was before.",
+        "The disk was full while `kg` wrote the store. The store is unchanged.",
         "Free some space and run the command again.",
     ),
     "KG305": CodeEntry(
         "store of another version",
-        "The store was written by a version of `kg` with another layout.",
+        "Another version of `kg`, with another layout, wrote the store.",
         "Build it again with `kg build`.",
     ),
     "KG306": CodeEntry(
         "store not writable",
-        "The folder of the store cannot be written: its permissions, or a file system that is read-only.",
+        "The folder of the store is not writable: its permissions forbid it, or the file system is read-only.",
         "Change the permissions, or name another folder with `--store`.",
     ),
 }

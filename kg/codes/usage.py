@@ -11,22 +11,22 @@ __all__ = ["CODES"]
 CODES: Final = {
     "KG001": CodeEntry(
         "unknown name",
-        "A node, package, query or other name is not in the store.",
+        "The store has no node, package, query or other thing of this name.",
         "Use one of the names suggested, or list them with `kg nodes` or `kg query --list`.",
     ),
     "KG002": CodeEntry(
         "bad setting",
-        "A flag, an environment variable or a line of kg.toml has a value that cannot be used.",
-        "Correct the value; `kg config show` tells where each value comes from.",
+        "The value of a flag, an environment variable or a line of kg.toml is not valid.",
+        "Correct the value. `kg config show` lists the origin of each value.",
     ),
     "KG003": CodeEntry(
         "bad argument",
-        "The command was called with arguments that do not go together.",
+        "The arguments of the command conflict, or one of them is not valid.",
         "See the command's `--help`.",
     ),
     "KG004": CodeEntry(
         "out of memory",
-        "The command needs more memory than the setting `memory` or `ulimit -v` allows. The store is as it was before.",
-        "Raise the limit, read fewer packages at a time (`--jobs 1`), or build fewer sources at once.",
+        "The command needs more memory than the setting `memory` or `ulimit -v` allows. The store is unchanged.",
+        "Raise the limit, use fewer processes (`--jobs 1`), or build fewer sources at once.",
     ),
 }
