@@ -14,16 +14,16 @@ from kg.errors import Exit
 __all__ = ["app"]
 
 EPILOGUE: Final = """
-Data goes to standard output, words go to standard error. Exit codes:
+Data goes to standard output, messages go to standard error. Exit codes:
 
-    0    it worked
-    1    it worked and found something wrong, or did not find what was asked for
-    2    the command or a setting is wrong
+    0    success
+    1    success, but problems were found or nothing matched
+    2    invalid command or setting
     3    a source could not be read at all
     4    the store is missing, busy, damaged or full
     5    a query was refused or failed
-    6    a deadline or a limit ended the work
-    70   a defect in kg
+    6    a deadline or limit was reached
+    70   internal error in kg
     130  interrupted
 
 Start with `kg demo`, or with `kg build FOLDER` and then `kg search "what you need"`.
@@ -34,102 +34,102 @@ COMMANDS: Final = (
         "Start",
         "demo",
         "demo:demo",
-        "Build an example workspace, ask it five questions, prove what a rule inferred, and check its launch files.",
+        "Try kg on an example workspace: build, ask, prove and lint.",
     ),
     Later("Start", "build", "build:build", "Read ROS packages into the store."),
-    Later("Start", "status", "build:status", "List the sources in the store, and what has changed since."),
-    Later("Ask", "nodes", "nodes:nodes", "List every node with how many interfaces it has."),
-    Later("Ask", "node", "node:node", "Show one node: its interface, with lines of code.", "NodeCommand"),
+    Later("Start", "status", "build:status", "List the sources in the store and what has changed since the build."),
+    Later("Ask", "nodes", "nodes:nodes", "List all nodes with the number of their interfaces."),
+    Later("Ask", "node", "node:node", "Show the interface of one node, with lines of code.", "NodeCommand"),
     Later("Ask", "search", "search:search", "Find nodes by what they do, with the reasons."),
-    Later("Ask", "compose", "compose:compose", "Find chains of nodes that turn one type of messages into another."),
+    Later("Ask", "compose", "compose:compose", "Find chains of nodes that convert one message type into another."),
     Later(
         "Ask",
         "instances",
         "instances:instances",
-        "List every node that launch files start, with the name it has then.",
+        "List the nodes that launch files start, with their run-time names.",
     ),
-    Later("Ask", "graph", "graph:graph", "Show who talks to whom when a launch file is started."),
-    Later("Ask", "diff", "diff:diff", "Show what changed in interfaces and wiring between two commits."),
+    Later("Ask", "graph", "graph:graph", "Show the nodes and connections that a launch file starts."),
+    Later("Ask", "diff", "diff:diff", "Show changes in interfaces and wiring between two commits."),
     Later("Ask", "impact", "impact:impact", "Show what breaks if a name is renamed, removed or changed."),
-    Later("Ask", "query", "query:query", "Ask in SPARQL, or by a stored query."),
-    Later("Ask", "why", "why:why", "Show why a fact holds: the rules that derive it, down to the line of code."),
-    Later("Ask", "why-not", "why:why_not", "Show why a fact does not hold: what each rule that could derive it lacks."),
-    Later("Ask", "lint", "lint:lint", "Report what is wrong in the wiring of launch files."),
+    Later("Ask", "query", "query:query", "Run a SPARQL query or a stored query."),
+    Later("Ask", "why", "why:why", "Prove a fact: show the rules that derive it, down to the source line."),
+    Later("Ask", "why-not", "why:why_not", "Show why a fact is missing: what each rule that could derive it lacks."),
+    Later("Ask", "lint", "lint:lint", "Report problems in the wiring of launch files."),
     Later("Ask", "stats", "stats:stats", "Count entities, triples, neighbours and paths of the graph."),
-    Later("Ask", "serve", "serve:serve", "Serve the store: pages for people, a SPARQL endpoint for programs."),
+    Later("Ask", "serve", "serve:serve", "Serve the store as web pages and a SPARQL endpoint."),
     Later(
         "Ask",
         "shell",
         "shell:shell",
-        "Ask and look around on the whole terminal: tree, queries, evidence, why, search, rules.",
+        "Explore the store in a full-screen terminal interface.",
     ),
     Later("Ask", "mcp", "mcp:mcp", "Serve coding assistants over the Model Context Protocol."),
-    Later("Ask", "packages", "lists:packages", "List the packages with what was found in each."),
+    Later("Ask", "packages", "lists:packages", "List the packages with their nodes, interfaces and problems."),
     Later(
         "Ask",
         "topic",
         "channels:topic",
-        "Show who publishes and subscribes to a topic, in every launch file and in code.",
+        "Show a topic's publishers and subscribers, by launch file and in code.",
     ),
     Later(
         "Ask",
         "service",
         "channels:service",
-        "Show who offers and calls a service, in every launch file and in code; as `kg topic`.",
+        "Show a service's servers and clients; works like `kg topic`.",
     ),
     Later(
         "Ask",
         "action",
         "channels:action",
-        "Show who offers and calls an action, in every launch file and in code; as `kg topic`.",
+        "Show an action's servers and clients; works like `kg topic`.",
     ),
     Later(
         "Ask",
         "param",
         "param:param",
-        "Show which nodes declare a parameter, and the value that it has in every launch file.",
+        "Show the nodes that declare a parameter, and its value per launch file.",
     ),
-    Later("Ask", "topics", "lists:topics", "List the topics, their types and how many nodes use them."),
+    Later("Ask", "topics", "lists:topics", "List the topics with their types and numbers of nodes."),
     Later(
         "Ask",
         "services",
         "lists:services",
-        "List the services, their types and how many nodes use them; `kg service NAME` shows one.",
+        "List the services with their types and numbers of nodes.",
     ),
     Later(
         "Ask",
         "actions",
         "lists:actions",
-        "List the actions, their types and how many nodes use them; `kg action NAME` shows one.",
+        "List the actions with their types and numbers of nodes.",
     ),
-    Later("Look after it", "export", "exchange:export", "Write the graph as RDF."),
-    Later("Look after it", "import", "exchange:import_files", "Add files of RDF to the store."),
-    Later("Look after it", "update", "update:update", "Change the store in SPARQL."),
-    Later("Look after it", "forget", "exchange:forget", "Take sources out of the store."),
-    Later("Look after it", "backup", "update:backup", "Copy the store, also while it is written."),
-    Later("Look after it", "restore", "update:restore", "Put a backup in the place of all that the store holds."),
+    Later("Maintain", "export", "exchange:export", "Write the graph as RDF."),
+    Later("Maintain", "import", "exchange:import_files", "Add RDF files to the store."),
+    Later("Maintain", "update", "update:update", "Change the store with SPARQL Update."),
+    Later("Maintain", "forget", "exchange:forget", "Remove sources from the store."),
+    Later("Maintain", "backup", "update:backup", "Copy the store, even while it is being written."),
+    Later("Maintain", "restore", "update:restore", "Replace the contents of the store with a backup."),
     Later(
-        "Look after it",
+        "Maintain",
         "completions",
         "completions:completions",
-        "Print what lets a shell complete commands, options, and names of the store.",
+        "Print a shell completion script for commands, options and names.",
     ),
-    Later("Look after it", "doctor", "doctor:doctor", "Check the installation and the store."),
-    Later("Look after it", "explain", "explain:explain", "Say what an error code means."),
+    Later("Maintain", "doctor", "doctor:doctor", "Check the installation and the store."),
+    Later("Maintain", "explain", "explain:explain", "Explain an error code and how to fix the error."),
 )
 RULE_COMMANDS: Final = (
-    Later("Write", "new", "rules:new", "Begin a rule: a file that runs as it stands, and examples that pass."),
+    Later("Write", "new", "rules:new", "Create a rule that runs as it is, with examples that pass."),
     Later(
         "Write",
         "list",
         "rules:list_rules",
-        "List the rules in force: those of kg, of installed packs, and your own.",
+        "List the active rules: those of kg, of installed packs, and your own.",
     ),
     Later(
         "Write",
         "show",
         "rules:show_rule",
-        "Show one rule: its documentation, its text, what it reads and derives, and its place among the rules.",
+        "Show one rule: documentation, text, inputs, results and dependencies.",
     ),
     Later(
         "Write",
@@ -137,44 +137,44 @@ RULE_COMMANDS: Final = (
         "rules_lsp:lsp",
         "Serve editors: errors as you type, completion, documentation, definitions.",
     ),
-    Later("Try", "check", "rules_check:check", "Check rules: names, safety, strata, what never fires, documentation."),
+    Later("Try", "check", "rules_check:check", "Check rules: names, safety, strata, dead rules, documentation."),
     Later(
         "Try",
         "test",
         "rules_testing:try_rules",
-        "Run the examples beside rules, and show what differs; exit code 1 when one fails.",
+        "Run the examples of rules and show what differs.",
     ),
     Later(
         "Try",
         "diff",
         "rules_diff:diff",
-        "Show what rules as they are on disk add to the store and take from it; exit code 1 when there is anything.",
+        "Show what the rules on disk would add to and remove from the store.",
     ),
     Later(
         "Try",
         "watch",
         "rules_watch:watch",
-        "Check and test rules whenever they are saved, and show what they would change in the store.",
+        "Check and test rules on every save, and show their effect on the store.",
     ),
-    Later("Run", "run", "rules_run:run", "Run the rules in force, and write what they infer into the store."),
+    Later("Run", "run", "rules_run:run", "Run the active rules and write what they infer into the store."),
     Later(
-        "Look at",
+        "Inspect",
         "compile",
         "rules_compile:compile_rule",
         "Print a rule as it is evaluated, or in another notation.",
     ),
-    Later("Look at", "graph", "rules_reports:graph", "Draw which rules feed which, as SVG, Mermaid or JSON."),
+    Later("Inspect", "graph", "rules_reports:graph", "Draw which rules feed which, as SVG, Mermaid or JSON."),
     Later(
-        "Look at",
+        "Inspect",
         "profile",
         "rules_reports:profile",
-        "Run the rules in memory and show what each costs: seconds, triples, rounds; the dearest first.",
+        "Run the rules in memory and show their cost, most expensive first.",
     ),
     Later(
-        "Look at",
+        "Inspect",
         "coverage",
         "rules_reports:coverage",
-        "Show which rules, and which parts of rules, never did anything on this store.",
+        "Show the rules, and parts of rules, that never matched in this store.",
     ),
 )
 ROBOT_COMMANDS: Final = (
@@ -182,39 +182,39 @@ ROBOT_COMMANDS: Final = (
         "Look",
         "capabilities",
         "robot:capabilities",
-        "List what a robot can sense, do and know, and through which topic, service or action.",
+        "List a robot's capabilities and the topics, services or actions they use.",
     ),
     Later(
         "Look",
         "watch",
         "robot:watch",
-        "Keep a running robot in the store, in step with it, and say what came and went.",
+        "Mirror a running robot in the store, and report what changes.",
     ),
     Later(
         "Drive",
         "read",
         "robot_driving:read",
-        "Read what a robot senses or knows, a line for each value, until Ctrl-C.",
+        "Print values that a robot senses or knows, one per line, until Ctrl-C.",
     ),
-    Later("Drive", "do", "robot_driving:do", "Let a robot do something, and wait until it is done."),
-    Later("Program", "run", "robot_programs:run", "Carry out a program on a robot, and write what happens."),
+    Later("Drive", "do", "robot_driving:do", "Run a capability of a robot and wait until it is done."),
+    Later("Program", "run", "robot_programs:run", "Run a program on a robot and print what happens."),
     Later(
         "Program",
         "check",
         "robot_programs:check",
-        "Check a program: names, kinds and units, limits, what is never reached or never ends, nodes that are dead.",
+        "Check a program: names, kinds, units, limits, dead code, dead nodes.",
     ),
     Later(
         "Program",
         "convert",
         "robot_programs:convert",
-        "Write a program as text, as JSON, or as the code that an expert would write for it, in ROS 1 or ROS 2.",
+        "Convert a program to text, JSON, or ROS 1 or ROS 2 code.",
     ),
     Later(
         "Try",
         "simulate",
         "robot_simulate:simulate",
-        "Simulate a robot, which nodes of ROS speak for: a wheeled one in an office, or a drone over a field.",
+        "Simulate a robot with ROS nodes: on wheels in an office, or a drone.",
     ),
 )
 CORPUS_COMMANDS: Final = (
@@ -222,7 +222,7 @@ CORPUS_COMMANDS: Final = (
         "Commands",
         "select",
         "corpus:select",
-        "Select projects from a table by criteria, and compare the selection with RNKG's.",
+        "Select projects from a table by criteria, and compare with RNKG's.",
     ),
     Later(
         "Commands",
@@ -236,7 +236,7 @@ EVALUATIONS: Final = (
         "Commands",
         "completeness",
         "evaluate:completeness",
-        "Count what references name, or the code calls, and the graph knows.",
+        "Measure how much of references or code the graph contains.",
     ),
     Later(
         "Commands",
@@ -244,18 +244,18 @@ EVALUATIONS: Final = (
         "evaluate:correctness",
         "Compare the relations of nodes with references: precision, recall and F1.",
     ),
-    Later("Commands", "sample", "evaluate:sample", "Draw facts for a person to judge, or score such a sheet."),
+    Later("Commands", "sample", "evaluate:sample", "Draw facts to be judged by a person, or score a judged sheet."),
     Later(
         "Commands",
         "search",
         "evaluate:search",
-        "Compare the search with other ways to find nodes: NDCG@1 and NDCG@5.",
+        "Compare the search with other methods: NDCG@1 and NDCG@5.",
     ),
     Later(
         "Commands",
         "exercises",
         "evaluate_exercises:exercises",
-        "Compare programs of capabilities with code that does the same, by four exercises for two simulated robots.",
+        "Compare capability programs with equivalent code in four exercises.",
     ),
 )
 ONTOLOGY_COMMANDS: Final = (
@@ -263,14 +263,13 @@ ONTOLOGY_COMMANDS: Final = (
         "Commands",
         "check",
         "ontology:check",
-        "Reason over ontologies with HermiT (OWL 2 DL): each alone, then all together; exit code 1 for a "
-        "contradiction.",
+        "Check ontologies with the reasoner HermiT (OWL 2 DL).",
     ),
     Later(
         "Commands",
         "validate",
         "ontology:validate",
-        "Hold the data of the store against SHACL shapes; exit code 1 when it does not conform.",
+        "Validate the data of the store against SHACL shapes.",
     ),
 )
 EXTRACT_COMMANDS: Final = (
@@ -278,29 +277,27 @@ EXTRACT_COMMANDS: Final = (
         "Commands",
         "check",
         "extract:check",
-        "Check descriptions of framework calls: columns, types, argument numbers, rows that never match.",
+        "Check descriptions of framework calls: columns, types, arguments, matches.",
     ),
 )
-CONFIG_COMMANDS: Final = (
-    Later("Commands", "show", "config:show", "Show every setting with its value and where the value comes from."),
-)
+CONFIG_COMMANDS: Final = (Later("Commands", "show", "config:show", "Show all settings with their values and origins."),)
 
 
-RULES: Final = """Write rules, try them and run them over the store.
+RULES: Final = """Write, test and run rules.
 
-A rule is a file in a folder of rules; its examples stand beside it. Folders of your own are those of the setting
-`rules`, by default rules/ beside kg.toml or in the working folder. A new rule in five steps:
+A rule is a file in a folder of rules, with its examples in the same folder. The setting `rules` lists your own folders:
+by default rules/ next to kg.toml or in the working folder. A new rule in five steps:
 
-    kg rules new wiring/listens-to        writes a rule and its examples
-    kg rules check wiring/listens-to      is it well written?
-    kg rules test wiring/listens-to       does it do what its examples say?
-    kg rules diff wiring/listens-to       what would it change in this store?
-    kg rules run                          change it
+    kg rules new wiring/listens-to        create a rule and its examples
+    kg rules check wiring/listens-to      check how it is written
+    kg rules test wiring/listens-to       run its examples
+    kg rules diff wiring/listens-to       preview its effect on this store
+    kg rules run                          apply it
 """
-ROBOT: Final = """Say what a robot can do, and let it do so.
+ROBOT: Final = """List, use and program the capabilities of a robot.
 
-A robot is a running ROS system: its master, domain or router is given by --robot, else by the setting `robot`, else by
-ROS_MASTER_URI or ROS_DOMAIN_ID. `kg robot simulate office` starts one to try.
+A robot is a running ROS system. Its master, domain or router is given by --robot, the setting `robot`, or
+ROS_MASTER_URI or ROS_DOMAIN_ID, in this order. `kg robot simulate office` starts a simulated one.
 """
 
 
@@ -352,7 +349,7 @@ Spec = Annotated[
     typer.Option("--spec", callback=_print_description, is_eager=True, help="Describe all commands as JSON."),
 ]
 Traceback = Annotated[
-    bool, typer.Option("--traceback", help="Show errors with Python's traceback. [KG_DEBUG=1]", show_default=False)
+    bool, typer.Option("--traceback", help="Show Python tracebacks of errors. [KG_DEBUG=1]", show_default=False)
 ]
 
 
@@ -366,7 +363,7 @@ def kg(  # noqa: PLR0913 - the options before the command
     version: Version = False,  # noqa: ARG001 - its callback does the work
     spec: Spec = False,  # noqa: ARG001 - its callback does the work
 ) -> None:
-    """Know the ROS nodes of a workspace: what they publish, subscribe, offer and need, and on which line."""
+    """Index and search the ROS nodes of a workspace, with the line behind each fact."""
     flags: dict[str, object] = {
         name: value for name, value in (("store", store), ("color", color)) if value is not None
     }
@@ -378,7 +375,7 @@ def kg(  # noqa: PLR0913 - the options before the command
 
 
 def _config(context: typer.Context) -> None:
-    """Show settings and where they come from."""
+    """Show settings and their origins."""
     if context.invoked_subcommand is None:
         from kg.cli.commands.config import show  # noqa: PLC0415 - start-up time
 
@@ -388,13 +385,13 @@ def _config(context: typer.Context) -> None:
 for _name, _commands, _panel, _help in (
     ("rules", RULE_COMMANDS, "Ask", RULES),
     ("robot", ROBOT_COMMANDS, "Ask", ROBOT),
-    ("corpus", CORPUS_COMMANDS, "Start", "Select repositories from a table of projects, and fetch them."),
+    ("corpus", CORPUS_COMMANDS, "Start", "Select repositories from a table of projects and fetch them."),
     ("eval", EVALUATIONS, "Ask", "Measure the graph and the search against references and the code."),
-    ("extract", EXTRACT_COMMANDS, "Look after it", "Check descriptions of framework calls."),
-    ("ontology", ONTOLOGY_COMMANDS, "Look after it", "Check ontologies, and data against shapes."),
+    ("extract", EXTRACT_COMMANDS, "Maintain", "Check descriptions of framework calls."),
+    ("ontology", ONTOLOGY_COMMANDS, "Maintain", "Check ontologies, and validate data against shapes."),
 ):
     _below = typer.Typer(cls=_group(_commands), rich_markup_mode=None, help=_help)
     app.add_typer(_below, name=_name, rich_help_panel=_panel)
 _settings = typer.Typer(cls=_group(CONFIG_COMMANDS), rich_markup_mode=None)
 _settings.callback(invoke_without_command=True)(_config)
-app.add_typer(_settings, name="config", rich_help_panel="Look after it")
+app.add_typer(_settings, name="config", rich_help_panel="Maintain")

@@ -105,7 +105,7 @@ def left_out(inferred: Inferred | None) -> bool:
     for problem in problems:
         show(problem, "warning")
     if problems and inferred and inferred.mode != "none":
-        note("what is inferred follows from the other rules")
+        note("the other rules ran")
     return bool(problems)
 
 

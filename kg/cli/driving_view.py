@@ -86,7 +86,7 @@ def show_plan(plan: Plan, *, json: bool) -> None:
     for line in _lines({plan.type: plan.message}):
         write(printable(line))
     if plan.afterwards is not None:
-        note("and then the same with zero, to stand still")
+        note("then the same with zeros, to stop")
 
 
 def _lines(value: Mapping[str, Any], depth: int = 0) -> list[str]:

@@ -127,9 +127,9 @@ def not_as_pinned(lock: Lock, found: Standing) -> None:
         problem("KG137", difference, entry.name)
     if found.missing:
         missing = count(len(found.missing), "repository", "repositories")
-        note(f"{missing} of {place} not checked out; `kg corpus fetch --lock {place}` fetches what can be had")
+        note(f"{missing} of {place} not checked out; fetch them with `kg corpus fetch --lock {place}`")
     if found.drifted:
-        note(f"{count(len(found.drifted), 'checkout')} not as {place} pins; what stands there is built")
+        note(f"{count(len(found.drifted), 'checkout')} not at the commits that {place} pins; building them as they are")
 
 
 def entry_object(entry: Entry) -> dict[str, Any]:

@@ -140,7 +140,7 @@ class KgGroup(TyperGroup):
             meant = [name for name in CALLED.get(args[0], ()) if name in self.commands]
             near = asked(meant) or did_you_mean(args[0], self.commands)
             hint = "\n".join(filter(None, (near, f"`{ctx.command_path} --help` lists the commands.")))
-            raise UsageError("KG003", f"there is no command `{ctx.command_path} {args[0]}`", hint=hint)
+            raise UsageError("KG003", f"unknown command `{ctx.command_path} {args[0]}`", hint=hint)
         return super().resolve_command(ctx, args)
 
     def main(self, *args: Any, **kwargs: Any) -> Any:

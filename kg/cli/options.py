@@ -59,16 +59,14 @@ Format = Annotated[str | None, from_setting("format")]
 Robot = Annotated[str | None, from_setting("robot")]
 Places = Annotated[str | None, from_setting("places")]
 Exclusive = Annotated[
-    bool, typer.Option("--exclusive", help="Refuse to move what another node moves, too, and stop when one comes.")
+    bool, typer.Option("--exclusive", help="Refuse to move what another node also moves, and stop if one appears.")
 ]
 WatchdogSeconds = Annotated[str | None, from_setting("watchdog")]
 Queries = Annotated[str | None, from_setting("queries")]
 Rules = Annotated[str | None, from_setting("rules")]
 Families = Annotated[str | None, from_setting("rule_families")]
-Json = Annotated[bool, typer.Option("--json", help="Write JSON Lines: one object a line.")]
-NoRules = Annotated[
-    bool, typer.Option("--no-rules", help="Leave what rules inferred as it is; the next build brings it up to date.")
-]
+Json = Annotated[bool, typer.Option("--json", help="Write JSON Lines: one object per line.")]
+NoRules = Annotated[bool, typer.Option("--no-rules", help="Do not run rules; the next build updates inferred triples.")]
 PackageName = Annotated[
     str | None,
     typer.Option(
@@ -84,7 +82,7 @@ System = Annotated[
     typer.Option(
         "--system",
         metavar="LAUNCH",
-        help="Only what these launch files start: a path, or `package/launch/x.launch`, or any end of these.",
+        help="Only what these launch files start: a path, `package/launch/x.launch`, or a suffix of either.",
         autocompletion=launches,
     ),
 ]

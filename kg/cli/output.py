@@ -146,7 +146,7 @@ def print_table(columns: Sequence[Column], rows: Iterable[Sequence[object]], *, 
     kept = _fitting(columns, [[_cell(value) for value in row] for row in every])
     absent = [column.title for index, column in enumerate(columns) if index not in kept]
     if absent:
-        note(f"not shown on lines this short: {', '.join(absent)}")
+        note(f"hidden on a narrow terminal: {', '.join(absent)}")
 
 
 def make_table(columns: Sequence[Column], rows: Iterable[Sequence[object]], *, title: str | None = None) -> Table:

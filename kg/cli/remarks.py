@@ -18,7 +18,7 @@ _FORMATS: Final = ("text", "json", "sarif", "github")
 
 Form = Annotated[str, typer.Option("--format", "-f", metavar="FORMAT", help=f"One of {', '.join(_FORMATS)}.")]
 Level = Annotated[
-    str, typer.Option("--level", metavar="SEVERITY", help="Leave out what is less than error, warning or note.")
+    str, typer.Option("--level", metavar="SEVERITY", help="Lowest severity to show: error, warning or note.")
 ]
 
 
@@ -27,4 +27,4 @@ def require_known(form: str, level: str, hints: Mapping[str, str] | None = None)
     for word, allowed, what in ((form, _FORMATS, "format"), (level, SEVERITIES, "severity")):
         if word not in allowed:
             hint = (hints or {}).get(word) or f"One of {', '.join(allowed)}."
-            raise UsageError("KG003", f"`{word}` is no {what}", hint=hint)
+            raise UsageError("KG003", f"unknown {what} `{word}`", hint=hint)

@@ -51,7 +51,7 @@ def show_capabilities(found: Capabilities, *, every: bool, json: bool, none: str
         return
     hidden = len(found.capabilities) - len(chosen)
     if not found.capabilities:
-        note(none or f"{found.of} has no capability that the ontology knows")
+        note(none or f"{found.of} has no capability of the ontology")
     elif hidden and terminal():
         note(
             f"{count(len(chosen), 'capability', 'capabilities')}, and {hidden} general ones that follow; --all has them"

@@ -103,4 +103,4 @@ def tell(need: Need) -> None:
     if strict:
         note(f"only nodes with: {', '.join(strict)}")
     if rather:
-        note(f"rather nodes with: {', '.join(rather)}")
+        note(f"preferring nodes with: {', '.join(rather)}")

@@ -126,7 +126,7 @@ def with_variants(
 def tell_left_out(labels: Sequence[str]) -> None:
     """Say which variants of a launch file were not evaluated."""
     if labels:
-        note(f"{len(labels)} variants were left out: {', '.join(labels)}; give them with --arg or --env")
+        note(f"{len(labels)} variants skipped: {', '.join(labels)}; choose them with --arg or --env")
 
 
 def tell_unread(settings: Settings, systems: Sequence[System], environment: Mapping[str, str]) -> None:

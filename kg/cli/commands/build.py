@@ -28,13 +28,15 @@ Sources = Annotated[
     list[str] | None,
     typer.Argument(
         metavar="SOURCE",
-        help="Folders, git addresses (URL or URL@REF), or files that list them; without any, what was read before.",
+        help="Folders, git addresses (URL or URL@REF), or files that list them; by default the sources read before.",
     ),
 ]
-Watch = Annotated[bool, typer.Option("--watch", "-w", help="Then wait for changes and build again, until Ctrl-C.")]
+Watch = Annotated[
+    bool, typer.Option("--watch", "-w", help="After the build, watch for changes and build again, until Ctrl-C.")
+]
 Corpus = Annotated[
     str | None,
-    typer.Option("--corpus", metavar="LOCK", help="Build all repositories of this lock file (`kg corpus fetch`) too."),
+    typer.Option("--corpus", metavar="LOCK", help="Also build all repositories of this lock file (`kg corpus fetch`)."),
 ]
 Problems = Annotated[bool, typer.Option("--problems", help="List all problems and reasons, not only the first.")]
 
@@ -60,9 +62,9 @@ def build(  # noqa: PLR0913 - the options of a command
 ) -> None:
     """Read ROS packages into the store.
 
-    What their nodes declare is found in the source code; nothing is compiled or run. A second build reads only
-    what has changed. Files that cannot be read as they should are reported, the rest is built. Rules then infer what
-    follows. Interrupted at any moment, or ended by the limit `memory`, it leaves the store as it was. For example:
+    Nodes and their interfaces are extracted from the source code; nothing is compiled or run. A second build reads
+    only what has changed. Unreadable files are reported and the rest is built. Rules then infer further facts. If a
+    build is interrupted or reaches the `memory` limit, the store is unchanged. For example:
 
         kg build ~/catkin_ws/src
         kg build https://github.com/ros-planning/navigation.git@noetic-devel
@@ -122,7 +124,7 @@ def _watch(given: "Settings", *, problems: bool, infer: bool, json: bool) -> Non
     from kg.pipeline.pending import pending  # noqa: PLC0415 - start-up time
 
     layout = layout_of(given)
-    note("watching the sources; Ctrl-C ends")
+    note("watching the sources; press Ctrl-C to stop")
     try:
         while True:
             sleep(_WATCH_SECONDS)
@@ -140,11 +142,11 @@ def status(
     json: Json = False,
     store: Store = None,
 ) -> None:
-    """List the sources in the store, and what has changed since.
+    """List the sources in the store and what has changed since the build.
 
-    Each with its commit, how many packages and nodes it has, how many names stayed unresolved, how many nodes reached
-    a limit of the interpretation (`bounded`), and how many packages a build would read again. It says so when rules
-    were written, edited or removed since they ran.
+    Shows each source's commit, packages, nodes, unresolved names, nodes that reached a limit of the interpretation
+    (`bounded`), and packages that a build would read again. Reports whether rules were added, edited or removed since
+    they last ran.
     """
     from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
     from kg.pipeline.pending import pending, rules_changed  # noqa: PLC0415 - start-up time
@@ -166,11 +168,11 @@ def status(
     rows = [_row(one, changed) for one in states]
     listing(columns, rows, objects=(_object(one, changed) for one in states) if json else None)
     if not json and rules_changed(layout, settings):
-        note("the rules are not those that ran last, or some could not run; `kg rules run` runs them")
+        note("rules have changed since they last ran, or some could not run; run `kg rules run`")
     if terminal() and not json:
         note(f"{count(quads, 'quad')} in generation {generation} of {layout.root}")
         if any(changed.values()):
-            note("`kg build` reads what has changed")
+            note("`kg build` reads the changes")
 
 
 def _change(name: str, changed: dict[str, tuple[str, ...] | None]) -> str:
@@ -178,7 +180,7 @@ def _change(name: str, changed: dict[str, tuple[str, ...] | None]) -> str:
         return "not built here"
     packages = changed[name]
     if packages is None:
-        return "not there any more"
+        return "no longer exists"
     return count(len(packages), "package") if packages else "-"
 
 

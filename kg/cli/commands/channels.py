@@ -17,7 +17,7 @@ __all__ = ["All", "Via", "action", "service", "topic"]
 
 _MOST = 5
 """So many names are listed in a note."""
-_HELP = "Its name in a system, `/{0}`; in the code, `{0}` or `~/{0}`; or a part of one."
+_HELP = "Name in a system (`/{0}`), name in the code (`{0}` or `~/{0}`), or a part of either."
 Topic = Annotated[
     str, typer.Argument(metavar="NAME", help=_HELP.format("scan"), autocompletion=topics, show_default=False)
 ]
@@ -27,9 +27,9 @@ Service = Annotated[
 Action = Annotated[
     str, typer.Argument(metavar="NAME", help=_HELP.format("dock"), autocompletion=actions, show_default=False)
 ]
-All = Annotated[bool, typer.Option("--all", "-a", help="A row for each launch file, instead of their number.")]
+All = Annotated[bool, typer.Option("--all", "-a", help="Show a row for each launch file instead of their number.")]
 Via = Annotated[
-    bool, typer.Option("--via", help="Also the calls in wrappers and base classes, from the line to the framework.")
+    bool, typer.Option("--via", help="Show the calls in wrappers and base classes, from the line to the framework.")
 ]
 
 
@@ -43,11 +43,11 @@ def topic(  # noqa: PLR0913 - the options of a command
     json: Json = False,
     store: Store = None,
 ) -> None:
-    """Show who publishes and subscribes to a topic, in every launch file and in code.
+    """Show a topic's publishers and subscribers, by launch file and in code.
 
-    Each row is one line of code of one start of a node: with its QoS, the line that starts it, and how many launch
-    files include that line. Types and QoS that do not fit are listed below, as `kg lint` reports them.
-    For example:
+    Each row is one line of code in one start of a node, with its QoS, the line that starts it, and the number of
+    launch files that include that line. Incompatible types and QoS are listed below, as `kg lint` reports them. For
+    example:
 
         kg topic /cmd_vel
         kg topic cmd_vel --system rover.launch
@@ -66,7 +66,7 @@ def service(  # noqa: PLR0913 - the options of a command
     json: Json = False,
     store: Store = None,
 ) -> None:
-    """Show who offers and calls a service, in every launch file and in code; as `kg topic`."""
+    """Show a service's servers and clients; works like `kg topic`."""
     _show(context, "service", name, system, store, every=every, via=via, json=json)
 
 
@@ -80,7 +80,7 @@ def action(  # noqa: PLR0913 - the options of a command
     json: Json = False,
     store: Store = None,
 ) -> None:
-    """Show who offers and calls an action, in every launch file and in code; as `kg topic`."""
+    """Show an action's servers and clients; works like `kg topic`."""
     _show(context, "action", name, system, store, every=every, via=via, json=json)
 
 

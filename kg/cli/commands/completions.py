@@ -14,14 +14,14 @@ __all__ = ["completions"]
 
 Shell = Annotated[
     str | None,
-    typer.Argument(metavar="SHELL", help="bash, zsh, fish or powershell; by default the one that $SHELL names."),
+    typer.Argument(metavar="SHELL", help="bash, zsh, fish or powershell; by default the shell in $SHELL."),
 ]
 
 
 def completions(shell: Shell = None) -> None:
-    """Print what lets a shell complete commands, options, and names of the store.
+    """Print a shell completion script for commands, options and names.
 
-    Nodes, packages, launch files, stored queries and rules are those of the store that the working folder has.
+    Completes nodes, packages, launch files, stored queries and rules of the working folder's store.
 
         kg completions bash > ~/.local/share/bash-completion/completions/kg
         kg completions zsh > ~/.zfunc/_kg        # a folder of $fpath
@@ -32,7 +32,7 @@ def completions(shell: Shell = None) -> None:
     known = ("bash", "zsh", "fish", "powershell", "pwsh")
     asked = shell or Path(os.environ.get("SHELL", "")).name
     if asked not in known:
-        message = f"`{asked}` is no shell that completions are known for" if asked else "$SHELL names no shell"
-        hint = (did_you_mean(asked, known) if asked else None) or f"Give one of {', '.join(known)}."
+        message = f"no completions for the shell `{asked}`" if asked else "$SHELL is not set"
+        hint = (did_you_mean(asked, known) if asked else None) or f"Use one of {', '.join(known)}."
         raise UsageError("KG001", message, hint=hint)
     write(get_completion_script(prog_name="kg", complete_var="_KG_COMPLETE", shell=asked))

@@ -25,7 +25,7 @@ From = Annotated[
     typer.Option(
         "--from",
         metavar="TYPE",
-        help="What is there: `package/Type` or `Type`; of several the first node takes one.",
+        help="Input type: `package/Type` or `Type`. If repeated, the first node subscribes to one of them.",
         autocompletion=features("subscribes"),
     ),
 ]
@@ -34,7 +34,7 @@ To = Annotated[
     typer.Option(
         "--to",
         metavar="TYPE",
-        help="What is wanted; of several the last node gives one.",
+        help="Output type. If repeated, the last node publishes one of them.",
         autocompletion=features("publishes"),
     ),
 ]
@@ -43,7 +43,7 @@ Using = Annotated[
     typer.Option(
         "--using",
         metavar="NAME",
-        help="Only through this: a node, a package, a type, or a word of what a node is about.",
+        help="Only chains through this: a node, a package, a type, or a keyword of a node.",
         autocompletion=nodes,
     ),
 ]
@@ -53,12 +53,13 @@ Length = Annotated[
     typer.Option(
         "--length",
         metavar="N",
-        help="At most so many nodes. [default: 4, and no more than one more than the best chain has]",
+        help="Maximum number of nodes. [default: 4, and at most one more than the best chain]",
     ),
 ]
-Most = Annotated[str, typer.Option("--limit", "-n", metavar="N", help="Show so many chains.")]
+Most = Annotated[str, typer.Option("--limit", "-n", metavar="N", help="Number of chains to show.")]
 Launch = Annotated[
-    str | None, typer.Option("--launch", metavar="RANK", help="Write the launch file of this chain instead.")
+    str | None,
+    typer.Option("--launch", metavar="RANK", help="Write the launch file of the chain with this rank instead."),
 ]
 
 
@@ -75,12 +76,12 @@ def compose(  # noqa: PLR0913 - the options of a command
     json: Json = False,
     store: Store = None,
 ) -> None:
-    """Find chains of nodes that turn one type of messages into another.
+    """Find chains of nodes that convert one message type into another.
 
-    Each node subscribes the type that the one before publishes. Chains of fewer nodes come first, then those of nodes
-    that launch files start, alone and together, and that need no more inputs; tests, demos and tools that only pass
-    messages on come last. `--launch RANK` writes the launch file that wires a chain: XML for ROS 1, Python for ROS 2.
-    For example:
+    Each node subscribes to the type that the previous one publishes. Shorter chains come first. Among equals, nodes
+    started by launch files, alone and together, and chains without further inputs come first; tests, demos and tools
+    that only relay messages come last. `--launch RANK` writes the launch file that wires a chain: XML for ROS 1,
+    Python for ROS 2. For example:
 
         kg compose --from LaserScan --to Twist
         kg compose --from sensor_msgs/Image --to sensor_msgs/PointCloud2 --using stereo
@@ -110,7 +111,7 @@ def compose(  # noqa: PLR0913 - the options of a command
     if answer.more and (terminal() or json):
         note(f"the best {count(len(answer.chains), 'chain')}; --limit shows more")
     if answer.cut_off:
-        note("there were too many chains to look at all; --using and a shorter --length narrow them down")
+        note("the search stopped early: too many chains; narrow it with --using or a shorter --length")
 
 
 def _show(chains: "tuple[Composed, ...]", *, json: bool) -> None:
@@ -131,8 +132,8 @@ def _write_launch(chains: "tuple[Composed, ...]", rank: int) -> None:
     from kg.search.compose.launching import launch_text  # noqa: PLC0415 - start-up time
 
     if rank > len(chains):
-        hint = "Without `--launch` they are listed with their ranks."
-        raise UsageError("KG003", f"there is no chain {rank}, only {count(len(chains), 'chain')}", hint=hint)
+        hint = "Omit `--launch` to list the chains with their ranks."
+        raise UsageError("KG003", f"no chain {rank}, only {count(len(chains), 'chain')}", hint=hint)
     write(launch_text(chains[rank - 1]).removesuffix("\n"))
     if terminal():
-        note(f"`--launch {rank} > {chains[rank - 1].file_name}` keeps it")
+        note(f"save it with `--launch {rank} > {chains[rank - 1].file_name}`")

@@ -31,10 +31,10 @@ def setting_rows(context: typer.Context) -> list[dict[str, object]]:
 
 
 def show(context: typer.Context, *, json: Json = False) -> None:
-    """Show every setting with its value and where the value comes from.
+    """Show all settings with their values and origins.
 
-    A flag wins over the environment variable, that over the nearest kg.toml in this folder or above,
-    that over the default:
+    A flag overrides the environment variable, which overrides the nearest kg.toml in this folder or above, which
+    overrides the default:
 
         # kg.toml
         store = "/data/kg"

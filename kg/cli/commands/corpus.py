@@ -25,45 +25,45 @@ _MOST_JOBS: Final = 64
 Table = Annotated[str, typer.Argument(metavar="DATASET.csv", help="A table of projects, as CSV.")]
 CriteriaFile = Annotated[
     str | None,
-    typer.Option("--criteria", "-c", metavar="FILE", help="A file of criteria (TOML); by default that of kg."),
+    typer.Option("--criteria", "-c", metavar="FILE", help="Criteria, as TOML; by default those of kg."),
 ]
 Output = Annotated[
-    str | None, typer.Option("--output", "-o", metavar="LIST", help="Write the addresses to this file, one a line.")
+    str | None, typer.Option("--output", "-o", metavar="LIST", help="Write the addresses to this file, one per line.")
 ]
 
 Repositories = Annotated[
     str | None,
     typer.Argument(
         metavar="LIST|DATASET.csv",
-        help="Addresses, one a line (URL or URL@REF), or a table to select from; without it, what the lock names.",
+        help="Addresses, one per line (URL or URL@REF), or a table to select from; by default those of the lock file.",
     ),
 ]
 Into = Annotated[
     str | None,
-    typer.Option("--into", metavar="FOLDER", help="Where checkouts go; by default the folder of the lock file."),
+    typer.Option("--into", metavar="FOLDER", help="Folder for checkouts; by default the folder of the lock file."),
 ]
 LockFile = Annotated[
     str | None,
-    typer.Option("--lock", metavar="FILE", help="The lock file; by default corpus.lock.toml in the folder."),
+    typer.Option("--lock", metavar="FILE", help="Lock file; by default corpus.lock.toml in the folder."),
 ]
 Version = Annotated[
-    str | None, typer.Option("--ros", metavar="1|2|any", help="The version whose branch is taken; by default any.")
+    str | None, typer.Option("--ros", metavar="1|2|any", help="ROS version whose branch is fetched; by default any.")
 ]
 Jobs = Annotated[
-    str | None, typer.Option("--jobs", "-j", metavar="N", help="How many are fetched at a time; by default 4.")
+    str | None, typer.Option("--jobs", "-j", metavar="N", help="Number of parallel fetches; by default 4.")
 ]
 MaxSize = Annotated[
     str | None,
-    typer.Option("--max-size", metavar="SIZE", help="The most that one may take on disk; by default 500M."),
+    typer.Option("--max-size", metavar="SIZE", help="Maximum size of a repository on disk; by default 500M."),
 ]
 Retries = Annotated[
-    str | None, typer.Option("--retries", metavar="N", help="How often what may pass is tried again; by default 3.")
+    str | None, typer.Option("--retries", metavar="N", help="Number of retries after temporary errors; by default 3.")
 ]
 Seconds = Annotated[
-    str | None, typer.Option("--timeout", metavar="SECONDS", help="The longest that one may take; by default 600.")
+    str | None, typer.Option("--timeout", metavar="SECONDS", help="Time limit per repository; by default 600.")
 ]
-Submodules = Annotated[bool, typer.Option("--submodules", help="Fetch submodules too.")]
-Update = Annotated[bool, typer.Option("--update", help="Take the newest commits, not those of the lock file.")]
+Submodules = Annotated[bool, typer.Option("--submodules", help="Also fetch submodules.")]
+Update = Annotated[bool, typer.Option("--update", help="Fetch the newest commits, not those of the lock file.")]
 
 
 def select(
@@ -74,10 +74,10 @@ def select(
     output: Output = None,
     json: Json = False,
 ) -> None:
-    """Select projects from a table by criteria, and compare the selection with RNKG's.
+    """Select projects from a table by criteria, and compare with RNKG's.
 
-    Prints how many projects each criterion removes, in order, and the figures of what is left beside those of the
-    paper's Table 2. The list of addresses is what `kg corpus fetch` and `kg build` read. For example:
+    Prints how many projects each criterion removes, in order, and the figures of the remaining projects next to those
+    of the paper's Table 2. `kg corpus fetch` and `kg build` read the list of addresses. For example:
 
         kg corpus select repos_dataset_all.csv --output robots.txt
         kg corpus fetch robots.txt --into robots
@@ -119,7 +119,7 @@ def _write_list(path: Path, found: "Selection") -> None:
     try:
         path.write_text("\n".join([*lines, *found.addresses(), ""]), "utf-8")
     except OSError as error:
-        raise UsageError("KG003", f"the list cannot be written: {error.strerror}", place=Place(str(path))) from None
+        raise UsageError("KG003", f"cannot write the list: {error.strerror}", place=Place(str(path))) from None
 
 
 def fetch(  # noqa: PLR0913 - the options of a command
@@ -140,9 +140,9 @@ def fetch(  # noqa: PLR0913 - the options of a command
 ) -> None:
     """Fetch repositories, each at one commit, and pin the commits in a lock file.
 
-    Only the files of that commit come, no history. Nothing of a repository is run. Those that are gone, too large,
-    too slow or harmful are reported and the others fetched; run it again to go on where it ended. With a lock
-    file the commits in it are fetched. For example:
+    Only the files of that commit are fetched, without history. Nothing from a repository is run. Missing, oversized,
+    slow or harmful repositories are reported and the others fetched. Run the command again to continue. With a lock
+    file, the commits in it are fetched. For example:
 
         kg corpus fetch robots.txt --into robots
         kg corpus fetch --lock robots/corpus.lock.toml
@@ -166,9 +166,7 @@ def fetch(  # noqa: PLR0913 - the options of a command
 def _places(into: str | None, lock: str | None) -> tuple[Path, Path]:
     """Return the folder of the checkouts and the lock file: either tells where the other is."""
     if into is None and lock is None:
-        raise UsageError(
-            "KG003", "neither a folder nor a lock file is named", hint="Give --into FOLDER or --lock FILE."
-        )
+        raise UsageError("KG003", "no folder or lock file given", hint="Give --into FOLDER or --lock FILE.")
     folder = Path(into).expanduser() if into else Path(str(lock)).expanduser().absolute().parent
     return folder, Path(lock).expanduser() if lock else folder / "corpus.lock.toml"
 
@@ -199,7 +197,7 @@ def _options(  # noqa: PLR0913 - the options of a command
     from kg.corpus.fetching_git import Limits  # noqa: PLC0415 - start-up time
 
     if ros is not None and ros not in VERSIONS:
-        raise UsageError("KG003", f"`--ros {ros}` is no version of ROS", hint="Write --ros 1, --ros 2 or --ros any.")
+        raise UsageError("KG003", f"`--ros {ros}` is not a version of ROS", hint="Write --ros 1, --ros 2 or --ros any.")
     usual, limits = Options(), Limits()
     return Options(
         ros=ros or usual.ros,

@@ -34,20 +34,20 @@ FACT: Final = ("scan_filter", "rnkg:hasCapability", "capability:ranging")
 """What rules inferred and the demo proves."""
 Keep = Annotated[
     str | None,
-    typer.Option("--store", "-s", metavar="FOLDER", help="Keep the store in FOLDER; by default it is thrown away."),
+    typer.Option("--store", "-s", metavar="FOLDER", help="Keep the store in FOLDER; by default it is temporary."),
 ]
 
 
 def demo(context: typer.Context, *, store: Keep = None) -> None:
-    """Build an example workspace, ask it five questions, prove what a rule inferred, and check its launch files.
+    """Try kg on an example workspace: build, ask, prove and lint.
 
-    It has a rover on ROS 1 and a drone on ROS 2. Needs no robot, no ROS and no network.
+    The workspace contains a ROS 1 rover and a ROS 2 drone. The demo needs no robot, no ROS and no network.
     """
     chosen = store or session(context).flags.get("store")
     settings = session(context).settings(store=chosen)
     workspace = folder("examples") / "workspace"
     if not workspace.is_dir():
-        raise UsageError("KG003", f"the example workspace is not there: {workspace}", hint="Install kg again.")
+        raise UsageError("KG003", f"missing example workspace: {workspace}", hint="Install kg again.")
     with ExitStack() as stack:
         target = _store(stack, str(chosen) if chosen else None)
         _build(target, workspace, settings)
@@ -128,7 +128,7 @@ def _next(kept: str | None) -> list[str]:
     if kept is None:
         return [
             "",
-            "The store of this demo is thrown away. Keep one and look around:",
+            "The demo store is temporary. To keep one and explore it:",
             "",
             "    kg demo --store demo",
             "    kg --store demo nodes",
@@ -136,20 +136,20 @@ def _next(kept: str | None) -> list[str]:
             "    kg --store demo graph --launch mission.launch.xml",
             "    kg --store demo query --list",
             "",
-            "Or read sources of your own:",
+            "To read your own sources:",
             "",
             "    kg build ~/catkin_ws/src",
         ]
     return [
         "",
-        f"The store is kept in {kept}. Look around:",
+        f"The store is in {kept}. To explore it:",
         "",
         f"    kg --store {kept} nodes",
         f"    kg --store {kept} node flight_controller",
         f"    kg --store {kept} graph --launch mission.launch.xml",
         f"    kg --store {kept} query --list",
         "",
-        "Or read sources of your own:",
+        "To read your own sources:",
         "",
         "    kg build ~/catkin_ws/src",
     ]

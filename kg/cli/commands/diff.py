@@ -22,18 +22,22 @@ _SHOWN: Final = 12
 Named = Annotated[
     list[str] | None,
     typer.Argument(
-        metavar="A..B", help="Two commits (A..B, A...B since they parted, or A B), or the folders of two stores."
+        metavar="A..B", help="Two commits (A..B, A...B from their merge base, or A B), or the folders of two stores."
     ),
 ]
 Repository = Annotated[
-    str | None, typer.Option("--repository", "-C", metavar="FOLDER", help="The checkout; by default this folder.")
+    str | None,
+    typer.Option("--repository", "-C", metavar="FOLDER", help="Checkout to compare; by default this folder."),
 ]
 Launch = Annotated[
-    str | None, typer.Option("--launch", "-l", metavar="FILE", help="Only the wiring of this launch file.")
+    str | None, typer.Option("--launch", "-l", metavar="FILE", help="Compare only the wiring of this launch file.")
 ]
-All = Annotated[bool, typer.Option("--all", "-a", help="Also what frameworks make; in the picture also what stayed.")]
+All = Annotated[
+    bool,
+    typer.Option("--all", "-a", help="Include what frameworks create implicitly, and in pictures what did not change."),
+]
 Markdown = Annotated[bool, typer.Option("--markdown", help="Write Markdown for a pull request.")]
-ExitCode = Annotated[bool, typer.Option("--exit-code", help="End with 1 where there are differences.")]
+ExitCode = Annotated[bool, typer.Option("--exit-code", help="Exit with 1 if there are differences.")]
 
 
 def diff(  # noqa: PLR0913 - the options of a command
@@ -52,11 +56,11 @@ def diff(  # noqa: PLR0913 - the options of a command
     rules: Rules = None,
     rule_families: Families = None,
 ) -> None:
-    """Show what changed in interfaces and wiring between two commits.
+    """Show changes in interfaces and wiring between two commits.
 
-    What node types declare and what launch files make of it: names, types, quality of service, parameters, connections
-    and findings that came, went or are others now. Each commit is read once, into a store in your cache; your work tree
-    is not touched, nothing is fetched. For example:
+    Compares node types and launched systems: names, types, quality of service, parameters, connections and findings
+    that were added, removed or changed. Each commit is read once, into a store in your cache. Your work tree is not
+    touched and nothing is fetched. For example:
 
         kg diff main..HEAD
         kg diff v1.2..v1.3 --markdown
@@ -129,5 +133,5 @@ def _one_system(found: "Difference", both: "tuple[Known, Known]") -> str:
         names = tuple(sorted({one.configuration.name for side in both for one in side.sources.systems}))
     if len(names) == 1:
         return names[0]
-    hint = "\n".join(f"`--launch {name}`" for name in names[:_SHOWN]) or "Without a picture, interfaces are compared."
+    hint = "\n".join(f"`--launch {name}`" for name in names[:_SHOWN]) or "Omit the picture to compare interfaces."
     raise UsageError("KG003", f"{count(len(names), 'launch file')} could be drawn; one can", hint=hint)

@@ -18,8 +18,8 @@ __all__ = ["doctor"]
 def doctor(context: typer.Context, *, json: Json = False, store: Store = None) -> None:
     """Check the installation and the store.
 
-    Looked at are Python and the packages that kg needs, git, Java, the disk, the store and the settings. The exit code
-    is 1 when something is wrong.
+    Checks Python and the packages that kg needs, git, Java, the disk, the store and the settings. Exits with 1 if a
+    check fails.
     """
     from kg.cli.checks import checks  # noqa: PLC0415 - start-up time
 

@@ -29,30 +29,35 @@ References = Annotated[
         "--reference", "-r", metavar="FILE", help="References: JSON lines, a wiki page, a README, a folder of pages."
     ),
 ]
-Closed = Annotated[bool, typer.Option("--closed", help="Take references to name all that a node has.")]
-AnyCommit = Annotated[bool, typer.Option("--any-commit", help="Compare references of other commits too.")]
+Closed = Annotated[bool, typer.Option("--closed", help="Assume that references are complete.")]
+AnyCommit = Annotated[bool, typer.Option("--any-commit", help="Also compare references of other commits.")]
 Package = Annotated[
-    str | None, typer.Option("--package", "-p", metavar="NAME", help="The package that wiki pages and READMEs are of.")
+    str | None, typer.Option("--package", "-p", metavar="NAME", help="Package that wiki pages and READMEs describe.")
 ]
-Seed = Annotated[str, typer.Option("--seed", metavar="N", help="Another seed draws others.")]
+Seed = Annotated[str, typer.Option("--seed", metavar="N", help="Seed of the random sample.")]
 Code = Annotated[bool, typer.Option("--code", help="Compare with the code instead of references.")]
-SampleSize = Annotated[str, typer.Option("--sample", metavar="N", help="With --code: so many calls, and facts.")]
-Tests = Annotated[bool, typer.Option("--tests", help="With --code: search the files of tests too.")]
-Missed = Annotated[str | None, typer.Option("--missed", metavar="FILE", help="With --code: write what failed, as CSV.")]
+SampleSize = Annotated[
+    str, typer.Option("--sample", metavar="N", help="With --code: number of calls, and of facts, to sample.")
+]
+Tests = Annotated[bool, typer.Option("--tests", help="With --code: also search test files.")]
+Missed = Annotated[
+    str | None, typer.Option("--missed", metavar="FILE", help="With --code: write the failures, as CSV.")
+]
 Keep = Annotated[bool, typer.Option("--keep", help="Keep the references in the store, for the stored queries.")]
-Forget = Annotated[bool, typer.Option("--forget", help="Take kept references out of the store.")]
-Size = Annotated[str, typer.Option("--size", "-n", metavar="N", help="Draw so many facts.")]
+Forget = Annotated[bool, typer.Option("--forget", help="Remove kept references from the store.")]
+Size = Annotated[str, typer.Option("--size", "-n", metavar="N", help="Number of facts to draw.")]
 Relations = Annotated[
-    list[str] | None, typer.Option("--relation", metavar="NAME", help="Only of this relation; may be repeated.")
+    list[str] | None, typer.Option("--relation", metavar="NAME", help="Only this relation; may be repeated.")
 ]
 Sheet = Annotated[str | None, typer.Option("--output", "-o", metavar="FILE", help="Write the sheet to FILE.")]
-Judged = Annotated[str | None, typer.Option("--score", metavar="FILE", help="Score a sheet that was judged.")]
+Judged = Annotated[str | None, typer.Option("--score", metavar="FILE", help="Score a judged sheet.")]
 Tables = Annotated[
     str | None, typer.Option("--tables", metavar="FOLDER", help="Write the scores as Markdown, CSV and SVG.")
 ]
 Needs = Annotated[str, typer.Option("--queries", "-q", metavar="FILE", help="Needs with judged nodes: JSON lines.")]
 Model = Annotated[
-    str | None, typer.Option("--model", metavar="FOLDER", help="A model of sentence embeddings to compare with too.")
+    str | None,
+    typer.Option("--model", metavar="FOLDER", help="Model of sentence embeddings to include in the comparison."),
 ]
 Output = Annotated[
     str | None, typer.Option("--output", "-o", metavar="FOLDER", help="Write Markdown, CSV and SVG into FOLDER.")
@@ -76,11 +81,12 @@ def completeness(  # noqa: PLR0913 - the options of a command
     json: Json = False,
     store: Store = None,
 ) -> None:
-    """Count what references name, or the code calls, and the graph knows.
+    """Measure how much of references or code the graph contains.
 
-    Nodes, topics, services, actions, types and parameters, as in RNKG's Table 8, with Wilson intervals: a name is
-    known when its package has an end or parameter of that name and role. With --code the graph is compared with the
-    code (Table 9): sampled calls that another, simpler reader finds, and sampled facts with their lines. For example:
+    Covers nodes, topics, services, actions, types and parameters, as in RNKG's Table 8, with Wilson intervals. A name
+    is found if its package has an endpoint or parameter of that name and role. With --code, the graph is compared with
+    the code (Table 9): sampled calls found by a simpler, independent reader, and sampled facts with their lines. For
+    example:
 
         kg eval completeness --reference nodes.jsonl
         kg eval completeness -r src/scan_tools/README.md -r src/nav/doc/wiki.txt --output tables
@@ -130,8 +136,8 @@ def correctness(  # noqa: PLR0913 - the options of a command
 ) -> None:
     """Compare the relations of nodes with references: precision, recall and F1.
 
-    By relation, as in RNKG's Table 10. Precision needs references that name all that a node has: files say so by role
-    (`closed_world`), --closed says it of all. For example:
+    Results are by relation, as in RNKG's Table 10. Precision needs references that list everything that a node has.
+    Files declare this by role (`closed_world`); --closed declares it for all. For example:
 
         kg eval correctness --reference truth.jsonl
         kg eval correctness -r truth.jsonl --closed --json
@@ -159,10 +165,11 @@ def sample(  # noqa: PLR0913 - the options of a command
     json: Json = False,
     store: Store = None,
 ) -> None:
-    """Draw facts for a person to judge, or score such a sheet.
+    """Draw facts to be judged by a person, or score a judged sheet.
 
-    The sheet (CSV) has as many facts of each relation, inferred ones too, each with its line of code; write yes, no
-    or unsure into its column `right`. Its score is the precision by relation, with Wilson intervals. For example:
+    The sheet (CSV) contains equally many facts of each relation, inferred ones included, each with its line of code.
+    Enter yes, no or unsure in its column `right`. The score is the precision by relation, with Wilson intervals. For
+    example:
 
         kg eval sample --size 100 --output sheet.csv
         kg eval sample --score sheet.csv
@@ -191,7 +198,7 @@ def _known_relation(name: str) -> str:
 
     if name not in RELATIONS:
         hint = did_you_mean(name, RELATIONS) or f"One of {', '.join(RELATIONS)}."
-        raise UsageError("KG003", f"`{name}` is no relation of facts", hint=hint)
+        raise UsageError("KG003", f"unknown relation `{name}`", hint=hint)
     return name
 
 
@@ -204,10 +211,10 @@ def search(  # noqa: PLR0913 - the options of a command
     json: Json = False,
     store: Store = None,
 ) -> None:
-    """Compare the search with other ways to find nodes: NDCG@1 and NDCG@5.
+    """Compare the search with other methods: NDCG@1 and NDCG@5.
 
-    TF-IDF, fuzzy names, subgraph matching of the interfaces that a need names, and sentence embeddings where a model
-    is given, as in RNKG's Table 11; with bootstrap intervals. For example:
+    The methods are those of RNKG's Table 11: TF-IDF, fuzzy names, subgraph matching of the interfaces that a need
+    names, and sentence embeddings if a model is given. Results have bootstrap intervals. For example:
 
         kg eval search --queries needs.jsonl
         kg eval search --queries needs.jsonl --model ~/models/all-MiniLM-L6-v2 --output tables
@@ -224,7 +231,7 @@ def search(  # noqa: PLR0913 - the options of a command
 
 def _paths(reference: list[str] | None) -> list[Path]:
     if not reference:
-        raise UsageError("KG003", "no reference is named", hint="Give --reference FILE, once for each.")
+        raise UsageError("KG003", "no references given", hint="Add --reference FILE for each reference.")
     return [Path(one).expanduser() for one in reference]
 
 

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 __all__ = ["exercises"]
 
 Capabilities = Annotated[
-    bool, typer.Option("--capabilities", help="Table 1: what each simulated robot can do, as rules infer it.")
+    bool, typer.Option("--capabilities", help="Print Table 1: the inferred capabilities of each simulated robot.")
 ]
-Run = Annotated[bool, typer.Option("--run", help="Carry the exercises out, and say which reach their goal.")]
+Run = Annotated[bool, typer.Option("--run", help="Run the exercises and report which reach their goal.")]
 Output = Annotated[
     str | None, typer.Option("--output", "-o", metavar="FOLDER", help="Write Markdown, CSV and SVG into FOLDER.")
 ]
@@ -33,10 +33,11 @@ def exercises(  # noqa: PLR0913 - the options of a command
     json: Json = False,
     store: Store = None,
 ) -> None:
-    """Compare programs of capabilities with code that does the same, by four exercises for two simulated robots.
+    """Compare capability programs with equivalent code in four exercises.
 
-    Blocks and capabilities of the program, and lines, components and message types of the code, as in Table 2 of the
-    onto-ros paper. The programs stand in examples/programs; needs the extra `simulate`. For example:
+    Compares blocks and capabilities of the program with lines, components and message types of the code, for two
+    simulated robots, as in Table 2 of the onto-ros paper. The programs are in examples/programs. Needs the extra
+    `simulate`. For example:
 
         kg eval exercises
         kg eval exercises --capabilities

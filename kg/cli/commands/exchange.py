@@ -25,11 +25,9 @@ __all__ = ["export", "forget", "import_files"]
 FORMATS: Final = ("nq", "trig", "nt", "ttl", "n3", "rdf", "jsonld")
 FormatName = Annotated[
     str | None,
-    typer.Option(
-        "--format", "-f", metavar="FORMAT", help=f"{', '.join(FORMATS)}; by default told from the file's name."
-    ),
+    typer.Option("--format", "-f", metavar="FORMAT", help=f"{', '.join(FORMATS)}; by default from the file name."),
 ]
-Output = Annotated[str | None, typer.Option("--output", "-o", metavar="FILE", help="Write into FILE.")]
+Output = Annotated[str | None, typer.Option("--output", "-o", metavar="FILE", help="Write to FILE.")]
 Source = Annotated[
     str | None, typer.Option("--source", metavar="NAME", help="Only what was read from this source (see `kg status`).")
 ]
@@ -37,8 +35,8 @@ GraphName = Annotated[
     str | None,
     typer.Option("--graph", "-g", metavar="NAME", help="A named graph: ontology, inferred, builds, or an IRI."),
 ]
-Files = Annotated[list[str], typer.Argument(metavar="FILE", help="Files of RDF.")]
-Sources = Annotated[list[str], typer.Argument(metavar="SOURCE", help="Names of sources as `kg status` lists them.")]
+Files = Annotated[list[str], typer.Argument(metavar="FILE", help="RDF files.")]
+Sources = Annotated[list[str], typer.Argument(metavar="SOURCE", help="Names of sources, as listed by `kg status`.")]
 
 
 def export(  # noqa: PLR0913 - the options of a command
@@ -53,8 +51,8 @@ def export(  # noqa: PLR0913 - the options of a command
 ) -> None:
     """Write the graph as RDF.
 
-    By default that is all of it, as N-Quads. Formats without named graphs (nt, ttl, n3, rdf) get the union of
-    all graphs. For example:
+    By default, writes the whole graph as N-Quads. Formats without named graphs (nt, ttl, n3, rdf) get the union of all
+    graphs. For example:
 
         kg export > everything.nq
         kg export --source github.com/acme/rover -o rover.ttl
@@ -88,11 +86,11 @@ def import_files(  # noqa: PLR0913 - the options of a command
     base: Base = None,
     store: Store = None,
 ) -> None:
-    """Add files of RDF to the store.
+    """Add RDF files to the store.
 
-    When one of them is not valid none is added. Triples go into the graph named with --graph, by default one
-    with the name of the file; quads go where they say. The ontologies of kg come along where the store has none, and
-    rules then infer what follows. For example:
+    If a file is invalid, nothing is added. Triples go into the graph named with --graph, by default one named after
+    the file. Quads keep their graphs. If the store has no ontologies yet, those of kg are added. Rules then infer
+    further facts. For example:
 
         kg import everything.nq
         kg import my-robot.ttl --graph https://example.org/my-robot
@@ -127,11 +125,10 @@ def forget(
     base: Base = None,
     store: Store = None,
 ) -> None:
-    """Take sources out of the store.
+    """Remove sources from the store.
 
-    Everything that was read from them goes, and what rules inferred from it. Their source code is not touched, and
-    `kg build` brings them back.
-    For example:
+    Removes everything read from them, and what rules inferred from it. Their source code is not touched. `kg build`
+    adds them again. For example:
 
         kg forget github.com/acme/rover
     """
@@ -164,9 +161,7 @@ def _format(name: str | None, output: Path | None) -> "RdfFormat | None":
     found = RdfFormat.from_extension(ending.lower()) or _by_other_names(ending.lower())
     if found is None:
         near = did_you_mean(ending, FORMATS)
-        raise QueryError(
-            "KG504", f"there is no format `{ending}`", hint=near or f"The formats are {', '.join(FORMATS)}."
-        )
+        raise QueryError("KG504", f"unknown format `{ending}`", hint=near or f"The formats are {', '.join(FORMATS)}.")
     return found
 
 
@@ -196,7 +191,7 @@ def _graph(snapshot: "EmbeddedSnapshot", base: str, source: str | None, graph: s
     from kg.graph.iris import Iris  # noqa: PLC0415 - start-up time
 
     if source and graph:
-        raise UsageError("KG003", "--source and --graph name a graph each", hint="Give one of them.")
+        raise UsageError("KG003", "--source and --graph are mutually exclusive", hint="Give one of them.")
     if not source and not graph:
         return None
     wanted = Iris(base).source_graph(source) if source else _iri(base, graph or "")

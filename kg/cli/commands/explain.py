@@ -14,14 +14,14 @@ __all__ = ["explain"]
 
 Code = Annotated[
     str | None,
-    typer.Argument(metavar="CODE", help="A code such as KG101; without one all are listed.", autocompletion=codes),
+    typer.Argument(metavar="CODE", help="Code such as KG101; by default all are listed.", autocompletion=codes),
 ]
 
 
 def explain(code: Code = None, *, json: Json = False) -> None:
-    """Say what an error code means.
+    """Explain an error code and how to fix the error.
 
-    And what to do about it. For example:
+    Without a code, lists all codes. For example:
 
         kg explain KG301
     """

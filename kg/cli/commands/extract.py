@@ -19,15 +19,16 @@ if TYPE_CHECKING:
 __all__ = ["check"]
 
 Files = Annotated[
-    list[str] | None, typer.Argument(metavar="FILE", help="Files of descriptions; by default those of the setting.")
+    list[str] | None,
+    typer.Argument(metavar="FILE", help="Files of descriptions; by default those of the setting `calls`."),
 ]
 
 
 def check(context: typer.Context, files: Files = None, *, json: Json = False, calls: Calls = None) -> None:
-    """Check descriptions of framework calls: columns, types, argument numbers, rows that never match.
+    """Check descriptions of framework calls: columns, types, arguments, matches.
 
-    Descriptions tell `kg build` what the calls of a framework do whose sources it does not have (docs/calls.md).
-    Exit code 1 when there are errors. For example:
+    Descriptions define the calls of a framework whose sources `kg build` does not have (docs/calls.md). Reports rows
+    that never match. Exits with 1 if there are errors. For example:
 
         kg extract check
         kg extract check calls/acme.toml

@@ -36,17 +36,22 @@ _SHOWN: Final = 12
 _COLUMNS: Final = (Column("node", "name"), Column("does"), Column("name"), Column("type"), Column("with"))
 
 Focus = Annotated[
-    str | None, typer.Option("--focus", metavar="NODE", help="Only what is near this node: its name, or the end of it.")
+    str | None,
+    typer.Option(
+        "--focus", metavar="NODE", help="Show only the surroundings of this node: its name, or a suffix of it."
+    ),
 ]
 Depth = Annotated[
     str | None,
-    typer.Option("--depth", metavar="N", help="How many topics, services or actions away from --focus; 1 by default."),
+    typer.Option(
+        "--depth", metavar="N", help="Maximum distance from --focus in topics, services or actions; by default 1."
+    ),
 ]
 Expand = Annotated[
     list[str] | None,
-    typer.Option("--expand", metavar="NAMESPACE", help="Show what is in it, however large; `/` shows all."),
+    typer.Option("--expand", metavar="NAMESPACE", help="Expand this namespace, however large; `/` expands all."),
 ]
-All = Annotated[bool, typer.Option("--all", "-a", help="Also what frameworks make by themselves (tf, rosout, ...).")]
+All = Annotated[bool, typer.Option("--all", "-a", help="Include what frameworks create implicitly (tf, rosout, ...).")]
 
 
 def graph(  # noqa: PLR0913 - the options of a command
@@ -68,13 +73,12 @@ def graph(  # noqa: PLR0913 - the options of a command
     output: Output = None,
     store: Store = None,
 ) -> None:
-    """Show who talks to whom when a launch file is started.
+    """Show the nodes and connections that a launch file starts.
 
-    Nodes with all they publish, subscribe, offer and call, after namespaces, remappings and parameters, and who is at
-    the other side; nothing is run. Where there are many nodes, pictures show namespaces as one box each. What leads
-    nowhere and what is not known is marked. What launch refuses in the file is reported as KG415, with exit code 1, as
-    what stands behind it is not known. `kg node NAME` shows one of the nodes with the lines behind all that. For
-    example:
+    Shows each node's topics, services and actions after namespaces, remappings and parameters, and the nodes at the
+    other end. Nothing is run. For large systems, pictures collapse each namespace into one box. Dead ends and unknown
+    parts are marked. Errors that launch would raise are reported as KG415 with exit code 1, because the rest of the
+    file is then unknown. `kg node NAME` shows one node with the lines behind it. For example:
 
         kg graph rover.launch
         kg graph rover_robot rover.launch camera:=false -o rover.svg
@@ -85,7 +89,7 @@ def graph(  # noqa: PLR0913 - the options of a command
 
     form = form_of({"svg": svg, "dot": dot, "mermaid": mermaid, "json": json}, output)
     if depth is not None and focus is None:
-        raise UsageError("KG003", "--depth is counted from a node", hint="Name it with `--focus NODE`.")
+        raise UsageError("KG003", "--depth needs --focus", hint="Add `--focus NODE`.")
     settings = session(context).settings(store=store)
     launch, arg = named(file, launch, arg)
     launch = launch or _only(settings)
@@ -142,7 +146,7 @@ def _only(settings: "Settings") -> str:
     outer = [name for name in names if name not in inner] or names
     more = f"\n... and {len(outer) - _SHOWN} more; `kg instances` lists all" if len(outer) > _SHOWN else ""
     hint = "\n".join(f"`kg graph {name}`" for name in outer[:_SHOWN]) + more
-    raise UsageError("KG003", f"the store has {len(names)} launch files; say which", hint=hint)
+    raise UsageError("KG003", f"the store has {len(names)} launch files; choose one", hint=hint)
 
 
 def _focused(graph: "SystemGraph", name: str) -> list[str]:

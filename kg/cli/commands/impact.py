@@ -28,19 +28,19 @@ Name = Annotated[
         autocompletion=subjects,
     ),
 ]
-KindOf = Annotated[
-    str | None, typer.Option("--kind", "-k", metavar="KIND", help="What NAME is, where it means several things.")
-]
+KindOf = Annotated[str | None, typer.Option("--kind", "-k", metavar="KIND", help="Kind of NAME, if it is ambiguous.")]
 Diff = Annotated[
     str | None,
-    typer.Option("--diff", "-d", metavar="COMMIT", help="What the work tree breaks elsewhere, compared with COMMIT."),
+    typer.Option(
+        "--diff", "-d", metavar="COMMIT", help="Show what the work tree breaks elsewhere, compared with COMMIT."
+    ),
 ]
 Repository = Annotated[
     str | None,
-    typer.Option("--repository", "-C", metavar="FOLDER", help="The checkout of --diff; by default this folder."),
+    typer.Option("--repository", "-C", metavar="FOLDER", help="Checkout for --diff; by default this folder."),
 ]
 Markdown = Annotated[bool, typer.Option("--markdown", help="Write Markdown for a pull request.")]
-ExitCode = Annotated[bool, typer.Option("--exit-code", help="End with 1 if something breaks.")]
+ExitCode = Annotated[bool, typer.Option("--exit-code", help="Exit with 1 if something breaks.")]
 
 
 def impact(  # noqa: PLR0913 - the options of a command
@@ -58,8 +58,8 @@ def impact(  # noqa: PLR0913 - the options of a command
 ) -> None:
     """Show what breaks if a name is renamed, removed or changed.
 
-    In code, launch files, parameter files and definitions, each with its line. `breaks` is certain; `may` has the
-    reason why it is not. For example:
+    Searches code, launch files, parameter files and definitions, and shows each place with its line. `breaks` is
+    certain; `may` states why it is uncertain. For example:
 
         kg impact /cmd_vel
         kg impact geometry_msgs/Twist.linear
@@ -67,13 +67,13 @@ def impact(  # noqa: PLR0913 - the options of a command
         kg impact bringup.launch:use_sim_time --json
         kg impact --diff origin/main --markdown
 
-    With --diff, each difference between COMMIT and the files as they are now is shown with what it breaks in places
-    that did not change. The store is not changed.
+    With --diff, each difference between COMMIT and the current files is shown with what it breaks in unchanged places.
+    The store is not changed.
     """
     form = form_of({"markdown": markdown, "json": json}, output)
     settings = session(context).settings(store=store)
     if (name is None) == (diff is None):
-        raise UsageError("KG003", "name one thing, or give --diff COMMIT", hint="`kg impact /cmd_vel`, for example.")
+        raise UsageError("KG003", "a name or --diff COMMIT is required", hint="`kg impact /cmd_vel`, for example.")
     if diff is not None:
         is_breaking, text = _of_commit(settings, diff, Path(repository or "."), form)
     else:

@@ -51,12 +51,12 @@ def instances(  # noqa: PLR0913 - the options of a command
     json: Json = False,
     store: Store = None,
 ) -> None:
-    """List every node that launch files start, with the name it has then.
+    """List the nodes that launch files start, with their run-time names.
 
-    Launch files are evaluated, never run: includes, namespaces, remappings, parameters and conditions as roslaunch and
-    ros2 launch take them. Without a file all launch files of the store are listed, each with its default arguments.
-    A node whose package is not in the store has no counts; `kg node NAME` shows one with its remappings, parameters and
-    lines. For example:
+    Launch files are evaluated, never run: includes, namespaces, remappings, parameters and conditions behave as in
+    roslaunch and ros2 launch. Without a file, all launch files of the store are listed, each with its default
+    arguments. A node whose package is not in the store has no counts. `kg node NAME` shows a node's remappings,
+    parameters and lines. For example:
 
         kg instances rover.launch
         kg instances rover_robot rover.launch camera:=false
@@ -110,5 +110,5 @@ def _notes(found: "Sequence[System]", rows: int, *, one: bool) -> None:
     for problem in [problem for system in found for problem in system.configuration.problems][:5] if one else ():
         note(f"{problem.location}: {problem.message}")
     files = f" of {count(len(found), 'launch file')}" if not one else ""
-    ways = "`kg node NAME` shows one, `kg graph FILE` draws them, `kg lint` says what is wrong"
+    ways = "`kg node NAME` shows one, `kg graph FILE` draws them, `kg lint` checks them"
     note(f"{count(rows, 'instance')}{files}; {ways}")

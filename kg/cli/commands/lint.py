@@ -27,25 +27,26 @@ _OTHER_FORMATS: Final = dict.fromkeys(("xunit", "junit"), "Use `--xunit-file FIL
 
 Paths = Annotated[
     list[str] | None,
-    typer.Argument(metavar="PATH", help="Folders to read first, into a store of their own; else the store's."),
+    typer.Argument(
+        metavar="PATH", help="Folders to read first, into a temporary store; by default the store is checked."
+    ),
 ]
 Every = Annotated[
-    bool, typer.Option("--all", "-a", help="Also what may be missing only because a file is meant to be included.")
+    bool,
+    typer.Option("--all", "-a", help="Include findings that might only arise because a file is meant to be included."),
 ]
 Codes = Annotated[
-    list[str] | None, typer.Option("--code", metavar="CODE", help="Only findings of this code; may be repeated.")
+    list[str] | None, typer.Option("--code", metavar="CODE", help="Show only findings with this code; may be repeated.")
 ]
 Baseline = Annotated[
-    str | None, typer.Option("--baseline", metavar="FILE", help="Leave out the findings that this file knows.")
+    str | None, typer.Option("--baseline", metavar="FILE", help="Hide the findings listed in this file.")
 ]
 WriteBaseline = Annotated[
-    str | None, typer.Option("--write-baseline", metavar="FILE", help="Write the findings there, for --baseline.")
+    str | None, typer.Option("--write-baseline", metavar="FILE", help="Write the findings to FILE, for --baseline.")
 ]
-Why = Annotated[
-    bool, typer.Option("--why", help="Prove each finding, down to the rule and the lines, as `kg why` does.")
-]
+Why = Annotated[bool, typer.Option("--why", help="Prove each finding by its rule and source lines, like `kg why`.")]
 Xunit = Annotated[
-    str | None, typer.Option("--xunit-file", metavar="FILE", help="Also write the results as a test of ament.")
+    str | None, typer.Option("--xunit-file", metavar="FILE", help="Also write the results as an ament test.")
 ]
 
 
@@ -72,11 +73,11 @@ def lint(  # noqa: PLR0913 - the options of a command
     jobs: Jobs = None,
     store: Store = None,
 ) -> None:
-    """Report what is wrong in the wiring of launch files.
+    """Report problems in the wiring of launch files.
 
-    Names that do not meet, types and qualities of service that do not fit, remappings and parameters without effect,
-    files that are missing: found without running anything. Exit code 1 when there are errors or warnings. What is right
-    as it is stands in kg.toml below [[lint.allow]], with the reason. For example:
+    Finds names that do not match, incompatible types and qualities of service, remappings and parameters without
+    effect, and missing files, without running anything. Exits with 1 if there are errors or warnings. Accept known
+    findings in kg.toml under [[lint.allow]], with a reason. For example:
 
         kg lint
         kg lint ~/catkin_ws/src --level error
@@ -115,8 +116,8 @@ def lint(  # noqa: PLR0913 - the options of a command
 
 def _require_provable(*, stored: bool, form: str) -> None:
     if not stored or form != "text":
-        hint = "Leave out --arg, --env and --variants, whose systems are not kept, and other formats than text."
-        raise UsageError("KG003", "only what the store holds can be proven, and only as text", hint=hint)
+        hint = "Remove --arg, --env, --variants and --format."
+        raise UsageError("KG003", "--why works only on the store and with text output", hint=hint)
 
 
 def _prove(context: typer.Context, checked: "Checked", settings: "Settings") -> None:

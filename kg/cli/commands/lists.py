@@ -18,13 +18,15 @@ if TYPE_CHECKING:
 
 __all__ = ["actions", "channel_rows", "packages", "services", "topics"]
 
-All = Annotated[bool, typer.Option("--all", "-a", help="Also what frameworks make by themselves (/rosout, /tf, ...).")]
+All = Annotated[
+    bool, typer.Option("--all", "-a", help="Include what frameworks create implicitly (/rosout, /tf, ...).")
+]
 
 
 def packages(context: typer.Context, *, json: Json = False, store: Store = None) -> None:
-    """List the packages with what was found in each.
+    """List the packages with their nodes, interfaces and problems.
 
-    That is how many nodes, interface definitions and problems each has.
+    Counts the nodes, interface definitions and problems of each package.
     """
     from kg.graph import overview  # noqa: PLC0415 - start-up time
 
@@ -47,7 +49,7 @@ def packages(context: typer.Context, *, json: Json = False, store: Store = None)
 
 
 def topics(context: typer.Context, *, every: All = False, json: Json = False, store: Store = None) -> None:
-    """List the topics, their types and how many nodes use them.
+    """List the topics with their types and numbers of nodes.
 
     Names are those in launched systems, after remapping, and those of nodes started alone. `kg topic NAME` shows one.
     """
@@ -55,12 +57,18 @@ def topics(context: typer.Context, *, every: All = False, json: Json = False, st
 
 
 def services(context: typer.Context, *, every: All = False, json: Json = False, store: Store = None) -> None:
-    """List the services, their types and how many nodes use them; `kg service NAME` shows one."""
+    """List the services with their types and numbers of nodes.
+
+    `kg service NAME` shows one.
+    """
     _list(context, "service", store, every=every, json=json)
 
 
 def actions(context: typer.Context, *, every: All = False, json: Json = False, store: Store = None) -> None:
-    """List the actions, their types and how many nodes use them; `kg action NAME` shows one."""
+    """List the actions with their types and numbers of nodes.
+
+    `kg action NAME` shows one.
+    """
     _list(context, "action", store, every=every, json=json)
 
 

@@ -12,9 +12,9 @@ __all__ = ["mcp"]
 def mcp(context: typer.Context, *, timeout: Timeout = None, store: Store = None) -> None:
     """Serve coding assistants over the Model Context Protocol.
 
-    An assistant starts it and speaks to it on standard input and output; it finds nodes, describes them, shows
-    how launch files wire them, reports findings, runs read-only queries and explains facts, each with lines of
-    code. Nothing is changed. Needs `pip install 'kg-ros[mcp]'`. For example, in an assistant's settings:
+    An assistant starts the server and talks to it on standard input and output. It can find and describe nodes, show
+    how launch files wire them, report findings, run read-only queries and explain facts, each with lines of code.
+    Nothing is changed. Needs `pip install 'kg-ros[mcp]'`. For example, in an assistant's settings:
 
         {"mcpServers": {"kg": {"command": "kg", "args": ["--store", "/path/to/.kg", "mcp"]}}}
     """

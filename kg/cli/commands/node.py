@@ -31,20 +31,20 @@ Name = Annotated[
     str,
     typer.Argument(
         metavar="NAME",
-        help="Name of the node, or `package/node`, or `repository:package/node`; or the absolute name of an instance.",
+        help="Name of a node, `package/node`, `repository:package/node`, or the absolute name of an instance.",
         autocompletion=nodes,
     ),
 ]
-All = Annotated[bool, typer.Option("--all", "-a", help="Also what frameworks make by themselves (rosout, tf, ...).")]
+All = Annotated[bool, typer.Option("--all", "-a", help="Include what frameworks create implicitly (rosout, tf, ...).")]
 Via = Annotated[
-    bool, typer.Option("--via", help="Also the calls in wrappers and base classes, from the line to the framework.")
+    bool, typer.Option("--via", help="Show the calls in wrappers and base classes, from the line to the framework.")
 ]
 Picture = Annotated[
     str | None,
     typer.Option(
         "--picture",
         metavar="[FILE.svg]",
-        help="Draw it as SVG: into the file, else to standard output, or on a terminal to NODE.svg.",
+        help="Draw the node as SVG to this file; by default to standard output, or on a terminal to NODE.svg.",
     ),
 ]
 
@@ -73,12 +73,11 @@ def node(  # noqa: PLR0913 - the options of a command
     json: Json = False,
     store: Store = None,
 ) -> None:
-    """Show one node: its interface, with lines of code.
+    """Show the interface of one node, with lines of code.
 
-    How to start it, what it is for, what it publishes, subscribes, offers and calls, its parameters, and the line
-    behind each. Of an instance, named as it is when it runs: the launch line, remappings, parameters and the names
-    that its ends have.
-    For example:
+    Shows how to start the node, its purpose, its topics, services, actions and parameters, and the line behind each.
+    For an instance, named as at run time, shows the launch line, remappings, parameters and resolved names. For
+    example:
 
         kg node move_base
         kg node move_base/move_base --all --via
@@ -95,7 +94,7 @@ def node(  # noqa: PLR0913 - the options of a command
         _instance(settings, name, launch, every=every, picture=picture, json=json)
         return
     if launch is not None:
-        hint = f"Name an instance as it is when it runs, `/{name}` say."
+        hint = f"Use the run-time name of an instance, such as `/{name}`."
         raise UsageError("KG003", "--launch chooses among instances", hint=hint)
     with reading(settings) as snapshot:
         records = one_node(snapshot, name)
@@ -129,7 +128,7 @@ def _instance(  # noqa: PLR0913 - the options of the command
         links = Links.of(sources(snapshot))
     pairs = [(system, one) for system in found for one in system.instances if one.name == name]
     if picture is not None:
-        hint = f"`kg graph {chosen} --focus {name} -o FILE.svg` draws it with those around it."
+        hint = f"`kg graph {chosen} --focus {name} -o FILE.svg` draws it with its neighbours."
         raise UsageError("KG003", "--picture draws node types", hint=hint)
     if json:
         json_lines(instance_object(*pair) for pair in pairs)
@@ -147,7 +146,7 @@ def _show(record: "NodeRecord", found: "Classes", links: "Links", *, every: bool
     show(*node_view(record, links, line_width(), every=every, via=via, most=most, classes=found))
     hidden = 0 if every else left_out(record.node)
     if hidden:
-        note(f"{count(hidden, 'implicit entry', 'implicit entries')} made by frameworks not shown; --all shows them")
+        note(f"{count(hidden, 'implicit entry', 'implicit entries')} created by frameworks hidden; --all shows them")
 
 
 def _draw(record: "NodeRecord", file: str, *, every: bool) -> None:
@@ -161,5 +160,5 @@ def _draw(record: "NodeRecord", file: str, *, every: bool) -> None:
     try:
         path.write_bytes(drawn)
     except OSError as error:
-        raise UsageError("KG003", f"the picture cannot be written: {error.strerror}", place=Place(str(path))) from error
+        raise UsageError("KG003", f"cannot write the picture: {error.strerror}", place=Place(str(path))) from error
     say(f"wrote {path}")

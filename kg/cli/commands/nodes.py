@@ -35,10 +35,10 @@ Kind = Annotated[
 def nodes(
     context: typer.Context, *, package: PackageName = None, kind: Kind = None, json: Json = False, store: Store = None
 ) -> None:
-    """List every node with how many interfaces it has.
+    """List all nodes with the number of their interfaces.
 
-    The columns count what the code declares itself: topics published (pub) and subscribed (sub), services
-    offered (srv) and called (cli), actions offered or called (act), parameters (par). For example:
+    The columns count what the code itself declares: topics published (pub) and subscribed to (sub), services offered
+    (srv) and called (cli), actions offered or called (act), parameters (par). For example:
 
         kg nodes --package move_base
         kg nodes --json | jq -r 'select(.publishes[].type == "geometry_msgs/Twist") | .node'
@@ -46,7 +46,7 @@ def nodes(
     from kg.facts import NodeKind  # noqa: PLC0415 - start-up time
 
     if kind is not None and kind not in set(NodeKind):
-        raise UsageError("KG003", f"there is no kind `{kind}`", hint=f"The kinds are {', '.join(NodeKind)}.")
+        raise UsageError("KG003", f"unknown kind `{kind}`", hint=f"The kinds are {', '.join(NodeKind)}.")
     with reading(session(context).settings(store=store)) as snapshot:
         if package:
             known_package(snapshot, package)

@@ -19,18 +19,17 @@ if TYPE_CHECKING:
 
 __all__ = ["check", "validate"]
 
-Files = Annotated[
-    list[str] | None, typer.Argument(metavar="FILE", help="Ontologies; by default those that kg brings along.")
-]
+Files = Annotated[list[str] | None, typer.Argument(metavar="FILE", help="Ontologies; by default those that kg ships.")]
 Shapes = Annotated[
-    str | None, typer.Option("--shapes", metavar="FILE", help="SHACL shapes; by default those that kg brings along.")
+    str | None, typer.Option("--shapes", metavar="FILE", help="SHACL shapes; by default those that kg ships.")
 ]
 
 
 def check(files: Files = None, *, json: Json = False) -> None:
-    """Reason over ontologies with HermiT (OWL 2 DL): each alone, then all together; exit code 1 for a contradiction.
+    """Check ontologies with the reasoner HermiT (OWL 2 DL).
 
-    Needs Java and `pip install 'kg-ros[ontology]'`. For example:
+    Each ontology is checked alone, then all together. Exits with 1 on a contradiction. Needs Java and `pip install
+    'kg-ros[ontology]'`. For example:
 
         kg ontology check
         kg ontology check my-robot.ttl
@@ -53,9 +52,9 @@ def check(files: Files = None, *, json: Json = False) -> None:
 
 
 def validate(context: typer.Context, *, shapes: Shapes = None, json: Json = False, store: Store = None) -> None:
-    """Hold the data of the store against SHACL shapes; exit code 1 when it does not conform.
+    """Validate the data of the store against SHACL shapes.
 
-    Needs `pip install 'kg-ros[ontology]'`. Large stores take minutes.
+    Exits with 1 if the data does not conform. Needs `pip install 'kg-ros[ontology]'`. Large stores take minutes.
     """
     from pyoxigraph import RdfFormat  # noqa: PLC0415 - start-up time
 

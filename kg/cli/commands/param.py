@@ -15,7 +15,7 @@ from kg.store.opening import reading
 
 __all__ = ["param"]
 
-_HELP = "Its name in the code, `rate`; in a parameter file, `FollowPath.speed`; `/node/rate`; or a part of one."
+_HELP = "Name in the code (`rate`), in a parameter file (`FollowPath.speed`), `/node/rate`, or a part of one."
 Name = Annotated[str, typer.Argument(metavar="NAME", help=_HELP, autocompletion=parameters, show_default=False)]
 
 
@@ -29,10 +29,10 @@ def param(  # noqa: PLR0913 - the options of a command
     json: Json = False,
     store: Store = None,
 ) -> None:
-    """Show which nodes declare a parameter, and the value that it has in every launch file.
+    """Show the nodes that declare a parameter, and its value per launch file.
 
-    With the line of code that declares it, its type and default, and the line of the launch or parameter file that
-    sets it. A start of a node that sets nothing has the default. For example:
+    Shows the line of code that declares it, its type and default, and the line of the launch or parameter file that
+    sets it. A node started without a value uses the default. For example:
 
         kg param use_sim_time
         kg param /controller_server/controller_frequency

@@ -35,14 +35,14 @@ Text = Annotated[
     ),
 ]
 Parameter = Annotated[
-    list[str] | None, typer.Option("--param", metavar="NAME=VALUE", help="Give a variable a value; as often as needed.")
+    list[str] | None, typer.Option("--param", metavar="NAME=VALUE", help="Set a variable; may be repeated.")
 ]
 Listed = Annotated[bool, typer.Option("--list", "-l", help="List the stored queries.")]
-HelpQuery = Annotated[bool, typer.Option("--help-query", help="Say what the stored query answers and takes.")]
+HelpQuery = Annotated[bool, typer.Option("--help-query", help="Show the purpose and parameters of the stored query.")]
 OnDemand = Annotated[
     str | None,
     typer.Option(
-        "--on-demand", metavar="FAMILY", help="Also answer from rules of this family, evaluated for the query alone."
+        "--on-demand", metavar="FAMILY", help="Also use the rules of this family, evaluated for this query only."
     ),
 ]
 File = Annotated[str | None, typer.Option("--file", "-f", metavar="FILE", help="Read the query from FILE.")]
@@ -65,14 +65,14 @@ def query(  # noqa: PLR0913 - the options of a command
     json: Json = False,
     store: Store = None,
 ) -> None:
-    """Ask in SPARQL, or by a stored query.
+    """Run a SPARQL query or a stored query.
 
-    All of SPARQL 1.1 Query can be used. The prefixes ros, rnkg, rdf, rdfs, owl, xsd, prov, dcterms, skos,
-    schema and sh are known; the default graph is the union of all graphs. Formats of rows: table, tsv, csv,
-    json, xml, markdown, jsonl, parquet (an extra); of graphs: turtle, ntriples, nquads, trig, jsonld, rdfxml.
+    Supports all of SPARQL 1.1 Query. The prefixes ros, rnkg, rdf, rdfs, owl, xsd, prov, dcterms, skos, schema and sh
+    are predefined. The default graph is the union of all graphs. Formats of rows: table, tsv, csv, json, xml,
+    markdown, jsonl, parquet (an extra); of graphs: turtle, ntriples, nquads, trig, jsonld, rdfxml.
 
-    --on-demand FAMILY is for rules whose results are too many to store: the answer is as if they were in the store,
-    and only what the query needs is derived. For example:
+    Use --on-demand FAMILY for rules whose results are too many to store. The answer is the same as if they were
+    stored, but only what the query needs is derived. For example:
 
         kg query 'SELECT ?node ?topic { ?node rnkg:publishes/rdfs:label ?topic }'
         kg query -f mine.rq --format csv > answer.csv

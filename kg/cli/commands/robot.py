@@ -17,24 +17,24 @@ if TYPE_CHECKING:
 
 __all__ = ["capabilities", "watch"]
 
-Live = Annotated[bool, typer.Option("--live", help="The running robot; what is meant where nothing else is named.")]
+Live = Annotated[bool, typer.Option("--live", help="Use the running robot (the default).")]
 Package = Annotated[
     str | None,
     typer.Option(
         "--package",
         "-p",
         metavar="NAME",
-        help="A package of the store; with --live or --launch, what it would add to that.",
+        help="A package of the store; with --live or --launch, what it would add to them.",
         autocompletion=packages,
     ),
 ]
-Why = Annotated[str | None, typer.Option("--why", metavar="CAPABILITY", help="Show why it is there, for each node.")]
-All = Annotated[bool, typer.Option("--all", "-a", help="List general capabilities, which others imply, too.")]
+Why = Annotated[str | None, typer.Option("--why", metavar="CAPABILITY", help="Explain a capability, for each node.")]
+All = Annotated[bool, typer.Option("--all", "-a", help="Include general capabilities that others imply.")]
 Name = Annotated[
     str | None,
-    typer.Option("--name", metavar="NAME", help="What the system is called in the store; by default its address."),
+    typer.Option("--name", metavar="NAME", help="Name of the system in the store; by default its address."),
 ]
-Once = Annotated[bool, typer.Option("--once", help="Take the system into the store as it is now, and end.")]
+Once = Annotated[bool, typer.Option("--once", help="Store the current state of the system and exit.")]
 
 
 def capabilities(  # noqa: PLR0913 - the options of a command
@@ -53,11 +53,11 @@ def capabilities(  # noqa: PLR0913 - the options of a command
     json: Json = False,
     store: Store = None,
 ) -> None:
-    """List what a robot can sense, do and know, and through which topic, service or action.
+    """List a robot's capabilities and the topics, services or actions they use.
 
-    A running robot is asked for its computation graph, and rules tell what follows from it; no store is needed. A
-    launch file or a package of the store is asked before anything runs. Capabilities are read (the robot tells
-    something) or written (it is told something). For example:
+    For a running robot, kg reads the computation graph and infers the capabilities by rules; no store is needed. For a
+    launch file or package of the store, nothing needs to run. Capabilities are read (data from the robot) or written
+    (commands to the robot). For example:
 
         kg robot capabilities
         kg robot capabilities --launch rover.launch
@@ -68,7 +68,7 @@ def capabilities(  # noqa: PLR0913 - the options of a command
     from kg.robot.live.asking import launched, of_package  # noqa: PLC0415 - start-up time
 
     if launch is not None and (live or robot is not None):
-        raise UsageError("KG003", "--launch is for a robot that does not run yet", hint="Leave out --live and --robot.")
+        raise UsageError("KG003", "--launch conflicts with --live and --robot", hint="Remove --live and --robot.")
     settings = session(context).settings(store=store, robot=robot, rules=rules, rule_families=rule_families)
     with ExitStack() as stack:
         base = None
@@ -111,11 +111,12 @@ def watch(  # noqa: PLR0913 - the options of a command
     json: Json = False,
     store: Store = None,
 ) -> None:
-    """Keep a running robot in the store, in step with it, and say what came and went.
+    """Mirror a running robot in the store, and report what changes.
 
-    Nodes that come and go, and what they can do, are in the store within a second, in a graph of their own; a store
-    is made where there is none. `kg instances`, `kg lint`, `kg graph`, `kg why` and the page work on it as on a launch
-    file. A robot that is lost is waited for. Ctrl-C ends it, and the graph stays as it was seen last. For example:
+    Nodes that start or stop, and their capabilities, are updated in the store within a second, in a separate graph.
+    The store is created if it is missing. `kg instances`, `kg lint`, `kg graph`, `kg why` and the page work on it as
+    on a launch file. If the connection is lost, kg waits for the robot. Press Ctrl-C to stop; the graph keeps the last
+    state. For example:
 
         kg robot watch
         kg robot watch --robot ros1://turtle:11311 --name turtle

@@ -13,34 +13,36 @@ CapabilityName = Annotated[
     str,
     typer.Argument(
         metavar="CAPABILITY",
-        help="Its name, as `kg robot capabilities` lists it, its label, or another name for it.",
+        help="Name of a capability (see `kg robot capabilities`), its label or a synonym.",
     ),
 ]
 Values = Annotated[
     list[str] | None,
-    typer.Argument(metavar="NAME=VALUE", help="Its parameters, with or without units: forward=20cm/s, or at=PLACE."),
+    typer.Argument(metavar="NAME=VALUE", help="Parameters, with or without units: forward=20cm/s, or at=PLACE."),
 ]
 Way = Annotated[
     str | None,
-    typer.Option("--way", metavar="NAME", help="Of several ways this: a topic, service, action, node or message type."),
+    typer.Option(
+        "--way", metavar="NAME", help="Topic, service, action, node or message type to use, if there are several."
+    ),
 ]
-Once = Annotated[bool, typer.Option("--once", help="Read one value, and end.")]
-Count = Annotated[str | None, typer.Option("--count", "-n", metavar="N", help="Read so many values, and end.")]
+Once = Annotated[bool, typer.Option("--once", help="Read one value and exit.")]
+Count = Annotated[str | None, typer.Option("--count", "-n", metavar="N", help="Read this many values and exit.")]
 Seconds = Annotated[
-    str | None, typer.Option("--seconds", metavar="S", help="Read for so many seconds of the robot's time, and end.")
+    str | None, typer.Option("--seconds", metavar="S", help="Read for this many seconds of the robot's time and exit.")
 ]
 Rate = Annotated[
     str | None,
-    typer.Option("--rate", metavar="HZ", help="At most so many values a second; how often a service is asked."),
+    typer.Option("--rate", metavar="HZ", help="Maximum values per second, and how often a service is called."),
 ]
 For = Annotated[
-    str | None, typer.Option("--for", metavar="S", help="Keep a movement up for so many seconds of the robot's time.")
+    str | None, typer.Option("--for", metavar="S", help="Duration of a movement, in seconds of the robot's time.")
 ]
 Within = Annotated[
     str | None,
-    typer.Option("--timeout", metavar="S", help="Give a goal, or a service, up after so many seconds."),
+    typer.Option("--timeout", metavar="S", help="Time limit of a goal or service call, in seconds."),
 ]
-DryRun = Annotated[bool, typer.Option("--dry-run", help="Say what would be sent where, and send nothing.")]
+DryRun = Annotated[bool, typer.Option("--dry-run", help="Print what would be sent where, without sending it.")]
 
 
 def read(  # noqa: PLR0913 - the options of a command
@@ -55,10 +57,10 @@ def read(  # noqa: PLR0913 - the options of a command
     robot: Robot = None,
     json: Json = False,
 ) -> None:
-    """Read what a robot senses or knows, a line for each value, until Ctrl-C.
+    """Print values that a robot senses or knows, one per line, until Ctrl-C.
 
-    Values are named by the parameters of the capability and in their units; in JSON, null stands for no reading, and
-    for one that is infinite. For example:
+    Values have the names and units of the capability's parameters. In JSON, null represents no reading or an infinite
+    one. For example:
 
         kg robot read sensingPose
         kg robot read laserScanning --rate 2
@@ -85,14 +87,13 @@ def do(  # noqa: PLR0913 - the options of a command
     watchdog: WatchdogSeconds = None,
     json: Json = False,
 ) -> None:
-    """Let a robot do something, and wait until it is done.
+    """Run a capability of a robot and wait until it is done.
 
-    A movement is kept up for --for seconds and ends with a command to stand still, whatever happens: also on Ctrl-C, on
-    an error, and when the robot's node goes away. A goal (an action) tells how far it is, and is cancelled on Ctrl-C.
-    Ctrl-Z ends the command, too. If this process hangs or is killed, a watchdog stops the robot after --watchdog
-    seconds.
-    Values out of a parameter's limits are refused. A place stands for its coordinates; a simulated robot knows some,
-    others stand in a file (--places). For example:
+    A movement continues for --for seconds and always ends with a stop command, even on Ctrl-C, on an error, or if the
+    robot's node disappears. A goal (an action) reports its progress and is cancelled on Ctrl-C. Ctrl-Z also ends the
+    command. If this process hangs or is killed, a watchdog stops the robot after --watchdog seconds. Values outside a
+    parameter's limits are refused. A place can be used instead of coordinates: a simulated robot has some, and a file
+    can define others (--places). For example:
 
         kg robot do drivingAtVelocity forward=0.2 turn=10deg/s --for 2
         kg robot do goingToPose x=3 y=150cm heading=90deg --timeout 60

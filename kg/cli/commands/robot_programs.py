@@ -23,15 +23,16 @@ __all__ = ["check", "convert", "run"]
 _FORMS = ("text", "json", "rospy", "rclpy")
 
 Program = Annotated[
-    str, typer.Argument(metavar="PROGRAM", help="A program: text (`.kgp`), or JSON (`.json`).", show_default=False)
+    str, typer.Argument(metavar="PROGRAM", help="Program as text (`.kgp`) or JSON (`.json`).", show_default=False)
 ]
-DryRun = Annotated[bool, typer.Option("--dry-run", "-n", help="Say what would be sent; the robot is not moved.")]
+DryRun = Annotated[bool, typer.Option("--dry-run", "-n", help="Print what would be sent, without moving the robot.")]
 Seconds = Annotated[
-    str | None, typer.Option("--seconds", metavar="S", help="End the program after so many seconds of robot's time.")
+    str | None,
+    typer.Option("--seconds", metavar="S", help="Stop the program after this many seconds of the robot's time."),
 ]
 To = Annotated[str, typer.Option("--to", metavar="FORM", help=f"One of {', '.join(_FORMS)}.", show_default=True)]
-Ids = Annotated[bool, typer.Option("--ids", help="Keep the names of blocks in text, behind `@`.")]
-Metrics = Annotated[bool, typer.Option("--metrics", help="Write figures instead: what the program takes, or the code.")]
+Ids = Annotated[bool, typer.Option("--ids", help="Keep the names of blocks in text, after `@`.")]
+Metrics = Annotated[bool, typer.Option("--metrics", help="Write metrics of the program or the code instead.")]
 
 
 def run(  # noqa: PLR0913 - the options of a command
@@ -49,11 +50,11 @@ def run(  # noqa: PLR0913 - the options of a command
     json: Json = False,
     store: Store = None,
 ) -> None:
-    """Carry out a program on a robot, and write what happens.
+    """Run a program on a robot and print what happens.
 
-    The program is checked first; with errors nothing is done. Whatever ends it, the robot is stopped: Ctrl-C, Ctrl-Z,
-    an error, a time that is over, a connection that is lost. If this process hangs or is killed, a watchdog stops the
-    robot after --watchdog seconds. The exit code is 1 when the program failed. For example:
+    The program is checked first; if there are errors, it is not run. However it ends, the robot is stopped: on Ctrl-C,
+    Ctrl-Z, an error, a timeout or a lost connection. If this process hangs or is killed, a watchdog stops the robot
+    after --watchdog seconds. Exits with 1 if the program failed. For example:
 
         kg robot run mail.kgp
         kg robot run mail.kgp --dry-run
@@ -106,10 +107,10 @@ def check(  # noqa: PLR0913 - the options of a command
     json: Json = False,
     store: Store = None,
 ) -> None:
-    """Check a program: names, kinds and units, limits, what is never reached or never ends, nodes that are dead.
+    """Check a program: names, kinds, units, limits, dead code, dead nodes.
 
-    Without --robot and --launch it is checked against everything that robots can do by the ontology. The exit code is
-    1 when there are errors; warnings do not count. For example:
+    Without --robot and --launch, the program is checked against all capabilities of the ontology. Exits with 1 if
+    there are errors; warnings do not count. For example:
 
         kg robot check mail.kgp
         kg robot check mail.kgp --robot ros1://turtle:11311
@@ -150,10 +151,10 @@ def convert(  # noqa: PLR0913 - the options of a command
     rule_families: Families = None,
     store: Store = None,
 ) -> None:
-    """Write a program as text, as JSON, or as the code that an expert would write for it, in ROS 1 or ROS 2.
+    """Convert a program to text, JSON, or ROS 1 or ROS 2 code.
 
-    Code needs to know through which topics, services and actions the robot is reached: those of --robot or --launch,
-    by default of the robot in force. For example:
+    The code is what an expert would write for the same task. It needs the robot's topics, services and actions: those
+    of --robot or --launch, by default of the configured robot. For example:
 
         kg robot convert mail.kgp --to json > mail.json
         kg robot convert mail.kgp --to rospy --launch rover.launch > mail.py
@@ -168,7 +169,7 @@ def convert(  # noqa: PLR0913 - the options of a command
     from kg.robot.programs.write import write as text_of  # noqa: PLC0415 - start-up time
 
     if to not in _FORMS:
-        raise UsageError("KG003", f"`{to}` is no form of a program", hint=f"One of {', '.join(_FORMS)}.")
+        raise UsageError("KG003", f"unknown form `{to}` of a program", hint=f"One of {', '.join(_FORMS)}.")
     settings = session(context).settings(
         store=store, robot=robot, places=places, rules=rules, rule_families=rule_families
     )
@@ -211,7 +212,7 @@ def _known(
     own = read_places(settings.places)
     if launch is not None:
         if robot:
-            raise UsageError("KG003", "--launch is for a robot that does not run yet", hint="Leave out --robot.")
+            raise UsageError("KG003", "--launch conflicts with --robot", hint="Remove --robot.")
         with launched(settings, launch, *given(launch, arg, env)) as subject:
             return subject.capabilities, own, None
     if robot is None:

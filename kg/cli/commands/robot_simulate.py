@@ -9,17 +9,17 @@ from kg.cli.session import session
 
 __all__ = ["simulate"]
 
-World = Annotated[str, typer.Argument(metavar="WORLD", help="`office` (a robot on wheels) or `drone`.")]
+World = Annotated[str, typer.Argument(metavar="WORLD", help="`office` (a wheeled robot) or `drone`.")]
 Master = Annotated[
     str | None,
     typer.Option("--master", metavar="ADDRESS", help="Join this system: ros1://HOST:PORT, dds://DOMAIN."),
 ]
-Port = Annotated[str, typer.Option("--port", metavar="N", help="Where our own ROS master listens; 0 is a free port.")]
-Ros2 = Annotated[bool, typer.Option("--ros2", help="Speak ROS 2 over DDS.")]
-Speed = Annotated[str, typer.Option("--speed", metavar="N", help="So many times real time, or `max`.")]
-Seconds = Annotated[str | None, typer.Option("--seconds", metavar="S", help="End after so many simulated seconds.")]
-Seed = Annotated[str, typer.Option("--seed", metavar="N", help="Another seed makes other noise.")]
-Page = Annotated[bool, typer.Option("--page", help="Show the robot on a page of `kg serve` meanwhile.")]
+Port = Annotated[str, typer.Option("--port", metavar="N", help="Port of the ROS master; 0 picks a free one.")]
+Ros2 = Annotated[bool, typer.Option("--ros2", help="Use ROS 2 over DDS.")]
+Speed = Annotated[str, typer.Option("--speed", metavar="N", help="Speed as a multiple of real time, or `max`.")]
+Seconds = Annotated[str | None, typer.Option("--seconds", metavar="S", help="Stop after this many simulated seconds.")]
+Seed = Annotated[str, typer.Option("--seed", metavar="N", help="Seed of the noise.")]
+Page = Annotated[bool, typer.Option("--page", help="Also show the robot on a page of `kg serve`.")]
 
 
 def simulate(  # noqa: PLR0913 - the options of a command
@@ -35,10 +35,10 @@ def simulate(  # noqa: PLR0913 - the options of a command
     page: Page = False,
     store: Store = None,
 ) -> None:
-    """Simulate a robot, which nodes of ROS speak for: a wheeled one in an office, or a drone over a field.
+    """Simulate a robot with ROS nodes: on wheels in an office, or a drone.
 
-    The office has rooms with names, the field has pads; tags hang and lie there. A ROS master of our own is started
-    unless --master names a system that runs. With another --speed than 1, nodes take their time from /clock. Needs the
+    The office has named rooms and the drone's field has pads; both contain tags. A separate ROS master is started
+    unless --master names a running system. With --speed other than 1, nodes take their time from /clock. Needs the
     extra `simulate`. For example:
 
         kg robot simulate office

@@ -26,10 +26,10 @@ Name = Annotated[
 Chosen = Annotated[
     list[str] | None,
     typer.Argument(
-        metavar="RULE", help="Rules, families, files or folders; all rules by default.", autocompletion=rule_names
+        metavar="RULE", help="Rules, families, files or folders; by default all rules.", autocompletion=rule_names
     ),
 ]
-NewName = Annotated[str, typer.Argument(metavar="FAMILY/NAME", help="What to call the rule.")]
+NewName = Annotated[str, typer.Argument(metavar="FAMILY/NAME", help="Name of the new rule.")]
 Notation = Annotated[str, typer.Option("--notation", metavar="NOTATION", help="rq (SPARQL), ttl (SHACL) or srl.")]
 
 
@@ -41,9 +41,9 @@ def new(
     rules: Rules = None,
     rule_families: Families = None,
 ) -> None:
-    """Begin a rule: a file that runs as it stands, and examples that pass.
+    """Create a rule that runs as it is, with examples that pass.
 
-    They are written to the first folder of the setting `rules`. For example:
+    The files are written to the first folder of the setting `rules`. For example:
 
         kg rules new wiring/listens-to
         kg rules new wiring/listens-to --notation srl
@@ -56,7 +56,7 @@ def new(
     for path in start(name, own_folder(settings), notation):
         write(here(path))
     option = f" --rules {shlex.quote(rules)}" if rules else ""
-    note("what comes next:")
+    note("next steps:")
     for command in ("check", "test", "diff"):
         note(f"  kg rules {command} {name}{option}")
 
@@ -69,7 +69,7 @@ def list_rules(
     rule_families: Families = None,
     json: Json = False,
 ) -> None:
-    """List the rules in force: those of kg, of installed packs, and your own.
+    """List the active rules: those of kg, of installed packs, and your own.
 
     For example:
 
@@ -94,7 +94,7 @@ def list_rules(
         note(f"{count(len(found), 'rule')} of {count(families, 'family', 'families')}; `kg rules show NAME` shows one")
         idle = sorted({entry.family for entry in library.entries.values() if not entry.in_force})
         if idle and not chosen:
-            note(f"not in force: {', '.join(idle)}; `kg rules list {idle[0]}` lists them")
+            note(f"inactive: {', '.join(idle)}; `kg rules list {idle[0]}` lists them")
     if errors:
         raise typer.Exit(Exit.FOUND)
 
@@ -115,7 +115,7 @@ def _read(library: "Library", entry: "Entry") -> "tuple[Documentation, RuleError
 def show_rule(
     context: typer.Context, name: Name, *, rules: Rules = None, rule_families: Families = None, json: Json = False
 ) -> None:
-    """Show one rule: its documentation, its text, what it reads and derives, and its place among the rules."""
+    """Show one rule: documentation, text, inputs, results and dependencies."""
     from kg.cli.rules_view import manual_lines  # noqa: PLC0415 - start-up time
     from kg.pipeline.reasoning import ontology_schema  # noqa: PLC0415 - start-up time
     from kg.rules.authoring.library import Library  # noqa: PLC0415 - start-up time

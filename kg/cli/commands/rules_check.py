@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 __all__ = ["check"]
 
 Names = Annotated[list[str] | None, typer.Argument(metavar="[NAME]...", help="Rules, families, files or folders.")]
-Every = Annotated[bool, typer.Option("--all", "-a", help="Check your rules, packs and those that kg ships.")]
+Every = Annotated[bool, typer.Option("--all", "-a", help="Check your rules, packs and the rules that kg ships.")]
 
 
 def check(  # noqa: PLR0913 - the options of a command
@@ -45,11 +45,11 @@ def check(  # noqa: PLR0913 - the options of a command
     store: Store = None,
     timeout: Timeout = None,
 ) -> None:
-    """Check rules: names, safety, strata, what never fires, documentation.
+    """Check rules: names, safety, strata, dead rules, documentation.
 
-    Without names your own rules and packs are checked where there are any, else the rules that kg ships. Terms are
-    checked against the ontologies, and against the store where there is one; it is asked whether each rule has a match
-    for 5 seconds, or for `--timeout`. Exit code 1 when there are errors or warnings. For example:
+    Without names, checks your own rules and packs, or the rules that kg ships if you have none. Terms are checked
+    against the ontologies, and against the store if there is one. The store is searched for a match of each rule for 5
+    seconds, or for `--timeout`. Exits with 1 if there are errors or warnings. For example:
 
         kg rules check
         kg rules check mine/feeds --level warning

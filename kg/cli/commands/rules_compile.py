@@ -25,8 +25,8 @@ def compile_rule(
 ) -> None:
     """Print a rule as it is evaluated, or in another notation.
 
-    A rule becomes several where it has a choice in it (UNION, OPTIONAL, paths); all of them are printed, each of
-    SPARQL behind its name. For example:
+    A rule with alternatives (UNION, OPTIONAL, paths) is compiled into several; all are printed, in SPARQL each after
+    its name. For example:
 
         kg rules compile communication/feeds
         kg rules compile communication/feeds --to srl
@@ -40,7 +40,7 @@ def compile_rule(
     from kg.rules.authoring.naming import find_rule  # noqa: PLC0415 - start-up time
 
     if to not in _FORMS:
-        raise UsageError("KG003", f"`{to}` is no notation of rules", hint=f"Write one of {', '.join(_FORMS)}.")
+        raise UsageError("KG003", f"unknown notation `{to}`", hint=f"Use one of {', '.join(_FORMS)}.")
     library = Library.of(session(context).settings(rules=rules, rule_families=rule_families))
     entry = find_rule(library, name)
     file = library.read(entry.name)

@@ -29,9 +29,10 @@ def diff(  # noqa: PLR0913 - the options of a command
     json: Json = False,
     store: Store = None,
 ) -> None:
-    """Show what rules as they are on disk add to the store and take from it; exit code 1 when there is anything.
+    """Show what the rules on disk would add to and remove from the store.
 
-    Nothing is written. With rules named, only what comes and goes because of them is shown. For example:
+    Nothing is written. With rules named, shows only the changes caused by them. Exits with 1 if there are changes. For
+    example:
 
         kg rules diff
         kg rules diff wiring/listens-to

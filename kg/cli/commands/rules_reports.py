@@ -50,8 +50,8 @@ def graph(  # noqa: PLR0913 - the options of a command
 ) -> None:
     """Draw which rules feed which, as SVG, Mermaid or JSON.
 
-    Rules stand behind what they read, each with its stratum; a dashed line with a bar leads to a rule that asks for
-    what is absent, or counts. Named rules are drawn with those that feed them and those that they feed. For example:
+    Each rule is drawn after its inputs, with its stratum. A dashed line with a bar leads to a rule that uses negation
+    or aggregation. Named rules are drawn with the rules that feed them and those that they feed. For example:
 
         kg rules graph -o rules.svg
         kg rules graph communication --format mermaid
@@ -84,7 +84,7 @@ def _write(output: str, text: str) -> None:
     try:
         Path(output).write_text(text, encoding="utf-8")
     except OSError as error:
-        raise UsageError("KG003", f"{output} cannot be written: {error.strerror}", hint="Check the path.") from error
+        raise UsageError("KG003", f"cannot write {output}: {error.strerror}", hint="Check the path.") from error
 
 
 def _form(form: str | None, output: str | None) -> str:
@@ -93,11 +93,11 @@ def _form(form: str | None, output: str | None) -> str:
         ending = Path(output or "").suffix
         if ending and ending not in _ENDINGS:
             hint = f"Write to {', '.join(f'*{known}' for known in _ENDINGS)}, or name one of them with --format."
-            raise UsageError("KG003", f"the graph of rules cannot be drawn as `{ending}`", hint=hint)
+            raise UsageError("KG003", f"unsupported picture format `{ending}`", hint=hint)
         return _ENDINGS.get(ending, "svg")
     if form not in _FORMATS:
         hint = did_you_mean(form, _FORMATS) or f"One of {', '.join(_FORMATS)}."
-        raise UsageError("KG003", f"`{form}` is no format of the graph of rules", hint=hint)
+        raise UsageError("KG003", f"unknown format `{form}`", hint=hint)
     return form
 
 
@@ -111,10 +111,10 @@ def profile(  # noqa: PLR0913 - the options of a command
     json: Json = False,
     store: Store = None,
 ) -> None:
-    """Run the rules in memory and show what each costs: seconds, triples, rounds; the dearest first.
+    """Run the rules in memory and show their cost, most expensive first.
 
-    Nothing is written. For rules that are named also what each part of their bodies costs: the rows before and
-    after it. For example:
+    Shows seconds, triples and rounds. Nothing is written. For named rules, also shows the cost of each part of their
+    bodies: the rows before and after it. For example:
 
         kg rules profile
         kg rules profile communication/feeds
@@ -168,10 +168,10 @@ def coverage(  # noqa: PLR0913 - the options of a command
     json: Json = False,
     store: Store = None,
 ) -> None:
-    """Show which rules, and which parts of rules, never did anything on this store.
+    """Show the rules, and parts of rules, that never matched in this store.
 
-    Parts are the elements of bodies and the triples of heads; a rule with UNION or OPTIONAL counts as several. A
-    rule that never fires names the first element that nothing passes. For example:
+    Parts are the elements of bodies and the triples of heads. A rule with UNION or OPTIONAL counts as several. For a
+    rule that never fires, shows the first element without matches. For example:
 
         kg rules coverage
         kg rules coverage capability

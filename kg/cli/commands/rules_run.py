@@ -38,22 +38,22 @@ _REMOTE_COLUMNS: Final = (
     Column("rules"),
 )
 
-Full = Annotated[bool, typer.Option("--full", help="Evaluate everything anew instead of what changed.")]
+Full = Annotated[bool, typer.Option("--full", help="Evaluate everything again, not only what changed.")]
 DryRun = Annotated[bool, typer.Option("--dry-run", help="Write nothing.")]
 Remote = Annotated[str | None, typer.Option("--remote", metavar="URL", help="Run on this SPARQL 1.1 server.")]
 UpdateUrl = Annotated[
-    str | None, typer.Option("--update-url", metavar="URL", help="Where that server takes updates, if elsewhere.")
+    str | None, typer.Option("--update-url", metavar="URL", help="Update endpoint of that server, if different.")
 ]
 Verbose = Annotated[
-    bool, typer.Option("--all", "--verbose", "-v", help="Show what every rule did, and how long each step took.")
+    bool, typer.Option("--all", "--verbose", "-v", help="Show the results of each rule and the time of each step.")
 ]
 Data = Annotated[
     list[str] | None,
-    typer.Option("--data", metavar="FILE", help="Infer from this file of RDF instead; may be repeated."),
+    typer.Option("--data", metavar="FILE", help="Infer from this RDF file instead; may be repeated."),
 ]
-Output = Annotated[str | None, typer.Option("--output", "-o", metavar="FILE", help="Where that goes, as N-Triples.")]
+Output = Annotated[str | None, typer.Option("--output", "-o", metavar="FILE", help="Output of --data, as N-Triples.")]
 MaxTriples = Annotated[
-    str | None, typer.Option("--max-triples", metavar="N", help="Give up when more than N triples are inferred.")
+    str | None, typer.Option("--max-triples", metavar="N", help="Stop if more than N triples are inferred.")
 ]
 
 
@@ -75,11 +75,11 @@ def run(  # noqa: PLR0913 - the options of a command
     json: Json = False,
     store: Store = None,
 ) -> None:
-    """Run the rules in force, and write what they infer into the store.
+    """Run the active rules and write what they infer into the store.
 
-    Only what follows from changes since the last run is evaluated, where that is less work. A run that is
-    interrupted, or reaches a limit, leaves the store as it was. It says of which rules triples came and went; of
-    several where their heads are alike. For example:
+    Evaluates only what changed since the last run if that is less work. A run that is interrupted or reaches a limit
+    leaves the store unchanged. Reports the rules whose triples were added or removed; several rules if their heads are
+    alike. For example:
 
         kg rules run
         kg rules run --dry-run
@@ -132,7 +132,7 @@ def limits_of(settings: "Settings", max_triples: str | None = None) -> "Limits":
 
     if max_triples is not None and not (max_triples.isdecimal() and int(max_triples)):
         raise UsageError(
-            "KG003", f"--max-triples is `{max_triples}`, which is no number above 0", hint="Give a number."
+            "KG003", f"--max-triples is `{max_triples}`, but must be a number above 0", hint="Give a number."
         )
     asked = settings.origin("timeout").kind != "default"
     return Limits((settings.timeout or None) if asked else None, int(max_triples) if max_triples else None)
@@ -144,11 +144,11 @@ def _agree(
     """Raise KG003 for options that do not go together."""
     problem = None
     if remote and (data or output or dry_run):
-        problem = "--remote goes with none of --data, --output and --dry-run: rules run on the server by writing there"
+        problem = "--remote conflicts with --data, --output and --dry-run"
     elif update_url and not remote:
-        problem = "--update-url says where the server of --remote takes updates"
+        problem = "--update-url needs --remote"
     elif output and not data:
-        problem = "--output is for --data; without it the store is written"
+        problem = "--output needs --data"
     elif data and not output and not dry_run:
         problem = "--data needs --output FILE, or --dry-run"
     if problem:
@@ -181,7 +181,7 @@ def _show_work(report: "RunReport") -> None:
     if did:
         listing(_COLUMNS, [(rule.name, rule.derived, f"{rule.seconds:.4f}", rule.rounds, rule.stratum) for rule in did])
     else:
-        note("an incremental run does not evaluate rule by rule; --full does")
+        note("incremental runs have no results per rule; use --full")
     for line in work_words(report, sum(rule.derived > 0 for rule in did), len(did)):
         say(line)
 

@@ -25,7 +25,7 @@ __all__ = ["show_results", "summary", "try_rules"]
 _FEW = 3
 """So many rules without examples are named; of more, how many there are."""
 
-Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Show every example, not only those that failed.")]
+Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Show all examples, not only failures.")]
 
 
 def try_rules(  # noqa: PLR0913 - the options of a command
@@ -37,10 +37,10 @@ def try_rules(  # noqa: PLR0913 - the options of a command
     rule_families: Families = None,
     json: Json = False,
 ) -> None:
-    """Run the examples beside rules, and show what differs; exit code 1 when one fails.
+    """Run the examples of rules and show what differs.
 
-    The examples of rules/FAMILY/NAME.rq stand in rules/FAMILY/NAME.md; each says what is given, and what is
-    inferred from it. No store is needed. For example:
+    The examples of rules/FAMILY/NAME.rq are in rules/FAMILY/NAME.md. Each lists the given triples and the triples
+    inferred from them. No store is needed. Exits with 1 if an example fails. For example:
 
         kg rules test
         kg rules test wiring/listens-to
@@ -88,7 +88,7 @@ def summary(done: "Sequence[Result]", without: "Sequence[Entry]", seconds: float
     failed = sum(not result.passed for result in ran)
     verdict = f"{failed:,} failed (KG220)" if failed else "all passed" if ran or not broken else "none ran"
     if broken:
-        verdict += f", {count(len(broken), 'rule')} cannot be read"
+        verdict += f", {count(len(broken), 'rule')} unreadable"
     rules = len({result.rule for result in ran})
     say(f"{count(len(ran), 'example')} of {count(rules, 'rule')}: {verdict} in {seconds:.2f} s")
     without = [entry for entry in without if entry.name not in broken]

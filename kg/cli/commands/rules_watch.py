@@ -33,10 +33,10 @@ def watch(
     rule_families: Families = None,
     store: Store = None,
 ) -> None:
-    """Check and test rules whenever they are saved, and show what they would change in the store.
+    """Check and test rules on every save, and show their effect on the store.
 
-    Rules and their examples are looked at five times a second; without a store there is nothing to compare with.
-    Nothing is written; Ctrl-C ends it. For example:
+    Rules and their examples are checked for changes five times a second. Without a store, effects are not shown.
+    Nothing is written. Press Ctrl-C to stop. For example:
 
         kg rules watch
         kg rules watch wiring/listens-to
@@ -67,7 +67,7 @@ def _show(glance: "Glance") -> None:
         report(glance.problem)
     if glance.difference is not None:
         _show_difference(glance)
-    say(f"in {glance.seconds:.2f} s; watching, Ctrl-C ends")
+    say(f"in {glance.seconds:.2f} s; watching; press Ctrl-C to stop")
 
 
 def _show_difference(glance: "Glance") -> None:

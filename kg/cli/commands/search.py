@@ -64,7 +64,7 @@ Kind = Annotated[
     list[str] | None,
     typer.Option("--kind", metavar="KIND", help="executable, script, nodelet, ...", autocompletion=features("kind")),
 ]
-Most = Annotated[str, typer.Option("--limit", "-n", metavar="N", help="Show so many hits.")]
+Most = Annotated[str, typer.Option("--limit", "-n", metavar="N", help="Number of hits to show.")]
 
 
 def search(  # noqa: PLR0913 - the options of a command
@@ -89,9 +89,9 @@ def search(  # noqa: PLR0913 - the options of a command
 ) -> None:
     """Find nodes by what they do, with the reasons.
 
-    The words may say what goes in and out (`turn a point cloud into a laser scan`), and hold filters: `subscribes
-    PointCloud2 and publishes LaserScan`, `for ROS 2`, `BSD licensed`. Options are filters too; each may be repeated,
-    and all must hold. For example:
+    The query may describe inputs and outputs (`turn a point cloud into a laser scan`) and contain filters: `subscribes
+    PointCloud2 and publishes LaserScan`, `for ROS 2`, `BSD licensed`. Options are filters too. Each may be repeated,
+    and all must match. For example:
 
         kg search "merge the scans of two lasers into one"
         kg search --subscribes LaserScan --publishes Odometry
@@ -117,7 +117,7 @@ def search(  # noqa: PLR0913 - the options of a command
     words = " ".join(text or ())
     if not words.strip() and not filters:
         hint = 'For example `kg search "merge two laser scans"`, or `kg search --publishes LaserScan`.'
-        raise UsageError("KG003", "there is nothing to search for", hint=hint)
+        raise UsageError("KG003", "no search words or filters given", hint=hint)
     most = whole(limit, "--limit", 1)
     settings = session(context).settings(store=store, search_model=model)
     found = open_search(existing(settings), _indexing, settings.search_model)
@@ -133,7 +133,7 @@ def search(  # noqa: PLR0913 - the options of a command
     if len(answer.hits) < answer.total and (terminal() or json):
         note(f"the best {len(answer.hits)} of {count(answer.total, 'hit')}; --limit shows more")
     if not answer.hits:
-        note(f"nothing was found; {near(words, found) or 'fewer words or filters find more'}")
+        note(f"no results; {near(words, found) or 'try fewer words or filters'}")
         raise typer.Exit(Exit.FOUND)
 
 
@@ -148,9 +148,9 @@ def _links(settings: "Settings") -> "Links":
 
 def _indexing() -> None:
     if sys.stderr.isatty():
-        note("indexing the store; this is done once after each change")
+        note("indexing the store (once after each change)")
 
 
 def _embedding(found: "Search") -> None:
     if found.meaning is not None and sys.stderr.isatty() and (new := found.meaning.unknown()):
-        note(f"embedding {count(new, 'text')}; this is done once for each text and model, and may take minutes")
+        note(f"embedding {count(new, 'text')}; needed once per text and model, may take minutes")

@@ -17,43 +17,42 @@ def _option(name: str, metavar: str, text: str) -> Any:
 
 
 Host = Annotated[
-    str | None, _option("--host", "ADDRESS", "Listen there. [default: 127.0.0.1, which only this machine reaches]")
+    str | None,
+    _option("--host", "ADDRESS", "Address to listen on. [default: 127.0.0.1, reachable from this machine only]"),
 ]
-Port = Annotated[str | None, _option("--port", "N", "Listen at this port, or at a free one: 0. [default: 7878]")]
-Write = Annotated[bool, typer.Option("--write", help="Take changes too, from who has the token.")]
+Port = Annotated[str | None, _option("--port", "N", "Port to listen on; 0 picks a free one. [default: 7878]")]
+Write = Annotated[bool, typer.Option("--write", help="Accept updates from token holders.")]
 TokenFile = Annotated[
-    str | None, _option("--token-file", "FILE", "Read the token from FILE, again when it changes. [KG_TOKEN]")
+    str | None, _option("--token-file", "FILE", "Read the token from FILE, and again if it changes. [KG_TOKEN]")
 ]
-NoAuth = Annotated[bool, typer.Option("--no-auth", help="Let everyone read who reaches the address.")]
-AllowHost = Annotated[
-    list[str] | None, _option("--allow-host", "NAME", "Answer to this name of the host too; as often as needed.")
+NoAuth = Annotated[bool, typer.Option("--no-auth", help="Allow reading without a token.")]
+AllowHost = Annotated[list[str] | None, _option("--allow-host", "NAME", "Accept this host name too; may be repeated.")]
+Cors = Annotated[
+    list[str] | None, _option("--cors", "ORIGIN", "Allow pages of this site to read (CORS); may be repeated.")
 ]
-Cors = Annotated[list[str] | None, _option("--cors", "ORIGIN", "Let pages of this site read; as often as needed.")]
 NoUnion = Annotated[
-    bool, typer.Option("--no-union", help="Let the default graph be the unnamed one, not the union of all.")
+    bool, typer.Option("--no-union", help="Use the unnamed graph as the default graph, not the union of all.")
 ]
-Readers = Annotated[str | None, _option("--readers", "N", "Answer N queries at a time. [default: 2]")]
-Queue = Annotated[str | None, _option("--queue", "N", "Let N queries wait. [default: 256]")]
-Seconds = Annotated[str | None, _option("--timeout", "SECONDS", "End a query after that. [default: 30]")]
+Readers = Annotated[str | None, _option("--readers", "N", "Number of queries answered in parallel. [default: 2]")]
+Queue = Annotated[str | None, _option("--queue", "N", "Maximum number of waiting queries. [default: 256]")]
+Seconds = Annotated[str | None, _option("--timeout", "SECONDS", "Time limit of a query. [default: 30]")]
 UpdateSeconds = Annotated[
-    str | None, _option("--update-timeout", "SECONDS", "End a change after that, undone. [default: 300]")
+    str | None, _option("--update-timeout", "SECONDS", "Time limit of an update, which is then undone. [default: 300]")
 ]
-MaxRows = Annotated[str | None, _option("--max-rows", "N", "Send at most N rows at a time. [default: 100000]")]
-MaxAnswer = Annotated[str | None, _option("--max-answer-bytes", "SIZE", "Hold answers up to that. [default: 1G]")]
-MaxBody = Annotated[str | None, _option("--max-body-bytes", "SIZE", "Take requests up to that. [default: 128M]")]
-MaxMemory = Annotated[str | None, _option("--max-memory", "SIZE", "Give each query up to that. [default: 2G]")]
-Cache = Annotated[
-    str | None, _option("--cache", "SIZE", "Keep answers up to that for who asks the same again. [default: 64M]")
-]
+MaxRows = Annotated[str | None, _option("--max-rows", "N", "Maximum rows per answer. [default: 100000]")]
+MaxAnswer = Annotated[str | None, _option("--max-answer-bytes", "SIZE", "Maximum size of an answer. [default: 1G]")]
+MaxBody = Annotated[str | None, _option("--max-body-bytes", "SIZE", "Maximum size of a request. [default: 128M]")]
+MaxMemory = Annotated[str | None, _option("--max-memory", "SIZE", "Memory limit of a query. [default: 2G]")]
+Cache = Annotated[str | None, _option("--cache", "SIZE", "Size of the cache of answers. [default: 64M]")]
 Grace = Annotated[
-    str | None, _option("--grace", "SECONDS", "When told to stop, let requests end for that long. [default: 10]")
+    str | None, _option("--grace", "SECONDS", "Time for running requests to finish on shutdown. [default: 10]")
 ]
-Log = Annotated[str | None, _option("--log", "text|json|off", "Write a line for each request. [default: text]")]
-Slow = Annotated[str | None, _option("--slow", "SECONDS", "Write down queries that take longer.")]
-SlowLog = Annotated[str | None, _option("--slow-log", "FILE", "Write them to FILE.")]
+Log = Annotated[str | None, _option("--log", "text|json|off", "Log a line for each request. [default: text]")]
+Slow = Annotated[str | None, _option("--slow", "SECONDS", "Log queries that take longer.")]
+SlowLog = Annotated[str | None, _option("--slow-log", "FILE", "Write slow queries to FILE.")]
 Robot = Annotated[
     str | None,
-    _option("--robot", "ADDRESS", "Show this robot on a page; who has the token may move it: ros1://HOST:PORT, ..."),
+    _option("--robot", "ADDRESS", "Show this robot on a page; token holders can move it: ros1://HOST:PORT, ..."),
 ]
 Open = Annotated[bool, typer.Option("--open", help="Open the start page in the browser.")]
 
@@ -87,10 +86,10 @@ def serve(  # noqa: PLR0913 - the options of a command
     open_page: Open = False,
     store: Store = None,
 ) -> None:
-    """Serve the store: pages for people, a SPARQL endpoint for programs.
+    """Serve the store as web pages and a SPARQL endpoint.
 
-    It listens on this machine only and changes nothing, until told otherwise. It follows builds: each
-    request is answered from the newest data. With --robot it needs no store. Ctrl-C ends it. For example:
+    By default, the server listens on this machine only and is read-only. It follows builds: each request is answered
+    from the newest data. With --robot it needs no store. Press Ctrl-C to stop it. For example:
 
         kg serve
         kg serve --port 0 --open
@@ -122,5 +121,5 @@ def serve(  # noqa: PLR0913 - the options of a command
     # A robot can be used without a store; changes are refused without one, for they would be lost.
     with or_empty(settings) if robot and not write else nullcontext(settings) as served:
         if served is not settings:
-            note("no store found: serving an empty one; `kg build` makes one")
+            note("no store found, serving an empty one; `kg build` creates one")
         run(served, chosen, lambda address: announce(address, served, chosen, say=note, browse=open_page))

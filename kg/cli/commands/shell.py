@@ -16,7 +16,7 @@ Once = Annotated[
     typer.Option(
         "--once",
         metavar="QUERY",
-        help="Answer QUERY (SPARQL, or the name of a stored query) as `kg query` does, and end.",
+        help="Answer QUERY (SPARQL, or the name of a stored query) like `kg query` and exit.",
         autocompletion=query_names,
     ),
 ]
@@ -32,10 +32,10 @@ def shell(  # noqa: PLR0913 - the options of a command
     queries: Queries = None,
     store: Store = None,
 ) -> None:
-    """Ask and look around on the whole terminal: tree, queries, evidence, why, search, rules.
+    """Explore the store in a full-screen terminal interface.
 
-    F1 shows every key there, Ctrl+P runs any action by name, Ctrl+Q leaves. Buffers and history are kept between
-    runs. For example:
+    It has a tree of the store, queries, evidence, proofs, search and rules. F1 shows all keys, Ctrl+P runs any action
+    by name, Ctrl+Q quits. Buffers and history are kept between runs. For example:
 
         kg shell
         kg --store demo shell

@@ -24,10 +24,10 @@ _MOST: Final = 12
 def stats(context: typer.Context, *, json: Json = False, store: Store = None) -> None:
     """Count entities, triples, neighbours and paths of the graph.
 
-    By kind: entities, triples, entities per node, neighbours. Two entities are neighbours when any property
-    relates them; a path counts relations. In large graphs paths are followed from a sample of the entities.
-    Beside the figures of the RNKG paper stand ours, counted as it does: repositories, packages, nodes, topics,
-    services, messages, hardware, functions, and the relations between these.
+    Counts by kind: entities, triples, entities per node, neighbours. Two entities are neighbours if any property
+    relates them. The length of a path is its number of relations. In large graphs, paths are followed from a sample of
+    the entities. The figures of the RNKG paper are listed next to ours, counted the same way: repositories, packages,
+    nodes, topics, services, messages, hardware, functions, and the relations between them.
     """
     from kg.cli.corpus_view import compared, rnkg_rows  # noqa: PLC0415 - start-up time
     from kg.query.counting import counted  # noqa: PLC0415 - start-up time

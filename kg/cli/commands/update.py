@@ -22,11 +22,11 @@ __all__ = ["backup", "restore", "update"]
 
 Text = Annotated[str | None, typer.Argument(metavar="UPDATE", help="SPARQL Update; - reads it from standard input.")]
 File = Annotated[str | None, typer.Option("--file", "-f", metavar="FILE", help="Read the update from FILE.")]
-DryRun = Annotated[bool, typer.Option("--dry-run", help="Say what would change, and change nothing.")]
+DryRun = Annotated[bool, typer.Option("--dry-run", help="Show what would change, without changing it.")]
 Target = Annotated[
     str, typer.Argument(metavar="TARGET", help="A new folder, or a file whose name ends in .nq or .nq.gz.")
 ]
-Source = Annotated[str, typer.Argument(metavar="BACKUP", help="A folder or a file that `kg backup` wrote.")]
+Source = Annotated[str, typer.Argument(metavar="BACKUP", help="Folder or file written by `kg backup`.")]
 
 
 def update(  # noqa: PLR0913 - the options of a command
@@ -40,11 +40,11 @@ def update(  # noqa: PLR0913 - the options of a command
     base: Base = None,
     store: Store = None,
 ) -> None:
-    """Change the store in SPARQL.
+    """Change the store with SPARQL Update.
 
-    All operations happen, or none; then rules infer what follows. The prefixes of `kg query` are known; the default
-    graph is the unnamed one. What rules infer and the record of builds cannot be written, and what was read from a
-    source stays changed until the next build of it. For example:
+    Either all operations succeed or none is applied; rules then infer further facts. The prefixes of `kg query` are
+    predefined. The default graph is the unnamed one. Inferred triples and the record of builds are read-only. Changes
+    to what was read from a source last until the next build of that source. For example:
 
         kg update 'INSERT DATA { GRAPH <urn:notes> { <urn:rover> rdfs:comment "mine" } }'
         kg update -f cleaning.ru --dry-run
@@ -61,11 +61,11 @@ def update(  # noqa: PLR0913 - the options of a command
 
 
 def backup(context: typer.Context, target: Target, *, json: Json = False, store: Store = None) -> None:
-    """Copy the store, also while it is written.
+    """Copy the store, even while it is being written.
 
-    A folder is a store of its own and takes milliseconds, as large files are shared by hard links; `kg restore` puts
-    it back, and --store TARGET reads it. A file holds N-Quads in an order and with names of blank nodes that depend
-    on nothing but the data. For example:
+    A folder backup is itself a store and takes milliseconds, because large files are shared by hard links. `kg
+    restore` restores it, and --store TARGET reads it. A file backup contains N-Quads whose order and blank node names
+    depend only on the data. For example:
 
         kg backup monday
         kg backup monday.nq.gz
@@ -80,7 +80,7 @@ def backup(context: typer.Context, target: Target, *, json: Json = False, store:
 
 
 def restore(context: typer.Context, source: Source, *, store: Store = None) -> None:
-    """Put a backup in the place of all that the store holds.
+    """Replace the contents of the store with a backup.
 
     The data becomes a new snapshot; the next build reads every source again. For example:
 
@@ -98,7 +98,7 @@ def restore(context: typer.Context, source: Source, *, store: Store = None) -> N
 def _asked(text: str | None, file: str | None) -> tuple[str, str]:
     """Return an update and what errors call its place."""
     if (text is None) == (file is None):
-        raise UsageError("KG003", "give an update or a file with one", hint="See `kg update --help`.")
+        raise UsageError("KG003", "no update given", hint="See `kg update --help`.")
     if "-" in {text, file}:
         return sys.stdin.read(), "standard input"
     if text is not None:
@@ -112,5 +112,5 @@ def _asked(text: str | None, file: str | None) -> tuple[str, str]:
 def _end(updated: "Updated") -> None:
     for sentence in updated.warnings:
         note(sentence)
-    if any("a rule was left out" in sentence for sentence in updated.warnings):
+    if any("a rule was skipped" in sentence for sentence in updated.warnings):
         raise typer.Exit(Exit.FOUND)

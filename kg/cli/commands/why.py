@@ -33,11 +33,11 @@ Words = Annotated[
     list[str] | None,
     typer.Argument(
         metavar="SUBJECT PREDICATE OBJECT",
-        help="Each a name in the store, a prefixed name, an <iri>, or for the object a literal.",
+        help="Names in the store, prefixed names or <iri>s; the object may be a literal.",
     ),
 ]
-All = Annotated[bool, typer.Option("--all", "-a", help="Every way in which the fact comes about.")]
-Shortest = Annotated[bool, typer.Option("--shortest", help="The proof with the fewest steps.")]
+All = Annotated[bool, typer.Option("--all", "-a", help="Show all derivations of the fact.")]
+Shortest = Annotated[bool, typer.Option("--shortest", help="Show the proof with the fewest steps.")]
 Form = Annotated[
     str, typer.Option("--format", "-f", metavar="FORMAT", help=f"One of {', '.join(_FORMATS)}.", show_default=True)
 ]
@@ -47,9 +47,9 @@ Query = Annotated[
     str | None,
     typer.Option("--query", "-q", metavar="QUERY", help="Explain a row of this query: SPARQL, or a stored one."),
 ]
-Row = Annotated[str, typer.Option("--row", metavar="N", help="Which row of the query's answer.", show_default=True)]
+Row = Annotated[str, typer.Option("--row", metavar="N", help="Number of the row to explain.", show_default=True)]
 Parameter = Annotated[
-    list[str] | None, typer.Option("--param", metavar="NAME=VALUE", help="Give a variable of the query a value.")
+    list[str] | None, typer.Option("--param", metavar="NAME=VALUE", help="Set a variable of the query.")
 ]
 
 
@@ -68,10 +68,10 @@ def why(  # noqa: PLR0913 - the options of a command
     rule_families: Families = None,
     store: Store = None,
 ) -> None:
-    """Show why a fact holds: the rules that derive it, down to the line of code.
+    """Prove a fact: show the rules that derive it, down to the source line.
 
-    Names are those of `kg nodes` and `kg topics`; where several things have a name, those are meant of which the
-    store holds the fact. For example:
+    Use the names that `kg nodes` and `kg topics` list. If a name is ambiguous, kg picks the things for which the store
+    contains the fact. For example:
 
         kg why talker publishes /chatter
         kg why talker rnkg:hasCapability SpeechOutput --all
@@ -85,7 +85,7 @@ def why(  # noqa: PLR0913 - the options of a command
         known, view = _known(snapshot, settings, kept.layout.cache)
         if query is not None:
             if words:
-                raise UsageError("KG003", "give a fact or a query, not both", hint="See `kg why --help`.")
+                raise UsageError("KG003", "a fact and --query are mutually exclusive", hint="See `kg why --help`.")
             from kg.query.ask import row as row_of  # noqa: PLC0415 - start-up time
 
             asked, number = query_meant(query, None, settings), whole(row, "--row", 1)
@@ -153,9 +153,10 @@ def why_not(  # noqa: PLR0913 - the options of a command
     rule_families: Families = None,
     store: Store = None,
 ) -> None:
-    """Show why a fact does not hold: what each rule that could derive it lacks.
+    """Show why a fact is missing: what each rule that could derive it lacks.
 
-    For each rule: what holds, the first part that does not, and the nearest thing that is there. For example:
+    For each rule, shows the parts that match, the first part that does not, and the nearest existing match. For
+    example:
 
         kg why-not listener rnkg:feeds talker
     """
@@ -183,7 +184,7 @@ def why_not(  # noqa: PLR0913 - the options of a command
 
 def _form(name: str) -> str:
     if name not in _FORMATS:
-        raise UsageError("KG003", f"`{name}` is no form of a proof", hint=f"One of {', '.join(_FORMATS)}.")
+        raise UsageError("KG003", f"unknown format `{name}`", hint=f"One of {', '.join(_FORMATS)}.")
     return name
 
 
