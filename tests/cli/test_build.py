@@ -140,7 +140,7 @@ def test_status_tells_a_source_that_is_gone(kg: Program, workspace: Path) -> Non
     """What was built and is not there any more is said so."""
     kg("build", str(workspace))
     shutil.rmtree(workspace)
-    assert "not there any more" in kg("status").out
+    assert "no longer exists" in kg("status").out
     assert json.loads(kg("status", "--json").out)["changed"] is None
 
 

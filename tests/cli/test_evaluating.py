@@ -85,7 +85,7 @@ def test_the_search_is_compared(built: Program) -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("completeness",), "no reference is named"),
+        (("completeness",), "no references given"),
         (("completeness", "-r", "none.jsonl"), "cannot be read"),
         (("correctness", "-r", str(CASES / "readme.md"), "--package", "nothing"), "has no package"),
         (("sample", "--relation", "publish"), "publishes"),

@@ -100,9 +100,9 @@ def test_what_a_program_takes_is_counted(kg: Program) -> None:
     ("arguments", "said"),
     [
         (("check", "none.kgp"), "`none.kgp` cannot be read"),
-        (("convert", "a.kgp", "--to", "cobol"), "`cobol` is no form of a program"),
+        (("convert", "a.kgp", "--to", "cobol"), "unknown form `cobol` of a program"),
         (("run", "a.kgp", "--seconds", "soon"), "`--seconds soon` is no number of seconds"),
-        (("check", "a.kgp", "--robot", "x", "--launch", "y"), "--launch is for a robot that does not run yet"),
+        (("check", "a.kgp", "--robot", "x", "--launch", "y"), "--launch conflicts with --robot"),
     ],
 )
 def test_wrong_words_are_refused(kg: Program, arguments: tuple[str, ...], said: str) -> None:

@@ -44,7 +44,7 @@ def test_a_search_needs_words_or_filters(rover: Program) -> None:
     for arguments in ((), ("",), ("  ",)):
         run = rover("search", *arguments)
         assert (run.code, run.out) == (2, "")
-        assert "nothing to search for" in run.err
+        assert "no search words or filters given" in run.err
 
 
 def test_hits_are_json_lines(rover: Program) -> None:
@@ -59,7 +59,7 @@ def test_nothing_found_is_said(rover: Program) -> None:
     """No hit is no error of the command; the exit code tells scripts."""
     run = rover("search", "zygomorphic")
     assert run.code == 1
-    assert "nothing was found; fewer words" in run.err
+    assert "no results; try fewer words" in run.err
 
 
 def test_a_name_that_is_nearly_right_is_named(rover: Program) -> None:

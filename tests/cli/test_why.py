@@ -58,8 +58,8 @@ def test_a_row_of_an_answer(built: Program) -> None:
         (("why-not", "patrol", "rnkg:feeds", "patrol", "--depth", "99"), "whole number from 1 to 20"),
         (("why", "--query", "who-publishes", "--row", "9999"), "not 9999"),
         (("why", "patrol", "subscribes"), "kg why patrol subscribes scan_filtered"),
-        (("why", "patrol", "subscribes", "odom", "--query", "x"), "not both"),
-        (("why", "patrol", "subscribes", "odom", "--format", "png"), "no form of a proof"),
+        (("why", "patrol", "subscribes", "odom", "--query", "x"), "a fact and --query are mutually exclusive"),
+        (("why", "patrol", "subscribes", "odom", "--format", "png"), "unknown format `png`"),
     ],
 )
 def test_wrong_calls(built: Program, arguments: tuple[str, ...], words: str) -> None:
