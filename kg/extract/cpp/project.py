@@ -209,7 +209,7 @@ class Project:
         if unit.key not in self._used:
             self._used[unit.key] = unit
             self.revision += 1
-            for kind in ("function", "inline", "class", "alias"):
+            for kind in ("function", "inline", "class", "alias", "macro"):
                 for name in unit.names[kind]:
                     self._declared_in[kind, name].append(unit)
 
@@ -226,7 +226,13 @@ class Project:
         unit = cast("CppUnit", code.unit)
         self._near(unit.key)  # so that its headers are known
         own = code.words if isinstance(code, CppFunction | CppClass) else words_of(unit.code(cast("Function", code)))
-        return own.union(*unit.uses) if own and unit.uses else own
+        if not own:
+            return own
+        return own.union(*unit.uses, *(words_of(one.macros[word].text) for word in own for one in self._macros(word)))
+
+    def _macros(self, word: str) -> list[CppUnit]:
+        """Return the files of the programs that define a macro."""
+        return [*self._declaring.get(("macro", word), ()), *self._declared_in.get(("macro", word), ())]
 
     def assigned(self, code: Function | Class) -> frozenset[str]:
         """Return the names of variables and fields that the code of a function changes."""
