@@ -4,33 +4,26 @@ from __future__ import annotations
 
 import ast
 import re
-from typing import TYPE_CHECKING
+from functools import cache
+from typing import TYPE_CHECKING, Final
 
 from repository import ROOT, Module, Routine, modules
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator
 
 FILE_LINES = 700
 FUNCTION_LINES = 80
 BROAD_EXCEPTS = 5
 
-PRODUCT = modules("kg")
-EVERYTHING = modules("kg", "tests", "benchmarks", "docs")
+EXCEPTION: Final = re.compile(r"#\s*(noqa|type:\s*ignore)(?P<rest>.*)")
+REASONED: Final = re.compile(r"(: [A-Z0-9, ]+|\[[a-z-, ]+\])\s+.*\w{3}")
+OPEN_WORK: Final = re.compile(r"#.*\b(TODO|FIXME|XXX|HACK)\b")
 
 
 def lines(routine: Routine) -> int:
     """Lines of a function from `def` to its end."""
     return (routine.end_lineno or routine.lineno) - routine.lineno + 1
-
-
-def sized_functions(chosen: Sequence[Module]) -> list[tuple[int, str]]:
-    """Pair each function's length with its place."""
-    return [
-        (lines(routine), f"{module}:{routine.lineno} {routine.name}")
-        for module in chosen
-        for routine in module.routines()
-    ]
 
 
 def public(tree: ast.Module | ast.ClassDef, within: str = "") -> Iterator[tuple[str, ast.ClassDef | Routine]]:
@@ -57,94 +50,147 @@ def untyped(routine: Routine) -> list[str]:
     return bare if routine.returns is not None else [*bare, "return"]
 
 
+def long_files(module: Module) -> Iterator[str]:
+    """Yield a file that is longer than the limit."""
+    if module.length > FILE_LINES:
+        yield f"{module} ({module.length})"
+
+
+def long_functions(module: Module) -> Iterator[str]:
+    """Yield the functions that are longer than the limit."""
+    for routine in module.routines:
+        if lines(routine) > FUNCTION_LINES:
+            yield f"{module}:{routine.lineno} {routine.name} ({lines(routine)})"
+
+
+def untyped_functions(module: Module) -> Iterator[str]:
+    """Yield the functions with an argument or a result that has no type."""
+    for routine in module.routines:
+        if bare := untyped(routine):
+            yield f"{module}:{routine.lineno} {routine.name}: {', '.join(bare)}"
+
+
+def unreasoned_exceptions(module: Module) -> Iterator[str]:
+    """Yield the exceptions to a tool that name no rule or no reason."""
+    for number, line in enumerate(module.text.splitlines(), 1):
+        if (found := EXCEPTION.search(line)) and "re.compile" not in line and not REASONED.match(found["rest"]):
+            yield f"{module}:{number}: {line.strip()}"
+
+
+def undescribed_modules(module: Module) -> Iterator[str]:
+    """Yield a module without a docstring."""
+    if not ast.get_docstring(module.tree):
+        yield str(module)
+
+
+def undocumented_names(module: Module) -> Iterator[str]:
+    """Yield the public classes, functions and methods without a docstring."""
+    for name, node in public(module.tree):
+        if not ast.get_docstring(node) and not overload(node):
+            yield f"{module}:{node.lineno} {name}"
+
+
+def broad_excepts(module: Module) -> Iterator[str]:
+    """Yield the places that swallow every exception."""
+    for node in ast.walk(module.tree):
+        if (
+            isinstance(node, ast.ExceptHandler)
+            and (node.type is None or ast.unparse(node.type) in {"Exception", "BaseException"})
+            and not isinstance(node.body[-1], ast.Raise)
+            and not ast.unparse(node.body[-1]).endswith(".set_exception(error)")
+        ):
+            yield f"{module}:{node.lineno}"
+
+
+def open_work(module: Module) -> Iterator[str]:
+    """Yield the comments that leave work open."""
+    for number, line in enumerate(module.text.splitlines(), 1):
+        if OPEN_WORK.search(line):
+            yield f"{module}:{number}: {line.strip()}"
+
+
+def silent_tests(module: Module) -> Iterator[str]:
+    """Yield the tests whose docstring does not begin with a sentence."""
+    for routine in module.routines:
+        if routine.name.startswith("test_") and not (ast.get_docstring(routine) or "").split("\n")[0].endswith("."):
+            yield f"{module}:{routine.lineno} {routine.name}"
+
+
+def folders_without_room(module: Module) -> Iterator[str]:
+    """Yield the folder of a test that is missing in the product."""
+    room = module.path.parent.relative_to(ROOT / "tests")
+    if not (ROOT / "kg" / room).is_dir():
+        yield str(room)
+
+
+ANYWHERE: Final = (long_files, long_functions, untyped_functions, unreasoned_exceptions)
+OF_PRODUCT: Final = (undescribed_modules, undocumented_names, broad_excepts, open_work)
+OF_TESTS: Final = (silent_tests, folders_without_room)
+
+
+@cache
+def findings() -> dict[Callable[[Module], Iterator[str]], list[str]]:
+    """Return what each check finds; one pass for all, since parsing is most of the cost."""
+    found: dict[Callable[[Module], Iterator[str]], list[str]] = {
+        check: [] for check in (*ANYWHERE, *OF_PRODUCT, *OF_TESTS)
+    }
+    folders = set()
+    for module in modules("kg", "tests", "benchmarks", "docs"):
+        folder = module.path.relative_to(ROOT).parts[0]
+        folders.add(folder)
+        special = {"kg": OF_PRODUCT, "tests": OF_TESTS}.get(folder, ())
+        for check in (*ANYWHERE, *special):
+            found[check] += check(module)
+    assert folders == {"kg", "tests", "benchmarks", "docs"}
+    return found
+
+
 def test_no_file_is_longer_than_its_limit() -> None:
     """No file of the product, its tests, benchmarks or documentation scripts is longer than the limit."""
-    assert not [f"{module} ({module.length})" for module in EVERYTHING if module.length > FILE_LINES]
+    assert not findings()[long_files]
 
 
 def test_no_function_is_longer_than_its_limit() -> None:
     """No function of the product, its tests, benchmarks or documentation scripts is longer than the limit."""
-    assert not [f"{name} ({size})" for size, name in sized_functions(EVERYTHING) if size > FUNCTION_LINES]
+    assert not findings()[long_functions]
 
 
 def test_every_module_says_what_lives_there() -> None:
     """Every module of the product has a docstring."""
-    assert not [str(module) for module in PRODUCT if not ast.get_docstring(module.tree)]
+    assert not findings()[undescribed_modules]
 
 
 def test_every_public_name_is_documented() -> None:
     """Every public class, function and method of the product has a docstring."""
-    missing = [
-        f"{module}:{node.lineno} {name}"
-        for module in PRODUCT
-        for name, node in public(module.tree)
-        if not ast.get_docstring(node) and not overload(node)
-    ]
-    assert not missing
+    assert not findings()[undocumented_names]
 
 
 def test_every_function_is_typed() -> None:
     """Every argument and every result has a type, in tests and benchmarks too."""
-    bare = [
-        f"{module}:{routine.lineno} {routine.name}: {', '.join(untyped(routine))}"
-        for module in EVERYTHING
-        for routine in module.routines()
-        if untyped(routine)
-    ]
-    assert not bare
+    assert not findings()[untyped_functions]
 
 
 def test_every_test_states_the_behaviour() -> None:
     """Every test has a docstring; its first line is a sentence."""
-    silent = [
-        f"{module}:{routine.lineno} {routine.name}"
-        for module in modules("tests")
-        for routine in module.routines()
-        if routine.name.startswith("test_") and not (ast.get_docstring(routine) or "").split("\n")[0].endswith(".")
-    ]
-    assert not silent
+    assert not findings()[silent_tests]
 
 
 def test_every_exception_to_a_tool_gives_its_reason() -> None:
     """`noqa` and `type: ignore` name the rule, and a reason stands behind them."""
-    exception = re.compile(r"#\s*(noqa|type:\s*ignore)(?P<rest>.*)")
-    reasoned = re.compile(r"(: [A-Z0-9, ]+|\[[a-z-, ]+\])\s+.*\w{3}")
-    bare = [
-        f"{module}:{number}: {line.strip()}"
-        for module in EVERYTHING
-        for number, line in enumerate(module.text.splitlines(), 1)
-        if (found := exception.search(line)) and "re.compile" not in line and not reasoned.match(found["rest"])
-    ]
-    assert not bare
+    assert not findings()[unreasoned_exceptions]
 
 
 def test_broad_excepts_are_few() -> None:
     """Five places swallow every exception: programs that begin, or serve many; none clean up and raise, or hand on."""
-    broad = [
-        f"{module}:{node.lineno}"
-        for module in PRODUCT
-        for node in ast.walk(module.tree)
-        if isinstance(node, ast.ExceptHandler)
-        and (node.type is None or ast.unparse(node.type) in {"Exception", "BaseException"})
-        and not isinstance(node.body[-1], ast.Raise)
-        and not ast.unparse(node.body[-1]).endswith(".set_exception(error)")
-    ]
+    broad = findings()[broad_excepts]
     assert len(broad) <= BROAD_EXCEPTS, broad
 
 
 def test_no_open_work_is_left_in_comments() -> None:
     """Open work stands in issues, not in the code."""
-    words = re.compile(r"#.*\b(TODO|FIXME|XXX|HACK)\b")
-    found = [
-        f"{module}:{number}: {line.strip()}"
-        for module in PRODUCT
-        for number, line in enumerate(module.text.splitlines(), 1)
-        if words.search(line)
-    ]
-    assert not found
+    assert not findings()[open_work]
 
 
 def test_tests_mirror_sources() -> None:
     """A folder of tests bears the name of a room of the product."""
-    rooms = {module.path.parent.relative_to(ROOT / "tests") for module in modules("tests")}
-    assert not [str(room) for room in rooms if not (ROOT / "kg" / room).is_dir()]
+    assert not findings()[folders_without_room]
