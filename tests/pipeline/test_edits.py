@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 import pytest
 from hypothesis import Phase, example, given, settings
 from hypothesis import strategies as st
+from patience import examples
 from pyoxigraph import RdfFormat
 
 from kg.graph.reading import node_records
@@ -150,7 +151,7 @@ class Site:
 edit = st.sampled_from(sorted(FIELDS)).flatmap(lambda field: st.tuples(st.just(field), st.sampled_from(FIELDS[field])))
 
 
-@settings(max_examples=4, deadline=None, derandomize=True, phases=[Phase.explicit, Phase.generate])
+@settings(max_examples=examples(2, 4), deadline=None, derandomize=True, phases=[Phase.explicit, Phase.generate])
 @given(edits=st.lists(edit, min_size=2, max_size=4))
 @example(edits=[("launch_comment", "<!-- a\n comment -->"), ("others", False), ("space", "right")])
 def test_after_random_edits_the_store_is_that_of_a_build_from_scratch(edits: list[tuple[str, Any]]) -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from patience import examples
 from pyoxigraph import BlankNode, DefaultGraph, Literal, NamedNode, Quad, RdfFormat, Triple, serialize
 
 from kg.store import bulk
@@ -51,7 +52,7 @@ def content_of(store: EmbeddedStore) -> set[Quad]:
 
 
 @given(st.sets(quads, max_size=40), st.sets(st.sampled_from(GRAPHS), min_size=1), st.sets(quads, max_size=20))
-@settings(deadline=None, max_examples=20)
+@settings(deadline=None, max_examples=examples(6, 20))
 def test_replacing_any_share_of_a_store_keeps_the_rest(
     before: set[Quad], replaced: set[NamedNode], new: set[Quad]
 ) -> None:
@@ -66,7 +67,7 @@ def test_replacing_any_share_of_a_store_keeps_the_rest(
 
 
 @given(st.sets(quads, max_size=30), st.sets(quads, max_size=30), st.sampled_from(GRAPHS))
-@settings(deadline=None, max_examples=20)
+@settings(deadline=None, max_examples=examples(6, 20))
 def test_every_way_of_writing_keeps_labels(before: set[Quad], added: set[Quad], graph: NamedNode) -> None:
     """Patches, additions and small graphs speak of the nodes that the store has, and so do removals."""
     here = [quad for quad in before if quad.graph_name == graph]
@@ -97,7 +98,7 @@ def test_a_node_of_a_large_graph_is_one_node(tmp_path: Path, monkeypatch: pytest
 
 
 @given(st.sets(quads, max_size=20))
-@settings(deadline=None, max_examples=20)
+@settings(deadline=None, max_examples=examples(6, 20))
 def test_files_scope_their_blank_nodes(content: set[Quad]) -> None:
     """Files with the same labels share no node, not even with what the store has; within one a node stays one."""
     with TemporaryDirectory() as folder:
@@ -119,7 +120,7 @@ def test_files_scope_their_blank_nodes(content: set[Quad]) -> None:
 
 @pytest.mark.parametrize("name", ["copy", "copy.nq", "copy.nq.gz"])
 @given(content=st.sets(quads, max_size=20))
-@settings(deadline=None, max_examples=10)
+@settings(deadline=None, max_examples=examples(3, 10))
 def test_a_restored_store_has_the_same_nodes(name: str, content: set[Quad]) -> None:
     """A folder keeps the labels, a file names them anew; both keep a node of several graphs one."""
     with TemporaryDirectory() as folder:

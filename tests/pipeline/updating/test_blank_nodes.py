@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from patience import examples
 from pipeline.updating.changing import INFERRED, PREFIX, bench
 from pyoxigraph import NamedNode
 
@@ -100,7 +101,7 @@ def closed(edges: set[Pair]) -> set[Pair]:
 
 
 @given(EDGES, EDGES, STEPS)
-@settings(deadline=None, max_examples=12)
+@settings(deadline=None, max_examples=examples(3, 12))
 def test_what_is_inferred_names_the_nodes_of_the_store(
     first: list[Pair], second: list[Pair], steps: list[Step]
 ) -> None:

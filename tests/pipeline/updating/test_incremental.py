@@ -10,6 +10,7 @@ import pyoxigraph
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from patience import examples
 from pipeline.updating.changing import PREFIX, bench
 from pyoxigraph import CanonicalizationAlgorithm, Dataset, Store
 
@@ -125,7 +126,7 @@ def may_copy_nothing(found: list[str]) -> bool:
 
 
 @given(st.lists(OPERATIONS, min_size=1, max_size=5))
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=examples(20, 60), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_updates_do_what_the_engines_own_do(scratch: EmbeddedStore, found: list[str]) -> None:
     """A sequence of operations leaves the same quads as the engine's own update does, and knows what it changed."""
     text = PREFIX + " ;\n".join(["CREATE GRAPH :g", "CREATE GRAPH :h", *found])
@@ -138,7 +139,7 @@ def test_updates_do_what_the_engines_own_do(scratch: EmbeddedStore, found: list[
 
 
 @given(st.lists(st.tuples(st.booleans(), quads(NAMES)), min_size=1, max_size=6), st.data())
-@settings(max_examples=6, deadline=None)
+@settings(max_examples=examples(3, 6), deadline=None)
 def test_incremental_equals_from_scratch(changes: list[tuple[bool, str]], data: st.DataObject) -> None:
     """After any updates a full run of the rules finds nothing to add and nothing to remove."""
     with tempfile.TemporaryDirectory() as name:

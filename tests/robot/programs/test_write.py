@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from hypothesis import given, settings
+from patience import examples
 from robot.programs.trees import expressions, programs
 
 from kg.robot.programs.parse import parse
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from kg.robot.programs.tree import Expression
 
 
-@settings(max_examples=300)
+@settings(max_examples=examples(100, 300))
 @given(programs)
 def test_what_is_written_is_read_as_the_same_tree(program: Program) -> None:
     """Every tree survives the text form, with its comments and its ids."""
@@ -30,7 +31,7 @@ def test_what_is_written_stays_as_it_is(program: Program) -> None:
     assert write(parse(text)) == text
 
 
-@settings(max_examples=300)
+@settings(max_examples=examples(100, 300))
 @given(expressions)
 def test_expressions_keep_their_structure(expression: Expression) -> None:
     """Parentheses stand where they have to."""

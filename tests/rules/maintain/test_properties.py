@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, cast
 import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
+from patience import examples
 from rules.engine.comparing import columns, tuples
 from rules.engine.equalities import equal_facts, equal_rules
 from rules.engine.oracle import infer
@@ -35,14 +36,14 @@ def test_any_rules_under_any_changes_equal_starting_over(
     compare(rules, asserted, data, cast("st.SearchStrategy[set[Fact]]", facts))
 
 
-@settings(max_examples=80, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(30, 80), deadline=None, suppress_health_check=list(HealthCheck))
 @given(layered(), dense(8, 16), st.data())
 def test_any_changes_equal_starting_over(rules: list[Rule], asserted: set[Fact], data: st.DataObject) -> None:
     """Insertions and deletions, of triples that are asserted, inferred or neither, that reach through layers."""
     compare(rules, asserted, data, dense(1, 4))
 
 
-@settings(max_examples=80, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(30, 80), deadline=None, suppress_health_check=list(HealthCheck))
 @given(by_class(), classified(4, 14), st.data())
 def test_changes_that_reach_few_rules_equal_starting_over(
     rules: list[Rule], asserted: set[Fact], data: st.DataObject
@@ -51,7 +52,7 @@ def test_changes_that_reach_few_rules_equal_starting_over(
     compare(rules, asserted, data, classified(1, 3))
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(25, 60), deadline=None, suppress_health_check=list(HealthCheck))
 @given(equal_rules(), equal_facts(3, 9), st.sampled_from([-1, 3, 1 << 16]), st.data())
 def test_changes_of_equal_terms_equal_starting_over(
     rules: list[Rule], asserted: set[Fact], rows: int, data: st.DataObject
